@@ -1,0 +1,26 @@
+# What every target of the project is compiled with.
+add_library(trivet_compiler INTERFACE)
+target_compile_features(trivet_compiler INTERFACE cxx_std_20)
+target_compile_options(trivet_compiler INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow $<$<BOOL:${TRIVET_WARNINGS_AS_ERRORS}>:-Werror>
+  # Same bits on every machine of one instruction set: no contraction that depends on inlining.
+  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+if(TRIVET_SANITIZE)
+  # The vptr check misfires inside TBB's flow graph.
+  target_compile_options(trivet_compiler INTERFACE -fsanitize=${TRIVET_SANITIZE} -fno-sanitize=vptr
+    -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(trivet_compiler INTERFACE -fsanitize=${TRIVET_SANITIZE})
+  target_compile_definitions(trivet_compiler INTERFACE TRIVET_NO_SIMD_CLONES)
+endif()
+
+# add_floor(NAME LIBRARIES...): a static library from all sources of this folder.
+function(add_floor name)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+  add_library(trivet_${name} STATIC ${sources})
+  add_library(trivet::${name} ALIAS trivet_${name})
+  target_include_directories(trivet_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/trivet>)
+  target_link_libraries(trivet_${name} PRIVATE $<BUILD_INTERFACE:trivet_compiler>)
+  target_compile_features(trivet_${name} PUBLIC cxx_std_20)
+  set_target_properties(trivet_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON EXPORT_NAME ${name})
+endfunction()

@@ -1,0 +1,51 @@
+/// What a file of geometry holds: a mesh, a cloud, an organised scan or a depth image.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "storage/columns.hpp"
+#include "storage/points.hpp"
+
+namespace trivet {
+
+/// Pinhole camera, OpenCV axes (x right, y down, z forward): u = fx x / z + cx, v = fy y / z + cy [pixel].
+struct Camera {
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  double depth_scale = 1;  ///< raw depth value times depth_scale is a length in the scene's unit
+  bool operator==(const Camera&) const = default;
+};
+
+/// Triangles as three columns of vertex indices.
+struct Triangles {
+  Column<std::uint32_t> a, b, c;  // equal lengths
+
+  std::size_t size() const noexcept { return a.size(); }
+  bool empty() const noexcept { return a.empty(); }
+  void push_back(std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    a.push_back(i);
+    b.push_back(j);
+    c.push_back(k);
+  }
+};
+
+/// Which point each pixel of an organised scan holds.
+struct PixelGrid {
+  static constexpr std::int32_t kNone = -1;
+  std::uint32_t width = 0, height = 0;
+  Column<std::int32_t> point_index;  ///< width * height, row-major; kNone without a measurement
+};
+
+/// Points with whatever else came along. All values are finite; lengths are in the file's unit.
+struct Cloud {
+  Points points;
+  Normals normals;      ///< as in the file, not checked for length; empty or one a point
+  Triangles triangles;  ///< empty for a plain cloud; every index < points.size()
+  std::optional<PixelGrid> grid;
+  std::optional<Camera> camera;              ///< only from depth images; camera frame = scene frame
+  std::optional<Eigen::Vector3f> viewpoint;  ///< where the sensor stood, if the file says
+  std::size_t num_invalid = 0;               ///< points dropped because a coordinate was not finite
+};
+
+}  // namespace trivet

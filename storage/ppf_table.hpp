@@ -1,0 +1,36 @@
+/// The point-pair table of one model: a dense CSR over the quantised pair feature.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace trivet {
+
+/// One ordered pair of model points, seen from its reference point.
+struct PpfEntry {
+  std::uint16_t reference;  ///< index of the reference point in Model::ppf_points
+  std::uint16_t angle;      ///< rotation angle alpha_m as a fraction of a full turn, 2^16 = 2 pi
+  bool operator==(const PpfEntry&) const = default;
+};
+static_assert(sizeof(PpfEntry) == 4, "the table is stored as it is in memory");
+
+/// Quantisation of the pair feature (Drost et al., CVPR 2010, section 3.1).
+struct PpfQuantisation {
+  float distance_step = 0;               ///< width of a distance bin [library unit], > 0
+  std::uint32_t num_distance_bins = 0;   ///< distances beyond the last bin are not in the table
+  std::uint32_t num_angle_bins = 0;      ///< bins over [0, pi] for each of the three angles
+
+  std::uint32_t num_cells() const noexcept {
+    return num_distance_bins * num_angle_bins * num_angle_bins * num_angle_bins;
+  }
+  bool operator==(const PpfQuantisation&) const = default;
+};
+
+/// Entries of cell c are entries[offsets[c] .. offsets[c + 1]), sorted by reference, then angle.
+struct PpfTableView {
+  PpfQuantisation quantisation;
+  std::span<const std::uint32_t> offsets;  ///< num_cells() + 1, non-decreasing
+  std::span<const PpfEntry> entries;       ///< offsets.back() of them
+};
+
+}  // namespace trivet
