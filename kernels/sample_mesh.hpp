@@ -1,0 +1,38 @@
+/// Spread points evenly over the surface of a mesh.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "storage/cloud.hpp"
+#include "storage/points.hpp"
+
+namespace trivet::kernels {
+
+/// Add up the areas of the triangles.
+///
+/// vertices   n positions [m]
+/// triangles  m triples of indices < n
+/// sums       m running sums [m^2]: sums[t] is the area of triangles 0..t; equal to the one before
+///            where a triangle has no area
+/// Returns the whole area [m^2], 0 for an empty mesh.
+double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums) noexcept;
+
+/// Write the samples first .. first + points.size() of a set of num_samples over the whole surface.
+///
+/// area_sums    from `sum_areas`; its last value > 0
+/// seed         another seed gives other, equally good samples
+/// points       positions [m], each on a triangle
+/// normals      unit face normals, by winding; as many as points
+/// Sample i stands for the i-th of num_samples equal shares of the area, in the order of the
+/// triangles; a triangle of k shares gets k samples to within two, spread evenly over it.
+/// Sample i depends on seed, i and num_samples only: any split into chunks gives the same bits.
+/// Cost: a binary search a sample. No allocation.
+/// Source: stratified sampling; positions by the R2 sequence (Roberts, "The unreasonable
+/// effectiveness of quasirandom sequences", 2018), taken to the triangle by the map of Heitz
+/// ("A low-distortion map between triangle and square", 2019).
+void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
+                 std::uint64_t seed, std::size_t first, std::size_t num_samples, PointsSpan points,
+                 NormalsSpan normals) noexcept;
+
+}  // namespace trivet::kernels
