@@ -1,0 +1,71 @@
+/// Normals of an organised scan, whose neighbours lie side by side in its pixel grid.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "storage/cloud.hpp"
+#include "storage/columns.hpp"
+#include "storage/points.hpp"
+
+namespace trivet::kernels {
+
+struct GridNormalOptions {
+  static constexpr std::uint32_t kMaxWindow = 10;
+  std::uint32_t window = 3;         ///< half-width w [pixel], 1..10; larger is smoother and slower
+  float gate = 2.0F;                ///< a neighbour counts within gate * window * footprint, > 0
+  std::uint32_t min_points = 6;     ///< points of a fit with its centre, >= 3; fewer give NaN
+  float max_obliquity_rad = 1.48F;  ///< angle between normal and line of sight; beyond it NaN
+  bool operator==(const GridNormalOptions&) const = default;
+};
+
+/// The points of a scan laid out as its pixels, with NaN for pixels without one and around the
+/// image.
+struct PixelPoints {
+  static constexpr std::size_t kMargin = 16;  ///< >= kMaxWindow; keeps rows 64-byte aligned
+  std::size_t width = 0, height = 0, stride = 0;
+  Column<float> x, y, z;  ///< pixel (u, v) at (v + kMargin) * stride + u + kMargin
+
+  std::size_t at(std::size_t u, std::size_t v) const noexcept {
+    return (v + kMargin) * stride + u + kMargin;
+  }
+};
+
+/// Lay out points as pixels. Allocates only where `out` is smaller than the image.
+/// Pre: grid.point_index holds kNone or indices < points.size().
+void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out);
+
+/// Fit a plane around each pixel of some rows, and write the normals that face the sensor.
+///
+/// grid       which point each pixel holds; each point at one pixel at most
+/// pixels     arrange_pixels(grid, points)
+/// viewpoint  where the sensor stood, same frame and unit
+/// first_row, num_rows  rows of the image
+/// normals    one unit vector a point of the scan, written for the points of these rows
+/// residuals  root mean square distance of each fit to its plane, unit of the points; or empty
+///
+/// A neighbour in the (2 w + 1)^2 window counts if its distance from the centre is within
+/// gate * w * footprint. The footprint is the distance between neighbouring pixels on the surface:
+/// of the nearer horizontal and the nearer vertical neighbour the farther one, at most 3 times the
+/// other. So the gate widens with range and slant, while a step in depth of more than the gate
+/// never blends into a normal; smaller steps do. NaN in both outputs: fewer than min_points, no
+/// neighbouring pixel, points on a line, too oblique. No allocation, lock or throw. Rows are
+/// independent: any split into chunks gives the same bits. Cost: O((2 w + 1)^2) a pixel. Source:
+/// Hoppe et al., SIGGRAPH 1992, tangent plane estimation, on a gated window of pixels.
+void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
+                           const Eigen::Vector3f& viewpoint, const GridNormalOptions& options,
+                           std::size_t first_row, std::size_t num_rows, NormalsSpan normals,
+                           std::span<float> residuals = {}) noexcept;
+
+/// Estimate the noise of a scan across its surfaces: one standard deviation, unit of the points.
+///
+/// residuals  of estimate_normals_grid with window w = 2: small enough that most surfaces are flat
+///            within it; NaN ones do not count
+/// scratch    overwritten
+/// The median of the residuals, so that edges and curved parts in less than half of the scan do not
+/// matter, times sqrt(n / (n - 3)) for the three parameters fitted to n = 25 points.
+/// 0 without any residual. Cost: O(n).
+float estimate_scan_noise(std::span<const float> residuals, Column<float>& scratch);
+
+}  // namespace trivet::kernels
