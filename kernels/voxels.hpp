@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "kernels/radix_sort.hpp"
 #include "storage/columns.hpp"
@@ -38,6 +39,9 @@ struct Voxels {
   Column<std::uint32_t> order;    ///< indices of the points that are finite
 
   std::size_t size() const noexcept { return keys.size(); }
+  std::span<const std::uint32_t> points_of(std::size_t voxel) const noexcept {
+    return std::span(order).subspan(offsets[voxel], offsets[voxel + 1] - offsets[voxel]);
+  }
 };
 
 /// Group points by the voxels of a lattice.
