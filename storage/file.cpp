@@ -1,0 +1,125 @@
+#include "storage/file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace trivet {
+namespace {
+
+/// A descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  int get() const noexcept { return number_; }
+  explicit operator bool() const noexcept { return number_ >= 0; }
+
+ private:
+  int number_;
+};
+
+std::string reason() { return std::generic_category().message(errno); }
+
+bool write_all(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint64_t max_bytes) {
+  // Not blocking: a named pipe without a writer would hang before it could be refused.
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  if (!descriptor) {
+    const bool missing = errno == ENOENT || errno == ENOTDIR;
+    return Error{missing ? ErrorCode::missing_input : ErrorCode::io,
+                 fmt::format("{}: cannot be opened: {}", file.string(), reason())};
+  }
+
+  struct stat status {};
+  if (::fstat(descriptor.get(), &status) != 0) {
+    return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", file.string(), reason())};
+  }
+  if (!S_ISREG(status.st_mode)) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a regular file, found a {}", file.string(),
+                             S_ISDIR(status.st_mode) ? "folder" : "device, pipe or socket")};
+  }
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (size > max_bytes) {
+    return Error{ErrorCode::bad_data, fmt::format("{}: holds {} bytes, more than the limit of {}",
+                                                  file.string(), size, max_bytes)};
+  }
+
+  MappedFile mapped;
+  if (size == 0) return mapped;
+  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor.get(), 0);
+  if (memory == MAP_FAILED) {
+    return Error{ErrorCode::io, fmt::format("{}: cannot be mapped: {}", file.string(), reason())};
+  }
+  mapped.data_ = {static_cast<const std::byte*>(memory),
+                  [memory, size](const std::byte*) { ::munmap(memory, size); }};
+  mapped.size_ = size;
+  return mapped;
+}
+
+Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  const auto cannot_create = [&] {
+    return Error{ErrorCode::cannot_create,
+                 fmt::format("{}: cannot be created: {}", file.string(), reason())};
+  };
+
+  // A name of its own for each writer: two of them never share a temporary file.
+  std::filesystem::path temporary;
+  int number = -1;
+  for (int attempt = 0; number < 0; ++attempt) {
+    temporary =
+        folder / fmt::format(".{}.{}.{}.tmp", file.filename().string(), ::getpid(), attempt);
+    number = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (number < 0 && errno != EEXIST) return cannot_create();
+  }
+
+  const Descriptor descriptor(number);
+  if (!write_all(number, bytes) || ::fsync(number) != 0) {
+    Error error{ErrorCode::io, fmt::format("{}: writing {} bytes failed: {}", file.string(),
+                                           bytes.size(), reason())};
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  if (::rename(temporary.c_str(), file.c_str()) != 0) {
+    Error error = cannot_create();
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  // The rename itself must survive a power cut; some file systems cannot sync a folder (EINVAL).
+  const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!parent || (::fsync(parent.get()) != 0 && errno != EINVAL)) {
+    return Error{ErrorCode::io,
+                 fmt::format("{}: the folder cannot be synced: {}", folder.string(), reason())};
+  }
+  return {};
+}
+
+std::string xxh3_hex(std::span<const std::byte> bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+}  // namespace trivet
