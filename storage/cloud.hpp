@@ -40,7 +40,7 @@ struct PixelGrid {
 /// Points with whatever else came along. All values are finite; lengths are in the file's unit.
 struct Cloud {
   Points points;
-  Normals normals;      ///< as in the file, not checked for length; empty or one a point
+  Normals normals;      ///< as in the file, not checked for length; empty or one a point; zero: none
   Triangles triangles;  ///< empty for a plain cloud; every index < points.size()
   std::optional<PixelGrid> grid;
   std::optional<Camera> camera;              ///< only from depth images; camera frame = scene frame

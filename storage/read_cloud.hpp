@@ -24,7 +24,8 @@ struct ReadOptions {
 /// Errors: missing_input, io, bad_data (file, line or byte, expected, found, what to do).
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
 
-/// Whether the extension is one that read_cloud knows (case-insensitive); depth images excluded.
+/// Whether the extension is one that read_cloud knows (case-insensitive). Depth images are excluded, and
+/// so is .txt, as the text files of a folder are mostly notes.
 bool is_cloud_file(const std::filesystem::path& file);
 
 /// Write points, with normals and triangles where there are any, as binary little-endian PLY.

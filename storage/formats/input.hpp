@@ -1,0 +1,43 @@
+/// What every reader of a format is given, and the words in which it refuses.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "storage/read_cloud.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::formats {
+
+/// A whole file of geometry, untrusted. A reader turns it into a cloud whose indices are in range;
+/// its values may still be non-finite.
+struct Input {
+  const std::filesystem::path& file;  ///< named in errors
+  std::span<const std::byte> bytes;
+  const ReadOptions& options;
+
+  std::string_view text() const noexcept {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  /// Points are indexed by std::int32_t in pixel grids.
+  std::uint64_t max_points() const noexcept {
+    return std::min<std::uint64_t>(options.max_points, std::numeric_limits<std::int32_t>::max());
+  }
+
+  /// bad_data: "FILE: what", "FILE, line 12: what".
+  Error refuse(std::string_view what) const;
+  Error refuse_line(std::size_t line, std::string_view what) const;
+  /// The refusal of more points than allowed.
+  Error refuse_count(std::uint64_t num_points) const;
+};
+
+/// A piece of the file for an error message: in quotes, shortened, unprintable bytes replaced.
+std::string quote(std::string_view text);
+
+}  // namespace trivet::formats

@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "storage/formats/lzf.hpp"
+#include "storage/formats/pcd_header.hpp"
+#include "storage/formats/readers.hpp"
+#include "storage/formats/text.hpp"
+
+namespace trivet::formats {
+namespace {
+
+/// A field that is wanted, and the column it goes to.
+struct Target {
+  const PcdField* field;
+  std::span<float> column;
+};
+
+Result<void> read_ascii(const Input& input, const PcdHeader& header,
+                        std::span<const Target> targets) {
+  std::vector<float*> column_of(header.point_columns, nullptr);
+  for (const Target& target : targets) column_of[target.field->column] = target.column.data();
+
+  TextCursor cursor(input.text().substr(header.body_begin));
+  for (std::uint64_t i = 0; i < header.num_points; ++i) {
+    for (float* const column : column_of) {
+      const auto word = cursor.next_word();
+      const auto number = column ? parse_number(word) : 0.0;
+      if (word.empty() || !number) {
+        return input.refuse_line(
+            header.body_line + cursor.line() - 1,
+            fmt::format("point {} of {}: expected a number, found {}", i, header.num_points,
+                        word.empty() ? "the end of the file" : quote(word)));
+      }
+      if (column) column[i] = to_float(*number);
+    }
+  }
+  return {};
+}
+
+/// Value i of a field lies at first + i * stride.
+void copy_column(const std::byte* first, std::size_t stride, const Target& target) {
+  for (std::size_t i = 0; i < target.column.size(); ++i) {
+    target.column[i] = to_float(load(first + i * stride, target.field->type, std::endian::little));
+  }
+}
+
+void read_binary(std::span<const std::byte> body, const PcdHeader& header,
+                 std::span<const Target> targets) {
+  for (const Target& target : targets) {
+    copy_column(body.data() + target.field->offset, header.point_bytes, target);
+  }
+}
+
+/// How a compressed body begins: an LZF stream of `packed` bytes follows, of all values of the
+/// first field, then all of the second, and so on.
+struct CompressedSizes {
+  static constexpr std::size_t kBytes = 8;
+  std::uint64_t packed, unpacked;
+  explicit CompressedSizes(std::span<const std::byte> body)
+      : packed(load<std::uint32_t>(body.data(), std::endian::little)),
+        unpacked(load<std::uint32_t>(body.data() + 4, std::endian::little)) {}
+};
+
+Result<void> read_compressed(const Input& input, const PcdHeader& header,
+                             std::span<const Target> targets) {
+  const auto body = input.bytes.subspan(header.body_begin);
+  const CompressedSizes sizes(body);
+  std::vector<std::byte> bytes(sizes.unpacked);
+  if (!decompress_lzf(body.subspan(CompressedSizes::kBytes, sizes.packed), bytes)) {
+    return input.refuse(
+        fmt::format("the {} compressed bytes do not unpack to {}; the file is damaged",
+                    sizes.packed, sizes.unpacked));
+  }
+  for (const Target& target : targets) {
+    copy_column(bytes.data() + target.field->offset * header.num_points,
+                size_of(target.field->type), target);
+  }
+  return {};
+}
+
+/// Whether the body can hold what the header announces, before memory is taken for it.
+Result<void> check_body(const Input& input, const PcdHeader& header) {
+  const auto body = input.bytes.subspan(header.body_begin);
+  if (header.encoding == PcdEncoding::binary_compressed) {
+    if (body.size() < CompressedSizes::kBytes) {
+      return input.refuse("expected two sizes behind the header; the file is truncated");
+    }
+    const CompressedSizes sizes(body);
+    if (sizes.packed > body.size() - CompressedSizes::kBytes) {
+      return input.refuse(
+          fmt::format("expected {} compressed bytes, found {}; the file is truncated", sizes.packed,
+                      body.size() - CompressedSizes::kBytes));
+    }
+    // Divided, as the product could overflow.
+    if (sizes.unpacked / header.point_bytes != header.num_points ||
+        sizes.unpacked % header.point_bytes != 0 || sizes.unpacked > sizes.packed * kMaxLzfRatio) {
+      return input.refuse(
+          fmt::format("expected {} points of {} bytes, found {} bytes, compressed to {}",
+                      header.num_points, header.point_bytes, sizes.unpacked, sizes.packed));
+    }
+    return {};
+  }
+  // A value in text takes a digit and a blank.
+  const bool ascii = header.encoding == PcdEncoding::ascii;
+  const std::uint64_t point_bytes = ascii ? 2 * header.point_columns : header.point_bytes;
+  if (header.num_points > (body.size() + (ascii ? 1 : 0)) / point_bytes) {
+    return input.refuse(
+        fmt::format("expected {} points of {} bytes or more, found {} bytes behind the "
+                    "header; the file is truncated",
+                    header.num_points, point_bytes, body.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Cloud> read_pcd(const Input& input) {
+  const auto header = parse_pcd_header(input);
+  if (!header) return header.error();
+
+  const std::array position{header->find("x"), header->find("y"), header->find("z")};
+  const std::array normal{header->find("normal_x"), header->find("normal_y"),
+                          header->find("normal_z")};
+  if (!position[0] || !position[1] || !position[2]) {
+    return input.refuse("expected the fields x, y and z with a COUNT of 1, found no such three");
+  }
+  if (auto held = check_body(input, *header); !held) return held.error();
+
+  Cloud cloud;
+  cloud.points.resize(header->num_points);
+  const PointsSpan points = cloud.points.span();
+  std::vector<Target> targets{
+      {position[0], points.x}, {position[1], points.y}, {position[2], points.z}};
+  if (normal[0] && normal[1] && normal[2]) {
+    cloud.normals.resize(header->num_points);
+    const NormalsSpan normals = cloud.normals.span();
+    targets.insert(targets.end(),
+                   {{normal[0], normals.x}, {normal[1], normals.y}, {normal[2], normals.z}});
+  }
+
+  Result<void> done;
+  switch (header->encoding) {
+    case PcdEncoding::ascii:
+      done = read_ascii(input, *header, targets);
+      break;
+    case PcdEncoding::binary:
+      read_binary(input.bytes.subspan(header->body_begin), *header, targets);
+      break;
+    case PcdEncoding::binary_compressed:
+      done = read_compressed(input, *header, targets);
+      break;
+  }
+  if (!done) return done.error();
+
+  const bool organised = header->height > 1;
+  if (organised) {
+    cloud.grid = PixelGrid{static_cast<std::uint32_t>(header->width),
+                           static_cast<std::uint32_t>(header->height),
+                           Column<std::int32_t>(header->num_points)};
+    std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
+  }
+  // Zero is what writers put when they do not know; for an organised cloud it is the camera.
+  if (organised || !header->viewpoint.isZero(0)) cloud.viewpoint = header->viewpoint;
+  return cloud;
+}
+
+}  // namespace trivet::formats

@@ -1,0 +1,337 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include "storage/formats/ply_header.hpp"
+#include "storage/formats/readers.hpp"
+#include "storage/formats/text.hpp"
+
+namespace trivet::formats {
+namespace {
+
+/// The values behind the header, one after the other, whatever the encoding.
+class PlyBody {
+ public:
+  PlyBody(const Input& input, const PlyHeader& header)
+      : input_(input),
+        bytes_(input.bytes.subspan(header.body_begin)),
+        text_(input.text().substr(header.body_begin)),
+        order_(header.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little),
+        ascii_(header.encoding == PlyEncoding::ascii),
+        first_line_(header.body_line) {}
+
+  /// False at the end of the file or where there is no number; fault() then says so.
+  bool read(Scalar type, double& value) {
+    if (ascii_) {
+      const auto word = text_.next_word();
+      const auto number = parse_number(word);
+      if (!number) fault_ = word.empty() ? "the end of the file" : quote(word);
+      value = number.value_or(0);
+      return number.has_value();
+    }
+    const std::size_t size = size_of(type);
+    if (bytes_.size() - at_ < size) {
+      fault_ = "the end of the file";
+      return false;
+    }
+    value = load(bytes_.data() + at_, type, order_);
+    at_ += size;
+    return true;
+  }
+
+  /// Whether `count` rows of an element can be there: each value takes a byte and a blank, or its
+  /// size.
+  bool can_hold(const PlyElement& element) const noexcept {
+    std::uint64_t row_bytes = 0;
+    for (const auto& property : element.properties) {
+      row_bytes += ascii_ ? 2 : size_of(property.count_type.value_or(property.type));
+    }
+    return row_bytes == 0 || element.count <= (remaining() + 1) / row_bytes;
+  }
+  bool can_hold(double count, Scalar type) const noexcept {
+    return count * static_cast<double>(ascii_ ? 1 : size_of(type)) <=
+           static_cast<double>(remaining());
+  }
+
+  Error fault(const PlyElement& element, std::uint64_t row, std::string_view expected) const {
+    return refuse(fmt::format("{} {} of {}: expected {}, found {}", quote(element.name), row,
+                              element.count, expected, fault_));
+  }
+  Error refuse(std::string_view what) const {
+    return ascii_ ? input_.refuse_line(first_line_ + text_.line() - 1, what)
+                  : input_.refuse(fmt::format("{} bytes before the end, {}", remaining(), what));
+  }
+
+ private:
+  std::uint64_t remaining() const noexcept {
+    return ascii_ ? text_.remaining() : bytes_.size() - at_;
+  }
+
+  const Input& input_;
+  std::span<const std::byte> bytes_;
+  TextCursor text_;
+  std::endian order_;
+  bool ascii_;
+  std::size_t first_line_;
+  std::size_t at_ = 0;
+  std::string fault_;
+};
+
+/// The length of a list; an error when the file cannot hold it.
+Result<std::uint64_t> read_count(PlyBody& body, const PlyElement& element, std::uint64_t row,
+                                 const PlyProperty& list) {
+  double count = 0;
+  if (!body.read(*list.count_type, count)) return body.fault(element, row, "the length of a list");
+  if (!to_index(count, 1ULL << 32) || !body.can_hold(count, list.type)) {
+    return body.refuse(fmt::format("{} {}: a list of {} values is longer than the file",
+                                   quote(element.name), row, count));
+  }
+  return static_cast<std::uint64_t>(count);
+}
+
+Result<void> skip_property(PlyBody& body, const PlyElement& element, std::uint64_t row,
+                           const PlyProperty& property) {
+  std::uint64_t count = 1;
+  if (property.count_type) {
+    const auto length = read_count(body, element, row, property);
+    if (!length) return length.error();
+    count = *length;
+  }
+  for (double ignored = 0; count > 0; --count) {
+    if (!body.read(property.type, ignored)) return body.fault(element, row, "a number");
+  }
+  return {};
+}
+
+/// Read the rows of an element; columns[p], where not null, takes the scalar property p.
+Result<void> read_scalars(PlyBody& body, const PlyElement& element,
+                          std::span<float* const> columns) {
+  if (element.properties.empty()) return {};  // any number of rows without a byte
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      if (!columns[p]) {
+        if (auto skipped = skip_property(body, element, row, element.properties[p]); !skipped) {
+          return skipped;
+        }
+        continue;
+      }
+      double value = 0;
+      if (!body.read(element.properties[p].type, value))
+        return body.fault(element, row, "a number");
+      columns[p][row] = to_float(value);
+    }
+  }
+  return {};
+}
+
+/// Read the rows of an element with one list of vertex indices: begin(row, count), then take(value)
+/// for each, which says whether the value is good.
+template <class Begin, class Take>
+Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::size_t list,
+                              Begin&& begin, Take&& take) {
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (p != list) {
+        if (auto skipped = skip_property(body, element, row, property); !skipped) return skipped;
+        continue;
+      }
+      const auto count = read_count(body, element, row, property);
+      if (!count) return count.error();
+      if (!begin(row, *count)) {
+        return body.refuse(fmt::format("{} {}: a list of {} vertices is too long",
+                                       quote(element.name), row, *count));
+      }
+      for (std::uint64_t i = 0; i < *count; ++i) {
+        double value = 0;
+        if (!body.read(property.type, value)) return body.fault(element, row, "a vertex index");
+        if (!take(value)) {
+          return body.refuse(fmt::format("{} {} names vertex {}, which the file does not have",
+                                         quote(element.name), row, value));
+        }
+      }
+    }
+  }
+  return {};
+}
+
+/// Fans of triangles around the first vertex of each polygon.
+Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t list, Cloud& cloud) {
+  std::uint32_t first = 0, previous = 0;
+  std::uint64_t seen = 0;
+  return read_index_lists(
+      body, element, list,
+      [&](std::uint64_t, std::uint64_t) {
+        seen = 0;
+        return true;
+      },
+      [&](double value) {
+        const auto index = to_index(value, cloud.points.size());
+        if (!index) return false;
+        if (seen == 0) first = *index;
+        if (seen >= 2) cloud.triangles.push_back(first, previous, *index);
+        previous = *index;
+        ++seen;
+        return true;
+      });
+}
+
+/// Strips: each vertex makes a triangle with the two before it, every second one turned round;
+/// -1 begins a new strip. Triangles with a repeated vertex only join strips and are left out.
+Result<void> read_strips(PlyBody& body, const PlyElement& element, std::size_t list, Cloud& cloud) {
+  std::uint32_t older = 0, newer = 0;
+  std::uint64_t seen = 0;
+  return read_index_lists(
+      body, element, list,
+      [&](std::uint64_t, std::uint64_t) {
+        seen = 0;
+        return true;
+      },
+      [&](double value) {
+        if (value == -1) {
+          seen = 0;
+          return true;
+        }
+        const auto index = to_index(value, cloud.points.size());
+        if (!index) return false;
+        const bool proper = older != newer && newer != *index && *index != older;
+        if (seen >= 2 && proper) {
+          if (seen % 2 == 0) cloud.triangles.push_back(older, newer, *index);
+          if (seen % 2 == 1) cloud.triangles.push_back(newer, older, *index);
+        }
+        older = newer;
+        newer = *index;
+        ++seen;
+        return true;
+      });
+}
+
+/// Stanford's range grid: for each pixel a list of no or one vertex.
+Result<void> read_range_grid(PlyBody& body, const PlyElement& element, std::size_t list,
+                             const PlyHeader& header, Cloud& cloud) {
+  if (header.num_rows > element.count || header.num_cols > element.count ||
+      header.num_cols * header.num_rows != element.count) {
+    return body.refuse(
+        fmt::format("a range_grid of {} pixels needs obj_info num_cols and num_rows "
+                    "with that product, found {} and {}",
+                    element.count, header.num_cols, header.num_rows));
+  }
+  PixelGrid grid{static_cast<std::uint32_t>(header.num_cols),
+                 static_cast<std::uint32_t>(header.num_rows),
+                 Column<std::int32_t>(element.count, PixelGrid::kNone)};
+  std::uint64_t pixel = 0;
+  auto done = read_index_lists(
+      body, element, list,
+      [&](std::uint64_t row, std::uint64_t count) {
+        pixel = row;
+        return count <= 1;
+      },
+      [&](double value) {
+        const auto index = to_index(value, cloud.points.size());
+        if (index) grid.point_index[pixel] = static_cast<std::int32_t>(*index);
+        return index.has_value();
+      });
+  if (done) cloud.grid = std::move(grid);
+  return done;
+}
+
+/// The scalar properties of three names; none unless all are there.
+std::optional<std::array<std::size_t, 3>> find_three(const PlyElement& element,
+                                                     const std::array<std::string_view, 3>& names) {
+  std::array<std::size_t, 3> found{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const auto at = std::find_if(element.properties.begin(), element.properties.end(),
+                                 [&](const PlyProperty& property) {
+                                   return !property.count_type && property.name == names[n];
+                                 });
+    if (at == element.properties.end()) return {};
+    found[n] = static_cast<std::size_t>(at - element.properties.begin());
+  }
+  return found;
+}
+
+/// Send three properties of an element to the columns of `points`, made as long as the element.
+void send(const std::array<std::size_t, 3>& properties, const PlyElement& element, Points& points,
+          std::vector<float*>& columns) {
+  points.resize(element.count);
+  const PointsSpan span = points.span();
+  columns[properties[0]] = span.x.data();
+  columns[properties[1]] = span.y.data();
+  columns[properties[2]] = span.z.data();
+}
+
+Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input& input,
+                           Cloud& cloud) {
+  if (element.count > input.max_points()) return input.refuse_count(element.count);
+  const auto position = find_three(element, {"x", "y", "z"});
+  if (!position) {
+    return input.refuse(
+        "expected the properties x, y and z in the element vertex, found no such three");
+  }
+  std::vector<float*> columns(element.properties.size(), nullptr);
+  send(*position, element, cloud.points, columns);
+  if (const auto normal = find_three(element, {"nx", "ny", "nz"})) {
+    send(*normal, element, cloud.normals, columns);
+  }
+  return read_scalars(body, element, columns);
+}
+
+/// PCL's camera element: where the sensor stood; all zero is what it writes when it does not know.
+Result<void> read_viewpoint(PlyBody& body, const PlyElement& element, Cloud& cloud) {
+  Points viewpoint;
+  std::vector<float*> columns(element.properties.size(), nullptr);
+  const auto position = find_three(element, {"view_px", "view_py", "view_pz"});
+  if (position) send(*position, element, viewpoint, columns);
+  auto done = read_scalars(body, element, columns);
+  if (done && position && viewpoint[0].allFinite() && !viewpoint[0].isZero(0)) {
+    cloud.viewpoint = viewpoint[0];
+  }
+  return done;
+}
+
+std::optional<std::size_t> index_list_of(const PlyElement& element) {
+  for (std::size_t p = 0; p < element.properties.size(); ++p) {
+    const PlyProperty& property = element.properties[p];
+    const bool named = property.name == "vertex_indices" || property.name == "vertex_index";
+    if (property.count_type && named) return p;
+  }
+  return {};
+}
+
+Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHeader& header,
+                          const Input& input, Cloud& cloud) {
+  if (!body.can_hold(element)) {
+    return body.refuse(
+        fmt::format("expected {} rows of element {}, which do not fit into the rest "
+                    "of the file; it is truncated or its header is wrong",
+                    element.count, quote(element.name)));
+  }
+  if (element.name == "vertex") return read_vertices(body, element, input, cloud);
+  if (element.name == "camera" && element.count == 1) return read_viewpoint(body, element, cloud);
+  if (const auto list = index_list_of(element)) {
+    if (element.name == "face") return read_faces(body, element, *list, cloud);
+    if (element.name == "tristrips") return read_strips(body, element, *list, cloud);
+    if (element.name == "range_grid") return read_range_grid(body, element, *list, header, cloud);
+  }
+  return read_scalars(body, element, std::vector<float*>(element.properties.size(), nullptr));
+}
+
+}  // namespace
+
+Result<Cloud> read_ply(const Input& input) {
+  const auto header = parse_ply_header(input);
+  if (!header) return header.error();
+  if (!header->find("vertex")) return input.refuse("expected an element vertex, found none");
+
+  Cloud cloud;
+  PlyBody body(input, *header);
+  for (const PlyElement& element : header->elements) {
+    if (auto done = read_element(body, element, *header, input, cloud); !done) return done.error();
+  }
+  return cloud;
+}
+
+}  // namespace trivet::formats

@@ -1,0 +1,32 @@
+/// The readers, one a format. Each checks every count against the bytes that are there before it
+/// takes memory, and every index against its bound; errors are bad_data and name the place.
+#pragma once
+
+#include "storage/cloud.hpp"
+#include "storage/formats/input.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::formats {
+
+/// Greg Turk's PLY 1.0, with Stanford's tristrips and range_grid, and PCL's camera element.
+Result<Cloud> read_ply(const Input& input);
+
+/// The Point Cloud Library's PCD 0.7: ascii, binary, binary_compressed.
+Result<Cloud> read_pcd(const Input& input);
+
+/// Wavefront OBJ: v, vn where it has the index of its vertex, f.
+Result<Cloud> read_obj(const Input& input);
+
+/// STL, text or binary; corners at equal coordinates become one point.
+Result<Cloud> read_stl(const Input& input);
+
+/// Geomview OFF in text, with or without normals, colours and texture coordinates.
+Result<Cloud> read_off(const Input& input);
+
+/// One point a line: x y z, or x y z nx ny nz.
+Result<Cloud> read_xyz(const Input& input);
+
+/// 16-bit grey PNG of depths; zero is no measurement. Needs the camera in the options.
+Result<Cloud> read_depth_png(const Input& input);
+
+}  // namespace trivet::formats

@@ -1,0 +1,46 @@
+/// Words and numbers of text files: bounded, free of the locale, without copies.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace trivet::formats {
+
+/// Walks over text word by word. Lines end with \n or \r\n.
+class TextCursor {
+ public:
+  /// Words are separated by blanks and by any of `more_separators`.
+  explicit TextCursor(std::string_view text, std::string_view more_separators = {});
+
+  /// The next word of this line; empty at the end of the line.
+  std::string_view word() noexcept;
+  /// The next word of this line or a later one; empty at the end of the text.
+  std::string_view next_word() noexcept;
+  /// Go behind the next line break; false when there is none.
+  bool next_line() noexcept;
+
+  std::size_t line() const noexcept { return line_; }  ///< counted from 1
+  std::size_t position() const noexcept { return static_cast<std::size_t>(at_ - begin_); }
+  std::size_t remaining() const noexcept { return static_cast<std::size_t>(end_ - at_); }
+
+ private:
+  const char *begin_, *at_, *end_;
+  std::size_t line_ = 1;
+  std::array<bool, 256> separates_{};
+};
+
+/// A whole word as a number; "nan" and "inf" are numbers. Beyond the range of double: none.
+std::optional<double> parse_number(std::string_view word) noexcept;
+std::optional<std::int64_t> parse_integer(std::string_view word) noexcept;
+
+/// Round to float; finite values beyond its range stay finite, so that they can be told from
+/// infinity.
+float to_float(double value) noexcept;
+
+/// A value as an index below `bound`; none when it is negative, broken or too large.
+std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept;
+
+}  // namespace trivet::formats
