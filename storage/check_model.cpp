@@ -1,0 +1,180 @@
+// What a model must be for recognition to use it without further checks.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "storage/library_format.hpp"
+
+namespace trivet::format {
+namespace {
+
+constexpr float kUnitTolerance = 1e-3F;  // of the squared length; float rounding stays below 1e-6
+
+bool finite(const Eigen::Vector3f& v) noexcept { return v.allFinite(); }
+bool unit(const Eigen::Vector3f& v) noexcept {
+  return std::abs(v.squaredNorm() - 1) <= kUnitTolerance;
+}
+
+/// Each check gives an empty text, or what is wrong and where.
+std::string check_rows(std::string_view name, PointsView rows,
+                       bool (*good)(const Eigen::Vector3f&) noexcept, std::string_view expected) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!good(rows[i])) {
+      return fmt::format("{}[{}]: expected {}, found ({}, {}, {})", name, i, expected, rows.x[i],
+                         rows.y[i], rows.z[i]);
+    }
+  }
+  return {};
+}
+
+std::string check_points(std::string_view name, PointsView rows) {
+  return check_rows(name, rows, finite, "finite coordinates");
+}
+std::string check_normals(std::string_view name, PointsView rows) {
+  return check_rows(name, rows, unit, "a unit vector");
+}
+
+std::string check_length(std::string_view name, std::size_t found, std::size_t expected) {
+  return found == expected ? std::string()
+                           : fmt::format("{}: expected {} rows, found {}", name, expected, found);
+}
+
+std::string check_scalars(const Model& model) {
+  if (!std::isfinite(model.diameter) || model.diameter <= 0) {
+    return fmt::format("diameter: expected a positive length, found {}", model.diameter);
+  }
+  if (!finite(model.centre)) return "centre: expected finite coordinates";
+  if (!std::isfinite(model.sample_spacing) || model.sample_spacing < 0) {
+    return fmt::format("sample_spacing: expected a length, found {}", model.sample_spacing);
+  }
+  for (const std::string* text : {&model.source, &model.source_xxh3}) {
+    if (text->size() > 4096 || text->find('\0') != std::string::npos)
+      return "source: expected a text of at most 4096 bytes without NUL";
+  }
+  return {};
+}
+
+std::string check_symmetry(const Symmetry& symmetry) {
+  if (symmetry.axis && (!unit(symmetry.axis->direction) || !finite(symmetry.axis->point))) {
+    return "symmetry axis: expected a unit direction and a finite point";
+  }
+  for (std::size_t i = 0; i < symmetry.poses.size(); ++i) {
+    const Eigen::Matrix4f pose = symmetry.poses[i].matrix();
+    const Eigen::Matrix3f turn = pose.topLeftCorner<3, 3>();
+    const bool rigid = pose.allFinite() && (turn * turn.transpose()).isIdentity(kUnitTolerance) &&
+                       turn.determinant() > 0 && pose.row(3) == Eigen::RowVector4f(0, 0, 0, 1);
+    if (!rigid) return fmt::format("symmetry_poses[{}]: expected a rigid motion", i);
+  }
+  return {};
+}
+
+std::string check_triangles(const Model& model) {
+  const Triangles& triangles = model.triangles;
+  if (triangles.b.size() != triangles.size() || triangles.c.size() != triangles.size()) {
+    return "triangles: expected three columns of one length";
+  }
+  for (const auto* corner : {&triangles.a, &triangles.b, &triangles.c}) {
+    const auto worst = std::ranges::max_element(*corner);
+    if (worst != corner->end() && *worst >= model.vertices.size()) {
+      return fmt::format("triangles[{}]: expected an index below {}, found {}",
+                         worst - corner->begin(), model.vertices.size(), *worst);
+    }
+  }
+  return {};
+}
+
+std::string check_table(const PpfTableView& table, std::size_t num_points) {
+  const PpfQuantisation& q = table.quantisation;
+  if (q == PpfQuantisation{} && table.offsets.empty() && table.entries.empty())
+    return {};  // trained without
+  if (!std::isfinite(q.distance_step) || q.distance_step <= 0) {
+    return fmt::format("ppf@distance_step: expected a positive length, found {}", q.distance_step);
+  }
+  if (num_points > 65536)
+    return fmt::format("ppf/points: expected at most 65536, found {}", num_points);
+
+  constexpr std::uint32_t kMaxBins = 65536;
+  const double num_cells =
+      static_cast<double>(q.num_distance_bins) * std::pow(static_cast<double>(q.num_angle_bins), 3);
+  if (q.num_distance_bins > kMaxBins || q.num_angle_bins > kMaxBins || num_cells < 1 ||
+      num_cells >= 4294967295.0) {
+    return fmt::format("ppf@num_angle_bins: expected 1 to 2^32 - 2 cells, found {} x {}^3",
+                       q.num_distance_bins, q.num_angle_bins);
+  }
+  const std::size_t cells = q.num_cells();
+  if (auto wrong = check_length("ppf/offsets", table.offsets.size(), cells + 1); !wrong.empty())
+    return wrong;
+
+  const auto offsets = table.offsets;
+  if (offsets.front() != 0)
+    return fmt::format("ppf/offsets[0]: expected 0, found {}", offsets.front());
+  const auto falling = std::ranges::is_sorted_until(offsets);
+  if (falling != offsets.end()) {
+    return fmt::format("ppf/offsets[{}]: expected at least {}, found {}", falling - offsets.begin(),
+                       *(falling - 1), *falling);
+  }
+  if (auto wrong = check_length("ppf/entries", table.entries.size(), offsets.back());
+      !wrong.empty())
+    return wrong;
+
+  const auto entries = table.entries;
+  const auto key = [&](std::size_t i) {
+    return std::uint32_t{entries[i].reference} << 16 | entries[i].angle;
+  };
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    for (std::size_t i = offsets[cell]; i < offsets[cell + 1]; ++i) {
+      if (entries[i].reference >= num_points) {
+        return fmt::format("ppf/entries[{}]: expected a reference below {}, found {}", i,
+                           num_points, entries[i].reference);
+      }
+      if (i > offsets[cell] && key(i) < key(i - 1)) {
+        return fmt::format("ppf/entries[{}]: expected cell {} sorted by reference, then angle", i,
+                           cell);
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> check_model(const Model& model) {
+  if (!is_model_name(model.name)) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format(
+            "model name '{}': expected a letter or digit, then at most 127 letters, digits, dots, "
+            "dashes and underscores, without '..'; rename the model with NAME=FILE",
+            model.name)};
+  }
+  const auto checks = {
+      +[](const Model& m) { return check_scalars(m); },
+      +[](const Model& m) { return check_symmetry(m.symmetry); },
+      +[](const Model& m) { return check_points("vertices", m.vertices); },
+      +[](const Model& m) { return check_triangles(m); },
+      +[](const Model& m) { return check_points("samples", m.samples); },
+      +[](const Model& m) {
+        return check_length("sample_normals", m.sample_normals.size(), m.samples.size());
+      },
+      +[](const Model& m) { return check_normals("sample_normals", m.sample_normals); },
+      +[](const Model& m) {
+        return check_length("sample_views", m.sample_views.size(), m.samples.size());
+      },
+      +[](const Model& m) { return check_points("ppf/points", m.ppf_points); },
+      +[](const Model& m) {
+        return check_length("ppf/normals", m.ppf_normals.size(), m.ppf_points.size());
+      },
+      +[](const Model& m) { return check_normals("ppf/normals", m.ppf_normals); },
+      +[](const Model& m) { return check_table(m.ppf, m.ppf_points.size()); },
+  };
+  for (const auto check : checks) {
+    if (const std::string wrong = check(model); !wrong.empty()) {
+      return Error{ErrorCode::bad_data, fmt::format("model '{}': {}", model.name, wrong)};
+    }
+  }
+  return {};
+}
+
+}  // namespace trivet::format

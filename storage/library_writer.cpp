@@ -1,0 +1,394 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <span>
+#include <system_error>
+
+#include "storage/file.hpp"
+#include "storage/hdf5.hpp"
+#include "storage/library.hpp"
+#include "storage/library_format.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+using hdf5::Handle;
+
+// ---- values as attributes
+
+template <class T, std::size_t N>
+StoredAttribute attribute(ElementType type, const std::array<T, N>& values) {
+  StoredAttribute out{type, {N}, std::vector<std::byte>(sizeof(values))};
+  std::memcpy(out.bytes.data(), values.data(), sizeof(values));
+  return out;
+}
+
+template <class T>
+StoredAttribute attribute(ElementType type, T value) {
+  StoredAttribute out = attribute(type, std::array{value});
+  out.shape.clear();
+  return out;
+}
+
+StoredAttribute attribute(float value) { return attribute(ElementType::f32, value); }
+StoredAttribute attribute(std::uint32_t value) { return attribute(ElementType::u32, value); }
+StoredAttribute attribute(bool value) {
+  return attribute(ElementType::u8, static_cast<std::uint8_t>(value));
+}
+StoredAttribute attribute(const Eigen::Vector3f& v) {
+  return attribute(ElementType::f32, std::array{v.x(), v.y(), v.z()});
+}
+
+// HDF5 has no text of length 0: the empty text is one NUL.
+StoredAttribute attribute(std::string_view text) {
+  StoredAttribute out{
+      ElementType::text, {}, std::vector<std::byte>(std::max<std::size_t>(text.size(), 1))};
+  std::ranges::copy(std::as_bytes(std::span(text)), out.bytes.begin());
+  return out;
+}
+
+// ---- plain data to HDF5; false when it failed
+
+hid_t number_type(ElementType type) {
+  switch (type) {
+    case ElementType::f32:
+      return H5T_IEEE_F32LE;
+    case ElementType::u8:
+      return H5T_STD_U8LE;
+    case ElementType::u16:
+      return H5T_STD_U16LE;
+    case ElementType::u32:
+      return H5T_STD_U32LE;
+    case ElementType::u64:
+      return H5T_STD_U64LE;
+    case ElementType::text:
+      return H5T_C_S1;
+  }
+  return H5I_INVALID_HID;
+}
+
+Handle space_of(const std::vector<std::uint64_t>& shape) {
+  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
+  const std::vector<hsize_t> dims(shape.begin(), shape.end());
+  return Handle(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
+}
+
+bool write_attributes(hid_t object, const StoredAttributes& attributes) {
+  for (const auto& [name, value] : attributes) {
+    const Handle type(H5Tcopy(number_type(value.type)));
+    if (value.type == ElementType::text && (H5Tset_size(type.get(), value.bytes.size()) < 0 ||
+                                            H5Tset_strpad(type.get(), H5T_STR_NULLPAD) < 0 ||
+                                            H5Tset_cset(type.get(), H5T_CSET_UTF8) < 0)) {
+      return false;
+    }
+    const Handle space = space_of(value.shape);
+    const Handle stored(
+        H5Acreate2(object, name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT));
+    if (!stored || H5Awrite(stored.get(), type.get(), value.bytes.data()) < 0) return false;
+  }
+  return true;
+}
+
+// No times, and all attributes inside the checksummed object header: the same model gives the same
+// bytes.
+Handle creation_of(hid_t kind) {
+  Handle creation(H5Pcreate(kind));
+  const bool ok = H5Pset_obj_track_times(creation.get(), false) >= 0 &&
+                  H5Pset_attr_phase_change(creation.get(), 64, 0) >= 0;
+  return ok ? std::move(creation) : Handle();
+}
+
+Handle create_group(hid_t parent, const std::string& name) {
+  const Handle creation = creation_of(H5P_GROUP_CREATE);
+  return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
+}
+
+bool write_dataset(hid_t group, const std::string& name, const StoredDataset& dataset,
+                   std::span<const std::byte> bytes) {
+  const Handle creation = creation_of(H5P_DATASET_CREATE);
+  if (H5Pset_layout(creation.get(), H5D_CONTIGUOUS) < 0 ||
+      H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY) < 0 ||
+      H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER) < 0) {
+    return false;
+  }
+  const Handle space = space_of(dataset.shape);
+  const hid_t type = number_type(dataset.type);
+  const Handle stored(
+      H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
+  return stored && write_attributes(stored.get(), dataset.attributes) &&
+         (bytes.empty() ||
+          H5Dwrite(stored.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0);
+}
+
+// ---- a model as bytes
+
+/// Rows that lie apart in memory, gathered as they lie in the file.
+template <class T>
+Column<std::byte> gather(std::initializer_list<std::span<const T>> rows) {
+  Column<std::byte> out;
+  for (const auto row : rows) {
+    const auto bytes = std::as_bytes(row);
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  }
+  return out;
+}
+Column<std::byte> gather(PointsView points) {
+  return gather<float>({points.x, points.y, points.z});
+}
+
+Column<std::byte> gather(const std::vector<Pose>& poses) {
+  Column<std::byte> out;
+  for (const Pose& pose : poses) {
+    const Eigen::Matrix<float, 4, 4, Eigen::RowMajor> rows = pose.matrix();
+    const auto bytes = std::as_bytes(std::span(rows.data(), 16));
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  }
+  return out;
+}
+
+StoredDataset describe(const format::DatasetSpec& spec, std::span<const std::byte> bytes,
+                       std::string_view unit) {
+  StoredDataset out{
+      spec.type, {spec.shape.begin(), spec.shape.begin() + spec.rank}, 0, bytes.size(), {}};
+  std::uint64_t row_bytes = size_of(spec.type);
+  for (const std::uint64_t n : out.shape) row_bytes *= n == format::kRows ? 1 : n;
+  for (std::uint64_t& n : out.shape) n = n == format::kRows ? bytes.size() / row_bytes : n;
+  out.attributes.emplace("long_name", attribute(spec.long_name));
+  out.attributes.emplace("units", attribute(spec.units.empty() ? unit : spec.units));
+  out.attributes.emplace(format::kDataChecksum, attribute(xxh3_hex(bytes)));
+  return out;
+}
+
+StoredAttributes model_attributes(const Model& model) {
+  const Symmetry::Axis axis = model.symmetry.axis.value_or(Symmetry::Axis{{0, 0, 0}, {0, 0, 0}});
+  StoredAttributes out;
+  out.emplace("source", attribute(model.source));
+  out.emplace("source_xxh3", attribute(model.source_xxh3));
+  out.emplace("diameter", attribute(model.diameter));
+  out.emplace("centre", attribute(model.centre));
+  out.emplace("sample_spacing", attribute(model.sample_spacing));
+  out.emplace("symmetry_declared", attribute(model.symmetry.declared));
+  out.emplace("symmetry_axis_direction", attribute(Eigen::Vector3f(axis.direction)));
+  out.emplace("symmetry_axis_point", attribute(Eigen::Vector3f(axis.point)));
+  return out;
+}
+
+StoredAttributes table_attributes(const PpfQuantisation& quantisation) {
+  StoredAttributes out;
+  out.emplace("distance_step", attribute(quantisation.distance_step));
+  out.emplace("num_distance_bins", attribute(quantisation.num_distance_bins));
+  out.emplace("num_angle_bins", attribute(quantisation.num_angle_bins));
+  return out;
+}
+
+std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
+
+std::string io_message(const fs::path& file, const std::string& what) {
+  std::error_code ignored;
+  const fs::space_info space = fs::space(file.parent_path(), ignored);
+  return fmt::format("{}: {}; {} bytes are free on the disk, and the file could be limited in size",
+                     file.string(), what, ignored ? 0 : space.available);
+}
+
+/// fsync of a file or folder by name; the error number or 0.
+int sync_path(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return errno;
+  const int failed = ::fsync(fd) == 0 ? 0 : errno;
+  ::close(fd);
+  return failed;
+}
+
+}  // namespace
+
+struct LibraryWriter::State {
+  fs::path file, temporary;
+  LibraryHeader header;
+  Handle hdf5, root, models;                   ///< destroyed in reverse order
+  std::map<std::string, std::string> digests;  ///< of the models written, by name
+
+  State(fs::path target, LibraryHeader with) : file(std::move(target)), header(std::move(with)) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() { abandon(); }
+
+  bool write(const Model& model);
+  void abandon() noexcept;
+};
+
+// Space is given back at once: HDF5 keeps a file open that it could not flush.
+void LibraryWriter::State::abandon() noexcept {
+  if (temporary.empty()) return;
+  [[maybe_unused]] const int ignored = ::truncate(temporary.c_str(), 0);
+  ::unlink(temporary.c_str());
+  temporary.clear();
+  models = Handle();
+  root = Handle();
+  hdf5 = Handle();
+}
+
+bool LibraryWriter::State::write(const Model& model) {
+  const Handle group = create_group(models.get(), model.name);
+  const Handle table = create_group(group.get(), "ppf");
+  StoredGroup described{model_attributes(model), {}, {}};
+  StoredGroup& described_table = described.groups["ppf"];
+  described_table.attributes = table_attributes(model.ppf.quantisation);
+  if (!group || !table || !write_attributes(group.get(), described.attributes) ||
+      !write_attributes(table.get(), described_table.attributes)) {
+    return false;
+  }
+
+  const auto put = [&](const format::DatasetSpec& spec, std::span<const std::byte> bytes) {
+    StoredGroup& into = spec.group.empty() ? described : described_table;
+    const auto [at, added] =
+        into.datasets.emplace(spec.name, describe(spec, bytes, symbol(header.unit)));
+    return write_dataset((spec.group.empty() ? group : table).get(), at->first, at->second, bytes);
+  };
+  const Triangles& triangles = model.triangles;
+  const bool written =
+      put(format::kVertices, gather(model.vertices)) &&
+      put(format::kTriangles, gather<std::uint32_t>({triangles.a, triangles.b, triangles.c})) &&
+      put(format::kSamples, gather(model.samples)) &&
+      put(format::kSampleNormals, gather(model.sample_normals)) &&
+      put(format::kSampleViews, std::as_bytes(std::span(model.sample_views))) &&
+      put(format::kSymmetryPoses, gather(model.symmetry.poses)) &&
+      put(format::kPpfPoints, gather(model.ppf_points)) &&
+      put(format::kPpfNormals, gather(model.ppf_normals)) &&
+      put(format::kPpfOffsets, std::as_bytes(model.ppf.offsets)) &&
+      put(format::kPpfEntries, std::as_bytes(model.ppf.entries));
+  if (!written || H5Fflush(hdf5.get(), H5F_SCOPE_LOCAL) < 0) return false;
+  digests.emplace(model.name, format::digest(described));
+  return true;
+}
+
+LibraryWriter::LibraryWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+LibraryWriter::LibraryWriter(LibraryWriter&&) noexcept = default;
+LibraryWriter& LibraryWriter::operator=(LibraryWriter&&) noexcept = default;
+LibraryWriter::~LibraryWriter() = default;
+
+Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryHeader& header) {
+  constexpr std::size_t kMaxText =
+      60000;  // an attribute must fit an object header message of 64 KiB
+  for (const std::string* text : {&header.producer, &header.parameters}) {
+    if (text->size() > kMaxText || text->find('\0') != std::string::npos) {
+      return Error{
+          ErrorCode::bad_data,
+          fmt::format(
+              "{}: producer and parameters: expected at most {} bytes without NUL, found {}",
+              file.string(), kMaxText, text->size())};
+    }
+  }
+  hdf5::start();
+  std::error_code absolute_failed;
+  auto state = std::make_unique<State>(fs::absolute(file, absolute_failed), header);
+  if (absolute_failed || fs::is_directory(state->file) || !state->file.has_filename()) {
+    return Error{ErrorCode::cannot_create,
+                 fmt::format("{}: expected the name of a file, found a folder", file.string())};
+  }
+
+  // A name of its own: a left-over of a killed process may carry our number.
+  int created = -1;
+  for (int attempt = 0; created < 0; ++attempt) {
+    const fs::path temporary =
+        state->file.parent_path() /
+        fmt::format(".{}.{}.{}.tmp", state->file.filename().string(), ::getpid(), attempt);
+    created = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (created >= 0) {
+      state->temporary = temporary;
+    } else if (errno != EEXIST) {
+      return Error{
+          ErrorCode::cannot_create,
+          fmt::format("{}: cannot create a file in this folder: {}; it must exist and be writable",
+                      file.string(), std::generic_category().message(errno))};
+    }
+  }
+  ::close(created);
+
+  const Handle creation = creation_of(H5P_FILE_CREATE);
+  const Handle access = hdf5::file_access();
+  state->hdf5 =
+      Handle(H5Fcreate(state->temporary.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
+  state->root = Handle(H5Gopen2(state->hdf5.get(), "/", H5P_DEFAULT));
+  state->models = create_group(state->root.get(), "models");
+  if (!state->hdf5 || !state->root || !state->models) {
+    return Error{ErrorCode::io, io_message(state->file, "cannot write the first bytes")};
+  }
+  return LibraryWriter(std::move(state));
+}
+
+Result<void> LibraryWriter::add(const Model& model) {
+  if (!state_ || state_->temporary.empty())
+    return Error{ErrorCode::io, "the library was published or has failed before"};
+  if (auto good = format::check_model(model); !good) return good;
+  if (state_->digests.contains(model.name)) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: model '{}': expected each name once; rename one with NAME=FILE",
+                             state_->file.string(), model.name)};
+  }
+  hdf5::start();
+  if (!state_->write(model)) {
+    Error error{
+        ErrorCode::io,
+        io_message(state_->file,
+                   fmt::format("cannot write model '{}' of {} bytes and more", model.name,
+                               model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes()))};
+    state_->abandon();
+    return error;
+  }
+  return {};
+}
+
+Result<void> LibraryWriter::publish() {
+  if (!state_ || state_->temporary.empty())
+    return Error{ErrorCode::io, "the library was published or has failed before"};
+  hdf5::start();
+  State& state = *state_;
+  const auto fail = [&](const std::string& what) {
+    Error error{ErrorCode::io, io_message(state.file, what)};
+    state.abandon();
+    return error;
+  };
+
+  // The root comes last: its checksum covers all that was written.
+  StoredAttributes root;
+  root.emplace("format", attribute(format::kName));
+  root.emplace("format_version_major", attribute(kLibraryVersionMajor));
+  root.emplace("format_version_minor", attribute(kLibraryVersionMinor));
+  root.emplace("producer", attribute(state.header.producer));
+  root.emplace("length_unit", attribute(symbol(state.header.unit)));
+  root.emplace("axis_convention",
+               attribute(std::string_view(
+                   "models: as in their source; scenes: x right, y down, z forward")));
+  root.emplace("parameters", attribute(state.header.parameters));
+  root.emplace("num_models", attribute(static_cast<std::uint32_t>(state.digests.size())));
+  root.emplace(format::kChecksum,
+               attribute(format::digest(root, {{"models", format::digest({}, state.digests)}})));
+  if (!write_attributes(state.root.get(), root)) return fail("cannot write the attributes");
+
+  state.models = Handle();
+  state.root = Handle();
+  if (H5Fclose(state.hdf5.release()) < 0) return fail("cannot close the file");
+  if (const int failed = sync_path(state.temporary)) {
+    return fail(fmt::format("cannot bring the file to the disk: {}",
+                            std::generic_category().message(failed)));
+  }
+  std::error_code failed;
+  fs::rename(state.temporary, state.file, failed);
+  if (failed) return fail(fmt::format("cannot rename the finished file: {}", failed.message()));
+  state.temporary.clear();
+  // Some file systems cannot sync a folder (EINVAL).
+  if (const int unsynced = sync_path(state.file.parent_path());
+      unsynced != 0 && unsynced != EINVAL) {
+    return fail(fmt::format("cannot bring the folder to the disk: {}",
+                            std::generic_category().message(unsynced)));
+  }
+  return {};
+}
+
+}  // namespace trivet
