@@ -1,0 +1,257 @@
+// The library round trip, its publication and what the writer refuses.
+#include "storage/library.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <limits>
+
+#include "support/library_file.hpp"
+#include "support/random_model.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+using test::bytes_of;
+using test::difference;
+using test::LibraryTest;
+using test::random_model;
+
+const LibraryHeader kHeader{LengthUnit::millimetre, "trivet test", R"({"step": 0.05})"};
+
+void write(const fs::path& file, std::span<const Model> models) {
+  auto writer = LibraryWriter::create(file, kHeader);
+  ASSERT_TRUE(writer) << writer.error().message;
+  for (const Model& model : models) {
+    const auto added = writer->add(model);
+    ASSERT_TRUE(added) << added.error().message;
+  }
+  const auto published = writer->publish();
+  ASSERT_TRUE(published) << published.error().message;
+}
+
+std::size_t num_files(const fs::path& folder) {
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST_F(LibraryTest, GivesBackWhatWasWritten) {
+  const std::vector<Model> models{random_model("zebra", 1), random_model("Ant-1.5_b", 2)};
+  write(file(), models);
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  EXPECT_EQ(library->header.unit, kHeader.unit);
+  EXPECT_EQ(library->header.producer, kHeader.producer);
+  EXPECT_EQ(library->header.parameters, kHeader.parameters);
+  EXPECT_EQ(library->file_bytes, fs::file_size(file()));
+  ASSERT_EQ(library->models.size(), 2U);
+  EXPECT_EQ(difference(library->models[0], models[1]), "");  // sorted by name
+  EXPECT_EQ(difference(library->models[1], models[0]), "");
+  EXPECT_EQ(library->datasets.size(), 20U);
+}
+
+// Above 4 kB a table begins on a page and is used in the mapped file, which the model keeps alive.
+TEST_F(LibraryTest, KeepsLargeTablesInTheMappedFileAfterTheLibraryAndTheFileAreGone) {
+  const Model model = random_model("large", 3,
+                                   {.num_ppf_points = 3000,
+                                    .num_entries = 100000,
+                                    .num_distance_bins = 20,
+                                    .num_angle_bins = 15});
+  write(file(), {&model, 1});
+  Model read;
+  {
+    auto library = open_library(file());
+    ASSERT_TRUE(library) << library.error().message;
+    read = std::move(library->models[0]);
+  }
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(read.ppf.offsets.data()) % 4096, 0U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(read.ppf.entries.data()) % 4096, 0U);
+  fs::remove(file());
+  EXPECT_EQ(difference(read, model), "");
+}
+
+TEST_F(LibraryTest, HoldsModelsWithoutMeshSymmetryAndTable) {
+  Model bare = random_model("bare", 4, {.num_triangles = 0});
+  bare.symmetry = {};
+  bare.source.clear();
+  bare.ppf = {};
+  write(file(), {&bare, 1});
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  EXPECT_EQ(difference(library->models[0], bare), "");
+}
+
+TEST_F(LibraryTest, HoldsNoModelAtAll) {
+  write(file(), {});
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  EXPECT_TRUE(library->models.empty());
+}
+
+TEST_F(LibraryTest, HoldsManyModels) {
+  std::vector<Model> models;
+  for (int i = 0; i < 200; ++i)
+    models.push_back(
+        random_model("model_" + std::to_string(i), 10 + static_cast<std::uint64_t>(i)));
+  write(file(), models);
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  ASSERT_EQ(library->models.size(), models.size());
+  EXPECT_TRUE(std::ranges::is_sorted(library->models, {}, &Model::name));
+  for (const Model& model : models) {
+    const auto found = std::ranges::find(library->models, model.name, &Model::name);
+    ASSERT_NE(found, library->models.end());
+    EXPECT_EQ(difference(*found, model), "");
+  }
+}
+
+TEST_F(LibraryTest, GivesTheSameBytesWhenWrittenTwice) {
+  const std::vector<Model> models{random_model("a", 1), random_model("b", 2)};
+  write(file(), models);
+  const auto first = bytes_of(file());
+  ::sleep(1);  // a time stamp in seconds would differ
+  write(file(), models);
+  EXPECT_EQ(bytes_of(file()), first);
+}
+
+TEST_F(LibraryTest, LeavesNoFileWithoutPublish) {
+  {
+    auto writer = LibraryWriter::create(file(), kHeader);
+    ASSERT_TRUE(writer && writer->add(random_model("a", 1)));
+    EXPECT_FALSE(fs::exists(file()));
+    EXPECT_EQ(num_files(folder()), 1U);
+  }
+  EXPECT_EQ(num_files(folder()), 0U);
+}
+
+TEST_F(LibraryTest, KeepsTheOldLibraryWithoutPublish) {
+  const Model old = random_model("old", 1);
+  write(file(), {&old, 1});
+  const auto before = bytes_of(file());
+  {
+    auto writer = LibraryWriter::create(file(), kHeader);
+    ASSERT_TRUE(writer && writer->add(random_model("new", 2)));
+  }
+  EXPECT_EQ(bytes_of(file()), before);
+  EXPECT_EQ(num_files(folder()), 1U);
+}
+
+TEST_F(LibraryTest, PublishesOverAnOpenedLibraryWithoutDisturbingIt) {
+  const Model old = random_model("old", 1), fresh = random_model("new", 2);
+  write(file(), {&old, 1});
+  const auto library = open_library(file());
+  write(file(), {&fresh, 1});
+  ASSERT_TRUE(library);
+  EXPECT_EQ(difference(library->models[0], old), "");
+  const auto reopened = open_library(file());
+  ASSERT_TRUE(reopened);
+  EXPECT_EQ(difference(reopened->models[0], fresh), "");
+}
+
+TEST_F(LibraryTest, RefusesToGoOnAfterPublish) {
+  auto writer = LibraryWriter::create(file(), kHeader);
+  ASSERT_TRUE(writer && writer->publish());
+  EXPECT_FALSE(writer->add(random_model("a", 1)));
+  EXPECT_FALSE(writer->publish());
+  EXPECT_TRUE(open_library(file()));
+}
+
+TEST_F(LibraryTest, RefusesBadAndRepeatedNamesAndStaysUsable) {
+  auto writer = LibraryWriter::create(file(), kHeader);
+  ASSERT_TRUE(writer);
+  const std::string long_name(129, 'a');
+  for (const std::string& name :
+       {std::string(), std::string("../x"), std::string("/x"), std::string("a/b"),
+        std::string("a..b"), std::string("."), std::string("-x"), std::string("a b"),
+        std::string("a\0b", 3), std::string("\xc3\xa9"), std::string("%2e%2e"), long_name}) {
+    const auto added = writer->add(random_model(name, 1));
+    ASSERT_FALSE(added) << name;
+    EXPECT_EQ(added.error().code, ErrorCode::bad_data);
+  }
+  ASSERT_TRUE(writer->add(random_model(long_name.substr(1), 1)));
+  const auto twice = writer->add(random_model(long_name.substr(1), 2));
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().code, ErrorCode::bad_data);
+  ASSERT_TRUE(writer->publish());
+  EXPECT_TRUE(open_library(file()));
+}
+
+TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
+  auto writer = LibraryWriter::create(file(), kHeader);
+  ASSERT_TRUE(writer);
+  const auto refuses = [&](const char* what, auto break_it) {
+    Model model = random_model("a", 1);
+    break_it(model);
+    const auto added = writer->add(model);
+    ASSERT_FALSE(added) << what;
+    EXPECT_EQ(added.error().code, ErrorCode::bad_data);
+    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  refuses("diameter", [&](Model& m) { m.diameter = nan; });
+  refuses("centre", [&](Model& m) { m.centre.x() = nan; });
+  refuses("vertices[3]", [&](Model& m) { m.vertices.set(3, {0, nan, 0}); });
+  refuses("triangles[2]", [](Model& m) { m.triangles.c[2] = 50; });
+  refuses("sample_normals", [](Model& m) { m.sample_normals.resize(3); });
+  refuses("sample_normals[1]", [](Model& m) { m.sample_normals.set(1, {0, 0, 0}); });
+  refuses("sample_views", [](Model& m) { m.sample_views.pop_back(); });
+  refuses("symmetry_poses[0]", [](Model& m) { m.symmetry.poses[0].linear() *= 2; });
+  refuses("symmetry axis", [](Model& m) { m.symmetry.axis->direction *= 2; });
+  refuses("ppf/normals", [](Model& m) { m.ppf_normals.resize(3); });
+  refuses("ppf@distance_step", [](Model& m) { m.ppf.quantisation.distance_step = 0; });
+  refuses("ppf@num_angle_bins", [](Model& m) { m.ppf.quantisation.num_angle_bins = 65536; });
+  refuses("ppf/offsets", [](Model& m) { m.ppf.quantisation.num_angle_bins = 4; });
+  refuses("ppf/entries", [](Model& m) { m.ppf.entries = m.ppf.entries.first(3); });
+  refuses("reference", [](Model& m) { m.ppf_points.resize(20), m.ppf_normals.resize(20); });
+}
+
+TEST_F(LibraryTest, ExplainsWhereItCannotCreate) {
+  const auto missing = LibraryWriter::create(folder() / "no" / "lib.h5", kHeader);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::cannot_create);
+  const auto directory = LibraryWriter::create(folder(), kHeader);
+  ASSERT_FALSE(directory);
+  EXPECT_EQ(directory.error().code, ErrorCode::cannot_create);
+}
+
+// A full disk, simulated: writes beyond a size limit fail. Run in a child, which must also exit
+// cleanly.
+int write_with_limit(const fs::path& file, rlim_t limit, const Model& model) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit bound{limit, limit};
+  ::setrlimit(RLIMIT_FSIZE, &bound);
+  auto writer = LibraryWriter::create(file, kHeader);
+  Result<void> done;
+  if (!writer) done = writer.error();
+  if (done) done = writer->add(model);
+  if (done) done = writer->publish();
+  if (done) return 0;
+  return done.error().code == ErrorCode::io && !fs::exists(file) ? 74 : 1;
+}
+
+TEST_F(LibraryTest, SaysSoWhenTheDiskIsFullAndExitsWithoutACrash) {
+  const Model model = random_model(
+      "large", 3, {.num_entries = 50000, .num_distance_bins = 20, .num_angle_bins = 10});
+  write(file(), {&model, 1});
+  const auto needed = fs::file_size(file());
+  fs::remove(file());
+  for (const rlim_t limit : {rlim_t{0}, rlim_t{100}, rlim_t{3000}, rlim_t{10000}, rlim_t{100000},
+                             rlim_t{needed - 1}, rlim_t{needed}}) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) std::exit(write_with_limit(file(), limit, model));
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFEXITED(status)) << "crashed with a limit of " << limit << " bytes";
+    EXPECT_EQ(WEXITSTATUS(status), limit < needed ? 74 : 0) << "limit " << limit;
+    EXPECT_EQ(num_files(folder()), limit < needed ? 0U : 1U) << "limit " << limit;
+  }
+}
+
+}  // namespace
+}  // namespace trivet

@@ -1,0 +1,145 @@
+#include "support/random_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+namespace trivet::test {
+namespace {
+
+using Random = std::mt19937_64;
+
+float uniform(Random& random, float low, float high) {
+  return std::uniform_real_distribution<float>(low, high)(random);
+}
+
+Eigen::Vector3f vector(Random& random) {
+  return {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+}
+
+Eigen::Vector3f unit_vector(Random& random) {
+  Eigen::Vector3f v = vector(random);
+  while (v.norm() < 0.1F) v = vector(random);
+  return v.normalized();
+}
+
+Points points(Random& random, std::size_t n, Eigen::Vector3f (*draw)(Random&)) {
+  Points out(n);
+  for (std::size_t i = 0; i < n; ++i) out.set(i, draw(random));
+  return out;
+}
+
+struct Table {
+  Column<std::uint32_t> offsets;
+  Column<PpfEntry> entries;
+};
+
+// Entries drawn with their cell, sorted as the format wants them, then counted.
+void fill_table(Random& random, const RandomModelSize& size, Model& model) {
+  model.ppf.quantisation = {uniform(random, 0.01F, 0.1F), size.num_distance_bins,
+                            size.num_angle_bins};
+  const std::uint32_t num_cells = model.ppf.quantisation.num_cells();
+  struct Row {
+    std::uint32_t cell;
+    PpfEntry entry;
+  };
+  std::vector<Row> rows(size.num_entries);
+  for (Row& row : rows) {
+    row.cell = static_cast<std::uint32_t>(random() % num_cells);
+    row.entry = {static_cast<std::uint16_t>(random() % size.num_ppf_points),
+                 static_cast<std::uint16_t>(random())};
+  }
+  std::ranges::sort(rows, {}, [](const Row& row) {
+    return std::uint64_t{row.cell} << 32 | std::uint64_t{row.entry.reference} << 16 |
+           row.entry.angle;
+  });
+
+  auto table = std::make_shared<Table>();
+  table->offsets.assign(num_cells + 1, 0);
+  for (const Row& row : rows) {
+    ++table->offsets[row.cell + 1];
+    table->entries.push_back(row.entry);
+  }
+  for (std::size_t cell = 0; cell < num_cells; ++cell)
+    table->offsets[cell + 1] += table->offsets[cell];
+  model.ppf.offsets = table->offsets;
+  model.ppf.entries = table->entries;
+  model.ppf_storage = table;
+}
+
+template <class T>
+bool same(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+bool same(PointsView a, PointsView b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
+template <class T>
+bool same(const Column<T>& a, const Column<T>& b) {
+  return same<T>(std::span<const T>(a), std::span<const T>(b));
+}
+
+bool same(const Symmetry& a, const Symmetry& b) {
+  const auto same_pose = [](const Pose& p, const Pose& q) { return p.matrix() == q.matrix(); };
+  return a.declared == b.declared && std::ranges::equal(a.poses, b.poses, same_pose) &&
+         a.axis.has_value() == b.axis.has_value() &&
+         (!a.axis || (a.axis->direction == b.axis->direction && a.axis->point == b.axis->point));
+}
+
+}  // namespace
+
+Model random_model(const std::string& name, std::uint64_t seed, const RandomModelSize& size) {
+  Random random(seed);
+  Model model;
+  model.name = name;
+  model.source = name + ".ply";
+  model.source_xxh3 = "0123456789abcdef0123456789abcdef";
+  model.diameter = uniform(random, 0.1F, 3);
+  model.centre = vector(random);
+  model.sample_spacing = uniform(random, 0.001F, 0.1F);
+  for (int i = 0; i < 3; ++i) {
+    Pose pose = Pose::Identity();
+    pose.linear() =
+        Eigen::AngleAxisf(uniform(random, 0, 3), unit_vector(random)).toRotationMatrix();
+    pose.translation() = vector(random);
+    model.symmetry.poses.push_back(pose);
+  }
+  model.symmetry.axis = Symmetry::Axis{unit_vector(random), vector(random)};
+  model.symmetry.declared = seed % 2 == 0;
+
+  model.vertices = points(random, size.num_vertices, vector);
+  const auto corner = [&] { return static_cast<std::uint32_t>(random() % size.num_vertices); };
+  for (std::size_t i = 0; i < size.num_triangles; ++i)
+    model.triangles.push_back(corner(), corner(), corner());
+  model.samples = points(random, size.num_samples, vector);
+  model.sample_normals = points(random, size.num_samples, unit_vector);
+  for (std::size_t i = 0; i < size.num_samples; ++i)
+    model.sample_views.push_back({random(), random(), random(), random()});
+  model.ppf_points = points(random, size.num_ppf_points, vector);
+  model.ppf_normals = points(random, size.num_ppf_points, unit_vector);
+  fill_table(random, size, model);
+  return model;
+}
+
+std::string difference(const Model& a, const Model& b) {
+  if (a.name != b.name) return "name";
+  if (a.source != b.source || a.source_xxh3 != b.source_xxh3) return "source";
+  if (a.diameter != b.diameter || a.centre != b.centre || a.sample_spacing != b.sample_spacing)
+    return "scalars";
+  if (!same(a.symmetry, b.symmetry)) return "symmetry";
+  if (!same(a.vertices.view(), b.vertices.view())) return "vertices";
+  if (!same(a.triangles.a, b.triangles.a) || !same(a.triangles.b, b.triangles.b) ||
+      !same(a.triangles.c, b.triangles.c))
+    return "triangles";
+  if (!same(a.samples.view(), b.samples.view())) return "samples";
+  if (!same(a.sample_normals.view(), b.sample_normals.view())) return "sample_normals";
+  if (!same(a.sample_views, b.sample_views)) return "sample_views";
+  if (!same(a.ppf_points.view(), b.ppf_points.view())) return "ppf/points";
+  if (!same(a.ppf_normals.view(), b.ppf_normals.view())) return "ppf/normals";
+  if (!(a.ppf.quantisation == b.ppf.quantisation)) return "ppf quantisation";
+  if (!same(a.ppf.offsets, b.ppf.offsets)) return "ppf/offsets";
+  if (!same(a.ppf.entries, b.ppf.entries)) return "ppf/entries";
+  return {};
+}
+
+}  // namespace trivet::test
