@@ -1,0 +1,65 @@
+/// JSON files, read within bounds; faults name the path of the value in the document.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "storage/cloud.hpp"
+#include "storage/model.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// Thrown while a document is walked over; with_json turns it into a bad_data error.
+struct JsonFault {
+  std::string message;
+};
+
+/// A value of the document that knows its path. Every member throws JsonFault when it cannot hold.
+class JsonNode {
+ public:
+  JsonNode(const nlohmann::json& value, std::string path)
+      : value_(&value), path_(std::move(path)) {}
+
+  const JsonNode& object() const;  ///< itself, if it is an object
+  /// Whether the member is there and not null.
+  bool has(std::string_view key) const;
+  JsonNode at(std::string_view key) const;
+  std::vector<JsonNode> elements() const;                         ///< of an array
+  std::vector<std::pair<std::string, JsonNode>> members() const;  ///< of an object, sorted by key
+
+  double number() const;  ///< finite
+  bool boolean() const;
+  std::string string() const;
+  double coordinate() const;        ///< a number of at most 1e9
+  Eigen::Vector3d vector3() const;  ///< three coordinates
+  /// A rigid motion as four rows of four numbers, or 16 numbers row by row. A rotation within 1e-2
+  /// is replaced by the nearest true one; the translation is multiplied by `scale`.
+  Pose pose(double scale = 1) const;
+  /// {"fx", "fy", "cx", "cy"} or {"cam_K": 9 numbers}, and "depth_scale" (1 if absent).
+  Camera camera() const;
+
+  [[noreturn]] void refuse(std::string_view what) const;
+
+ private:
+  const nlohmann::json* value_;
+  std::string path_;
+};
+
+/// Called for each key with the number of objects and arrays around it, in the order of the file.
+using OnJsonKey = std::function<void(int depth, const std::string& key)>;
+
+/// Parse a file of at most 256 MB and 32 levels and walk over it.
+/// Errors: missing_input, io, bad_data (names the byte or the path of the fault).
+Result<void> with_json(const std::filesystem::path& file,
+                       const std::function<void(const JsonNode& root)>& walk,
+                       const OnJsonKey& on_key = {});
+
+}  // namespace trivet
