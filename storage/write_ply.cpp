@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "storage/file.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet {
+namespace {
+
+template <class T>
+void append(std::string& out, T value) {
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  if (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+  out.append(bytes.data(), bytes.size());
+}
+
+void append(std::string& out, const Eigen::Vector3f& v) {
+  append(out, v.x());
+  append(out, v.y());
+  append(out, v.z());
+}
+
+std::string header_of(const Cloud& cloud) {
+  std::string header = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n",
+      cloud.points.size());
+  if (!cloud.normals.empty()) header += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!cloud.triangles.empty()) {
+    header += fmt::format("element face {}\nproperty list uchar int vertex_indices\n",
+                          cloud.triangles.size());
+  }
+  return header + "end_header\n";
+}
+
+}  // namespace
+
+Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud) {
+  std::string out = header_of(cloud);
+  out.reserve(out.size() + 24 * cloud.points.size() + 13 * cloud.triangles.size());
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    append(out, cloud.points[i]);
+    if (!cloud.normals.empty()) append(out, cloud.normals[i]);
+  }
+  for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
+    append(out, std::uint8_t{3});
+    append(out, cloud.triangles.a[t]);
+    append(out, cloud.triangles.b[t]);
+    append(out, cloud.triangles.c[t]);
+  }
+  return publish_file(file, std::as_bytes(std::span(out)));
+}
+
+}  // namespace trivet
