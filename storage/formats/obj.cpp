@@ -1,5 +1,114 @@
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <limits>
+#include <utility>
+
 #include "storage/formats/readers.hpp"
+#include "storage/formats/text.hpp"
 
 namespace trivet::formats {
-Result<Cloud> read_obj(const Input& input) { return input.refuse("this format is not read yet"); }
+namespace {
+
+/// The largest index of some kind and the line that used it: vertices may follow their faces.
+struct Highest {
+  std::int64_t index = -1;
+  std::size_t line = 0;
+
+  void note(std::int64_t used, std::size_t at) {
+    if (used > index) *this = {used, at};
+  }
+};
+
+class ObjReader {
+ public:
+  explicit ObjReader(const Input& input) : input_(input), cursor_(input.text()) {}
+
+  Result<Cloud> read() {
+    do {
+      const auto key = cursor_.word();
+      Result<void> done;
+      if (key == "v") done = read_vector(cloud_.points);
+      if (key == "vn") done = read_vector(cloud_.normals);
+      if (key == "f") done = read_face();
+      if (!done) return done.error();
+    } while (cursor_.next_line());
+
+    if (highest_.index >= static_cast<std::int64_t>(cloud_.points.size())) {
+      return input_.refuse_line(highest_.line,
+                                fmt::format("the face names vertex {}, but the file has {}",
+                                            highest_.index + 1, cloud_.points.size()));
+    }
+    if (!paired_ || cloud_.normals.size() != cloud_.points.size()) cloud_.normals = {};
+    return std::move(cloud_);
+  }
+
+ private:
+  Error refuse(std::string_view what) const { return input_.refuse_line(cursor_.line(), what); }
+
+  /// The next word; a backslash at the end of a line joins the next one.
+  std::string_view word() {
+    auto found = cursor_.word();
+    while (found == "\\" && cursor_.next_line()) found = cursor_.word();
+    return found;
+  }
+
+  Result<void> read_vector(Points& points) {
+    if (points.size() == input_.max_points()) return input_.refuse_count(points.size() + 1);
+    Eigen::Vector3f v;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const auto found = word();
+      const auto number = parse_number(found);
+      if (!number) return refuse(fmt::format("expected three numbers, found {}", quote(found)));
+      v[i] = to_float(*number);
+    }
+    points.push_back(v);
+    return {};
+  }
+
+  /// Turn a 1-based or negative index into one from 0 on; -1 when it is none.
+  static std::int64_t resolve(std::string_view text, std::size_t count) {
+    const std::int64_t index = parse_integer(text).value_or(0);
+    if (index > std::numeric_limits<std::int32_t>::max()) return -1;
+    const auto size = static_cast<std::int64_t>(count);
+    return index > 0 ? index - 1 : index < 0 && index >= -size ? size + index : -1;
+  }
+
+  /// A corner is "v", "v/vt", "v//vn" or "v/vt/vn".
+  Result<void> read_face() {
+    std::uint32_t first = 0, previous = 0;
+    std::size_t seen = 0;
+    for (auto corner = word(); !corner.empty() && corner[0] != '#'; corner = word(), ++seen) {
+      const auto slash = corner.find('/');
+      const std::int64_t vertex = resolve(corner.substr(0, slash), cloud_.points.size());
+      if (vertex < 0) {
+        return refuse(
+            fmt::format("expected the number of a vertex, counted from 1 or back from -1, "
+                        "found {} behind {} vertices",
+                        quote(corner), cloud_.points.size()));
+      }
+      highest_.note(vertex, cursor_.line());
+      if (slash != corner.npos && corner.find('/', slash + 1) != corner.npos) {
+        const auto normal = corner.substr(corner.find('/', slash + 1) + 1);
+        if (resolve(normal, cloud_.normals.size()) != vertex) paired_ = false;
+      }
+      const auto index = static_cast<std::uint32_t>(vertex);
+      if (seen == 0) first = index;
+      if (seen >= 2) cloud_.triangles.push_back(first, previous, index);
+      previous = index;
+    }
+    return {};
+  }
+
+  const Input& input_;
+  TextCursor cursor_;
+  Cloud cloud_;
+  Highest highest_;
+  bool paired_ = true;  // every corner has the normal with the index of its vertex
+};
+
+}  // namespace
+
+Result<Cloud> read_obj(const Input& input) { return ObjReader(input).read(); }
+
 }  // namespace trivet::formats
