@@ -1,0 +1,31 @@
+/// Angles without branches, so that loops over them vectorise.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace trivet::kernels {
+
+inline constexpr float kPi = 3.14159265358979323846F;
+
+/// atan2 by an odd polynomial of degree 13; |error| < 1e-6 rad (minimax fit on [0, 1], test
+/// `FastAngle`). atan2(0, 0) gives 0. Training and recognition both use it, so a pair lands in the
+/// same bin on both sides.
+inline float fast_atan2(float y, float x) noexcept {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float large = std::max(ax, ay), small = std::min(ax, ay);
+  const float q = small / std::max(large, 1e-37F);
+  const float s = q * q;
+  float r = 0.00681177107617259F;
+  r = r * s - 0.033604156225919724F;
+  r = r * s + 0.07962360978126526F;
+  r = r * s - 0.1323333978652954F;
+  r = r * s + 0.19807815551757812F;
+  r = r * s - 0.3331736922264099F;
+  r = (r * s + 0.9999961256980896F) * q;
+  r = ay > ax ? 0.5F * kPi - r : r;
+  r = x < 0 ? kPi - r : r;
+  return y < 0 ? -r : r;
+}
+
+}  // namespace trivet::kernels

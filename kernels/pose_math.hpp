@@ -1,0 +1,37 @@
+/// Small operations on rigid motions that clustering, refinement and selection share.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "storage/model.hpp"
+
+namespace trivet::kernels {
+
+/// Angle of the rotation that leads from a to b [rad], in [0, pi].
+float rotation_angle(const Eigen::Matrix3f& a, const Eigen::Matrix3f& b) noexcept;
+
+/// Among `pose` and its symmetric equivalents, the one whose rotation is closest to `target`.
+/// Equivalents describe the same placement of the object: pose * S for every symmetry S.
+Pose closest_equivalent(const Pose& pose, const Symmetry& symmetry, const Pose& target) noexcept;
+
+/// Distance of two placements of one object, symmetric equivalents being the same placement.
+struct PoseDistance {
+  float translation = 0;   ///< between the images of the model's centre [scene unit]
+  float rotation_rad = 0;  ///< [0, pi]; a free axis leaves the turn about it out
+};
+PoseDistance pose_distance(const Pose& a, const Pose& b, const Symmetry& symmetry,
+                           const Eigen::Vector3f& model_centre) noexcept;
+
+/// Weighted mean: the rotation is the largest eigenvector of sum w q q^T (Markley et al., JGCD
+/// 2007), free of quaternion signs; the model's centre goes to the weighted mean of its images.
+/// Pre: at least one pose, weights > 0; poses within one symmetric branch (closest_equivalent).
+Pose mean_pose(std::span<const Pose> poses, std::span<const float> weights,
+               const Eigen::Vector3f& model_centre);
+
+/// The rotation vector's motion: turn by |w| about w, then shift by t, both about the point
+/// `pivot`.
+Pose small_motion(const Eigen::Vector3f& w, const Eigen::Vector3f& t,
+                  const Eigen::Vector3f& pivot) noexcept;
+
+}  // namespace trivet::kernels

@@ -1,0 +1,63 @@
+/// A scan as a depth image with normals: what verification and refinement look things up in.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+#include "storage/cloud.hpp"
+#include "storage/columns.hpp"
+#include "storage/model.hpp"
+#include "storage/points.hpp"
+
+namespace trivet::kernels {
+
+/// Pinhole geometry of an image. Camera axes as in OpenCV: x right, y down, z forward.
+struct ImageGeometry {
+  Pose T_camera_scene = Pose::Identity();
+  float fx = 0, fy = 0, cx = 0, cy = 0;  ///< [pixel]
+  std::uint32_t width = 0, height = 0;
+
+  /// Index of the pixel that a point of the camera frame falls on, or -1 outside or behind.
+  std::int64_t pixel_of(const Eigen::Vector3f& p) const noexcept {
+    if (!(p.z() > 0)) return -1;
+    const float u = fx * p.x() / p.z() + cx + 0.5F, v = fy * p.y() / p.z() + cy + 0.5F;
+    if (!(u >= 0 && v >= 0 && u < static_cast<float>(width) && v < static_cast<float>(height))) return -1;
+    return static_cast<std::int64_t>(v) * width + static_cast<std::int64_t>(u);
+  }
+  /// The camera-frame point at depth z that projects to the centre of a pixel.
+  Eigen::Vector3f back_project(std::size_t pixel, float z) const noexcept {
+    const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
+    return {(u - cx) * z / fx, (v - cy) * z / fy, z};
+  }
+};
+
+/// Depth and normals per pixel; all columns have width * height values.
+struct RangeImage {
+  ImageGeometry geometry;
+  Column<float> depth;         ///< along the optical axis, 0 without a measurement [scene unit]
+  Normals normals;             ///< camera frame, towards the sensor; NaN where unknown
+  Column<std::uint8_t> plane;  ///< number of the dominant plane the pixel lies on, from 1; 0: none
+};
+
+/// Recover the camera of an organised scan whose file does not name it, by least squares on u = fx x/z + cx.
+/// Nothing is returned unless 95 % of the points lie within half a pixel: then the grid is not a pinhole's.
+/// points are in the frame of a sensor at the origin that looks along +z.
+std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
+
+/// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of the points, and
+/// its pixels are as fine as leaves about two points on each occupied one, so that surfaces have few holes.
+/// Points more than 75 degrees off its axis fall outside. Nothing for fewer than 3 points or one at the viewpoint.
+std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
+                                           std::uint32_t max_side = 2048);
+
+/// For each pixel the index of the nearest of the points that fall on it (ties to the lowest index).
+/// With normals, points that face away from the camera are left out.
+PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
+
+/// Fill single missing pixels of a depth image between measured neighbours of like depth, in place.
+/// A pixel is filled with the mean of its measured 8-neighbours when at least `min_neighbours` of them lie within
+/// `max_step` of each other. Gives the number filled.
+std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours, Column<float>& depth);
+
+}  // namespace trivet::kernels
