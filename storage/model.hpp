@@ -43,7 +43,7 @@ struct Model {
   std::string source;         ///< name of the file it was trained from, without folders
   std::string source_xxh3;    ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
   float diameter = 0;         ///< largest distance between two surface points [library unit]
-  Eigen::Vector3f centre{0, 0, 0};  ///< middle of the bounding box [library unit]
+  Eigen::Vector3f centre{0, 0, 0};  ///< area centroid, which every symmetry keeps in place [library unit]
   Symmetry symmetry;
 
   Points vertices;      ///< the surface as given, scaled to the library's unit

@@ -1,0 +1,27 @@
+/// The subcommands. Each adds itself to the command line and runs when chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "apps/console.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+/// What all subcommands share.
+struct Context {
+  Console console;
+  unsigned num_threads = 0;  ///< 0: all cores
+  std::stop_token stop;
+  std::function<Result<void>()> run;  ///< set by the subcommand that was chosen
+};
+
+void add_train(CLI::App& app, Context& context);
+void add_recognize(CLI::App& app, Context& context);
+void add_library(CLI::App& app, Context& context);
+void add_evaluate(CLI::App& app, Context& context);
+
+}  // namespace trivet::apps

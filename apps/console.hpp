@@ -1,0 +1,21 @@
+/// What a person sees: a progress bar on a terminal, plain lines otherwise, nothing with --quiet.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "engine/progress.hpp"
+
+namespace trivet::apps {
+
+class Console {
+ public:
+  bool quiet = false;
+
+  void line(std::string_view text) const;     ///< to standard error, unless quiet
+  void warning(std::string_view text) const;  ///< to standard error, always
+  /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise.
+  Progress progress(std::string_view verb, std::stop_token stop) const;
+};
+
+}  // namespace trivet::apps

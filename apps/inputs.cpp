@@ -1,0 +1,130 @@
+#include "apps/inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "storage/read_cloud.hpp"
+
+namespace trivet::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_extension(const fs::path& file, std::string_view extension) {
+  std::string own = file.extension().string();
+  std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
+  return own == extension;
+}
+
+double unit_scale(LengthUnit from, LengthUnit to) {
+  if (from == to) return 1;
+  return from == LengthUnit::metre ? 1000 : 0.001;
+}
+
+/// The files of a folder that `readable` accepts, by name. Errors: missing_input, bad_data (none).
+template <class Readable>
+Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& readable) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_regular_file() && readable(entry.path())) files.push_back(entry.path());
+  }
+  if (error) return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
+  if (files.empty()) {
+    return Error{ErrorCode::missing_input,
+                 fmt::format("{}: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found none", folder.string())};
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+LengthUnit parse_unit(const std::string& text) { return text == "mm" ? LengthUnit::millimetre : LengthUnit::metre; }
+
+const char* unit_name(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
+
+Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
+  ModelInputs inputs;
+  for (const std::string& argument : arguments) {
+    if (fs::is_directory(argument)) {
+      const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
+      if (!files) return files.error();
+      for (const fs::path& file : *files) inputs.sources.push_back({file.stem().string(), file, 1, {}});
+    } else if (has_extension(argument, ".json")) {
+      const Result<Manifest> manifest = read_manifest(argument);
+      if (!manifest) return manifest.error();
+      if (inputs.unit && *inputs.unit != manifest->unit) {
+        return Error{ErrorCode::usage, fmt::format("{}: expected manifests of one unit, found '{}' after '{}'", argument,
+                                                   unit_name(manifest->unit), unit_name(*inputs.unit))};
+      }
+      inputs.unit = manifest->unit;
+      for (const ManifestModel& model : manifest->models) {
+        inputs.sources.push_back({model.name, model.file, model.scale, model.symmetry});
+      }
+    } else if (const std::size_t equals = argument.find('='); equals != std::string::npos && !fs::exists(argument)) {
+      inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
+    } else {
+      inputs.sources.push_back({fs::path(argument).stem().string(), argument, 1, {}});
+    }
+  }
+  std::set<std::string> names;
+  for (const ModelSource& source : inputs.sources) {
+    if (!names.insert(source.name).second) {
+      return Error{ErrorCode::usage, fmt::format("{}: expected each model's name once, found '{}' again; name it as "
+                                                 "NAME=FILE",
+                                                 source.file.string(), source.name)};
+    }
+  }
+  return inputs;
+}
+
+std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_unit) {
+  std::vector<SceneInput> scenes;
+  for (const ManifestScene& scene : manifest.scenes) {
+    scenes.push_back({scene.file, scene.camera, scene.viewpoint, scene.closed_surface,
+                      unit_scale(manifest.unit, library_unit)});
+  }
+  return scenes;
+}
+
+Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
+  SceneInput common;
+  common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
+  if (!arguments.camera.empty()) {
+    const Result<Camera> camera = read_camera(arguments.camera);
+    if (!camera) return camera.error();
+    common.camera = *camera;
+  }
+  if (!arguments.viewpoint.empty()) {
+    common.viewpoint = Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
+  }
+
+  std::vector<SceneInput> scenes;
+  for (const std::string& argument : arguments.scenes) {
+    std::vector<fs::path> files{argument};
+    if (has_extension(argument, ".json")) {
+      const Result<Manifest> manifest = read_manifest(argument);
+      if (!manifest) return manifest.error();
+      const std::vector<SceneInput> listed = scenes_of(*manifest, library_unit);
+      scenes.insert(scenes.end(), listed.begin(), listed.end());
+      continue;
+    }
+    if (fs::is_directory(argument)) {
+      Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
+        return is_cloud_file(file) || (common.camera && has_extension(file, ".png"));
+      });
+      if (!listed) return listed.error();
+      files = std::move(*listed);
+    }
+    for (const fs::path& file : files) {
+      scenes.push_back(common);
+      scenes.back().file = file;
+    }
+  }
+  return scenes;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,95 @@
+/// trivet: recognise known rigid objects in 3-D scans.
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <csignal>
+#include <exception>
+#include <optional>
+#include <thread>
+
+#include "apps/commands.hpp"
+#include "engine/progress.hpp"
+
+namespace {
+
+using namespace trivet;
+
+/// sysexits.h, as scripts expect them.
+int exit_code(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::usage: return 2;
+    case ErrorCode::bad_data: return 65;
+    case ErrorCode::missing_input: return 66;
+    case ErrorCode::cannot_create: return 73;
+    case ErrorCode::io: return 74;
+    case ErrorCode::resumable: return 75;
+    case ErrorCode::internal: return 70;
+  }
+  return 70;
+}
+
+/// Ctrl-C once asks the work to stop at the next step; twice ends the program at once.
+class InterruptWatch {
+ public:
+  InterruptWatch() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    std::thread([signals = signals_, source = source_]() mutable {
+      int signal = 0;
+      sigwait(&signals, &signal);
+      source.request_stop();
+      sigwait(&signals, &signal);
+      std::_Exit(128 + signal);
+    }).detach();
+  }
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  sigset_t signals_{};
+  std::stop_source source_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const InterruptWatch interrupt;
+  apps::Context context;
+  context.stop = interrupt.token();
+
+  CLI::App app{"Recognise known rigid objects in 3-D scans.\n"
+               "Train a library once, then find its models in scenes:\n\n"
+               "  trivet train MODELS/ -o LIBRARY.h5\n"
+               "  trivet recognize LIBRARY.h5 SCENE.ply --json -\n"};
+  app.set_version_flag("--version", "trivet " TRIVET_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--threads", context.num_threads, "Threads to use; 0 means all cores. The output does not depend on it.")
+      ->check(CLI::Range(0U, 1024U));
+  app.add_flag("--quiet", context.console.quiet, "Print results and errors only");
+  apps::add_train(app, context);
+  apps::add_recognize(app, context);
+  apps::add_library(app, context);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+
+  try {
+    const ThreadLimit limit(context.num_threads);
+    const Result<void> done = context.run();
+    if (done) return 0;
+    fmt::print(stderr, "error: {}\n", done.error().message);
+    return exit_code(done.error().code);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: out of memory; use a larger relative step, fewer models or a smaller scene\n");
+    return exit_code(ErrorCode::io);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: internal: {}; please report it with the command that led here\n", error.what());
+    return exit_code(ErrorCode::internal);
+  }
+}

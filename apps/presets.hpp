@@ -1,0 +1,26 @@
+/// Named settings: fast, balanced, accurate.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "engine/recognise.hpp"
+#include "engine/train.hpp"
+
+namespace trivet::apps {
+
+inline const std::map<std::string, TrainOptions>& train_presets() {
+  static const std::map<std::string, TrainOptions> presets{
+      {"fast", {.relative_step = 0.05F}}, {"balanced", {}}, {"accurate", {.relative_step = 0.03F}}};
+  return presets;
+}
+
+inline const std::map<std::string, RecogniseOptions>& recognise_presets() {
+  static const std::map<std::string, RecogniseOptions> presets{
+      {"fast", {.vote = {.reference_share = 0.1F}, .pose = {.max_clusters = 200, .max_refined = 30}}},
+      {"balanced", {}},
+      {"accurate", {.vote = {.reference_share = 0.4F, .max_references = 10000}, .pose = {.max_refined = 160}}}};
+  return presets;
+}
+
+}  // namespace trivet::apps

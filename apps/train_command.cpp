@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands.hpp"
+#include "apps/inputs.hpp"
+#include "apps/presets.hpp"
+
+namespace trivet::apps {
+namespace {
+
+struct TrainArguments {
+  std::vector<std::string> models;
+  std::string output, unit, preset = "balanced";
+  std::optional<float> relative_step;
+};
+
+Result<void> train(const TrainArguments& arguments, const Context& context) {
+  const Result<ModelInputs> inputs = collect_models(arguments.models);
+  if (!inputs) return inputs.error();
+  if (inputs->unit && !arguments.unit.empty() && *inputs->unit != parse_unit(arguments.unit)) {
+    return Error{ErrorCode::usage, fmt::format("--unit: expected '{}' as in the manifest, found '{}'",
+                                               unit_name(*inputs->unit), arguments.unit)};
+  }
+  const LengthUnit unit = inputs->unit.value_or(parse_unit(arguments.unit));
+  TrainOptions options = train_presets().at(arguments.preset);
+  if (arguments.relative_step) options.relative_step = *arguments.relative_step;
+
+  const Result<LibraryStats> stats = train_library(inputs->sources, unit, options, arguments.output,
+                                                   context.console.progress("trained", context.stop));
+  if (!stats) return stats.error();
+  std::uint64_t entries = 0;
+  for (const auto& [name, model] : stats->models) {
+    entries += model.num_ppf_entries;
+    for (const std::string& warning : model.warnings) context.console.warning(fmt::format("{}: {}", name, warning));
+  }
+  context.console.line(fmt::format("{}: {} models, {} point pairs, {:.2f} s", arguments.output, stats->models.size(),
+                                   entries, stats->seconds));
+  return {};
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<TrainArguments>();
+  CLI::App* command = app.add_subcommand("train", "Train models into one library file");
+  command->add_option("MODEL", arguments->models,
+                      "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ), NAME=FILE, folders, or manifests")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "Library file to write; it appears whole or not at all")
+      ->required();
+  command->add_option("--unit", arguments->unit, "Unit of the models: m (default) or mm; a manifest names its own")
+      ->check(CLI::IsMember({"m", "mm"}));
+  command->add_option("--preset", arguments->preset, "fast, balanced or accurate: how finely models are sampled")
+      ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
+      ->capture_default_str();
+  command->add_option("--relative-step", arguments->relative_step,
+                      "Sampling step as a share of the diameter, 0.01 to 0.2; overrides the preset");
+  command->callback([arguments, &context] { context.run = [arguments, &context] { return train(*arguments, context); }; });
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,335 @@
+#include "engine/prepare_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "engine/parallel.hpp"
+#include "kernels/estimate_normals.hpp"
+#include "kernels/estimate_normals_grid.hpp"
+#include "kernels/subsample_by_normals.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kRowGrain = 8;        // image rows a task
+constexpr float kNormalClusterRad = 0.5236F; // 30 degrees, as in training
+constexpr std::size_t kPlaneSamples = 6000; // pixels that planes are searched in
+
+/// Half-width of the window for normals, in pixels or spacings: wide enough that noise of this size turns them by
+/// about as much as the quantisation of the pair's angles, no wider, since corners round off.
+float normal_window(float noise, float spacing) { return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F); }
+
+float median(Column<float>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Depth and normals of each pixel from the points that the grid names.
+kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid, PointsView points,
+                               NormalsView normals) {
+  kernels::RangeImage image;
+  image.geometry = geometry;
+  const std::size_t n = grid.point_index.size();
+  image.depth.assign(n, 0);
+  image.plane.assign(n, 0);
+  image.normals.resize(n);
+  const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
+  for (std::size_t pixel = 0; pixel < n; ++pixel) {
+    const std::int32_t i = grid.point_index[pixel];
+    if (i == PixelGrid::kNone) {
+      image.normals.set(pixel, Eigen::Vector3f::Constant(kNaN));
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(i);
+    image.depth[pixel] = (geometry.T_camera_scene * points[at]).z();
+    image.normals.set(pixel, R * normals[at]);
+  }
+  return image;
+}
+
+/// Close single missing pixels, which scattered points leave between them, with their neighbours' normals.
+void close_holes(float max_step, kernels::RangeImage& image) {
+  const Column<float> measured = image.depth;
+  kernels::fill_small_holes(image.geometry, max_step, 4, image.depth);
+  const std::size_t width = image.geometry.width;
+  for (std::size_t pixel = width + 1; pixel + width + 1 < measured.size(); ++pixel) {
+    if (measured[pixel] > 0 || !(image.depth[pixel] > 0)) continue;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const std::size_t row : {pixel - width, pixel, pixel + width}) {
+      for (const std::size_t at : {row - 1, row, row + 1}) {
+        if (std::isfinite(image.normals.view().x[at])) sum += image.normals[at];
+      }
+    }
+    if (sum.norm() > 0) image.normals.set(pixel, sum.normalized());
+  }
+}
+
+/// What the sensor's pixels are: given, recovered from the grid, or made up for scattered points.
+struct SensorView {
+  kernels::ImageGeometry geometry;
+  PixelGrid grid;
+  bool scattered = false;
+};
+
+std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points, const Eigen::Vector3f& viewpoint) {
+  std::optional<Camera> camera = cloud.camera;
+  if (!camera && cloud.grid && viewpoint.isZero()) camera = kernels::fit_camera(*cloud.grid, points);
+  if (camera && cloud.grid) {
+    SensorView view;
+    view.grid = *cloud.grid;
+    view.geometry.fx = static_cast<float>(camera->fx);
+    view.geometry.fy = static_cast<float>(camera->fy);
+    view.geometry.cx = static_cast<float>(camera->cx);
+    view.geometry.cy = static_cast<float>(camera->cy);
+    view.geometry.width = view.grid.width;
+    view.geometry.height = view.grid.height;
+    return view;
+  }
+  const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
+  if (!geometry) return std::nullopt;
+  return SensorView{*geometry, kernels::rasterise(*geometry, points), true};
+}
+
+void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
+  const kernels::ImageGeometry& geometry = image.geometry;
+  std::size_t measured = 0;
+  for (const float d : image.depth) measured += d > 0;
+  const auto stride = static_cast<std::size_t>(
+      std::max(1.0, std::floor(std::sqrt(static_cast<double>(measured) / kPlaneSamples))));
+  Points points;
+  Normals normals;
+  std::vector<float> areas;
+  float total = 0;
+  for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
+    for (std::size_t u = stride / 2; u < geometry.width; u += stride) {
+      const std::size_t pixel = v * geometry.width + u;
+      const float d = image.depth[pixel];
+      const Eigen::Vector3f n = image.normals[pixel];
+      if (!(d > 0) || !std::isfinite(n.x())) continue;
+      const Eigen::Vector3f p = geometry.back_project(pixel, d);
+      const float facing = std::max(0.2F, -n.dot(p.normalized()));
+      points.push_back(p);
+      normals.push_back(n);
+      areas.push_back(d * d / (geometry.fx * geometry.fy) / facing * static_cast<float>(stride * stride));
+      total += areas.back();
+    }
+  }
+  if (points.size() < 100) return;
+  scene.plane_tolerance = std::max(3 * scene.noise, 1.0F * scene.spacing);
+  kernels::PlaneOptions options;
+  options.tolerance = scene.plane_tolerance;
+  options.min_area = 0.04F * total;
+  scene.planes = kernels::find_planes(points, normals, areas, options);
+
+  // The images hold planes in the camera's frame, the scene in its own.
+  Points at(geometry.width);
+  for (std::size_t v = 0; v < geometry.height; ++v) {
+    for (std::size_t u = 0; u < geometry.width; ++u) {
+      const std::size_t pixel = v * geometry.width + u;
+      at.set(u, image.depth[pixel] > 0 ? geometry.back_project(pixel, image.depth[pixel])
+                                       : Eigen::Vector3f::Constant(kNaN));
+    }
+    kernels::label_planes(at, image.normals.view().slice(v * geometry.width, geometry.width), scene.planes,
+                          scene.plane_tolerance, kPlaneAngleRad,
+                          std::span(image.plane).subspan(v * geometry.width, geometry.width));
+  }
+  const Pose T_scene_camera = geometry.T_camera_scene.inverse();
+  for (kernels::Plane& plane : scene.planes) {
+    const Eigen::Vector3f n = T_scene_camera.linear() * plane.normal;
+    plane.offset += n.dot(T_scene_camera.translation());
+    plane.normal = n;
+  }
+}
+
+Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input, PreparedScene& scene) {
+  const Eigen::Vector3f viewpoint =
+      input.viewpoint ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
+                      : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
+                                        : Eigen::Vector3f::Zero();
+  const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
+  if (!view) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} points that no camera "
+                             "there can see; give the sensor's position with --viewpoint",
+                             input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(), cloud.points.size())};
+  }
+  const kernels::ImageGeometry& geometry = view->geometry;
+
+  Column<float> footprints;
+  for (std::size_t i = 0; i < scene.points.size(); i += 1 + scene.points.size() / 20000) {
+    footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
+  }
+  scene.spacing = median(footprints);
+
+  kernels::PixelPoints pixels;
+  kernels::arrange_pixels(view->grid, scene.points, pixels);
+  scene.normals.resize(scene.points.size());
+  std::fill(scene.normals.span().x.begin(), scene.normals.span().x.end(), kNaN);
+  Column<float> residuals(scene.points.size(), kNaN);
+  const auto estimate = [&](std::uint32_t window) {
+    kernels::GridNormalOptions options;
+    options.window = window;
+    for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
+      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, options, first, count, scene.normals, residuals);
+    });
+  };
+  estimate(2);
+  Column<float> scratch;
+  scene.noise = kernels::estimate_scan_noise(residuals, scratch);
+  const auto window = static_cast<std::uint32_t>(std::lround(normal_window(scene.noise, scene.spacing)));
+  if (window != 2) estimate(window);
+
+  scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
+  if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
+  find_dominant_planes(scene.images.back(), scene);
+  return {};
+}
+
+/// Unit normals of the vertices: the sum of their faces' normals, by area.
+Normals vertex_normals(PointsView points, const Triangles& triangles) {
+  Normals normals(points.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Eigen::Vector3f a = points[triangles.a[t]];
+    const Eigen::Vector3f n = (points[triangles.b[t]] - a).cross(points[triangles.c[t]] - a);
+    for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]}) {
+      normals.set(corner, normals[corner] + n);
+    }
+  }
+  return normals;
+}
+
+float mean_edge(PointsView points, const Triangles& triangles) {
+  double sum = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    sum += static_cast<double>((points[triangles.a[t]] - points[triangles.b[t]]).norm());
+  }
+  return static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, triangles.size())));
+}
+
+Result<void> prepare_closed_scene(const Cloud& cloud, const SceneInput& input, PreparedScene& scene) {
+  if (cloud.triangles.empty()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected faces, as the scene has neither camera nor viewpoint, found none; "
+                             "give the sensor's position with --viewpoint",
+                             input.file.string())};
+  }
+  scene.spacing = mean_edge(scene.points, cloud.triangles);
+  const Normals outward = vertex_normals(scene.points, cloud.triangles);
+  const std::size_t n = scene.points.size();
+  scene.normals.resize(n);
+  Column<float> residuals(n);
+  const auto estimate = [&](float window) {
+    const float radius = window * scene.spacing;
+    const kernels::VoxelHash grid(scene.points, radius);
+    Neighbourhoods rows;
+    rows.offsets.assign(n + 1, 0);
+    for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
+      kernels::count_radius_neighbours(grid, scene.points.view().slice(first, count), radius,
+                                       std::span(rows.offsets).subspan(first, count));
+    });
+    rows.indices.resize(counts_to_offsets(rows.offsets));
+    for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
+      const NeighbourhoodsView view = rows.view().rows(first, count);
+      kernels::fill_radius_neighbours(grid, scene.points.view().slice(first, count), radius, view.offsets,
+                                      rows.indices);
+      kernels::estimate_normals(scene.points, view, scene.normals.span().slice(first, count),
+                                std::span(residuals).subspan(first, count));
+    });
+  };
+  estimate(2);
+  Column<float> finite;
+  for (const float r : residuals) {
+    if (std::isfinite(r)) finite.push_back(r);
+  }
+  scene.noise = median(finite);
+  const float window = normal_window(scene.noise, scene.spacing);
+  if (window > 2.25F) estimate(window);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
+  }
+
+  // Six far cameras around the surface see it as sensors would.
+  Eigen::Array3f low = scene.points[0].array(), high = low;
+  for (std::size_t i = 1; i < n; ++i) {
+    low = low.min(scene.points[i].array());
+    high = high.max(scene.points[i].array());
+  }
+  const Eigen::Vector3f middle = ((low + high) / 2).matrix();
+  const float distance = 10 * (high - low).matrix().norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0F, 1.0F}) {
+      const Eigen::Vector3f eye = middle + side * distance * Eigen::Vector3f::Unit(axis);
+      std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(scene.points, eye);
+      if (!geometry) continue;
+      const PixelGrid grid = kernels::rasterise(*geometry, scene.points, scene.normals);
+      scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
+      close_holes(3 * scene.spacing, scene.images.back());
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times) {
+  const StageTimer timer(times, "prepare");
+  PreparedScene scene;
+  if (cloud.points.size() < 50) {
+    return Error{ErrorCode::bad_data, fmt::format("{}: expected a scan of at least 50 points, found {}",
+                                                  input.file.string(), cloud.points.size())};
+  }
+  scene.points = cloud.points;
+  if (input.scale != 1) {
+    const PointsSpan span = scene.points;
+    const auto scale = static_cast<float>(input.scale);
+    for (const std::span<float> column : {span.x, span.y, span.z}) {
+      for (float& value : column) value *= scale;
+    }
+  }
+  const Result<void> prepared = input.closed_surface ? prepare_closed_scene(cloud, input, scene)
+                                                     : prepare_sensor_scene(cloud, input, scene);
+  if (!prepared) return prepared.error();
+  return scene;
+}
+
+std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter) {
+  std::vector<std::uint8_t> background;
+  for (const kernels::Plane& plane : scene.planes) background.push_back(plane.area > 0.8F * diameter * diameter);
+  return background;
+}
+
+SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter, const VoteOptions& options) {
+  SceneLevel level;
+  level.step = step;
+  Points points;
+  Normals normals;
+  kernels::SubsampleScratch scratch;
+  kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points, normals, scratch);
+
+  std::vector<std::uint8_t> labels(points.size(), 0);
+  kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad, labels);
+  const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
+    level.points.push_back(points[i]);
+    level.normals.push_back(normals[i]);
+  }
+
+  const auto wanted = static_cast<std::size_t>(
+      std::ceil(options.reference_share * static_cast<float>(level.points.size())));
+  const std::size_t num_references = std::min<std::size_t>(wanted, options.max_references);
+  for (std::size_t k = 0; k < num_references; ++k) {
+    level.references.push_back(static_cast<std::uint32_t>(k * level.points.size() / num_references));
+  }
+  level.grid = kernels::VoxelHash(level.points, std::max(step, 0.25F * largest_diameter));
+  return level;
+}
+
+}  // namespace trivet::engine

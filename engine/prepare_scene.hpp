@@ -1,0 +1,48 @@
+/// The scene's side of recognition: prepared once for all models, then once more per size of models.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/recognise.hpp"
+#include "kernels/find_planes.hpp"
+#include "kernels/range_image.hpp"
+#include "kernels/voxel_hash.hpp"
+#include "storage/cloud.hpp"
+#include "storage/points.hpp"
+
+namespace trivet::engine {
+
+/// A scan as images with normals, and as oriented points. Lengths in the library's unit.
+struct PreparedScene {
+  std::vector<kernels::RangeImage> images;  ///< one of a sensor; six around a closed surface
+  Points points;
+  Normals normals;                          ///< towards the sensor or outward; NaN where unknown
+  std::vector<kernels::Plane> planes;       ///< the large ones, of any size of model
+  float noise = 0;                          ///< standard deviation across surfaces
+  float spacing = 0;                        ///< typical distance between neighbouring measurements
+  float plane_tolerance = 0;
+};
+
+inline constexpr float kPlaneAngleRad = 0.35F;
+
+/// Errors: bad_data (too few points, no surface).
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times);
+
+/// The scene sampled for models of one step.
+struct SceneLevel {
+  float step = 0;
+  Points points;
+  Normals normals;
+  std::vector<std::uint32_t> references;  ///< indices of the points that vote, rising
+  kernels::VoxelHash grid;
+};
+
+/// Sample a scene at `step` and choose references. Points on planes larger than the largest model stay out.
+SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter, const VoteOptions& options);
+
+/// By plane number: whether it is too large to be part of a model of this diameter.
+std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter);
+
+}  // namespace trivet::engine

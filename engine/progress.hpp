@@ -1,0 +1,71 @@
+/// How a long run tells its state, is stopped, and is bounded in threads.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace trivet {
+
+/// Reports may come from any thread, one at a time. `item` names what was just finished.
+struct Progress {
+  std::function<void(std::size_t done, std::size_t total, std::string_view item)> report;
+  std::stop_token stop;
+
+  void operator()(std::size_t done, std::size_t total, std::string_view item) const {
+    if (report) report(done, total, item);
+  }
+};
+
+/// Seconds and counts of the stages of one run, in the order in which they first ran.
+struct StageTimes {
+  std::vector<std::pair<std::string, double>> seconds;
+
+  void add(std::string_view stage, double value) {
+    for (auto& [name, sum] : seconds) {
+      if (name == stage) {
+        sum += value;
+        return;
+      }
+    }
+    seconds.emplace_back(stage, value);
+  }
+};
+
+/// Adds the time from its making to `stop` or its end to a stage.
+class StageTimer {
+ public:
+  StageTimer(StageTimes& times, std::string_view stage)
+      : times_(times), stage_(stage), start_(std::chrono::steady_clock::now()) {}
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+  ~StageTimer() {
+    times_.add(stage_, std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
+  }
+
+ private:
+  StageTimes& times_;
+  std::string_view stage_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+/// Bounds the number of threads of everything that runs while it lives; 0 means all cores.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(unsigned num_threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trivet

@@ -1,0 +1,324 @@
+#include "engine/train.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "engine/parallel.hpp"
+#include "kernels/diameter.hpp"
+#include "kernels/estimate_normals.hpp"
+#include "kernels/find_symmetry.hpp"
+#include "kernels/ppf_table.hpp"
+#include "kernels/ray_scene.hpp"
+#include "kernels/sample_mesh.hpp"
+#include "kernels/subsample_by_normals.hpp"
+#include "kernels/visibility.hpp"
+#include "kernels/voxel_hash.hpp"
+
+namespace trivet {
+namespace {
+
+using engine::for_chunks;
+
+constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
+constexpr std::size_t kViewGrain = 16;       // a sample shoots some 300 rays
+constexpr std::size_t kPairGrain = 16;       // references a task; each pairs with all points
+constexpr std::size_t kTableChunks = 8;      // fixed, so that the table does not depend on the number of threads
+constexpr std::size_t kMaxPpfPoints = 65536; // what a 16-bit reference can name
+constexpr std::size_t kDensePerVoxel = 10;   // surface samples averaged into one point of the table
+
+/// Points with outward normals, spread over the surface, before subsampling.
+struct DenseSurface {
+  Points points;
+  Normals normals;
+  float spacing = 0;
+};
+
+Error bad_surface(const ModelSource& source, const std::string& found) {
+  return {ErrorCode::bad_data,
+          fmt::format("{}: model '{}': expected a surface with extent in three dimensions, found {}; "
+                      "give a mesh or a cloud of the whole object",
+                      source.file.string(), source.name, found)};
+}
+
+Points scaled_points(PointsView points, double scale) {
+  Points out(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.set(i, (points[i].cast<double>() * scale).cast<float>());
+  }
+  return out;
+}
+
+/// Sample a mesh; the normals are those of the faces and as reliable as the winding.
+DenseSurface sample_surface(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
+                            std::uint64_t seed, std::size_t n) {
+  DenseSurface surface;
+  surface.points.resize(n);
+  surface.normals.resize(n);
+  for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
+    kernels::sample_mesh(vertices, triangles, area_sums, seed, first, n, surface.points.span().slice(first, count),
+                         surface.normals.span().slice(first, count));
+  });
+  surface.spacing = static_cast<float>(std::sqrt(area_sums.back() / static_cast<double>(n)));
+  return surface;
+}
+
+/// Thin a cloud evenly and fit normals; their signs are open.
+DenseSurface surface_of_cloud(PointsView points, float cell) {
+  DenseSurface surface;
+  Normals up(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) up.set(i, Eigen::Vector3f::UnitZ());
+  kernels::SubsampleScratch scratch;
+  kernels::subsample_by_normals(points, up, cell, 4, surface.points, surface.normals, scratch);
+  const kernels::VoxelHash grid(points, 2 * cell);
+  surface.normals.resize(surface.points.size());
+  Neighbourhoods rows;
+  rows.offsets.assign(surface.points.size() + 1, 0);
+  kernels::count_radius_neighbours(grid, surface.points, 2.5F * cell,
+                                   std::span(rows.offsets).first(surface.points.size()));
+  rows.indices.resize(engine::counts_to_offsets(rows.offsets));
+  kernels::fill_radius_neighbours(grid, surface.points, 2.5F * cell, rows.offsets, rows.indices);
+  kernels::estimate_normals(points, rows, surface.normals);
+  surface.spacing = cell;
+  return surface;
+}
+
+/// A fixed shuffle, so that every prefix of the samples covers the surface evenly.
+std::uint64_t shuffle_key(std::uint64_t i) {
+  i = (i + 0x9E3779B97F4A7C15ULL) * 0xBF58476D1CE4E5B9ULL;
+  i = (i ^ (i >> 27)) * 0x94D049BB133111EBULL;
+  return i ^ (i >> 31);
+}
+
+/// Keep the samples that some view sees, shuffled.
+std::size_t keep_visible_samples(const DenseSurface& surface, std::span<const ViewMask> views, Model& model) {
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < views.size(); ++i) {
+    if (views[i] != ViewMask{}) kept.push_back(i);
+  }
+  std::sort(kept.begin(), kept.end(), [](std::uint32_t a, std::uint32_t b) { return shuffle_key(a) < shuffle_key(b); });
+  model.samples.resize(kept.size());
+  model.sample_normals.resize(kept.size());
+  model.sample_views.resize(kept.size());
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    model.samples.set(k, surface.points[kept[k]]);
+    model.sample_normals.set(k, surface.normals[kept[k]]);
+    model.sample_views[k] = views[kept[k]];
+  }
+  return views.size() - kept.size();
+}
+
+/// Give dense points the outward side of the nearest visible sample; those nearer to a hidden one are dropped.
+void orient_by_samples(const DenseSurface& samples, std::span<const ViewMask> views, DenseSurface& dense) {
+  const kernels::VoxelHash grid(samples.points, 2 * samples.spacing);
+  Normals& normals = dense.normals;
+  for_chunks(dense.points.size(), 1024, [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      // The nearest sample of the same sheet: thin walls have another one just behind.
+      float best = std::numeric_limits<float>::infinity();
+      std::uint32_t nearest = 0;
+      float cosine = 0;
+      grid.visit_within(dense.points[i], 4 * samples.spacing, [&](std::uint32_t s, float squared) {
+        const float c = samples.normals[s].dot(normals[i]);
+        const float cost = squared * (std::abs(c) > 0.5F ? 1.0F : 16.0F);
+        if (cost < best || (cost == best && s < nearest)) {
+          best = cost;
+          nearest = s;
+          cosine = c;
+        }
+      });
+      if (!(best < std::numeric_limits<float>::infinity()) || views[nearest] == ViewMask{}) {
+        normals.set(i, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+      } else if (cosine < 0) {
+        normals.set(i, -normals[i]);
+      }
+    }
+  });
+}
+
+struct PpfTable {
+  Column<std::uint32_t> offsets;
+  Column<PpfEntry> entries;
+};
+
+/// The views of the nearest sample with a like normal, for the co-visibility of pairs.
+std::vector<ViewMask> views_of_points(const Model& model) {
+  const kernels::VoxelHash grid(model.samples, 2 * model.sample_spacing);
+  std::vector<ViewMask> views(model.ppf_points.size());
+  for_chunks(views.size(), 256, [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      // All near samples together: what any of them sees, the point may see.
+      ViewMask mask{};
+      grid.visit_within(model.ppf_points[i], 2 * model.sample_spacing, [&](std::uint32_t s, float) {
+        if (model.sample_normals[s].dot(model.ppf_normals[i]) < 0.8F) return;
+        for (std::size_t w = 0; w < kViewWords; ++w) mask[w] |= model.sample_views[s][w];
+      });
+      if (mask == ViewMask{}) mask.fill(~std::uint64_t{0});
+      views[i] = mask;
+    }
+  });
+  return views;
+}
+
+Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step, Model& model) {
+  const std::vector<ViewMask> views = views_of_points(model);
+  const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views};
+  PpfQuantisation quantisation{step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)),
+                               options.num_angle_bins};
+  const std::size_t num_cells = quantisation.num_cells();
+  const std::size_t n = model.ppf_points.size();
+  const std::size_t num_chunks = std::min(kTableChunks, (n + kPairGrain - 1) / kPairGrain);
+  const auto chunk_first = [&](std::size_t chunk) { return n * chunk / num_chunks; };
+
+  auto table = std::make_shared<PpfTable>();
+  table->offsets.resize(num_cells + 1);
+  Column<std::uint32_t> counts(num_chunks * num_cells, 0);
+  engine::PerThread<kernels::PairScratch> scratch([&] { return kernels::PairScratch(n); });
+  engine::for_each_index(num_chunks, [&](std::size_t chunk) {
+    kernels::count_ppf_pairs(points, quantisation, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
+                             scratch.local(), std::span(counts).subspan(chunk * num_cells, num_cells));
+  });
+  const std::uint64_t num_entries = kernels::scan_ppf_counts(counts, num_chunks, table->offsets);
+  if (num_entries == 0) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: model '{}': expected 1 to 2^32 point pairs, found {} points that give none or more; "
+                             "choose another relative step than {}",
+                             source.file.string(), source.name, n, options.relative_step)};
+  }
+  table->entries.resize(num_entries);
+  engine::for_each_index(num_chunks, [&](std::size_t chunk) {
+    kernels::fill_ppf_entries(points, quantisation, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
+                              scratch.local(), std::span(counts).subspan(chunk * num_cells, num_cells),
+                              table->entries);
+  });
+  for_chunks(num_cells, 4096, [&](std::size_t first, std::size_t count) {
+    kernels::sort_ppf_cells(table->offsets, first, count, table->entries);
+  });
+  model.ppf = {quantisation, table->offsets, table->entries};
+  model.ppf_storage = std::move(table);
+  return {};
+}
+
+}  // namespace
+
+float sampling_step(float diameter, float relative_step) {
+  return relative_step * std::exp2(std::round(4 * std::log2(diameter)) / 4);
+}
+
+Result<void> validate(const TrainOptions& options) {
+  const auto check = [](bool ok, const char* name, const char* range, double value) -> Result<void> {
+    if (ok) return {};
+    return Error{ErrorCode::usage, fmt::format("{}: expected {}, found {}", name, range, value)};
+  };
+  for (const Result<void>& result :
+       {check(options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step", "0.01 to 0.2",
+              options.relative_step),
+        check(options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60",
+              options.num_angle_bins),
+        check(options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180,
+              "normal cluster angle [deg]", "above 0 to 180", options.normal_cluster_angle_deg),
+        check(options.num_samples >= 256 && options.num_samples <= 1U << 20, "samples", "256 to 1048576",
+              options.num_samples)}) {
+    if (!result) return result;
+  }
+  return {};
+}
+
+Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source, const TrainOptions& options) {
+  TrainedModel trained;
+  Model& model = trained.model;
+  TrainStats& stats = trained.stats;
+  model.name = source.name;
+  model.source = source.file.filename().string();
+  model.vertices = scaled_points(surface.points, source.scale);
+  model.triangles = surface.triangles;
+  {
+    const StageTimer timer(stats.times, "diameter");
+    model.diameter = kernels::find_diameter(model.vertices);
+  }
+  if (!(model.diameter > 0) || !std::isfinite(model.diameter)) {
+    return bad_surface(source, fmt::format("{} points within {}", model.vertices.size(), model.diameter));
+  }
+
+  // Surface samples, which side is outside, and from where each can be seen.
+  std::vector<double> area_sums(model.triangles.size());
+  const double area =
+      area_sums.empty() ? 0 : kernels::sum_areas(model.vertices, model.triangles, area_sums);
+  const bool has_faces = area > 1e-9 * static_cast<double>(model.diameter) * static_cast<double>(model.diameter);
+  const auto sample = [&](std::uint64_t seed, std::size_t n) {
+    return sample_surface(model.vertices, model.triangles, area_sums, seed, n);
+  };
+  DenseSurface samples;
+  Result<kernels::RayScene> rays = Error{ErrorCode::internal, ""};
+  {
+    const StageTimer timer(stats.times, "sample");
+    if (has_faces) {
+      samples = sample(1, options.num_samples);
+      rays = kernels::RayScene::from_mesh(model.vertices, model.triangles);
+    } else {
+      samples = surface_of_cloud(model.vertices, model.diameter / 40);
+      rays = kernels::RayScene::from_spheres(samples.points, kernels::kCloudRadius * samples.spacing);
+    }
+  }
+  if (!rays) return rays.error();
+  if (samples.points.size() < 20) {
+    return bad_surface(source, fmt::format("only {} distinct places", samples.points.size()));
+  }
+  std::vector<ViewMask> views(samples.points.size());
+  {
+    const StageTimer timer(stats.times, "visibility");
+    const float offset = has_faces ? 1e-4F * model.diameter : kernels::kCloudOffset * samples.spacing;
+    for_chunks(views.size(), kViewGrain, [&](std::size_t first, std::size_t count) {
+      kernels::orient_outward(*rays, samples.points.view().slice(first, count),
+                              samples.normals.span().slice(first, count), offset,
+                              std::span(views).subspan(first, count));
+    });
+    stats.num_hidden_samples = keep_visible_samples(samples, views, model);
+  }
+  if (model.samples.size() < 20) {
+    return bad_surface(source, fmt::format("only {} places that can be seen from outside", model.samples.size()));
+  }
+  model.sample_spacing = samples.spacing;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < model.samples.size(); ++i) centre += model.samples[i].cast<double>();
+  model.centre = (centre / static_cast<double>(model.samples.size())).cast<float>();
+
+  {
+    const StageTimer timer(stats.times, "symmetry");
+    model.symmetry = source.symmetry ? *source.symmetry
+                                     : kernels::find_symmetry(model.samples, model.sample_normals, model.diameter);
+  }
+
+  // Points of the table: a dense surface, oriented, thinned by voxel and normal.
+  const float step = sampling_step(model.diameter, options.relative_step);
+  {
+    const StageTimer timer(stats.times, "subsample");
+    DenseSurface dense;
+    if (has_faces) {
+      const double voxels = area / (static_cast<double>(step) * static_cast<double>(step));
+      dense = sample(2, std::clamp<std::size_t>(static_cast<std::size_t>(voxels) * kDensePerVoxel, 4096, 400'000));
+    } else {
+      dense = surface_of_cloud(model.vertices, std::min(samples.spacing, 0.5F * step));
+    }
+    orient_by_samples(samples, views, dense);
+    kernels::SubsampleScratch scratch;
+    kernels::subsample_by_normals(dense.points, dense.normals, step,
+                                  options.normal_cluster_angle_deg * kRadiansPerDegree, model.ppf_points,
+                                  model.ppf_normals, scratch);
+  }
+  stats.num_ppf_points = model.ppf_points.size();
+  if (stats.num_ppf_points < 10 || stats.num_ppf_points > kMaxPpfPoints) {
+    return bad_surface(source, fmt::format("{} sampled points at step {} (10 to {} can be used)", stats.num_ppf_points,
+                                           step, kMaxPpfPoints));
+  }
+  {
+    const StageTimer timer(stats.times, "table");
+    if (const Result<void> built = build_table(source, options, step, model); !built) return built.error();
+  }
+  stats.num_ppf_entries = model.ppf.entries.size();
+  return trained;
+}
+
+}  // namespace trivet
