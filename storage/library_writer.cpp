@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <map>
+#include <new>
 #include <span>
 #include <system_error>
 
@@ -332,7 +333,12 @@ Result<void> LibraryWriter::add(const Model& model) {
                              state_->file.string(), model.name)};
   }
   hdf5::start();
-  if (!state_->write(model)) {
+  bool written = false;
+  try {
+    written = state_->write(model);
+  } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as half a write
+  }
+  if (!written) {
     Error error{
         ErrorCode::io,
         io_message(state_->file,
