@@ -1,0 +1,369 @@
+// Damaged, foreign and hostile files: refused, or the library that was written; never another one.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstring>
+#include <random>
+
+#include "storage/library.hpp"
+#include "support/craft_library.hpp"
+#include "support/library_file.hpp"
+#include "support/random_model.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+using hdf5::Handle;
+using test::bytes_of;
+using test::difference;
+using test::edit_library;
+using test::random_model;
+using test::replace_attribute;
+using test::replace_data;
+using test::replace_dataset;
+using test::seal_library;
+using test::write_bytes;
+
+const std::string kVertices = "models/a/vertices";
+constexpr hsize_t kVerticesShape[] = {3, 50};
+
+class LibraryDamageTest : public test::LibraryTest {
+ protected:
+  LibraryDamageTest() {
+    auto writer = LibraryWriter::create(file(), {LengthUnit::metre, "trivet test", "{}"});
+    if (!writer || !writer->add(models_[0]) || !writer->add(models_[1]) || !writer->publish()) {
+      throw std::runtime_error("cannot write the library");
+    }
+  }
+
+  /// The library must be refused as bad data, with a message that holds this text.
+  void expect_refused(const std::string& text, ErrorCode code = ErrorCode::bad_data) const {
+    const auto library = open_library(file());
+    ASSERT_FALSE(library) << "expected a refusal: " << text;
+    EXPECT_EQ(library.error().code, code) << library.error().message;
+    EXPECT_NE(library.error().message.find(file().string()), std::string::npos);
+    EXPECT_NE(library.error().message.find(text), std::string::npos) << library.error().message;
+  }
+
+  /// Refused, or equal to what was written.
+  void expect_refused_or_equal(const std::string& what) const {
+    const auto library = open_library(file());
+    if (!library) return;
+    ASSERT_EQ(library->models.size(), models_.size()) << what;
+    EXPECT_EQ(library->header.unit, LengthUnit::metre) << what;
+    EXPECT_EQ(library->header.producer, "trivet test") << what;
+    EXPECT_EQ(library->header.parameters, "{}") << what;
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      EXPECT_EQ(difference(library->models[i], models_[i]), "") << what;
+    }
+  }
+
+  const std::vector<Model> models_{random_model("a", 1), random_model("b", 2)};
+};
+
+TEST_F(LibraryDamageTest, RefusesATruncationAtEvery512Bytes) {
+  const auto whole = bytes_of(file());
+  for (std::size_t size = 0; size < whole.size(); size += 512) {
+    write_bytes(file(), std::span(whole).first(size));
+    expect_refused(size == 0 ? "another kind of file" : "truncated");
+  }
+}
+
+TEST_F(LibraryDamageTest, RefusesBytesAfterTheEnd) {
+  auto longer = bytes_of(file());
+  longer.push_back(0);
+  write_bytes(file(), longer);
+  expect_refused("damaged");
+}
+
+TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByAFlippedBit) {
+  const auto whole = bytes_of(file());
+  constexpr std::uint64_t kSeed = 20240607;
+  std::mt19937_64 random(kSeed);
+  for (int i = 0; i < 500; ++i) {
+    const std::uint64_t bit = random() % (whole.size() * 8);
+    auto damaged = whole;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    write_bytes(file(), damaged);
+    expect_refused_or_equal("bit " + std::to_string(bit) + ", seed " + std::to_string(kSeed));
+  }
+}
+
+// Metadata is a small part of the file: flip more of the first 2 kB, which is nothing else.
+TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByAFlippedBitOfTheStructure) {
+  const auto whole = bytes_of(file());
+  for (std::size_t bit = 0; bit < 8 * 2048; bit += 31) {
+    auto damaged = whole;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    write_bytes(file(), damaged);
+    expect_refused_or_equal("bit " + std::to_string(bit));
+  }
+}
+
+TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByZeroedOrSwappedBlocks) {
+  const auto whole = bytes_of(file());
+  for (std::size_t at = 0; at + 1024 <= whole.size(); at += 512) {
+    auto zeroed = whole;
+    std::fill_n(zeroed.begin() + static_cast<std::ptrdiff_t>(at), 512, char{0});
+    write_bytes(file(), zeroed);
+    expect_refused_or_equal("zeroed at " + std::to_string(at));
+
+    auto swapped = whole;
+    const auto block = swapped.begin() + static_cast<std::ptrdiff_t>(at);
+    std::swap_ranges(block, block + 512, block + 512);
+    write_bytes(file(), swapped);
+    expect_refused_or_equal("swapped at " + std::to_string(at));
+  }
+}
+
+TEST_F(LibraryDamageTest, RefusesWhatIsNoLibrary) {
+  write_bytes(file(), {});
+  expect_refused("another kind of file");
+  const std::string text = "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
+  write_bytes(file(), text);
+  expect_refused("another kind of file");
+
+  fs::remove(file());
+  expect_refused("", ErrorCode::missing_input);
+  fs::create_directory(file());
+  expect_refused("regular file");
+  fs::remove(file());
+  ASSERT_EQ(::mkfifo(file().c_str(), 0600), 0);
+  expect_refused("regular file");
+}
+
+TEST_F(LibraryDamageTest, RefusesOtherHdf5Files) {
+  hdf5::start();
+  fs::remove(file());
+  { const Handle old(H5Fcreate(file().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)); }
+  expect_refused("superblock");  // of version 0: its structure has no checksums
+  {
+    const Handle access = hdf5::file_access();
+    const Handle empty(H5Fcreate(file().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()));
+  }
+  expect_refused("no model library");
+}
+
+TEST_F(LibraryDamageTest, RefusesAnotherMajorVersionAndNamesItsWriter) {
+  const std::uint32_t version = kLibraryVersionMajor + 1;
+  edit_library(file(), [&](hid_t root) {
+    replace_attribute(root, "/", "format_version_major", H5T_NATIVE_UINT32, &version);
+  });
+  expect_refused("found 2, written by trivet test");
+}
+
+TEST_F(LibraryDamageTest, ReadsANewerMinorVersionAndIgnoresItsAdditions) {
+  const std::uint32_t version = kLibraryVersionMinor + 1;
+  const float value = 1;
+  edit_library(file(), [&](hid_t root) {
+    replace_attribute(root, "/", "format_version_minor", H5T_NATIVE_UINT32, &version);
+    const Handle group(H5Gcreate2(root, "models/a/extra", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    const Handle space(H5Screate(H5S_SCALAR));
+    const Handle data(H5Dcreate2(group.get(), "value", H5T_IEEE_F32LE, space.get(), H5P_DEFAULT,
+                                 H5P_DEFAULT, H5P_DEFAULT));
+    H5Dwrite(data.get(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value);
+  });
+  seal_library(file());
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  expect_refused_or_equal("newer minor version");
+}
+
+TEST_F(LibraryDamageTest, RefusesSoftAndExternalLinks) {
+  const auto whole = bytes_of(file());
+  fs::copy_file(file(), folder() / "other.h5");
+  const auto replace_link = [&](auto create) {
+    write_bytes(file(), whole);
+    edit_library(file(), [&](hid_t root) {
+      ASSERT_GE(H5Ldelete(root, kVertices.c_str(), H5P_DEFAULT), 0);
+      ASSERT_GE(create(root), 0);
+    });
+    expect_refused("soft or external link");
+  };
+  replace_link([](hid_t root) {
+    return H5Lcreate_soft("/models/b/vertices", root, kVertices.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  });
+  replace_link([&](hid_t root) {
+    return H5Lcreate_external((folder() / "other.h5").c_str(), kVertices.c_str(), root,
+                              kVertices.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  });
+}
+
+TEST_F(LibraryDamageTest, RefusesAnObjectThatIsLinkedTwice) {
+  const auto whole = bytes_of(file());
+  for (const char* const second : {"models/a/loop", "models/c"}) {
+    write_bytes(file(), whole);
+    edit_library(file(), [&](hid_t root) {
+      ASSERT_GE(H5Lcreate_hard(root, "models/a", root, second, H5P_DEFAULT, H5P_DEFAULT), 0);
+    });
+    expect_refused("second link");
+  }
+}
+
+TEST_F(LibraryDamageTest, RefusesDataOutsideTheFileOrBehindFilters) {
+  const auto whole = bytes_of(file());
+  const auto replace = [&](const std::string& text, auto set) {
+    write_bytes(file(), whole);
+    edit_library(file(), [&](hid_t root) {
+      const Handle creation(H5Pcreate(H5P_DATASET_CREATE));
+      ASSERT_GE(set(creation.get()), 0);
+      replace_dataset(root, kVertices, H5T_IEEE_F32LE, kVerticesShape, creation.get());
+    });
+    expect_refused(text);
+  };
+  replace("external storage", [](hid_t p) { return H5Pset_external(p, "/etc/hostname", 0, 600); });
+  replace("contiguous", [](hid_t p) { return H5Pset_chunk(p, 2, kVerticesShape); });
+  replace("contiguous", [](hid_t p) {
+    return std::min(H5Pset_chunk(p, 2, kVerticesShape), H5Pset_deflate(p, 9));
+  });
+  replace("contiguous", [](hid_t p) { return H5Pset_layout(p, H5D_COMPACT); });
+  replace("contiguous", [&](hid_t p) {
+    const Handle space(H5Screate_simple(2, kVerticesShape, nullptr));
+    return H5Pset_virtual(p, space.get(), (folder() / "other.h5").c_str(), "/x", space.get());
+  });
+}
+
+TEST_F(LibraryDamageTest, RefusesOtherTypesAndShapes) {
+  const auto whole = bytes_of(file());
+  const auto replace = [&](const std::string& text, hid_t type, std::span<const hsize_t> shape) {
+    write_bytes(file(), whole);
+    edit_library(file(), [&](hid_t root) {
+      const Handle creation(H5Pcreate(H5P_DATASET_CREATE));
+      ASSERT_GE(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_LATE), 0);
+      replace_dataset(root, kVertices, type, shape, creation.get());
+      if (text == "expected float32") {  // refused by the reader's table, not by the structure
+        const Handle dataset(H5Dopen2(root, kVertices.c_str(), H5P_DEFAULT));
+        const std::vector<char> zeros(4096);
+        ASSERT_GE(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data()), 0);
+      }
+    });
+    if (text == "expected float32") seal_library(file());
+    expect_refused(text);
+  };
+  replace("another type", H5T_IEEE_F64LE, kVerticesShape);
+  replace("another type", H5T_IEEE_F32BE, kVerticesShape);
+  replace("another type", H5T_STD_I32LE, kVerticesShape);
+  replace("another type", H5T_STD_REF_OBJ, kVerticesShape);
+  replace("expected float32", H5T_STD_U32LE, kVerticesShape);
+  replace("expected float32", H5T_IEEE_F32LE, std::array<hsize_t, 2>{2, 75});
+  replace("expected float32", H5T_IEEE_F32LE, std::array<hsize_t, 1>{150});
+  replace("at most 4 dimensions", H5T_IEEE_F32LE, std::array<hsize_t, 5>{1, 1, 1, 1, 1});
+  replace("more bytes than", H5T_IEEE_F32LE, std::array<hsize_t, 2>{3, hsize_t{1} << 59});
+  replace("more bytes than", H5T_IEEE_F32LE, std::array<hsize_t, 2>{3, 1'000'000});
+  replace("to lie elsewhere", H5T_IEEE_F32LE, kVerticesShape);  // never written: has no place
+}
+
+TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
+  const auto whole = bytes_of(file());
+  const auto change = [&](const std::string& text, auto edit) {
+    write_bytes(file(), whole);
+    edit_library(file(), [&](hid_t root) { ASSERT_GE(edit(root), 0); });
+    seal_library(file());
+    expect_refused(text);
+  };
+  const auto group = [](hid_t root, const char* path) {
+    const Handle made(H5Gcreate2(root, path, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    return made ? 0 : -1;
+  };
+  const auto remove = [](hid_t root, const char* path) {
+    return H5Ldelete(root, path, H5P_DEFAULT);
+  };
+  change("/models/a/extra", [&](hid_t root) { return group(root, "models/a/extra"); });
+  change("/extra", [&](hid_t root) { return group(root, "extra"); });
+  change("/models/a/ppf/copy", [](hid_t root) {
+    return H5Ocopy(root, kVertices.c_str(), root, "models/a/ppf/copy", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  change("expected 2 groups", [&](hid_t root) { return group(root, "models/c"); });
+  change("expected 2 groups", [&](hid_t root) { return remove(root, "models/a"); });
+  change("/models/a/vertices", [&](hid_t root) { return remove(root, kVertices.c_str()); });
+  change("/models/a/ppf", [&](hid_t root) { return remove(root, "models/a/ppf"); });
+  change("/models", [&](hid_t root) { return remove(root, "models"); });
+  change("/models/a@diameter",
+         [](hid_t root) { return H5Adelete_by_name(root, "models/a", "diameter", H5P_DEFAULT); });
+  change("model name", [](hid_t root) {
+    return H5Lmove(root, "models/a", root, "models/..x", H5P_DEFAULT, H5P_DEFAULT);
+  });
+}
+
+TEST_F(LibraryDamageTest, RefusesChangedNamesAndAttributesByTheChecksumOfTheWhole) {
+  const auto whole = bytes_of(file());
+  edit_library(file(), [](hid_t root) {
+    ASSERT_GE(H5Lmove(root, "models/a", root, "models/c", H5P_DEFAULT, H5P_DEFAULT), 0);
+  });
+  expect_refused("@checksum");
+  write_bytes(file(), whole);
+  const float diameter = 7;
+  edit_library(file(), [&](hid_t root) {
+    replace_attribute(root, "models/a", "diameter", H5T_NATIVE_FLOAT, &diameter);
+  });
+  expect_refused("@checksum");
+}
+
+TEST_F(LibraryDamageTest, RefusesAttributesOfVariableLength) {
+  edit_library(file(), [](hid_t root) {
+    const Handle type(H5Tcopy(H5T_C_S1));
+    H5Tset_size(type.get(), H5T_VARIABLE);
+    const Handle space(H5Screate(H5S_SCALAR));
+    const Handle made(H5Acreate2(root, "note", type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT));
+    ASSERT_TRUE(made);
+  });
+  expect_refused("@note");
+}
+
+// Each value is set with right checksums: only the check of the content can see it.
+TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
+  const auto whole = bytes_of(file());
+  const Model& model = models_[0];
+  const auto reseal = [&](const std::string& text, auto edit) {
+    write_bytes(file(), whole);
+    edit_library(file(), edit);
+    seal_library(file());
+    expect_refused(text);
+  };
+  const auto data = [](const std::string& path, const auto& values) {
+    return [path, bytes = std::as_bytes(std::span(values))](hid_t root) {
+      replace_data(root, path, bytes);
+    };
+  };
+
+  std::vector<std::uint32_t> offsets(model.ppf.offsets.begin(), model.ppf.offsets.end());
+  offsets[100] = offsets[99] - 1;
+  reseal("ppf/offsets[100]", data("models/a/ppf/offsets", offsets));
+  offsets.assign(model.ppf.offsets.begin(), model.ppf.offsets.end());
+  offsets[0] = 1;
+  reseal("ppf/offsets[0]", data("models/a/ppf/offsets", offsets));
+  offsets[0] = 0;
+  offsets.back() += 1;
+  reseal("ppf/entries", data("models/a/ppf/offsets", offsets));
+
+  std::vector<PpfEntry> entries(model.ppf.entries.begin(), model.ppf.entries.end());
+  entries[7].reference = 30;
+  reseal("ppf/entries[7]: expected a reference below 30, found 30",
+         data("models/a/ppf/entries", entries));
+
+  std::vector<std::uint32_t> triangles(3 * model.triangles.size(), 0);
+  triangles[81] = 50;
+  reseal("triangles[1]: expected an index below 50, found 50",
+         data("models/a/triangles", triangles));
+
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> vertices(150, 0);
+  vertices[149] = nan;
+  reseal("vertices[49]", data(kVertices, vertices));
+  reseal("ppf/normals[0]", data("models/a/ppf/normals", std::vector<float>(90, 0)));
+  reseal("sample_normals[0]", data("models/a/sample_normals", std::vector<float>(120, 1)));
+  reseal("symmetry_poses[0]", data("models/a/symmetry_poses", std::vector<float>(48, 1)));
+
+  const auto number = [](const char* object, const char* name, hid_t type, auto value) {
+    return [=](hid_t root) { replace_attribute(root, object, name, type, &value); };
+  };
+  reseal("diameter", number("models/a", "diameter", H5T_NATIVE_FLOAT, nan));
+  reseal("distance_step", number("models/a/ppf", "distance_step", H5T_NATIVE_FLOAT, -1.0F));
+  reseal("num_angle_bins",
+         number("models/a/ppf", "num_angle_bins", H5T_NATIVE_UINT32, 0x80000000U));
+  reseal("ppf/offsets", number("models/a/ppf", "num_distance_bins", H5T_NATIVE_UINT32, 7U));
+}
+
+}  // namespace
+}  // namespace trivet
