@@ -31,6 +31,15 @@ class Descriptor {
 
 std::string reason() { return std::generic_category().message(errno); }
 
+Error cannot_create(const std::filesystem::path& file) {
+  return {ErrorCode::cannot_create,
+          fmt::format("{}: cannot be created: {}", file.string(), reason())};
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+}
+
 bool write_all(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -79,42 +88,60 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
   return mapped;
 }
 
-Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  const auto cannot_create = [&] {
-    return Error{ErrorCode::cannot_create,
-                 fmt::format("{}: cannot be created: {}", file.string(), reason())};
-  };
-
+Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
+  PendingFile file;
+  file.target_ = target;
+  const auto folder = folder_of(target);
   // A name of its own for each writer: two of them never share a temporary file.
-  std::filesystem::path temporary;
-  int number = -1;
-  for (int attempt = 0; number < 0; ++attempt) {
-    temporary =
-        folder / fmt::format(".{}.{}.{}.tmp", file.filename().string(), ::getpid(), attempt);
-    number = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (number < 0 && errno != EEXIST) return cannot_create();
+  for (int attempt = 0; file.descriptor_ < 0; ++attempt) {
+    file.temporary_ =
+        folder / fmt::format(".{}.{}.{}.tmp", target.filename().string(), ::getpid(), attempt);
+    file.descriptor_ =
+        ::open(file.temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file.descriptor_ < 0 && errno != EEXIST) return cannot_create(target);
   }
+  return file;
+}
 
-  const Descriptor descriptor(number);
-  if (!write_all(number, bytes) || ::fsync(number) != 0) {
-    Error error{ErrorCode::io, fmt::format("{}: writing {} bytes failed: {}", file.string(),
-                                           bytes.size(), reason())};
-    ::unlink(temporary.c_str());
+Result<void> PendingFile::publish() {
+  if (::fsync(descriptor_) != 0) {
+    Error error{ErrorCode::io,
+                fmt::format("{}: cannot be brought to the disk: {}", target_.string(), reason())};
+    discard();
     return error;
   }
-  if (::rename(temporary.c_str(), file.c_str()) != 0) {
-    Error error = cannot_create();
-    ::unlink(temporary.c_str());
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    Error error = cannot_create(target_);
+    discard();
     return error;
   }
+  ::close(std::exchange(descriptor_, -1));
+
   // The rename itself must survive a power cut; some file systems cannot sync a folder (EINVAL).
+  const auto folder = folder_of(target_);
   const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!parent || (::fsync(parent.get()) != 0 && errno != EINVAL)) {
     return Error{ErrorCode::io,
                  fmt::format("{}: the folder cannot be synced: {}", folder.string(), reason())};
   }
   return {};
+}
+
+void PendingFile::discard() noexcept {
+  if (!pending()) return;
+  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, 0);
+  ::unlink(temporary_.c_str());
+  ::close(std::exchange(descriptor_, -1));
+}
+
+Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+  auto pending = PendingFile::create(file);
+  if (!pending) return pending.error();
+  if (!write_all(pending->descriptor(), bytes)) {
+    return Error{ErrorCode::io, fmt::format("{}: writing {} bytes failed: {}", file.string(),
+                                            bytes.size(), reason())};
+  }
+  return pending->publish();
 }
 
 std::string xxh3_hex(std::span<const std::byte> bytes) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "storage/result.hpp"
 
@@ -25,8 +26,41 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// Write bytes to a temporary file in the same folder, fsync, rename, fsync the folder.
-/// Errors: cannot_create, io; the temporary file is removed.
+/// A file written under a temporary name in the folder of its target, whose place it then takes:
+/// readers see the old file or the whole new one. Without publish the temporary file is removed.
+class PendingFile {
+ public:
+  /// Errors: cannot_create.
+  static Result<PendingFile> create(const std::filesystem::path& target);
+  PendingFile(PendingFile&& other) noexcept { swap(other); }
+  PendingFile& operator=(PendingFile&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~PendingFile() { discard(); }
+
+  const std::filesystem::path& path() const noexcept { return temporary_; }  ///< the temporary file
+  int descriptor() const noexcept { return descriptor_; }                    ///< open for writing
+  bool pending() const noexcept { return descriptor_ >= 0; }  ///< neither published nor discarded
+
+  /// fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
+  Result<void> publish();
+  /// Remove the temporary file and give its space back, even while something else holds it open.
+  void discard() noexcept;
+
+ private:
+  PendingFile() = default;
+  void swap(PendingFile& other) noexcept {
+    target_.swap(other.target_);
+    temporary_.swap(other.temporary_);
+    std::swap(descriptor_, other.descriptor_);
+  }
+
+  std::filesystem::path target_, temporary_;
+  int descriptor_ = -1;
+};
+
+/// Write bytes as a PendingFile and publish it. Errors: cannot_create, io.
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
 /// XXH3-128 as 32 hexadecimal digits.

@@ -28,7 +28,7 @@ struct LibraryHeader {
 /// Peak memory is that of one model. Not for use by two threads at once.
 class LibraryWriter {
  public:
-  /// Errors: cannot_create, io.
+  /// Errors: bad_data (header of more than 60,000 bytes), cannot_create, io.
   static Result<LibraryWriter> create(const std::filesystem::path& file, const LibraryHeader& header);
   LibraryWriter(LibraryWriter&&) noexcept;
   LibraryWriter& operator=(LibraryWriter&&) noexcept;
@@ -36,7 +36,7 @@ class LibraryWriter {
 
   /// Errors: bad_data (invalid or repeated name, broken model), io (disk full: says how much was needed).
   Result<void> add(const Model& model);
-  /// Close, fsync, rename, fsync the folder. Errors: io.
+  /// Close, fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
   Result<void> publish();
 
  private:

@@ -1,9 +1,6 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <map>
 #include <new>
@@ -190,48 +187,36 @@ StoredAttributes table_attributes(const PpfQuantisation& quantisation) {
 
 std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
 
-std::string io_message(const fs::path& file, const std::string& what) {
-  std::error_code ignored;
-  const fs::space_info space = fs::space(file.parent_path(), ignored);
-  return fmt::format("{}: {}; {} bytes are free on the disk, and the file could be limited in size",
-                     file.string(), what, ignored ? 0 : space.available);
-}
+constexpr std::string_view kAxisConvention =
+    "models: as in their source; scenes: x right, y down, z forward";
 
-/// fsync of a file or folder by name; the error number or 0.
-int sync_path(const fs::path& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return errno;
-  const int failed = ::fsync(fd) == 0 ? 0 : errno;
-  ::close(fd);
-  return failed;
-}
+Error over() { return {ErrorCode::io, "this library was published, or its writing has failed"}; }
 
 }  // namespace
 
 struct LibraryWriter::State {
-  fs::path file, temporary;
+  fs::path target;
   LibraryHeader header;
+  PendingFile file;
   Handle hdf5, root, models;                   ///< destroyed in reverse order
   std::map<std::string, std::string> digests;  ///< of the models written, by name
 
-  State(fs::path target, LibraryHeader with) : file(std::move(target)), header(std::move(with)) {}
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() { abandon(); }
-
   bool write(const Model& model);
-  void abandon() noexcept;
+
+  /// What could not be written; the temporary file goes.
+  Error fail(const std::string& what);
 };
 
-// Space is given back at once: HDF5 keeps a file open that it could not flush.
-void LibraryWriter::State::abandon() noexcept {
-  if (temporary.empty()) return;
-  [[maybe_unused]] const int ignored = ::truncate(temporary.c_str(), 0);
-  ::unlink(temporary.c_str());
-  temporary.clear();
-  models = Handle();
-  root = Handle();
-  hdf5 = Handle();
+// The space comes first: HDF5 holds on to a file that it cannot flush.
+Error LibraryWriter::State::fail(const std::string& what) {
+  std::error_code unknown;
+  const fs::space_info space = fs::space(file.path(), unknown);
+  Error error{ErrorCode::io,
+              fmt::format("{}: cannot write {}; {} bytes are free on the disk; free some, or raise "
+                          "the limit on the size of files",
+                          target.string(), what, unknown ? 0 : space.available)};
+  file.discard();
+  return error;
 }
 
 bool LibraryWriter::State::write(const Model& model) {
@@ -274,92 +259,56 @@ LibraryWriter& LibraryWriter::operator=(LibraryWriter&&) noexcept = default;
 LibraryWriter::~LibraryWriter() = default;
 
 Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryHeader& header) {
-  constexpr std::size_t kMaxText =
-      60000;  // an attribute must fit an object header message of 64 KiB
+  constexpr std::size_t kMaxText = 60000;  // an attribute must fit an object header of 64 KiB
   for (const std::string* text : {&header.producer, &header.parameters}) {
     if (text->size() > kMaxText || text->find('\0') != std::string::npos) {
-      return Error{
-          ErrorCode::bad_data,
-          fmt::format(
-              "{}: producer and parameters: expected at most {} bytes without NUL, found {}",
-              file.string(), kMaxText, text->size())};
+      return Error{ErrorCode::bad_data, fmt::format("{}: producer and parameters: expected at most "
+                                                    "{} bytes without NUL, found {}",
+                                                    file.string(), kMaxText, text->size())};
     }
   }
-  hdf5::start();
-  std::error_code absolute_failed;
-  auto state = std::make_unique<State>(fs::absolute(file, absolute_failed), header);
-  if (absolute_failed || fs::is_directory(state->file) || !state->file.has_filename()) {
+  std::error_code unknown;
+  if (fs::is_directory(file, unknown) || !file.has_filename()) {
     return Error{ErrorCode::cannot_create,
                  fmt::format("{}: expected the name of a file, found a folder", file.string())};
   }
+  auto pending = PendingFile::create(file);
+  if (!pending) return pending.error();
 
-  // A name of its own: a left-over of a killed process may carry our number.
-  int created = -1;
-  for (int attempt = 0; created < 0; ++attempt) {
-    const fs::path temporary =
-        state->file.parent_path() /
-        fmt::format(".{}.{}.{}.tmp", state->file.filename().string(), ::getpid(), attempt);
-    created = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (created >= 0) {
-      state->temporary = temporary;
-    } else if (errno != EEXIST) {
-      return Error{
-          ErrorCode::cannot_create,
-          fmt::format("{}: cannot create a file in this folder: {}; it must exist and be writable",
-                      file.string(), std::generic_category().message(errno))};
-    }
-  }
-  ::close(created);
-
+  hdf5::start();
+  auto state = std::make_unique<State>(State{file, header, *std::move(pending), {}, {}, {}, {}});
   const Handle creation = creation_of(H5P_FILE_CREATE);
   const Handle access = hdf5::file_access();
   state->hdf5 =
-      Handle(H5Fcreate(state->temporary.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
+      Handle(H5Fcreate(state->file.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
   state->root = Handle(H5Gopen2(state->hdf5.get(), "/", H5P_DEFAULT));
   state->models = create_group(state->root.get(), "models");
-  if (!state->hdf5 || !state->root || !state->models) {
-    return Error{ErrorCode::io, io_message(state->file, "cannot write the first bytes")};
-  }
+  if (!state->hdf5 || !state->root || !state->models) return state->fail("its first bytes");
   return LibraryWriter(std::move(state));
 }
 
 Result<void> LibraryWriter::add(const Model& model) {
-  if (!state_ || state_->temporary.empty())
-    return Error{ErrorCode::io, "the library was published or has failed before"};
+  if (!state_ || !state_->file.pending()) return over();
   if (auto good = format::check_model(model); !good) return good;
   if (state_->digests.contains(model.name)) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: model '{}': expected each name once; rename one with NAME=FILE",
-                             state_->file.string(), model.name)};
+                             state_->target.string(), model.name)};
   }
   hdf5::start();
-  bool written = false;
   try {
-    written = state_->write(model);
+    if (state_->write(model)) return {};
   } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as half a write
   }
-  if (!written) {
-    Error error{
-        ErrorCode::io,
-        io_message(state_->file,
-                   fmt::format("cannot write model '{}' of {} bytes and more", model.name,
-                               model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes()))};
-    state_->abandon();
-    return error;
-  }
-  return {};
+  const std::size_t bytes = model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes();
+  return state_->fail(
+      fmt::format("model '{}', whose table alone takes {} bytes", model.name, bytes));
 }
 
 Result<void> LibraryWriter::publish() {
-  if (!state_ || state_->temporary.empty())
-    return Error{ErrorCode::io, "the library was published or has failed before"};
+  if (!state_ || !state_->file.pending()) return over();
   hdf5::start();
   State& state = *state_;
-  const auto fail = [&](const std::string& what) {
-    Error error{ErrorCode::io, io_message(state.file, what)};
-    state.abandon();
-    return error;
-  };
 
   // The root comes last: its checksum covers all that was written.
   StoredAttributes root;
@@ -368,33 +317,17 @@ Result<void> LibraryWriter::publish() {
   root.emplace("format_version_minor", attribute(kLibraryVersionMinor));
   root.emplace("producer", attribute(state.header.producer));
   root.emplace("length_unit", attribute(symbol(state.header.unit)));
-  root.emplace("axis_convention",
-               attribute(std::string_view(
-                   "models: as in their source; scenes: x right, y down, z forward")));
+  root.emplace("axis_convention", attribute(kAxisConvention));
   root.emplace("parameters", attribute(state.header.parameters));
   root.emplace("num_models", attribute(static_cast<std::uint32_t>(state.digests.size())));
-  root.emplace(format::kChecksum,
-               attribute(format::digest(root, {{"models", format::digest({}, state.digests)}})));
-  if (!write_attributes(state.root.get(), root)) return fail("cannot write the attributes");
+  const std::string models = format::digest({}, state.digests);
+  root.emplace(format::kChecksum, attribute(format::digest(root, {{"models", models}})));
+  if (!write_attributes(state.root.get(), root)) return state.fail("the attributes of the root");
 
   state.models = Handle();
   state.root = Handle();
-  if (H5Fclose(state.hdf5.release()) < 0) return fail("cannot close the file");
-  if (const int failed = sync_path(state.temporary)) {
-    return fail(fmt::format("cannot bring the file to the disk: {}",
-                            std::generic_category().message(failed)));
-  }
-  std::error_code failed;
-  fs::rename(state.temporary, state.file, failed);
-  if (failed) return fail(fmt::format("cannot rename the finished file: {}", failed.message()));
-  state.temporary.clear();
-  // Some file systems cannot sync a folder (EINVAL).
-  if (const int unsynced = sync_path(state.file.parent_path());
-      unsynced != 0 && unsynced != EINVAL) {
-    return fail(fmt::format("cannot bring the folder to the disk: {}",
-                            std::generic_category().message(unsynced)));
-  }
-  return {};
+  if (H5Fclose(state.hdf5.release()) < 0) return state.fail("the last bytes");
+  return state.file.publish();
 }
 
 }  // namespace trivet
