@@ -19,10 +19,10 @@ constexpr int kTableBits = 9;
 std::size_t slot_of(const Eigen::Vector3d& voxel) {
   std::uint64_t hash = 0;
   for (const double coordinate : voxel) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(coordinate + 0.0)) * 0x9E3779B97F4A7C15U;
-    hash ^= hash >> 32;
+    hash ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);  // one zero, not two
+    hash = (hash ^ hash >> 32) * 0x9E3779B97F4A7C15U;
   }
-  return hash & ((1U << kTableBits) - 1);
+  return hash >> (64 - kTableBits);
 }
 
 void send_out(const RunningSum& entry, Points& out) {
