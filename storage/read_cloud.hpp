@@ -11,7 +11,7 @@
 namespace trivet {
 
 struct ReadOptions {
-  std::optional<Camera> camera;                ///< needed for depth images, ignored otherwise
+  std::optional<Camera> camera{};              ///< needed for depth images, ignored otherwise
   std::uint64_t max_file_bytes = 4ULL << 30;   ///< larger files are refused
   std::uint64_t max_points = 100'000'000;      ///< more points are refused
   std::uint64_t max_pixels = 64'000'000;       ///< larger depth images are refused before decoding

@@ -1,0 +1,82 @@
+#include "storage/file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <iterator>
+
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const MappedFile& file) {
+  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
+}
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+std::ptrdiff_t count_files(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), {});
+}
+
+TEST(MappedFile, ShowsTheWholeFile) {
+  const test::TempDir folder;
+  const auto file = MappedFile::open(folder.write("a", "some bytes"), 10);
+  const auto empty = MappedFile::open(folder.write("b", ""), 0);
+  ASSERT_TRUE(file && empty);
+  EXPECT_EQ(text_of(*file), "some bytes");
+  EXPECT_TRUE(empty->bytes().empty());
+}
+
+TEST(MappedFile, RefusesMissingLargeAndIrregularFiles) {
+  const test::TempDir folder;
+  EXPECT_EQ(MappedFile::open(folder / "none", 10).error().code, ErrorCode::missing_input);
+  EXPECT_EQ(MappedFile::open("", 10).error().code, ErrorCode::missing_input);
+  EXPECT_EQ(MappedFile::open(folder.write("a", "some bytes"), 9).error().code, ErrorCode::bad_data);
+  EXPECT_EQ(MappedFile::open(folder.path(), 10).error().code, ErrorCode::bad_data);
+  EXPECT_EQ(MappedFile::open("/dev/zero", 10).error().code, ErrorCode::bad_data);
+}
+
+TEST(MappedFile, KeepsItsBytesWhenTheFileIsReplacedOrTheObjectGone) {
+  const test::TempDir folder;
+  auto file = MappedFile::open(folder.write("a", "old"), 10);
+  ASSERT_TRUE(file);
+  const auto owner = file->owner();
+  ASSERT_TRUE(publish_file(folder / "a", bytes_of("new and longer")));
+  EXPECT_EQ(text_of(*file), "old");
+  *file = MappedFile();
+  EXPECT_EQ(static_cast<char>(*owner), 'o');
+}
+
+TEST(PublishFile, ReplacesTheFileAndLeavesNothingElse) {
+  const test::TempDir folder;
+  ASSERT_TRUE(publish_file(folder / "a", bytes_of("first")));
+  ASSERT_TRUE(publish_file(folder / "a", bytes_of("second")));
+  ASSERT_TRUE(publish_file(folder / "b", {}));
+  EXPECT_EQ(test::read_bytes(folder / "a"), "second");
+  EXPECT_EQ(fs::file_size(folder / "b"), 0U);
+  EXPECT_EQ(count_files(folder.path()), 2);
+}
+
+TEST(PublishFile, LeavesNothingWhereItCannotWrite) {
+  const test::TempDir folder;
+  fs::create_directories(folder / "taken/inside");
+  const auto no_folder = publish_file(folder / "none/a", bytes_of("x"));
+  const auto taken = publish_file(folder / "taken", bytes_of("x"));
+  ASSERT_FALSE(no_folder || taken);
+  EXPECT_EQ(no_folder.error().code, ErrorCode::cannot_create);
+  EXPECT_EQ(taken.error().code, ErrorCode::cannot_create);
+  EXPECT_EQ(count_files(folder.path()), 1);
+}
+
+TEST(Xxh3Hex, IsTheCanonicalXxh3Of128Bits) {
+  // The digest of no bytes in the published test vectors of xxHash 0.8.
+  EXPECT_EQ(xxh3_hex({}), "99aa06d3014798d86001c324468d497f");
+  EXPECT_NE(xxh3_hex(bytes_of("a")), xxh3_hex(bytes_of("b")));
+}
+
+}  // namespace
+}  // namespace trivet

@@ -1,0 +1,143 @@
+// OBJ, STL and OFF.
+#include <gtest/gtest.h>
+
+#include "storage/read_cloud.hpp"
+#include "support/geometry_files.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+using test::is_refused;
+using test::is_valid;
+using test::little;
+using Vector = Eigen::Vector3f;
+using Indices = Column<std::uint32_t>;
+
+class ReadMesh : public testing::Test {
+ protected:
+  Result<Cloud> read(std::string_view name, const std::string& bytes,
+                     const ReadOptions& options = {}) {
+    return read_cloud(folder_.write(name, bytes), options);
+  }
+  test::TempDir folder_;
+};
+
+TEST_F(ReadMesh, GivesTheSameSquareFromEveryFormat) {
+  for (const auto& file : test::sample_files()) {
+    if (file.name != "quad.obj" && !file.name.ends_with(".stl") && file.name != "normals.off")
+      continue;
+    SCOPED_TRACE(file.name);
+    const auto cloud = read(file.name, file.bytes);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    ASSERT_TRUE(is_valid(*cloud));
+    ASSERT_EQ(cloud->points.size(), 4U);
+    EXPECT_EQ(cloud->points[2], Vector(1, 1, 0));
+    EXPECT_EQ(cloud->points[3], Vector(0, 1, 0.5F));
+    ASSERT_GE(cloud->triangles.size(), 2U);
+    EXPECT_EQ(cloud->triangles.a[1], 0U);
+    EXPECT_EQ(cloud->triangles.b[1], 2U);
+    EXPECT_EQ(cloud->triangles.c[1], 3U);
+    EXPECT_EQ(cloud->normals.empty(), file.name.ends_with(".stl"));
+  }
+}
+
+TEST_F(ReadMesh, ObjTakesEveryFormOfCorner) {
+  const auto cloud =
+      read("a.obj",
+           "o part\r\nv 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nvt 0 0\r\nv 1 1 0\r\nv 0 1 0\r\n"
+           "f 1 2 3\r\nf 1/1 2/1 3/1\r\nf -4//-1 -3//-1 -2//-1\r\nf 1/1/1 2/1/1 \\\r\n 3/1/1 4/1/1 "
+           "# end\r\n"
+           "s off\r\nvn 0 0 1\r\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->triangles.a, (Indices{0, 0, 0, 0, 0}));
+  EXPECT_EQ(cloud->triangles.b, (Indices{1, 1, 1, 1, 2}));
+  EXPECT_EQ(cloud->triangles.c, (Indices{2, 2, 2, 2, 3}));
+  EXPECT_TRUE(cloud->normals.empty())
+      << "normals of other indices than their vertices are not used";
+}
+
+TEST_F(ReadMesh, ObjTakesVerticesBehindTheirFaces) {
+  const auto cloud = read("a.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 1 1 0\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->triangles.size(), 1U);
+}
+
+TEST_F(ReadMesh, ObjRefusesBrokenIndicesWithTheirLine) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+  for (const std::string corner : {"0", "-4", "x", "1.5", "/1", "99999999999999999999",
+                                   "4294967297", "-9223372036854775808"}) {
+    EXPECT_TRUE(is_refused(read("a.obj", vertices + "f 1 2 " + corner + "\n"), "line 4")) << corner;
+  }
+  EXPECT_TRUE(is_refused(read("a.obj", vertices + "f 1 2 3\nf 1 2 2147483647\n"),
+                         "line 5: the face names vertex 2147483647"));
+  EXPECT_TRUE(is_refused(read("a.obj", "v 0 0\n"), "line 1: expected three numbers"));
+  EXPECT_TRUE(is_refused(read("a.obj", "just some text\n"), "at least one point"));
+  EXPECT_TRUE(is_refused(read("a.obj", vertices, {.max_points = 2}), "limit of 2"));
+}
+
+TEST_F(ReadMesh, StlWeldsCornersAtEqualPlacesInOrderOfAppearance) {
+  const auto cloud =
+      read("a.stl",
+           "solid\nfacet\nvertex 1 0 0\nvertex 0 1 0\nvertex -0 0 0\nendfacet\n"
+           "facet\nvertex 0 0 0\nvertex 0 1 0\nvertex nan 0 0\nendfacet\nendsolid\n"
+           "solid second\nfacet\nvertex 0 0 1\nvertex 1 0 0\nvertex 0 1 0\nendfacet\nendsolid\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  ASSERT_EQ(cloud->points.size(), 4U);
+  EXPECT_EQ(cloud->points[0], Vector(1, 0, 0));
+  EXPECT_EQ(cloud->points[3], Vector(0, 0, 1));
+  EXPECT_EQ(cloud->num_invalid, 1U);
+  EXPECT_EQ(cloud->triangles.a, (Indices{0, 3}));
+  EXPECT_EQ(cloud->triangles.b, (Indices{1, 0}));
+}
+
+TEST_F(ReadMesh, StlRefusesSizesThatLie) {
+  const std::string preamble(80, ' ');
+  EXPECT_TRUE(is_refused(
+      read("a.stl", preamble + little(std::uint32_t{0xFFFFFFFF}) + std::string(50, '\0')), "STL"));
+  EXPECT_TRUE(is_refused(read("a.stl", preamble + little(std::uint32_t{1}) + std::string(49, '\0')),
+                         "STL"));
+  EXPECT_TRUE(is_refused(read("a.stl", preamble + little(std::uint32_t{0})), "at least one point"));
+  EXPECT_TRUE(is_refused(
+      read("a.stl", preamble + little(std::uint32_t{1}) + std::string(50, '\0'), {.max_points = 2}),
+      "limit"));
+  EXPECT_TRUE(is_refused(
+      read("a.stl", "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid\n"), "line 5"));
+  EXPECT_TRUE(is_refused(
+      read("a.stl", "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n"),
+      "truncated"));
+  EXPECT_TRUE(is_refused(read("a.stl", "solid a\nvertex 0 zero 0\nendsolid"),
+                         "line 2: expected three numbers"));
+}
+
+TEST_F(ReadMesh, OffTakesColoursCommentsAndGluedCounts) {
+  const std::string body =
+      "0 0 0 255 0 0\n1 0 0 0.5\n\n1 1 0 # corner\n0 1 0\n4 0 1 2 3 10 20 30\n2 0 1\n";
+  for (const std::string header :
+       {"COFF\n4 2 0\n", "OFF4 2 0\n", "# made by hand\nOFF\n# counts\n4 2 # faces\n0\n",
+        "STOFF 4 2 0\n"}) {
+    const auto cloud = read("a.off", header + body);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->points.size(), 4U);
+    EXPECT_EQ(cloud->triangles.c, (Indices{2, 3})) << header;
+    EXPECT_TRUE(cloud->normals.empty());
+  }
+}
+
+TEST_F(ReadMesh, OffRefusesCountsThatLie) {
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\n1152921504606846976 1 0\n0 0 0\n"), "limit"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\n1000 1 0\n0 0 0\n"), "truncated"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\n1 1152921504606846976 0\n0 0 0\n"), "truncated"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\n-1 1 0\n0 0 0\n"), "numbers of vertices"));
+  EXPECT_TRUE(
+      is_refused(read("a.off", "OFF BINARY\n" + std::string(40, '\1')), "numbers of vertices"));
+  EXPECT_TRUE(is_refused(read("a.off", "4OFF\n1 0 0\n0 0 0 0\n"), "begins with OFF"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 3\n"),
+                         "line 6: expected the index of a vertex below 3"));
+  EXPECT_TRUE(
+      is_refused(read("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n9999999999 0 1 2\n"), "below 3"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 nan!\n3 0 1 2\n"), "line 5"));
+}
+
+}  // namespace
+}  // namespace trivet

@@ -1,0 +1,62 @@
+/// Small files of every format, made byte by byte without the code under test.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "storage/cloud.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet::test {
+
+/// The value's bytes in little-endian order.
+template <class T>
+std::string little(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof(T)};  // the tests run on such machines only
+}
+template <class T>
+std::string big(T value) {
+  const std::string bytes = little(value);
+  return {bytes.rbegin(), bytes.rend()};
+}
+template <class T>
+std::string little(std::initializer_list<T> values) {
+  std::string bytes;
+  for (const T value : values) bytes += little(value);
+  return bytes;
+}
+
+/// An LZF stream of literals only.
+std::string lzf_literals(std::string_view bytes);
+
+/// A PNG file with one uncompressed deflate stream; `rows` holds filter bytes and big-endian
+/// samples.
+std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int colour_type,
+                     std::string_view rows);
+/// A 16-bit grey PNG of these depths.
+std::string depth_png(std::uint32_t width, std::uint32_t height,
+                      const std::vector<std::uint16_t>& depths);
+
+struct SampleFile {
+  std::string name;  ///< with the extension of its format
+  std::string bytes;
+};
+/// A valid file of each format and encoding, a few hundred bytes long.
+std::vector<SampleFile> sample_files();
+
+/// What depth images are read with here.
+inline const Camera kCamera{500, 400, 1, 0.5, 0.001};
+inline const ReadOptions kReadOptions{.camera = kCamera};
+
+/// Whether the cloud keeps every promise of its type.
+testing::AssertionResult is_valid(const Cloud& cloud);
+
+/// Whether the result is bad_data and its message names the file and this text.
+testing::AssertionResult is_refused(const Result<Cloud>& result, std::string_view text);
+
+}  // namespace trivet::test
