@@ -58,6 +58,11 @@ struct Posed {
 };
 
 constexpr float kGrazing = 0.15F;  // cosine below which a surface is too oblique to be measured
+constexpr int kOutlineSide = 96;   // cells; a diameter is some 50
+
+bool is_background(std::uint8_t plane, const VerifyOptions& options) noexcept {
+  return plane > 0 && plane <= options.plane_is_background.size() && options.plane_is_background[plane - 1] != 0;
+}
 
 }  // namespace
 
@@ -106,9 +111,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
         continue;
       }
       const auto at = static_cast<std::size_t>(best_pixel);
-      const std::uint8_t plane = image.plane[at];
-      const bool background =
-          plane > 0 && plane <= options.plane_is_background.size() && options.plane_is_background[plane - 1] != 0;
+      const bool background = is_background(image.plane[at], options);
       if (best > options.tolerance) {
         ++evidence.violation;
       } else if (best < -options.tolerance) {
@@ -143,39 +146,42 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
     const Eigen::Vector3f centre = posed.T_camera_model * samples.centre;
     if (!(centre.z() > samples.diameter * 0.1F)) continue;
 
-    // A coarse image of the model alone, around its centre.
-    const float pixels_per_unit = geometry.fx / centre.z();
-    const float cell = std::max(1.0F, 1.2F * samples.spacing * pixels_per_unit);
-    constexpr int kSide = 72;
-    constexpr int kBorder = 2;
-    const float u0 = geometry.fx * centre.x() / centre.z() + geometry.cx - cell * kSide / 2;
-    const float v0 = geometry.fy * centre.y() / centre.z() + geometry.cy - cell * kSide / 2;
-    scratch.depth.assign(kSide * kSide, 0);
+    // A coarse image of the model alone, around its centre. Each sample covers 3 x 3 cells of 0.8 spacings, which
+    // leaves no holes inside the outline and widens it by about one cell.
+    const float cell = std::max(1.0F, 0.8F * samples.spacing * geometry.fx / centre.z());
+    const float u0 = geometry.fx * centre.x() / centre.z() + geometry.cx - cell * kOutlineSide / 2;
+    const float v0 = geometry.fy * centre.y() / centre.z() + geometry.cy - cell * kOutlineSide / 2;
+    scratch.depth.assign(kOutlineSide * kOutlineSide, 0);
     for (std::size_t i = 0; i < samples.points.size(); ++i) {
       if (!posed.sees(samples.views[i])) continue;
       const Eigen::Vector3f p = posed.T_camera_model * samples.points[i];
       if (!(p.z() > 0)) continue;
       const float u = (geometry.fx * p.x() / p.z() + geometry.cx - u0) / cell;
       const float v = (geometry.fy * p.y() / p.z() + geometry.cy - v0) / cell;
-      if (!(u >= kBorder && v >= kBorder && u < kSide - kBorder && v < kSide - kBorder)) continue;
-      float& depth = scratch.depth[static_cast<std::size_t>(v) * kSide + static_cast<std::size_t>(u)];
-      if (depth == 0 || p.z() < depth) depth = p.z();
+      if (!(u >= 3 && v >= 3 && u < kOutlineSide - 3 && v < kOutlineSide - 3)) continue;
+      const std::size_t at = static_cast<std::size_t>(v) * kOutlineSide + static_cast<std::size_t>(u);
+      for (const std::size_t row : {at - kOutlineSide, at, at + kOutlineSide}) {
+        for (const std::size_t k : {row - 1, row, row + 1}) {
+          float& depth = scratch.depth[k];
+          if (depth == 0 || p.z() < depth) depth = p.z();
+        }
+      }
     }
 
-    // Beyond each border cell of the outline, one and a half cells out, look at the scene.
+    // Beyond each border cell of the outline, one cell out, look at the scene.
     const float jump = std::max(2 * options.tolerance, 0.03F * samples.diameter);
     constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-    for (int v = kBorder; v < kSide - kBorder; ++v) {
-      for (int u = kBorder; u < kSide - kBorder; ++u) {
-        const float z = scratch.depth[static_cast<std::size_t>(v * kSide + u)];
+    for (int v = 2; v < kOutlineSide - 2; ++v) {
+      for (int u = 2; u < kOutlineSide - 2; ++u) {
+        const float z = scratch.depth[static_cast<std::size_t>(v * kOutlineSide + u)];
         if (z == 0) continue;
         for (const auto& [du, dv] : kSteps) {
-          const auto empty = [&](int k) {
-            return scratch.depth[static_cast<std::size_t>((v + k * dv) * kSide + u + k * du)] == 0;
+          const auto filled = [&](int k) {
+            return scratch.depth[static_cast<std::size_t>((v + k * dv) * kOutlineSide + u + k * du)] != 0;
           };
-          if (!empty(1) || !empty(2)) continue;
-          const float pu = u0 + (static_cast<float>(u) + 0.5F + 1.5F * static_cast<float>(du)) * cell;
-          const float pv = v0 + (static_cast<float>(v) + 0.5F + 1.5F * static_cast<float>(dv)) * cell;
+          if (filled(1) || filled(2)) continue;
+          const float pu = u0 + (static_cast<float>(u + du) + 0.5F) * cell;
+          const float pv = v0 + (static_cast<float>(v + dv) + 0.5F) * cell;
           if (!(pu >= 0 && pv >= 0 && pu + 0.5F < static_cast<float>(geometry.width) &&
                 pv + 0.5F < static_cast<float>(geometry.height))) {
             continue;
@@ -183,13 +189,10 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
           const std::size_t pixel =
               static_cast<std::size_t>(pv + 0.5F) * geometry.width + static_cast<std::size_t>(pu + 0.5F);
           const float d = image.depth[pixel];
-          if (!(d > 0) || d < z - jump) continue;
-          const std::uint8_t plane = image.plane[pixel];
-          const bool background = plane > 0 && plane <= options.plane_is_background.size() &&
-                                  options.plane_is_background[plane - 1] != 0;
-          if (d > z + jump) {
+          if (d > 0 && d < z - jump) continue;  // hidden by something nearer
+          if (!(d > 0) || d > z + jump) {
             ++evidence.contour_free;
-          } else if (!background) {
+          } else if (!is_background(image.plane[pixel], options)) {
             ++evidence.contour_crossed;
           }
         }

@@ -38,7 +38,7 @@ struct Evidence {
   std::uint32_t background = 0;  ///< agrees only with a background plane
   float weight = 0;              ///< sum over consistent samples of (1 - (r / tolerance)^2) cos(normals)
   float squared_residuals = 0;   ///< over consistent samples [scene unit^2]
-  std::uint32_t contour_free = 0;     ///< contour places beyond which the scene falls back
+  std::uint32_t contour_free = 0;     ///< contour places beyond which the scene falls back or is not measured
   std::uint32_t contour_crossed = 0;  ///< contour places beyond which the scene runs on at the model's depth
 
   float support() const noexcept;    ///< mean agreement of what was seen, 0..1
@@ -65,10 +65,9 @@ struct ContourScratch {
   std::vector<float> depth;
 };
 
-/// Add the contour's evidence: the posed model's outline is drawn on a coarse grid (cells of one sample spacing);
-/// just beyond it a real object's scene falls back, is hidden by something nearer or is not measured, while a wrong
-/// fit on a larger surface finds that surface running on. Background planes near the outline are neutral: things
-/// stand on them.
+/// Add the contour's evidence: the posed model's outline is drawn on a coarse grid; just beyond it a real object's
+/// scene falls back or is not measured (sensors fail at depth edges), while a wrong fit on a larger surface finds that
+/// surface running on. Something nearer is neutral, and so are background planes: things stand on them.
 void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples, const Pose& T_scene_model,
                    const VerifyOptions& options, ContourScratch& scratch, Evidence& evidence);
 
