@@ -41,26 +41,28 @@ bool is_cloud_file(const std::filesystem::path& file) {
   return format && format->extension != ".png" && format->extension != ".txt";
 }
 
-Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
-  const auto mapped = MappedFile::open(file, options.max_file_bytes);
-  if (!mapped) return mapped.error();
-
-  const formats::Input input{file, mapped->bytes(), options};
-  const Format* const format = format_of(file);
+Result<Cloud> formats::read(const Input& input) {
+  const Format* const format = format_of(input.file);
   if (!format) {
     return input.refuse(
         fmt::format("expected one of .ply .pcd .obj .stl .off .xyz .txt .png, found {}",
-                    formats::quote(file.extension().string())));
+                    quote(input.file.extension().string())));
   }
   if (input.bytes.empty()) return input.refuse("the file is empty");
   try {
     auto cloud = format->read(input);
-    return cloud ? formats::finish(*std::move(cloud), input) : cloud.error();
+    return cloud ? finish(*std::move(cloud), input) : cloud.error();
   } catch (const std::bad_alloc&) {
     return input.refuse("needs more memory than there is");
   } catch (const std::length_error&) {
     return input.refuse("needs more memory than there is");
   }
+}
+
+Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
+  const auto mapped = MappedFile::open(file, options.max_file_bytes);
+  if (!mapped) return mapped.error();
+  return formats::read({file, mapped->bytes(), options});
 }
 
 }  // namespace trivet

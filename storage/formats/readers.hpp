@@ -8,6 +8,9 @@
 
 namespace trivet::formats {
 
+/// Read by the extension of the file's name, then check and clean what all formats have in common.
+Result<Cloud> read(const Input& input);
+
 /// Greg Turk's PLY 1.0, with Stanford's tristrips and range_grid, and PCL's camera element.
 Result<Cloud> read_ply(const Input& input);
 

@@ -3,7 +3,10 @@
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <span>
+#include <vector>
 
+#include "storage/formats/readers.hpp"
 #include "storage/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/random.hpp"
@@ -19,8 +22,11 @@ using test::kReadOptions;
 class HostileCloud : public testing::Test {
  protected:
   /// Read these bytes; nothing but bad_data or a valid cloud may come out.
-  bool survives(const std::string& name, const std::string& bytes) {
-    const auto cloud = read_cloud(folder_.write(name, bytes), kReadOptions);
+  static bool survives(const std::filesystem::path& name, std::string_view bytes) {
+    // An allocation of just this size: sanitizers see a read beyond it, unlike one in a mapped
+    // page.
+    const std::vector<char> exact(bytes.begin(), bytes.end());
+    const auto cloud = formats::read({name, std::as_bytes(std::span(exact)), kReadOptions});
     if (cloud) return is_valid(*cloud);
     // Whoever needs "more memory than there is" believed a count that the file cannot hold.
     return cloud.error().code == ErrorCode::bad_data &&
@@ -62,7 +68,7 @@ TEST_F(HostileCloud, TruncatedBinaryFilesAreRefused) {
 TEST_F(HostileCloud, RandomDamageIsSurvived) {
   test::Random random;
   const auto samples = test::sample_files();
-  for (int round = 0; round < 400; ++round) {
+  for (int round = 0; round < 1000; ++round) {
     for (const auto& file : samples) {
       std::string bytes = file.bytes;
       for (std::uint32_t damages = 1 + random.below(4); damages > 0; --damages) {
