@@ -1,0 +1,26 @@
+#include "kernels/render_depth.hpp"
+
+#include <cassert>
+#include <limits>
+
+namespace trivet::kernels {
+
+void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t width,
+                  std::uint32_t first_row, std::span<float> depth,
+                  std::span<std::uint32_t> instances) noexcept {
+  assert(width > 0 && depth.size() % width == 0 && "whole rows");
+  assert(instances.size() == depth.size() && "one instance per depth");
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const auto u = static_cast<double>(i % width);
+    const auto v = static_cast<double>(first_row + i / width);
+    // With 1 for the ray's z, the distance along the ray counts in z.
+    const Eigen::Vector3f direction(static_cast<float>((u - camera.cx) / camera.fx),
+                                    static_cast<float>((v - camera.cy) / camera.fy), 1);
+    const Hit hit = scene.intersect(Eigen::Vector3f::Zero(), direction, 0,
+                                    std::numeric_limits<float>::infinity());
+    depth[i] = hit ? hit.distance : 0;
+    instances[i] = hit.instance;
+  }
+}
+
+}  // namespace trivet::kernels
