@@ -15,7 +15,7 @@ struct RecognizeArguments {
   std::string library, method = "ppf", preset = "balanced", unit, models, json;
   SceneArguments scenes;
   std::optional<float> min_score, reference_share, neighbour_share;
-  std::optional<std::uint32_t> max_instances;
+  std::optional<std::uint32_t> max_instances, max_votes;
 };
 
 RecogniseOptions options_of(const RecognizeArguments& arguments) {
@@ -23,6 +23,7 @@ RecogniseOptions options_of(const RecognizeArguments& arguments) {
   if (arguments.min_score) options.min_score = *arguments.min_score;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;
+  if (arguments.max_votes) options.vote.max_votes = *arguments.max_votes;
   if (arguments.max_instances) options.max_instances = *arguments.max_instances;
   options.models = CLI::detail::split(arguments.models, ',');
   if (arguments.models.empty()) options.models.clear();
@@ -91,6 +92,8 @@ void add_recognize(CLI::App& app, Context& context) {
                       "Share of the sampled scene points that vote, above 0 to 1; overrides the preset");
   command->add_option("--neighbour-share", arguments->neighbour_share,
                       "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
+  command->add_option("--max-votes", arguments->max_votes,
+                      "Votes of a reference point for a model; fewer is faster (default 60000)");
   command->add_option("--models", arguments->models, "Only these models, as a,b,c");
   command->add_option("--camera", arguments->scenes.camera,
                       "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");

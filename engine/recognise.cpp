@@ -27,6 +27,7 @@ constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
 constexpr std::size_t kMaxPairs = 8000;         // of one reference, so that 16-bit counters hold
 constexpr std::size_t kFirstLookSamples = 300;  // samples of the cheap verification before refinement
 constexpr std::size_t kRefineSamples = 500;
+constexpr std::size_t kContourShare = 3;        // contours judged per candidate refined
 
 /// Models of one sampling step: they share the sampled scene and its pair features.
 using ModelGroups = std::map<float, std::vector<std::uint32_t>>;
@@ -90,7 +91,7 @@ std::vector<std::vector<kernels::Hypothesis>> vote_for_models(const Library& lib
       for (std::size_t m = 0; m < models.size(); ++m) {
         const Model& model = library.models[models[m]];
         scratch.accumulator.resize(model.ppf_points.size() * kernels::kRotationBins);
-        scratch.num_votes += kernels::cast_votes(scratch.votes, model.ppf, scratch.accumulator);
+        scratch.num_votes += kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);
         const kernels::VotePeaks peaks =
             kernels::take_peaks(scratch.accumulator, options.max_peaks, options.peak_share);
         for (std::size_t k = 0; k < peaks.count; ++k) {
@@ -167,13 +168,22 @@ std::vector<engine::Candidate> settle_model(const Library& library, std::uint32_
     kernels::VerifyOptions loose;
     loose.tolerance = std::max(0.75F * step, 3 * scene.noise);
     loose.plane_is_background = background;
-    engine::PerThread<kernels::ContourScratch> scratch;
-    engine::for_chunks(clusters.size(), 4, [&](std::size_t first, std::size_t count) {
+    engine::for_chunks(clusters.size(), 8, [&](std::size_t first, std::size_t count) {
       for (std::size_t c = first; c < first + count; ++c) {
         looked[c].T_scene_model = clusters[c].T_scene_model;
         looked[c].evidence = kernels::verify_pose(scene.images, samples, kFirstLookSamples,
                                                   clusters[c].T_scene_model, loose);
-        kernels::judge_contour(scene.images, samples, clusters[c].T_scene_model, loose, scratch.local(),
+        looked[c].score = looked[c].evidence.score();
+      }
+    });
+    // The contour only lowers a score, and costs more: it is judged for those that are in the running.
+    std::stable_sort(looked.begin(), looked.end(),
+                     [](const engine::Candidate& a, const engine::Candidate& b) { return a.score > b.score; });
+    looked.resize(std::min<std::size_t>(looked.size(), kContourShare * options.pose.max_refined));
+    engine::PerThread<kernels::ContourScratch> scratch;
+    engine::for_chunks(looked.size(), 4, [&](std::size_t first, std::size_t count) {
+      for (std::size_t c = first; c < first + count; ++c) {
+        kernels::judge_contour(scene.images, samples, looked[c].T_scene_model, loose, scratch.local(),
                                looked[c].evidence);
         looked[c].score = looked[c].evidence.score();
       }

@@ -164,7 +164,11 @@ std::vector<ViewMask> views_of_points(const Model& model) {
 
 Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step, Model& model) {
   const std::vector<ViewMask> views = views_of_points(model);
-  const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views};
+  std::vector<std::uint8_t> is_reference(model.ppf_points.size(), 1);
+  if (!model.symmetry.trivial()) {
+    kernels::choose_references(model.ppf_points, model.symmetry, model.centre, step, is_reference);
+  }
+  const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views, is_reference};
   PpfQuantisation quantisation{step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)),
                                options.num_angle_bins};
   const std::size_t num_cells = quantisation.num_cells();

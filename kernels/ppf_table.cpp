@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 namespace trivet::kernels {
@@ -36,6 +37,7 @@ void for_each_pair(const PpfPoints& model, const PpfQuantisation& quantisation, 
   assert(scratch.cells.size() >= n && "scratch holds one model's points");
   const PairFeaturesSpan features = scratch.features(n);
   for (std::size_t reference = first; reference < first + count; ++reference) {
+    if (!model.is_reference.empty() && model.is_reference[reference] == 0) continue;
     compute_pair_features(reference_frame(model.points[reference], model.normals[reference]),
                           model.points, model.normals, features);
     quantise_pair_features(quantisation, features, std::span(scratch.cells).first(n),
@@ -49,6 +51,31 @@ void for_each_pair(const PpfPoints& model, const PpfQuantisation& quantisation, 
 }
 
 }  // namespace
+
+void choose_references(PointsView points, const Symmetry& symmetry, const Eigen::Vector3f& centre, float margin,
+                       std::span<std::uint8_t> is_reference) noexcept {
+  // Any direction in general position; with an axis, the part across it is left to the strip.
+  const Eigen::Vector3f general = Eigen::Vector3f(0.8411F, 0.4587F, 0.2872F).normalized();
+  Eigen::Vector3f axis = Eigen::Vector3f::Zero(), across = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
+  Eigen::Vector3f foot = centre, along = general;
+  if (symmetry.axis) {
+    axis = symmetry.axis->direction;
+    foot = symmetry.axis->point;
+    along = axis;
+    across = (general - axis * axis.dot(general)).normalized();
+    aside = axis.cross(across);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = points[i];
+    bool chosen = true;
+    for (const Pose& S : symmetry.poses) chosen = chosen && along.dot(S * p - p) <= margin;
+    if (symmetry.axis) {
+      const Eigen::Vector3f d = p - foot;
+      chosen = chosen && std::abs(d.dot(aside)) <= margin && d.dot(across) >= -margin;
+    }
+    is_reference[i] = chosen;
+  }
+}
 
 void count_ppf_pairs(const PpfPoints& model, const PpfQuantisation& quantisation, std::size_t first,
                      std::size_t count, PairScratch& scratch,

@@ -30,7 +30,17 @@ struct PpfPoints {
   PointsView points;
   NormalsView normals;
   std::span<const ViewMask> views;
+  std::span<const std::uint8_t> is_reference;  ///< whether pairs may start here; empty: anywhere
 };
+
+/// Mark one point of each set of points that the model's symmetries map onto each other, so that a table holds each
+/// pair once, not once per symmetric copy: a model of n-fold symmetry needs 1 / n of the entries and votes.
+///
+/// A point is marked when none of its images lies farther along a fixed direction that no symmetry keeps; with a free
+/// axis, when it is in a strip beside one half plane through the axis. `margin` (about the sampling step) widens the
+/// choice, since samples do not map onto samples.
+void choose_references(PointsView points, const Symmetry& symmetry, const Eigen::Vector3f& centre, float margin,
+                       std::span<std::uint8_t> is_reference) noexcept;
 
 /// Add the pairs of references [first, first + count) to counts[num_cells].
 void count_ppf_pairs(const PpfPoints& model, const PpfQuantisation& quantisation, std::size_t first,

@@ -34,9 +34,8 @@ float Evidence::rmse() const noexcept {
 }
 
 float Evidence::score() const noexcept {
-  const float clear = 1 - violation_fraction();
-  const float free = contour();
-  return support() * std::sqrt(visible_fraction()) * clear * clear * free * free;
+  const float agreement = support() * (1 - violation_fraction()) * contour();
+  return agreement * std::sqrt(agreement) * std::pow(visible_fraction(), 0.2F);
 }
 
 namespace {

@@ -1,6 +1,8 @@
 #include "kernels/vote.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
 
 #include "kernels/fast_angle.hpp"
@@ -8,25 +10,48 @@
 
 namespace trivet::kernels {
 
-std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& table,
+namespace {
+
+/// The largest cell size (a power of two, exclusive) with which the look-ups give at most max_votes votes.
+std::uint32_t fullest_cell(std::span<const SceneVote> votes, const std::uint32_t* offsets,
+                           std::uint64_t max_votes) noexcept {
+  std::array<std::uint64_t, 33> votes_of_width{};
+  for (const SceneVote& vote : votes) {
+    const std::uint32_t size = offsets[vote.cell + 1] - offsets[vote.cell];
+    votes_of_width[static_cast<std::size_t>(std::bit_width(size))] += size;
+  }
+  std::uint64_t sum = 0;
+  for (std::uint32_t width = 0; width < 32; ++width) {
+    sum += votes_of_width[width];
+    if (sum > max_votes) return std::uint32_t{1} << std::max(width, 1U) >> 1;
+  }
+  return ~std::uint32_t{0};
+}
+
+}  // namespace
+
+std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& table, std::uint64_t max_votes,
                          std::span<std::uint16_t> accumulator) noexcept {
   assert(votes.size() < 8192 && "counters of 16 bits");
+  // Sorted: from the first cell beyond the table on, pairs are farther apart than this model is large.
   const std::uint32_t num_cells = table.quantisation.num_cells();
+  const auto beyond = std::partition_point(votes.begin(), votes.end(),
+                                           [&](const SceneVote& vote) { return vote.cell < num_cells; });
+  votes = votes.first(static_cast<std::size_t>(beyond - votes.begin()));
+
   const std::uint32_t* const offsets = table.offsets.data();
   const PpfEntry* const entries = table.entries.data();
   std::uint16_t* const counters = accumulator.data();
+  const std::uint32_t too_full = fullest_cell(votes, offsets, max_votes);
   constexpr std::size_t kAhead = 8;  // look-ups whose entries are on their way from memory
   std::uint64_t total = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    if (votes[i].cell >= num_cells) break;  // sorted: the rest is farther than this model is large
-    if (i + kAhead < votes.size() && votes[i + kAhead].cell < num_cells) {
-      __builtin_prefetch(entries + offsets[votes[i + kAhead].cell]);
-    }
+    if (i + kAhead < votes.size()) __builtin_prefetch(entries + offsets[votes[i + kAhead].cell]);
     const std::uint32_t first = offsets[votes[i].cell], last = offsets[votes[i].cell + 1];
+    if (last - first >= too_full) continue;
     const std::uint16_t rotation = votes[i].rotation;
     for (std::uint32_t e = first; e < last; ++e) {
-      const std::uint32_t bin =
-          static_cast<std::uint16_t>(entries[e].angle - rotation) >> kRotationShift;
+      const std::uint32_t bin = static_cast<std::uint16_t>(entries[e].angle - rotation) >> kRotationShift;
       ++counters[entries[e].reference * kRotationBins + bin];
     }
     total += last - first;
