@@ -10,20 +10,24 @@
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"
 
+#ifdef __SANITIZE_ADDRESS__
+// HDF5 1.10.8 itself loses about 300 bytes for each object header that it finds to be damaged.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
+#endif
+
 namespace trivet {
 namespace {
 
 namespace fs = std::filesystem;
 using hdf5::Handle;
-using test::bytes_of;
 using test::difference;
 using test::edit_library;
 using test::random_model;
+using test::read_bytes;
 using test::replace_attribute;
 using test::replace_data;
 using test::replace_dataset;
 using test::seal_library;
-using test::write_bytes;
 
 const std::string kVertices = "models/a/vertices";
 constexpr hsize_t kVerticesShape[] = {3, 50};
@@ -63,65 +67,65 @@ class LibraryDamageTest : public test::LibraryTest {
 };
 
 TEST_F(LibraryDamageTest, RefusesATruncationAtEvery512Bytes) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   for (std::size_t size = 0; size < whole.size(); size += 512) {
-    write_bytes(file(), std::span(whole).first(size));
+    write_file(std::string_view(whole).substr(0, size));
     expect_refused(size == 0 ? "another kind of file" : "truncated");
   }
 }
 
 TEST_F(LibraryDamageTest, RefusesBytesAfterTheEnd) {
-  auto longer = bytes_of(file());
-  longer.push_back(0);
-  write_bytes(file(), longer);
+  auto longer = read_bytes(file());
+  longer.push_back('\0');
+  write_file(longer);
   expect_refused("damaged");
 }
 
 TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByAFlippedBit) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   constexpr std::uint64_t kSeed = 20240607;
   std::mt19937_64 random(kSeed);
   for (int i = 0; i < 500; ++i) {
     const std::uint64_t bit = random() % (whole.size() * 8);
     auto damaged = whole;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
-    write_bytes(file(), damaged);
+    write_file(damaged);
     expect_refused_or_equal("bit " + std::to_string(bit) + ", seed " + std::to_string(kSeed));
   }
 }
 
 // Metadata is a small part of the file: flip more of the first 2 kB, which is nothing else.
 TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByAFlippedBitOfTheStructure) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   for (std::size_t bit = 0; bit < 8 * 2048; bit += 31) {
     auto damaged = whole;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
-    write_bytes(file(), damaged);
+    write_file(damaged);
     expect_refused_or_equal("bit " + std::to_string(bit));
   }
 }
 
 TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByZeroedOrSwappedBlocks) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   for (std::size_t at = 0; at + 1024 <= whole.size(); at += 512) {
     auto zeroed = whole;
     std::fill_n(zeroed.begin() + static_cast<std::ptrdiff_t>(at), 512, char{0});
-    write_bytes(file(), zeroed);
+    write_file(zeroed);
     expect_refused_or_equal("zeroed at " + std::to_string(at));
 
     auto swapped = whole;
     const auto block = swapped.begin() + static_cast<std::ptrdiff_t>(at);
     std::swap_ranges(block, block + 512, block + 512);
-    write_bytes(file(), swapped);
+    write_file(swapped);
     expect_refused_or_equal("swapped at " + std::to_string(at));
   }
 }
 
 TEST_F(LibraryDamageTest, RefusesWhatIsNoLibrary) {
-  write_bytes(file(), {});
+  write_file({});
   expect_refused("another kind of file");
   const std::string text = "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
-  write_bytes(file(), text);
+  write_file(text);
   expect_refused("another kind of file");
 
   fs::remove(file());
@@ -171,10 +175,10 @@ TEST_F(LibraryDamageTest, ReadsANewerMinorVersionAndIgnoresItsAdditions) {
 }
 
 TEST_F(LibraryDamageTest, RefusesSoftAndExternalLinks) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   fs::copy_file(file(), folder() / "other.h5");
   const auto replace_link = [&](auto create) {
-    write_bytes(file(), whole);
+    write_file(whole);
     edit_library(file(), [&](hid_t root) {
       ASSERT_GE(H5Ldelete(root, kVertices.c_str(), H5P_DEFAULT), 0);
       ASSERT_GE(create(root), 0);
@@ -191,9 +195,9 @@ TEST_F(LibraryDamageTest, RefusesSoftAndExternalLinks) {
 }
 
 TEST_F(LibraryDamageTest, RefusesAnObjectThatIsLinkedTwice) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   for (const char* const second : {"models/a/loop", "models/c"}) {
-    write_bytes(file(), whole);
+    write_file(whole);
     edit_library(file(), [&](hid_t root) {
       ASSERT_GE(H5Lcreate_hard(root, "models/a", root, second, H5P_DEFAULT, H5P_DEFAULT), 0);
     });
@@ -202,9 +206,9 @@ TEST_F(LibraryDamageTest, RefusesAnObjectThatIsLinkedTwice) {
 }
 
 TEST_F(LibraryDamageTest, RefusesDataOutsideTheFileOrBehindFilters) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   const auto replace = [&](const std::string& text, auto set) {
-    write_bytes(file(), whole);
+    write_file(whole);
     edit_library(file(), [&](hid_t root) {
       const Handle creation(H5Pcreate(H5P_DATASET_CREATE));
       ASSERT_GE(set(creation.get()), 0);
@@ -225,9 +229,9 @@ TEST_F(LibraryDamageTest, RefusesDataOutsideTheFileOrBehindFilters) {
 }
 
 TEST_F(LibraryDamageTest, RefusesOtherTypesAndShapes) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   const auto replace = [&](const std::string& text, hid_t type, std::span<const hsize_t> shape) {
-    write_bytes(file(), whole);
+    write_file(whole);
     edit_library(file(), [&](hid_t root) {
       const Handle creation(H5Pcreate(H5P_DATASET_CREATE));
       ASSERT_GE(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_LATE), 0);
@@ -255,9 +259,9 @@ TEST_F(LibraryDamageTest, RefusesOtherTypesAndShapes) {
 }
 
 TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   const auto change = [&](const std::string& text, auto edit) {
-    write_bytes(file(), whole);
+    write_file(whole);
     edit_library(file(), [&](hid_t root) { ASSERT_GE(edit(root), 0); });
     seal_library(file());
     expect_refused(text);
@@ -287,12 +291,12 @@ TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
 }
 
 TEST_F(LibraryDamageTest, RefusesChangedNamesAndAttributesByTheChecksumOfTheWhole) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   edit_library(file(), [](hid_t root) {
     ASSERT_GE(H5Lmove(root, "models/a", root, "models/c", H5P_DEFAULT, H5P_DEFAULT), 0);
   });
   expect_refused("@checksum");
-  write_bytes(file(), whole);
+  write_file(whole);
   const float diameter = 7;
   edit_library(file(), [&](hid_t root) {
     replace_attribute(root, "models/a", "diameter", H5T_NATIVE_FLOAT, &diameter);
@@ -313,10 +317,10 @@ TEST_F(LibraryDamageTest, RefusesAttributesOfVariableLength) {
 
 // Each value is set with right checksums: only the check of the content can see it.
 TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
-  const auto whole = bytes_of(file());
+  const auto whole = read_bytes(file());
   const Model& model = models_[0];
   const auto reseal = [&](const std::string& text, auto edit) {
-    write_bytes(file(), whole);
+    write_file(whole);
     edit_library(file(), edit);
     seal_library(file());
     expect_refused(text);

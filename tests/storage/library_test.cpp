@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
 #include <limits>
 
 #include "support/library_file.hpp"
@@ -17,10 +16,10 @@ namespace trivet {
 namespace {
 
 namespace fs = std::filesystem;
-using test::bytes_of;
 using test::difference;
 using test::LibraryTest;
 using test::random_model;
+using test::read_bytes;
 
 const LibraryHeader kHeader{LengthUnit::millimetre, "trivet test", R"({"step": 0.05})"};
 
@@ -113,10 +112,10 @@ TEST_F(LibraryTest, HoldsManyModels) {
 TEST_F(LibraryTest, GivesTheSameBytesWhenWrittenTwice) {
   const std::vector<Model> models{random_model("a", 1), random_model("b", 2)};
   write(file(), models);
-  const auto first = bytes_of(file());
+  const auto first = read_bytes(file());
   ::sleep(1);  // a time stamp in seconds would differ
   write(file(), models);
-  EXPECT_EQ(bytes_of(file()), first);
+  EXPECT_EQ(read_bytes(file()), first);
 }
 
 TEST_F(LibraryTest, LeavesNoFileWithoutPublish) {
@@ -132,12 +131,12 @@ TEST_F(LibraryTest, LeavesNoFileWithoutPublish) {
 TEST_F(LibraryTest, KeepsTheOldLibraryWithoutPublish) {
   const Model old = random_model("old", 1);
   write(file(), {&old, 1});
-  const auto before = bytes_of(file());
+  const auto before = read_bytes(file());
   {
     auto writer = LibraryWriter::create(file(), kHeader);
     ASSERT_TRUE(writer && writer->add(random_model("new", 2)));
   }
-  EXPECT_EQ(bytes_of(file()), before);
+  EXPECT_EQ(read_bytes(file()), before);
   EXPECT_EQ(num_files(folder()), 1U);
 }
 
