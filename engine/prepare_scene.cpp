@@ -122,7 +122,7 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
     }
   }
   if (points.size() < 100) return;
-  scene.plane_tolerance = std::max(3 * scene.noise, 1.0F * scene.spacing);
+  scene.plane_tolerance = std::max(4 * scene.noise, 3 * scene.spacing);
   kernels::PlaneOptions options;
   options.tolerance = scene.plane_tolerance;
   options.min_area = 0.04F * total;

@@ -37,7 +37,7 @@ struct PoseOptions {
 
 struct VerifyStageOptions {
   float tolerance_sigmas = 3;             ///< agreement in standard deviations of the scene's noise
-  float tolerance_diameters = 0.012F;     ///< ... but at least this share of the diameter
+  float tolerance_diameters = 0.016F;     ///< ... but at least this share of the diameter
   float max_overlap = 0.4F;               ///< share of a detection's pixels that a better one may already explain
   bool operator==(const VerifyStageOptions&) const = default;
 };
