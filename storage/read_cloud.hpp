@@ -11,29 +11,32 @@
 namespace trivet {
 
 struct ReadOptions {
-  std::optional<Camera> camera{};              ///< needed for depth images, ignored otherwise
-  std::uint64_t max_file_bytes = 4ULL << 30;   ///< larger files are refused
-  std::uint64_t max_points = 100'000'000;      ///< more points are refused
-  std::uint64_t max_pixels = 64'000'000;       ///< larger depth images are refused before decoding
+  std::optional<Camera> camera{};             ///< needed for depth images, ignored otherwise
+  std::uint64_t max_file_bytes = 4ULL << 30;  ///< larger files are refused
+  std::uint64_t max_points = 100'000'000;     ///< more points are refused
+  std::uint64_t max_pixels = 64'000'000;      ///< larger depth images are refused before decoding
 };
 
 /// Read a PLY, PCD, OBJ, STL, OFF, XYZ/TXT or 16-bit depth PNG file, chosen by its extension.
 ///
-/// Points with a non-finite coordinate are dropped and counted; triangles that use one go with them.
-/// Polygons are split into fans, tristrips into triangles. Values are converted to float.
+/// Points with a non-finite coordinate are dropped and counted; triangles that use one go with
+/// them. Polygons are split into fans, tristrips into triangles. Values are converted to float;
+/// coordinates beyond 1e7, and clouds too far from the origin for float to tell their points apart,
+/// are refused.
 /// Errors: missing_input, io, bad_data (file, line or byte, expected, found, what to do).
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
 
-/// Whether the extension is one that read_cloud knows (case-insensitive). Depth images are excluded, and
-/// so is .txt, as the text files of a folder are mostly notes.
+/// Whether the extension is one that read_cloud knows (case-insensitive). Depth images are
+/// excluded, and so is .txt, as the text files of a folder are mostly notes.
 bool is_cloud_file(const std::filesystem::path& file);
 
 /// Write points, with normals and triangles where there are any, as binary little-endian PLY.
 /// The file appears whole or not at all. Errors: cannot_create, io.
 Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud);
 
-/// Read the camera of depth images: {"fx","fy","cx","cy","depth_scale"} or the BOP form
-/// {"cam_K":[9 numbers], "depth_scale":s}, or a BOP scene_camera.json, of which the entry `image_id` is taken.
+/// Read the camera of depth images, in one of three forms, each with "depth_scale" (1 if absent):
+/// {"fx", "fy", "cx", "cy"}, or {"cam_K": [9 numbers]} as in BOP, or a BOP scene_camera.json, of
+/// which the entry `image_id` is taken. BOP's depth_scale gives millimetres.
 /// Errors: missing_input, bad_data.
 Result<Camera> read_camera(const std::filesystem::path& file, std::optional<int> image_id = {});
 

@@ -116,8 +116,9 @@ Cloud back_project(std::span<const std::uint16_t> depths, const ImageHeader& hea
   for (std::size_t pixel = 0; pixel < depths.size(); ++pixel) {
     if (depths[pixel] == 0) continue;
     const double z = depths[pixel] * camera.depth_scale;
-    const double x = (static_cast<double>(pixel % header.width) - camera.cx) * z / camera.fx;
-    const double y = (static_cast<double>(pixel / header.width) - camera.cy) * z / camera.fy;
+    const std::size_t u = pixel % header.width, v = pixel / header.width;
+    const double x = (static_cast<double>(u) - camera.cx) * z / camera.fx;
+    const double y = (static_cast<double>(v) - camera.cy) * z / camera.fy;
     cloud.grid->point_index[pixel] = static_cast<std::int32_t>(cloud.points.size());
     cloud.points.push_back({to_float(x), to_float(y), to_float(z)});
   }

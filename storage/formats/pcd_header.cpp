@@ -10,7 +10,7 @@
 namespace trivet::formats {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = 64 * 1024;
+constexpr std::size_t kMaxHeaderBytes = 65536;
 
 /// The rest of the line as words.
 std::vector<std::string_view> words_of(TextCursor& cursor) {

@@ -10,7 +10,7 @@
 namespace trivet::formats {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = 64 * 1024;
+constexpr std::size_t kMaxHeaderBytes = 65536;
 
 std::optional<Scalar> scalar_named(std::string_view name) noexcept {
   constexpr std::pair<std::string_view, Scalar> kNames[] = {
