@@ -20,7 +20,7 @@ constexpr std::size_t kMaxCandidates = 24;  // of one order
 
 TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()) {
   stride_ = std::max<std::size_t>(1, points_.size() / kNumScored);
-  float radius = 0;
+  float radius = 1e-3F;  // of the cloud; above 0 for samples that are all one place
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f p = points_[i];
