@@ -48,7 +48,7 @@ struct RecogniseOptions {
   VerifyStageOptions verify{};
   float min_score = 0.5F;                 ///< detections below are not reported, 0..1
   std::uint32_t max_instances = 100;      ///< per model
-  std::vector<std::string> models;        ///< names to look for; empty: all
+  std::vector<std::string> models{};      ///< names to look for; empty: all
   bool operator==(const RecogniseOptions&) const = default;
 };
 
