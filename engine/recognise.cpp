@@ -90,7 +90,7 @@ std::vector<std::vector<kernels::Hypothesis>> vote_for_models(const Library& lib
       const Pose T_scene_frame = kernels::frame_pose(frame).inverse();
       for (std::size_t m = 0; m < models.size(); ++m) {
         const Model& model = library.models[models[m]];
-        scratch.accumulator.resize(model.ppf_points.size() * kernels::kRotationBins);
+        scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
         scratch.num_votes += kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);
         const kernels::VotePeaks peaks =
             kernels::take_peaks(scratch.accumulator, options.max_peaks, options.peak_share);

@@ -162,19 +162,32 @@ std::vector<ViewMask> views_of_points(const Model& model) {
   return views;
 }
 
-Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step, Model& model) {
-  const std::vector<ViewMask> views = views_of_points(model);
+/// Put the points that pairs start at first: one of each set of symmetric copies. Returns how many there are.
+std::size_t references_first(float step, Model& model) {
   std::vector<std::uint8_t> is_reference(model.ppf_points.size(), 1);
-  if (!model.symmetry.trivial()) {
-    kernels::choose_references(model.ppf_points, model.symmetry, model.centre, step, is_reference);
+  kernels::choose_references(model.ppf_points, model.symmetry, model.centre, step, is_reference);
+  std::vector<std::uint32_t> order(is_reference.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto rest = std::stable_partition(order.begin(), order.end(), [&](std::uint32_t i) { return is_reference[i] != 0; });
+  const Points points = model.ppf_points;
+  const Normals normals = model.ppf_normals;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    model.ppf_points.set(k, points[order[k]]);
+    model.ppf_normals.set(k, normals[order[k]]);
   }
-  const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views, is_reference};
+  return static_cast<std::size_t>(rest - order.begin());
+}
+
+Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step, Model& model) {
+  const std::size_t num_references = references_first(step, model);
+  const std::vector<ViewMask> views = views_of_points(model);
+  const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views};
   PpfQuantisation quantisation{step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)),
                                options.num_angle_bins};
   const std::size_t num_cells = quantisation.num_cells();
   const std::size_t n = model.ppf_points.size();
-  const std::size_t num_chunks = std::min(kTableChunks, (n + kPairGrain - 1) / kPairGrain);
-  const auto chunk_first = [&](std::size_t chunk) { return n * chunk / num_chunks; };
+  const std::size_t num_chunks = std::min(kTableChunks, (num_references + kPairGrain - 1) / kPairGrain);
+  const auto chunk_first = [&](std::size_t chunk) { return num_references * chunk / num_chunks; };
 
   auto table = std::make_shared<PpfTable>();
   table->offsets.resize(num_cells + 1);
@@ -200,7 +213,7 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
   for_chunks(num_cells, 4096, [&](std::size_t first, std::size_t count) {
     kernels::sort_ppf_cells(table->offsets, first, count, table->entries);
   });
-  model.ppf = {quantisation, table->offsets, table->entries};
+  model.ppf = {quantisation, static_cast<std::uint32_t>(num_references), table->offsets, table->entries};
   model.ppf_storage = std::move(table);
   return {};
 }

@@ -1,7 +1,6 @@
 /// Angles without branches, so that loops over them vectorise.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 namespace trivet::kernels {
@@ -13,8 +12,8 @@ inline constexpr float kPi = 3.14159265358979323846F;
 /// same bin on both sides.
 inline float fast_atan2(float y, float x) noexcept {
   const float ax = std::abs(x), ay = std::abs(y);
-  const float large = std::max(ax, ay), small = std::min(ax, ay);
-  const float q = small / std::max(large, 1e-37F);
+  const float large = ax > ay ? ax : ay, small = ax > ay ? ay : ax;  // std::max would keep loops scalar
+  const float q = small / (large > 1e-37F ? large : 1e-37F);
   const float s = q * q;
   float r = 0.00681177107617259F;
   r = r * s - 0.033604156225919724F;

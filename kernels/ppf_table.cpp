@@ -37,7 +37,6 @@ void for_each_pair(const PpfPoints& model, const PpfQuantisation& quantisation, 
   assert(scratch.cells.size() >= n && "scratch holds one model's points");
   const PairFeaturesSpan features = scratch.features(n);
   for (std::size_t reference = first; reference < first + count; ++reference) {
-    if (!model.is_reference.empty() && model.is_reference[reference] == 0) continue;
     compute_pair_features(reference_frame(model.points[reference], model.normals[reference]),
                           model.points, model.normals, features);
     quantise_pair_features(quantisation, features, std::span(scratch.cells).first(n),

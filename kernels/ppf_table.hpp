@@ -30,7 +30,6 @@ struct PpfPoints {
   PointsView points;
   NormalsView normals;
   std::span<const ViewMask> views;
-  std::span<const std::uint8_t> is_reference;  ///< whether pairs may start here; empty: anywhere
 };
 
 /// Mark one point of each set of points that the model's symmetries map onto each other, so that a table holds each

@@ -94,6 +94,10 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
   }
   if (num_points > 65536)
     return fmt::format("ppf/points: expected at most 65536, found {}", num_points);
+  if (table.num_references > num_points) {
+    return fmt::format("ppf@num_references: expected at most {}, found {}", num_points,
+                       table.num_references);
+  }
 
   constexpr std::uint32_t kMaxBins = 65536;
   const double num_cells =
@@ -125,9 +129,9 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
   };
   for (std::size_t cell = 0; cell < cells; ++cell) {
     for (std::size_t i = offsets[cell]; i < offsets[cell + 1]; ++i) {
-      if (entries[i].reference >= num_points) {
+      if (entries[i].reference >= table.num_references) {
         return fmt::format("ppf/entries[{}]: expected a reference below {}, found {}", i,
-                           num_points, entries[i].reference);
+                           table.num_references, entries[i].reference);
       }
       if (i > offsets[cell] && key(i) < key(i - 1)) {
         return fmt::format("ppf/entries[{}]: expected cell {} sorted by reference, then angle", i,

@@ -225,6 +225,7 @@ Model take_model(Taker& take, const std::string& name, const StoredGroup& group,
   model.ppf.quantisation = {take.f32(table.attributes, "distance_step", table_path),
                             take.u32(table.attributes, "num_distance_bins", table_path),
                             take.u32(table.attributes, "num_angle_bins", table_path)};
+  model.ppf.num_references = take.u32(table.attributes, "num_references", table_path);
   auto storage = std::make_shared<TableStorage>(TableStorage{file, {}, {}});
   model.ppf.offsets = in_place(take.data(table, format::kPpfOffsets, table_path), storage->offsets);
   model.ppf.entries = in_place(take.data(table, format::kPpfEntries, table_path), storage->entries);

@@ -177,8 +177,10 @@ StoredAttributes model_attributes(const Model& model) {
   return out;
 }
 
-StoredAttributes table_attributes(const PpfQuantisation& quantisation) {
+StoredAttributes table_attributes(const PpfTableView& table) {
+  const PpfQuantisation& quantisation = table.quantisation;
   StoredAttributes out;
+  out.emplace("num_references", attribute(table.num_references));
   out.emplace("distance_step", attribute(quantisation.distance_step));
   out.emplace("num_distance_bins", attribute(quantisation.num_distance_bins));
   out.emplace("num_angle_bins", attribute(quantisation.num_angle_bins));
@@ -224,7 +226,7 @@ bool LibraryWriter::State::write(const Model& model) {
   const Handle table = create_group(group.get(), "ppf");
   StoredGroup described{model_attributes(model), {}, {}};
   StoredGroup& described_table = described.groups["ppf"];
-  described_table.attributes = table_attributes(model.ppf.quantisation);
+  described_table.attributes = table_attributes(model.ppf);
   if (!group || !table || !write_attributes(group.get(), described.attributes) ||
       !write_attributes(table.get(), described_table.attributes)) {
     return false;

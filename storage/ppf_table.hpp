@@ -29,6 +29,7 @@ struct PpfQuantisation {
 /// Entries of cell c are entries[offsets[c] .. offsets[c + 1]), sorted by reference, then angle.
 struct PpfTableView {
   PpfQuantisation quantisation;
+  std::uint32_t num_references = 0;        ///< pairs start at points below it; the rest are their symmetric copies
   std::span<const std::uint32_t> offsets;  ///< num_cells() + 1, non-decreasing
   std::span<const PpfEntry> entries;       ///< offsets.back() of them
 };

@@ -39,6 +39,7 @@ struct Table {
 void fill_table(Random& random, const RandomModelSize& size, Model& model) {
   model.ppf.quantisation = {uniform(random, 0.01F, 0.1F), size.num_distance_bins,
                             size.num_angle_bins};
+  model.ppf.num_references = static_cast<std::uint32_t>(size.num_ppf_points);
   const std::uint32_t num_cells = model.ppf.quantisation.num_cells();
   struct Row {
     std::uint32_t cell;
