@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 
 #include "storage/read_cloud.hpp"
 
@@ -40,6 +41,20 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
   return files;
 }
 
+/// In a folder of BOP models (obj_000001.ply ...) models_info.json declares the symmetries, in the models' unit.
+Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSource> sources) {
+  const fs::path info = folder / "models_info.json";
+  if (!fs::exists(info)) return {};
+  const Result<std::vector<std::pair<int, Symmetry>>> symmetries = read_bop_symmetries(info, 1);
+  if (!symmetries) return symmetries.error();
+  for (ModelSource& source : sources) {
+    for (const auto& [id, symmetry] : *symmetries) {
+      if (source.name == fmt::format("obj_{:06}", id)) source.symmetry = symmetry;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 LengthUnit parse_unit(const std::string& text) { return text == "mm" ? LengthUnit::millimetre : LengthUnit::metre; }
@@ -52,7 +67,10 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
     if (fs::is_directory(argument)) {
       const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
       if (!files) return files.error();
+      const std::size_t first = inputs.sources.size();
       for (const fs::path& file : *files) inputs.sources.push_back({file.stem().string(), file, 1, {}});
+      const Result<void> declared = declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
+      if (!declared) return declared.error();
     } else if (has_extension(argument, ".json")) {
       const Result<Manifest> manifest = read_manifest(argument);
       if (!manifest) return manifest.error();

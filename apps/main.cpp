@@ -55,6 +55,7 @@ class InterruptWatch {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit shall be an error of the write, not the end of the process
   const InterruptWatch interrupt;
   apps::Context context;
   context.stop = interrupt.token();

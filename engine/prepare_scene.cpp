@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "engine/parallel.hpp"
+#include "kernels/boundary_share.hpp"
 #include "kernels/estimate_normals.hpp"
 #include "kernels/estimate_normals_grid.hpp"
 #include "kernels/subsample_by_normals.hpp"
@@ -213,13 +214,7 @@ float mean_edge(PointsView points, const Triangles& triangles) {
   return static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, triangles.size())));
 }
 
-Result<void> prepare_closed_scene(const Cloud& cloud, const SceneInput& input, PreparedScene& scene) {
-  if (cloud.triangles.empty()) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}: expected faces, as the scene has neither camera nor viewpoint, found none; "
-                             "give the sensor's position with --viewpoint",
-                             input.file.string())};
-  }
+void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
   scene.spacing = mean_edge(scene.points, cloud.triangles);
   const Normals outward = vertex_normals(scene.points, cloud.triangles);
   const std::size_t n = scene.points.size();
@@ -273,7 +268,13 @@ Result<void> prepare_closed_scene(const Cloud& cloud, const SceneInput& input, P
       close_holes(3 * scene.spacing, scene.images.back());
     }
   }
-  return {};
+}
+
+/// Whether the scene is a whole surface instead of what a sensor saw from one place.
+bool is_closed(const Cloud& cloud, const SceneInput& input) {
+  if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty()) return false;
+  constexpr double kMostlyClosed = 0.02;  // scanned models have a few holes; a single scan has a long border
+  return input.closed_surface || kernels::boundary_share(cloud.triangles) < kMostlyClosed;
 }
 
 }  // namespace
@@ -293,9 +294,11 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
       for (float& value : column) value *= scale;
     }
   }
-  const Result<void> prepared = input.closed_surface ? prepare_closed_scene(cloud, input, scene)
-                                                     : prepare_sensor_scene(cloud, input, scene);
-  if (!prepared) return prepared.error();
+  if (is_closed(cloud, input)) {
+    prepare_closed_scene(cloud, scene);
+  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, scene); !prepared) {
+    return prepared.error();
+  }
   return scene;
 }
 
