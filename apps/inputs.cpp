@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 
+#include "engine/manifest_inputs.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -17,11 +18,6 @@ bool has_extension(const fs::path& file, std::string_view extension) {
   std::string own = file.extension().string();
   std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
   return own == extension;
-}
-
-double unit_scale(LengthUnit from, LengthUnit to) {
-  if (from == to) return 1;
-  return from == LengthUnit::metre ? 1000 : 0.001;
 }
 
 /// The files of a folder that `readable` accepts, by name. Errors: missing_input, bad_data (none).
@@ -79,9 +75,8 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
                                                    unit_name(manifest->unit), unit_name(*inputs.unit))};
       }
       inputs.unit = manifest->unit;
-      for (const ManifestModel& model : manifest->models) {
-        inputs.sources.push_back({model.name, model.file, model.scale, model.symmetry});
-      }
+      const std::vector<ModelSource> listed = models_of(*manifest);
+      inputs.sources.insert(inputs.sources.end(), listed.begin(), listed.end());
     } else if (const std::size_t equals = argument.find('='); equals != std::string::npos && !fs::exists(argument)) {
       inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
     } else {
@@ -97,15 +92,6 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
     }
   }
   return inputs;
-}
-
-std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_unit) {
-  std::vector<SceneInput> scenes;
-  for (const ManifestScene& scene : manifest.scenes) {
-    scenes.push_back({scene.file, scene.camera, scene.viewpoint, scene.closed_surface,
-                      unit_scale(manifest.unit, library_unit)});
-  }
-  return scenes;
 }
 
 Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {

@@ -7,7 +7,7 @@
 
 #include "engine/recognise.hpp"
 #include "engine/train.hpp"
-#include "storage/manifest.hpp"
+#include "storage/library.hpp"
 
 namespace trivet::apps {
 
@@ -33,8 +33,5 @@ struct SceneArguments {
 
 /// Errors: missing_input, bad_data, usage (a depth image without a camera).
 Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit);
-
-/// The scenes of a manifest as recognition takes them: never their truth.
-std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_unit);
 
 }  // namespace trivet::apps

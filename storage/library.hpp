@@ -18,6 +18,12 @@ inline constexpr std::uint32_t kLibraryVersionMinor = 0;  ///< a newer minor ver
 
 enum class LengthUnit { metre, millimetre };
 
+/// What to multiply a length in one unit by to have it in the other.
+inline double unit_scale(LengthUnit from, LengthUnit to) noexcept {
+  if (from == to) return 1;
+  return from == LengthUnit::metre ? 1000 : 0.001;
+}
+
 struct LibraryHeader {
   LengthUnit unit = LengthUnit::metre;
   std::string producer;    ///< program and version that wrote the file

@@ -1,0 +1,18 @@
+/// What a manifest gives to training and to recognition.
+#pragma once
+
+#include <vector>
+
+#include "engine/recognise.hpp"
+#include "engine/train.hpp"
+#include "storage/manifest.hpp"
+
+namespace trivet {
+
+/// The models as training takes them, in the manifest's unit.
+std::vector<ModelSource> models_of(const Manifest& manifest);
+
+/// The scenes as recognition takes them: never their truth.
+std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_unit);
+
+}  // namespace trivet
