@@ -1,5 +1,9 @@
 #include "apps/detections_json.hpp"
 
+#include <algorithm>
+
+#include "storage/json_file.hpp"
+
 namespace trivet::apps {
 namespace {
 
@@ -10,6 +14,39 @@ nlohmann::ordered_json matrix_json(const Pose& pose) {
     rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
   }
   return rows;
+}
+
+struct StoredScene {
+  std::filesystem::path file;
+  SceneResult result;
+};
+
+Detection parse_detection(const JsonNode& node) {
+  const auto number = [&](std::string_view key) {
+    return node.has(key) ? static_cast<float>(node.at(key).number()) : 0.0F;
+  };
+  return {node.at("model").string(), static_cast<float>(node.at("score").number()), node.at("T_scene_model").pose(),
+          number("visible_fraction"), number("violation"), number("contour"), number("rmse")};
+}
+
+StoredScene parse_scene(const JsonNode& node) {
+  StoredScene scene{node.at("scene").string(), {}};
+  for (const JsonNode& detection : node.at("detections").elements()) {
+    scene.result.detections.push_back(parse_detection(detection));
+  }
+  if (!node.has("seconds")) return scene;
+  for (const auto& [stage, seconds] : node.at("seconds").members()) {
+    if (stage == "total") {
+      scene.result.stats.total_seconds = seconds.number();
+    } else {
+      scene.result.stats.times.add(stage, seconds.number());
+    }
+  }
+  return scene;
+}
+
+bool ends_with(const std::filesystem::path& path, const std::string& name) {
+  return path == name || path.string().ends_with("/" + name);
 }
 
 }  // namespace
@@ -41,6 +78,30 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
             {"hypotheses", stats.num_hypotheses},
             {"refined", stats.num_refined}}},
           {"detections", std::move(detections)}};
+}
+
+Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
+                                                                const Manifest& manifest) {
+  std::vector<StoredScene> stored;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    for (const JsonNode& scene : root.at("scenes").elements()) stored.push_back(parse_scene(scene));
+  });
+  if (!done) return done.error();
+
+  const auto absolute = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  std::vector<std::optional<SceneResult>> results;
+  for (const ManifestScene& scene : manifest.scenes) {
+    const auto same = [&](const StoredScene& other) { return absolute(other.file) == absolute(scene.file); };
+    const auto alike = [&](const StoredScene& other) { return ends_with(other.file, scene.name); };
+    auto found = std::find_if(stored.begin(), stored.end(), same);
+    if (found == stored.end() && std::count_if(stored.begin(), stored.end(), alike) == 1) {
+      found = std::find_if(stored.begin(), stored.end(), alike);
+    }
+    results.push_back(found == stored.end() ? std::nullopt : std::optional(found->result));
+  }
+  return results;
 }
 
 }  // namespace trivet::apps

@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quiet", context.console.quiet, "Print results and errors only");
   apps::add_train(app, context);
   apps::add_recognize(app, context);
+  apps::add_evaluate(app, context);
   apps::add_library(app, context);
 
   try {

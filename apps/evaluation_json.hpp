@@ -1,0 +1,19 @@
+/// An evaluation as JSON and as a table for people.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+
+#include "engine/evaluate.hpp"
+
+namespace trivet::apps {
+
+/// Sums, medians, and for each scene what every detection turned out to be.
+nlohmann::ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluation,
+                                       std::span<const std::optional<SceneResult>> results);
+
+/// The same sums and medians as lines of text.
+std::string evaluation_table(const Evaluation& evaluation);
+
+}  // namespace trivet::apps

@@ -1,0 +1,25 @@
+/// The options of recognition on the command line, the same wherever scenes are recognised.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "engine/recognise.hpp"
+
+namespace trivet::apps {
+
+struct RecogniseArguments {
+  std::string method = "ppf", preset = "balanced", models;
+  std::optional<float> min_score, reference_share, neighbour_share;
+  std::optional<std::uint32_t> max_instances, max_votes;
+};
+
+/// `arguments` must live as long as the command.
+void add_recognise_options(CLI::App& command, RecogniseArguments& arguments);
+
+/// The preset with what was given on the command line in its place.
+RecogniseOptions options_of(const RecogniseArguments& arguments);
+
+}  // namespace trivet::apps
