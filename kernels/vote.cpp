@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
 
 #include "kernels/fast_angle.hpp"
 #include "storage/simd.hpp"
@@ -12,7 +13,8 @@ namespace trivet::kernels {
 
 namespace {
 
-/// The largest cell size (a power of two, exclusive) with which the look-ups give at most max_votes votes.
+/// The largest cell size (a power of two, exclusive) with which the look-ups give at most max_votes
+/// votes; without bound when all of them do.
 std::uint32_t fullest_cell(std::span<const SceneVote> votes, const std::uint32_t* offsets,
                            std::uint64_t max_votes) noexcept {
   std::array<std::uint64_t, 33> votes_of_width{};
@@ -21,9 +23,9 @@ std::uint32_t fullest_cell(std::span<const SceneVote> votes, const std::uint32_t
     votes_of_width[static_cast<std::size_t>(std::bit_width(size))] += size;
   }
   std::uint64_t sum = 0;
-  for (std::uint32_t width = 0; width < 32; ++width) {
+  for (std::uint32_t width = 1; width < votes_of_width.size(); ++width) {
     sum += votes_of_width[width];
-    if (sum > max_votes) return std::uint32_t{1} << std::max(width, 1U) >> 1;
+    if (sum > max_votes) return std::uint32_t{1} << (width - 1);
   }
   return ~std::uint32_t{0};
 }
@@ -104,8 +106,8 @@ VotePeaks take_peaks(std::span<std::uint16_t> accumulator, std::size_t max_peaks
   const std::uint32_t highest = highest_peak(accumulator.data(), num_rows);
   if (highest == 0) return peaks;
 
-  const std::uint32_t floor =
-      std::max<std::uint32_t>(1, static_cast<std::uint32_t>(share * static_cast<float>(highest)));
+  const std::uint32_t floor = std::max<std::uint32_t>(
+      1, static_cast<std::uint32_t>(std::ceil(share * static_cast<float>(highest))));
   for (std::size_t row = 0; row < num_rows; ++row) {
     const auto bins = accumulator.subspan(row * kRotationBins, kRotationBins);
     std::uint16_t largest = 0;
