@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace trivet::kernels {
 namespace {
@@ -27,7 +28,8 @@ void group_by_normal(PointsView points, NormalsView normals, std::span<const std
 void subsample_by_normals(PointsView points, NormalsView normals, float cell, float max_angle_rad,
                           Points& out_points, Normals& out_normals, SubsampleScratch& scratch) {
   assert(normals.size() == points.size() && "one normal per point");
-  const float min_cosine = std::cos(max_angle_rad);
+  // From pi on every direction agrees, whatever rounding does to a dot product near -1.
+  const float min_cosine = max_angle_rad < std::numbers::pi_v<float> ? std::cos(max_angle_rad) : -2;
   Voxels& voxels = scratch.voxels;
   group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.sort);
   out_points.resize(0);

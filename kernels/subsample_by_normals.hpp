@@ -13,7 +13,8 @@ namespace trivet::kernels {
 /// normals        n unit vectors; points with a NaN normal are left out
 /// cell           edge of a voxel, > 0, unit of the points; voxels have a corner at the origin
 /// max_angle_rad  largest angle between a point's normal and that of its group's first point;
-///                about 0.52 (30 degrees) by the source
+///                about 0.52 (30 degrees) by the source;
+///                from pi on a voxel is one group
 /// out_points     mean position of each group; by voxel, rising in (z, y, x), then by first point
 /// out_normals    mean direction of each group, unit length; that of the first point if the mean is
 /// 0

@@ -143,7 +143,7 @@ TEST(SubsampleByNormals, GivesTheFirstNormalWhereTheMeanIsZero) {
     in.points.push_back({0.5F, 0.5F, 0.5F});
     in.normals.push_back({0, 0, z});
   }
-  const Oriented found = subsample(in, 1, 3.1415927F);
+  const Oriented found = subsample(in, 1, 4);
   ASSERT_EQ(found.normals.size(), 1U);
   EXPECT_EQ(found.normals[0], Eigen::Vector3f(0, 0, 1));
 }
