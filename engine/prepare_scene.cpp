@@ -11,6 +11,7 @@
 #include "kernels/boundary_share.hpp"
 #include "kernels/estimate_normals.hpp"
 #include "kernels/estimate_normals_grid.hpp"
+#include "kernels/sample_mesh.hpp"
 #include "kernels/subsample_by_normals.hpp"
 
 namespace trivet::engine {
@@ -24,6 +25,19 @@ constexpr std::size_t kPlaneSamples = 6000; // pixels that planes are searched i
 /// Half-width of the window for normals, in pixels or spacings: wide enough that noise of this size turns them by
 /// about as much as the quantisation of the pair's angles, no wider, since corners round off.
 float normal_window(float noise, float spacing) { return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F); }
+
+struct Bounds {
+  Eigen::Vector3f low, high;
+};
+
+Bounds bounds(PointsView points) {
+  Bounds box{points[0], points[0]};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    box.low = box.low.cwiseMin(points[i]);
+    box.high = box.high.cwiseMax(points[i]);
+  }
+  return box;
+}
 
 float median(Column<float>& values) {
   if (values.empty()) return 0;
@@ -206,17 +220,33 @@ Normals vertex_normals(PointsView points, const Triangles& triangles) {
   return normals;
 }
 
-float mean_edge(PointsView points, const Triangles& triangles) {
-  double sum = 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    sum += static_cast<double>((points[triangles.a[t]] - points[triangles.b[t]]).norm());
+/// Points with outward directions all over a closed mesh: its vertices where they are dense enough to be a scan,
+/// else samples of its faces, as a CAD mesh has vertices at its corners only.
+Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
+  std::vector<double> area_sums(triangles.size());
+  const double area = kernels::sum_areas(scene.points, triangles, area_sums);
+  const auto [low, high] = bounds(scene.points);
+  const double widest_spacing = 0.01 * static_cast<double>((high - low).norm());
+  const auto num_needed = static_cast<std::size_t>(area / (widest_spacing * widest_spacing));
+  const bool shares_vertices = scene.points.size() <= triangles.size();  // else points would lie on one another
+  if (shares_vertices && scene.points.size() >= num_needed) {
+    scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(scene.points.size())));
+    return vertex_normals(scene.points, triangles);
   }
-  return static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, triangles.size())));
+  const std::size_t n = 2 * num_needed;
+  Points points(n);
+  Normals normals(n);
+  for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
+    kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n, points.span().slice(first, count),
+                         normals.span().slice(first, count));
+  });
+  scene.points = std::move(points);
+  scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
+  return normals;
 }
 
 void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
-  scene.spacing = mean_edge(scene.points, cloud.triangles);
-  const Normals outward = vertex_normals(scene.points, cloud.triangles);
+  const Normals outward = cover_surface(cloud.triangles, scene);
   const std::size_t n = scene.points.size();
   scene.normals.resize(n);
   Column<float> residuals(n);
@@ -251,17 +281,13 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
   }
 
   // Six far cameras around the surface see it as sensors would.
-  Eigen::Array3f low = scene.points[0].array(), high = low;
-  for (std::size_t i = 1; i < n; ++i) {
-    low = low.min(scene.points[i].array());
-    high = high.max(scene.points[i].array());
-  }
-  const Eigen::Vector3f middle = ((low + high) / 2).matrix();
-  const float distance = 10 * (high - low).matrix().norm();
+  const auto [low, high] = bounds(scene.points);
+  const Eigen::Vector3f middle = (low + high) / 2;
+  const float distance = 10 * (high - low).norm();
   for (int axis = 0; axis < 3; ++axis) {
     for (const float side : {-1.0F, 1.0F}) {
       const Eigen::Vector3f eye = middle + side * distance * Eigen::Vector3f::Unit(axis);
-      std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(scene.points, eye);
+      std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
       if (!geometry) continue;
       const PixelGrid grid = kernels::rasterise(*geometry, scene.points, scene.normals);
       scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
@@ -282,10 +308,6 @@ bool is_closed(const Cloud& cloud, const SceneInput& input) {
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times) {
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
-  if (cloud.points.size() < 50) {
-    return Error{ErrorCode::bad_data, fmt::format("{}: expected a scan of at least 50 points, found {}",
-                                                  input.file.string(), cloud.points.size())};
-  }
   scene.points = cloud.points;
   if (input.scale != 1) {
     const PointsSpan span = scene.points;
@@ -294,7 +316,12 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
       for (float& value : column) value *= scale;
     }
   }
-  if (is_closed(cloud, input)) {
+  const bool closed = is_closed(cloud, input);
+  if (!closed && cloud.points.size() < 50) {
+    return Error{ErrorCode::bad_data, fmt::format("{}: expected a scan of at least 50 points, found {}",
+                                                  input.file.string(), cloud.points.size())};
+  }
+  if (closed) {
     prepare_closed_scene(cloud, scene);
   } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, scene); !prepared) {
     return prepared.error();

@@ -73,10 +73,10 @@ std::vector<Detection> select_detections(const Library& library, const PreparedS
   for (const std::uint32_t c : order) {
     const Candidate& candidate = candidates[c];
     const Model& model = library.models[candidate.model];
-    if (candidate.score < options.min_score || instances[candidate.model] == options.max_instances) continue;
+    if (candidate.score < options.min_score) continue;
     if (pixels.share_marked(candidate.explained) > options.verify.max_overlap) continue;
     pixels.mark(candidate.explained, model.sample_spacing);
-    ++instances[candidate.model];
+    if (instances[candidate.model]++ >= options.max_instances) continue;  // seen, not asked for
 
     Detection detection;
     detection.model = model.name;

@@ -43,7 +43,8 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
 
 namespace {
 
-constexpr float kMaxTangent = 3.732F;  // tan 75 degrees
+constexpr float kMaxTangent = 3.732F;      // tan 75 degrees
+constexpr std::uint32_t kMaxSide = 2048;  // pixels
 
 /// Number of pixels of this pitch (in tangent units) that hold at least one point.
 std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch, std::uint32_t width,
@@ -60,10 +61,24 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
   return occupied;
 }
 
+/// The pitch at which about half of the points share their pixel with another, by bisection.
+float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent, float finest) {
+  float fine = finest, coarse = extent.maxCoeff() / 4;
+  std::vector<bool> seen;
+  for (int step = 0; step < 14 && coarse > 1.02F * fine; ++step) {
+    const float pitch = std::sqrt(fine * coarse);
+    const auto width = static_cast<std::uint32_t>(extent.x() / pitch) + 1;
+    const auto height = static_cast<std::uint32_t>(extent.y() / pitch) + 1;
+    const std::size_t occupied = count_occupied(tangents, low, pitch, width, height, seen);
+    (2 * occupied > tangents.size() ? fine : coarse) = pitch;
+  }
+  return coarse;
+}
+
 }  // namespace
 
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
-                                           std::uint32_t max_side) {
+                                           float pixel_size) {
   if (points.size() < 3) return std::nullopt;
   Eigen::Array3f low = points[0].array(), high = low;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -99,17 +114,9 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   const Eigen::Array2f extent = t_high - t_low;
   if (tangents.size() < 3 || !(extent.maxCoeff() > 0)) return std::nullopt;
 
-  // Bisect the pitch until about half of the points share their pixel with another.
-  float fine = extent.maxCoeff() / static_cast<float>(max_side - 4), coarse = extent.maxCoeff() / 4;
-  std::vector<bool> seen;
-  for (int step = 0; step < 14 && coarse > 1.02F * fine; ++step) {
-    const float pitch = std::sqrt(fine * coarse);
-    const auto width = static_cast<std::uint32_t>(extent.x() / pitch) + 1;
-    const auto height = static_cast<std::uint32_t>(extent.y() / pitch) + 1;
-    const std::size_t occupied = count_occupied(tangents, t_low, pitch, width, height, seen);
-    (2 * occupied > tangents.size() ? fine : coarse) = pitch;
-  }
-  const float pitch = coarse;
+  const float finest = extent.maxCoeff() / static_cast<float>(kMaxSide - 4);
+  const float pitch = pixel_size > 0 ? std::max(finest, pixel_size / towards.norm())
+                                     : shared_pitch(tangents, t_low, extent, finest);
   geometry.width = static_cast<std::uint32_t>(extent.x() / pitch) + 3;
   geometry.height = static_cast<std::uint32_t>(extent.y() / pitch) + 3;
   geometry.fx = geometry.fy = 1.0F / pitch;

@@ -45,11 +45,14 @@ struct RangeImage {
 /// points are in the frame of a sensor at the origin that looks along +z.
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
 
-/// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of the points, and
-/// its pixels are as fine as leaves about two points on each occupied one, so that surfaces have few holes.
-/// Points more than 75 degrees off its axis fall outside. Nothing for fewer than 3 points or one at the viewpoint.
+/// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of the points.
+/// pixel_size   what a pixel covers at the middle of the points [scene unit]; 0: as fine as leaves about two points on
+///              each occupied pixel, so that surfaces have few holes (right when the points are what was seen from
+///              there; of a whole surface, points behind one another share pixels)
+/// Neither side exceeds 2048 pixels. Points more than 75 degrees off the axis fall outside.
+/// Nothing for fewer than 3 points or points all in one place or direction.
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
-                                           std::uint32_t max_side = 2048);
+                                           float pixel_size = 0);
 
 /// For each pixel the index of the nearest of the points that fall on it (ties to the lowest index).
 /// With normals, points that face away from the camera are left out.

@@ -1,0 +1,205 @@
+#include "engine/recognise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "engine/train.hpp"
+#include "kernels/pose_math.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/random.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+/// One library of two parts, trained once for all tests here.
+class Recognise : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    bracket_ = test::bracket();
+    lever_ = test::lever();
+    library_ = Library{};
+    for (const auto& [name, shape] : {std::pair{"bracket", &bracket_}, std::pair{"lever", &lever_}}) {
+      auto trained = train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
+      ASSERT_TRUE(trained) << trained.error().message;
+      library_.models.push_back(std::move(trained->model));
+    }
+  }
+
+  /// Two parts in front of a wall, the lever partly behind the bracket.
+  static Cloud clutter() {
+    static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
+    return test::render_scan({{&wall, Pose::Identity()}, {&bracket_, bracket_pose()}, {&lever_, lever_pose()}});
+  }
+  static Pose bracket_pose() { return test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F}); }
+  static Pose lever_pose() { return test::pose_of({-0.6F, 0.5F, 1.9F}, {0.12F, 0.02F, 0.95F}); }
+
+  static const Detection* find(const SceneResult& result, const std::string& model) {
+    for (const Detection& detection : result.detections) {
+      if (detection.model == model) return &detection;
+    }
+    return nullptr;
+  }
+  static void expect_pose(const Detection* found, const Pose& truth, float diameter) {
+    ASSERT_NE(found, nullptr);
+    const auto error = kernels::pose_distance(truth, found->T_scene_model, {}, Eigen::Vector3f::Zero());
+    EXPECT_LT(error.translation, 0.01F * diameter);
+    EXPECT_LT(error.rotation_rad, 0.02F);
+  }
+
+  static inline test::Shape bracket_, lever_;
+  static inline Library library_;
+};
+
+TEST_F(Recognise, FindsOccludedPartsInClutterAndNothingElse) {
+  const auto result = recognise(library_, clutter(), {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->detections.size(), 2U);
+  expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+  for (std::size_t i = 1; i < result->detections.size(); ++i) {
+    EXPECT_GE(result->detections[i - 1].score, result->detections[i].score);
+  }
+}
+
+TEST_F(Recognise, FindsEachOfSeveralInstances) {
+  const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-0.18F, 0, 0.9F});
+  const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {0.18F, 0.02F, 0.95F});
+  const Cloud scene = test::render_scan({{&bracket_, left}, {&bracket_, right}});
+  const auto result = recognise(library_, scene, {}, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->detections.size(), 2U);
+  RecogniseOptions one;
+  one.max_instances = 1;
+  const auto limited = recognise(library_, scene, {}, one);
+  ASSERT_TRUE(limited);
+  EXPECT_EQ(limited->detections.size(), 1U);
+}
+
+TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Cloud scene = clutter();
+  std::vector<SceneResult> results;
+  for (const unsigned threads : {1U, 2U, 3U}) {
+    const ThreadLimit limit(threads);
+    auto result = recognise(library_, scene, {}, {.min_score = 0});
+    ASSERT_TRUE(result);
+    results.push_back(std::move(*result));
+  }
+  for (std::size_t k = 1; k < results.size(); ++k) {
+    EXPECT_EQ(results[k].stats.num_votes, results[0].stats.num_votes);
+    ASSERT_EQ(results[k].detections.size(), results[0].detections.size());
+    for (std::size_t i = 0; i < results[0].detections.size(); ++i) {
+      EXPECT_EQ(results[k].detections[i].score, results[0].detections[i].score);
+      EXPECT_EQ(results[k].detections[i].T_scene_model.matrix(), results[0].detections[i].T_scene_model.matrix());
+    }
+  }
+}
+
+TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
+  const test::Shape room = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
+  const auto wall = recognise(library_, test::render_scan({{&room, Pose::Identity()}}), {}, {});
+  ASSERT_TRUE(wall) << wall.error().message;
+  EXPECT_TRUE(wall->detections.empty());
+
+  test::Random random;
+  Cloud noise;
+  for (int i = 0; i < 20000; ++i) {
+    noise.points.push_back({random.uniform(-0.4F, 0.4F), random.uniform(-0.4F, 0.4F), random.uniform(0.8F, 1.2F)});
+  }
+  const auto result = recognise(library_, noise, {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_TRUE(result->detections.empty());
+}
+
+TEST_F(Recognise, TakesAMovedMeshAsAClosedSurface) {
+  const Pose motion = test::pose_of({0.4F, -1.2F, 2.0F}, {3, -2, 5});
+  const Cloud scene = test::cloud_of(test::Shape(lever_).moved(motion));
+  const auto result = recognise(library_, scene, {.closed_surface = true}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  expect_pose(find(*result, "lever"), motion, 0.2F);
+}
+
+TEST_F(Recognise, ConvertsTheScenesUnit) {
+  Cloud scene = clutter();
+  const PointsSpan span = scene.points;
+  for (const std::span<float> column : {span.x, span.y, span.z}) {
+    for (float& value : column) value *= 1000;
+  }
+  const auto refused = recognise(library_, scene, {}, {});
+  ASSERT_FALSE(refused) << "a scene in mm against a library in m";
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_data);
+  EXPECT_NE(refused.error().message.find("--unit"), std::string::npos);
+
+  const auto converted = recognise(library_, scene, {.scale = 0.001}, {});
+  ASSERT_TRUE(converted);
+  const Detection* const bracket = find(*converted, "bracket");
+  ASSERT_NE(bracket, nullptr);
+  EXPECT_NEAR(bracket->T_scene_model.translation().z(), 850, 3) << "poses are in the scene's unit";
+}
+
+TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
+  Cloud few;
+  for (int i = 0; i < 10; ++i) few.points.push_back({static_cast<float>(i), 0, 1});
+  const auto too_few = recognise(library_, few, {}, {});
+  ASSERT_FALSE(too_few);
+  EXPECT_EQ(too_few.error().code, ErrorCode::bad_data);
+
+  const auto unknown = recognise(library_, clutter(), {}, {.models = {"spoon"}});
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::usage);
+  EXPECT_NE(unknown.error().message.find("spoon"), std::string::npos);
+
+  const auto wrong = recognise(library_, clutter(), {}, {.min_score = std::nanf("")});
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, ErrorCode::usage);
+}
+
+TEST_F(Recognise, SurvivesDegenerateScenes) {
+  for (const auto& make : std::vector<std::function<Eigen::Vector3f(int)>>{
+           [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },                                // one place
+           [](int i) { return Eigen::Vector3f(0.001F * static_cast<float>(i), 0, 1); },       // a line
+           [](int) { return Eigen::Vector3f(0, 0, 0); },                                      // the viewpoint itself
+           [](int i) { return Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i)); }}) {     // one ray
+    Cloud cloud;
+    for (int i = 0; i < 500; ++i) cloud.points.push_back(make(i));
+    const auto result = recognise(library_, cloud, {}, {});
+    if (result) EXPECT_TRUE(result->detections.empty());
+  }
+}
+
+TEST_F(Recognise, StopsOnRequest) {
+  std::stop_source stop;
+  stop.request_stop();
+  const auto result = recognise(library_, clutter(), {}, {}, stop.get_token());
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::resumable);
+}
+
+TEST_F(Recognise, TakesManyScenesInOrder) {
+  const test::TempDir folder;
+  std::vector<SceneInput> inputs;
+  for (int i = 0; i < 4; ++i) {
+    const Pose motion = test::pose_of({0.2F * static_cast<float>(i), 1, 0}, {static_cast<float>(i), 0, 0});
+    const auto file = folder / ("scene" + std::to_string(i) + ".ply");
+    ASSERT_TRUE(write_ply(file, test::cloud_of(test::Shape(bracket_).moved(motion))));
+    inputs.push_back({.file = file, .closed_surface = true});
+  }
+  std::vector<std::size_t> order;
+  const auto done = recognise_all(library_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
+    order.push_back(index);
+    EXPECT_NE(find(result, "bracket"), nullptr) << index;
+  });
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2, 3}));
+
+  inputs[2].file = folder / "absent.ply";
+  const auto failed = recognise_all(library_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::missing_input);
+}
+
+}  // namespace
+}  // namespace trivet
