@@ -47,6 +47,10 @@ struct Manifest {
 /// Errors: missing_input, bad_data (names the JSON path of the fault).
 Result<Manifest> read_manifest(const std::filesystem::path& file);
 
+/// Write a manifest that reads back the same. The files of models and scenes are named relative to its folder.
+/// The file appears whole or not at all. Errors: cannot_create, io.
+Result<void> write_manifest(const std::filesystem::path& file, const Manifest& manifest);
+
 /// Symmetries from a BOP models_info.json (lengths in mm, scaled by `scale`), by object id.
 /// Errors: missing_input, bad_data.
 Result<std::vector<std::pair<int, Symmetry>>> read_bop_symmetries(const std::filesystem::path& file, double scale);
