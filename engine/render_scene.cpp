@@ -1,0 +1,198 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "engine/counter_random.hpp"
+#include "engine/parallel.hpp"
+#include "engine/pile_up.hpp"
+#include "engine/render_scenes.hpp"
+#include "kernels/ray_scene.hpp"
+#include "kernels/render_depth.hpp"
+#include "kernels/visibility.hpp"
+
+namespace trivet {
+namespace {
+
+using engine::CounterRandom;
+using engine::PlacedModel;
+using kernels::RayScene;
+
+constexpr double kFocal = 572;                // [pixel], as of a Kinect or PrimeSense
+constexpr double kDepthStepMetres = 1e-4;
+constexpr double kNearestMetres = 0.45;       // nearer, such sensors measure nothing
+constexpr double kFarthestMetres = 6;         // 16 bits end at 6.5
+constexpr double kMinVisible = 0.15;          // instances of which less is seen are ignored
+constexpr std::size_t kMinVisiblePixels = 300;
+constexpr std::size_t kRowGrain = 16;
+
+struct DepthImage {
+  std::vector<float> depth = std::vector<float>(std::size_t{kScanWidth} * kScanHeight);
+  std::vector<std::uint32_t> instance = std::vector<std::uint32_t>(depth.size(), kernels::Hit::kNone);
+};
+
+struct Rows {
+  std::size_t first = 0, count = kScanHeight;
+};
+
+void render(const RayScene& rays, const Camera& camera, Rows rows, DepthImage& image) {
+  engine::for_chunks(rows.count, kRowGrain, [&](std::size_t first, std::size_t count) {
+    const std::size_t begin = (rows.first + first) * kScanWidth, size = count * kScanWidth;
+    kernels::render_depth(rays, camera, kScanWidth, static_cast<std::uint32_t>(rows.first + first),
+                          std::span(image.depth).subspan(begin, size), std::span(image.instance).subspan(begin, size));
+  });
+}
+
+/// A square on z = 0 under everything that the camera sees.
+Result<RayScene> make_ground(float half_side) {
+  Points corners;
+  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    corners.push_back({half_side * static_cast<float>(x), half_side * static_cast<float>(y), 0});
+  }
+  Triangles faces;
+  faces.push_back(0, 1, 2);
+  faces.push_back(0, 2, 3);
+  return RayScene::from_mesh(corners, faces);
+}
+
+/// The heap's middle and the radius of a ball around it.
+struct Ball {
+  Eigen::Vector3f centre;
+  float radius;
+};
+
+Ball ball_around(std::span<const Model> models, std::span<const PlacedModel> placed) {
+  Eigen::AlignedBox3f box;
+  for (const PlacedModel& instance : placed) {
+    const PointsView samples = models[instance.model].samples;
+    for (std::size_t i = 0; i < samples.size(); ++i) box.extend(instance.T_world_model * samples[i]);
+  }
+  return {box.center(), 0.5F * box.diagonal().norm()};
+}
+
+/// A camera that sees the ball whole, from 40 to 75 degrees above the ground.
+Pose place_camera(const Ball& ball, double distance, CounterRandom& random) {
+  const double elevation = random.uniform(40, 75) * std::numbers::pi / 180;
+  const double azimuth = random.uniform(0, 2 * std::numbers::pi);
+  const Eigen::Vector3d away(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                             std::sin(elevation));
+  Eigen::Matrix3d axes;  // rows: the camera's x, y and z in the world
+  axes.row(2) = -away;
+  axes.row(0) = Eigen::Vector3d::UnitZ().cross(away).normalized();
+  axes.row(1) = axes.row(2).cross(axes.row(0));
+  Pose T_camera_world = Pose::Identity();
+  T_camera_world.linear() = axes.cast<float>();
+  T_camera_world.translation() = -(axes * (ball.centre.cast<double>() + distance * away)).cast<float>();
+  return T_camera_world;
+}
+
+/// The rows of the image that a ball in the camera's frame can touch.
+Rows rows_of(const Camera& camera, const Eigen::Vector3f& centre, float radius) {
+  const double z = static_cast<double>(centre.z()), r = static_cast<double>(radius), y = static_cast<double>(centre.y());
+  if (z <= 2 * r) return {};
+  // At most tan(a + asin(r / d)) - tan(a) off the middle, which this bounds for r <= z / 2.
+  const double reach = 2 * r / z * (1 + std::abs(y / z)) * (1 + std::abs(y / z));
+  const auto row = [&](double tangent) {
+    return static_cast<std::size_t>(std::clamp(camera.cy + camera.fy * tangent, 0.0, double{kScanHeight}));
+  };
+  const std::size_t first = row(y / z - reach), last = std::min<std::size_t>(row(y / z + reach) + 1, kScanHeight);
+  return {first, std::max(first, last) - first};
+}
+
+/// What the sensor makes of the exact depths.
+std::vector<std::uint16_t> measure(const std::vector<float>& depth, const Camera& camera, double metres,
+                                   const ScanOptions& options, std::uint32_t index) {
+  // Between neighbouring pixels, depth on a surface that steep changes by so many times their distance.
+  const double min_cosine = static_cast<double>(kernels::kMinViewCosine);
+  const double steepest = std::sqrt(1 - min_cosine * min_cosine) / min_cosine;
+  std::vector<std::uint16_t> out(depth.size());
+  engine::for_chunks(kScanHeight, kRowGrain, [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first * kScanWidth; i < (first + count) * kScanWidth; ++i) {
+      const auto z = static_cast<double>(depth[i]);
+      const std::size_t u = i % kScanWidth, v = i / kScanWidth;
+      const auto steep = [&](std::size_t neighbour) {
+        return std::abs(static_cast<double>(depth[neighbour]) - z) > steepest * z / camera.fx;
+      };
+      if (z == 0 || (u > 0 && steep(i - 1)) || (u + 1 < kScanWidth && steep(i + 1)) || (v > 0 && steep(i - kScanWidth)) ||
+          (v + 1 < kScanHeight && steep(i + kScanWidth))) {
+        continue;
+      }
+      CounterRandom random(options.seed, index, i + 2);  // 0: the heap, 1: the camera
+      const double range = z * metres - 0.4;
+      const double sigma = static_cast<double>(options.noise) * (0.0012 + 0.0019 * range * range);
+      const double steps = std::round((z * metres + sigma * random.normal()) / kDepthStepMetres);
+      if (steps >= 1 && steps <= 65535) out[i] = static_cast<std::uint16_t>(steps);
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit unit, const ScanOptions& options,
+                                   std::uint32_t index) {
+  assert(!models.empty() && "something to lay down");
+  const double metres = unit_scale(unit, LengthUnit::metre);
+  const std::vector<PlacedModel> placed = engine::pile_up(models, options.num_instances, options.seed, index);
+  const Ball ball = ball_around(models, placed);
+  const double half_field = std::atan(0.5 * kScanHeight / kFocal);
+  const double distance =
+      std::max(0.9 * static_cast<double>(ball.radius) / std::sin(half_field), kNearestMetres / metres + static_cast<double>(ball.radius));
+  if ((distance + static_cast<double>(ball.radius)) * metres > kFarthestMetres) {
+    return Error{ErrorCode::usage,
+                 fmt::format("scene {}: expected a heap that a depth camera sees from within {} m, found one of {:.3g} m "
+                             "across; give the models' unit with --unit, or a size with --diameter",
+                             index, kFarthestMetres, 2 * static_cast<double>(ball.radius) * metres)};
+  }
+  RenderedScene scene;
+  scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1), kDepthStepMetres / metres};
+  CounterRandom random(options.seed, index, 1);
+  const Pose T_camera_world = place_camera(ball, distance, random);
+
+  // Surfaces: instance i is placed[i], the ground comes last.
+  std::vector<std::optional<RayScene>> meshes(models.size());
+  std::vector<RayScene::Instance> instances;
+  for (const PlacedModel& instance : placed) {
+    std::optional<RayScene>& mesh = meshes[instance.model];
+    if (!mesh) {
+      Result<RayScene> made = RayScene::from_mesh(models[instance.model].vertices, models[instance.model].triangles);
+      if (!made) return made.error();
+      mesh.emplace(std::move(*made));
+    }
+    instances.push_back({&*mesh, T_camera_world * instance.T_world_model});
+  }
+  const Result<RayScene> ground = make_ground(static_cast<float>(20 * distance));
+  if (!ground) return ground.error();
+  instances.push_back({&*ground, T_camera_world});
+  const Result<RayScene> rays = RayScene::from_instances(instances);
+  if (!rays) return rays.error();
+  DepthImage image;
+  render(*rays, scene.camera, {}, image);
+
+  std::vector<std::size_t> seen(instances.size());
+  for (const std::uint32_t instance : image.instance) {
+    if (instance != kernels::Hit::kNone) ++seen[instance];
+  }
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    // The object alone: what of it the others cover.
+    const Result<RayScene> alone = RayScene::from_instances(std::span(instances).subspan(i, 1));
+    if (!alone) return alone.error();
+    const Model& model = models[placed[i].model];
+    const Pose& T_camera_model = instances[i].T_world_scene;
+    DepthImage own;
+    render(*alone, scene.camera, rows_of(scene.camera, T_camera_model * model.centre, model.diameter), own);
+    const auto pixels = own.instance.size() - static_cast<std::size_t>(std::count(
+                                                  own.instance.begin(), own.instance.end(), kernels::Hit::kNone));
+    const double visible = pixels == 0 ? 0 : static_cast<double>(seen[i]) / static_cast<double>(pixels);
+    scene.truth.push_back({model.name, T_camera_model, 1 - visible, visible < kMinVisible || seen[i] < kMinVisiblePixels});
+  }
+  scene.depths = measure(image.depth, scene.camera, metres, options, index);
+  return scene;
+}
+
+}  // namespace trivet
