@@ -94,6 +94,14 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
   return inputs;
 }
 
+Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given) {
+  if (inputs.unit && !given.empty() && *inputs.unit != parse_unit(given)) {
+    return Error{ErrorCode::usage, fmt::format("--unit: expected '{}' as in the manifest, found '{}'",
+                                               unit_name(*inputs.unit), given)};
+  }
+  return inputs.unit.value_or(parse_unit(given));
+}
+
 Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
   SceneInput common;
   common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);

@@ -24,6 +24,9 @@ struct ModelInputs {
 /// Errors: missing_input, bad_data, usage (two models of one name).
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 
+/// The unit of the models: what their manifests say, else `given`, else metres. Errors: usage (they disagree).
+Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given);
+
 struct SceneArguments {
   std::vector<std::string> scenes;          ///< files, folders or manifests
   std::string camera;                       ///< file, or empty

@@ -18,15 +18,12 @@ struct TrainArguments {
 Result<void> train(const TrainArguments& arguments, const Context& context) {
   const Result<ModelInputs> inputs = collect_models(arguments.models);
   if (!inputs) return inputs.error();
-  if (inputs->unit && !arguments.unit.empty() && *inputs->unit != parse_unit(arguments.unit)) {
-    return Error{ErrorCode::usage, fmt::format("--unit: expected '{}' as in the manifest, found '{}'",
-                                               unit_name(*inputs->unit), arguments.unit)};
-  }
-  const LengthUnit unit = inputs->unit.value_or(parse_unit(arguments.unit));
+  const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
+  if (!unit) return unit.error();
   TrainOptions options = train_presets().at(arguments.preset);
   if (arguments.relative_step) options.relative_step = *arguments.relative_step;
 
-  const Result<LibraryStats> stats = train_library(inputs->sources, unit, options, arguments.output,
+  const Result<LibraryStats> stats = train_library(inputs->sources, *unit, options, arguments.output,
                                                    context.console.progress("trained", context.stop));
   if (!stats) return stats.error();
   std::uint64_t entries = 0;
