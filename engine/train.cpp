@@ -165,7 +165,7 @@ std::vector<ViewMask> views_of_points(const Model& model) {
 /// Put the points that pairs start at first: one of each set of symmetric copies. Returns how many there are.
 std::size_t references_first(float step, Model& model) {
   std::vector<std::uint8_t> is_reference(model.ppf_points.size(), 1);
-  kernels::choose_references(model.ppf_points, model.symmetry, model.centre, step, is_reference);
+  kernels::choose_references(model.ppf_points, model.symmetry, step, is_reference);
   std::vector<std::uint32_t> order(is_reference.size());
   std::iota(order.begin(), order.end(), 0U);
   const auto rest = std::stable_partition(order.begin(), order.end(), [&](std::uint32_t i) { return is_reference[i] != 0; });

@@ -38,7 +38,7 @@ struct PpfPoints {
 /// A point is marked when none of its images lies farther along a fixed direction that no symmetry keeps; with a free
 /// axis, when it is in a strip beside one half plane through the axis. `margin` (about the sampling step) widens the
 /// choice, since samples do not map onto samples.
-void choose_references(PointsView points, const Symmetry& symmetry, const Eigen::Vector3f& centre, float margin,
+void choose_references(PointsView points, const Symmetry& symmetry, float margin,
                        std::span<std::uint8_t> is_reference) noexcept;
 
 /// Add the pairs of references [first, first + count) to counts[num_cells].
