@@ -1,7 +1,6 @@
 #include "kernels/cluster_poses.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
@@ -18,8 +17,8 @@ struct Cluster {
   float votes = 0;
 };
 
-/// Cells of the size of the translation limit: members of one cluster are in the seed's cell or
-/// beside it.
+/// A cell as one number; cells are as wide as the translation limit, so a cluster's members lie in
+/// its first one's cell or beside it. Far cells may share a number, which costs time only.
 std::int64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
   return ((x & 0x1FFFFF) << 42) | ((y & 0x1FFFFF) << 21) | (z & 0x1FFFFF);
 }
@@ -55,8 +54,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
                cy = static_cast<std::int64_t>(scaled.y()),
                cz = static_cast<std::int64_t>(scaled.z());
 
-    // The strongest fitting cluster is the one with the lowest number, whatever cell it is found
-    // in.
+    // The strongest fitting cluster has the lowest number, whatever cell it is found in.
     std::uint32_t best = static_cast<std::uint32_t>(clusters.size());
     Pose best_pose = hypotheses[i].T_scene_model;
     for (std::int64_t dx = -1; dx <= 1; ++dx) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "kernels/fast_angle.hpp"
 #include "storage/model.hpp"
 #include "storage/points.hpp"
 #include "storage/ppf_table.hpp"
@@ -48,7 +49,8 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
 
 /// Angles as fractions of a full turn: differences wrap by themselves in 16-bit arithmetic.
 inline std::uint16_t quantise_rotation(float angle_rad) noexcept {
-  constexpr float kPerRadian = 65536.0F / (2.0F * 3.14159265358979323846F);
+  // Two turns more keep the number positive, so that cutting the fraction off rounds to nearest.
+  constexpr float kPerRadian = 65536.0F / (2 * kPi);
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(angle_rad * kPerRadian + 131072.5F));
 }
 

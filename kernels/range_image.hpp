@@ -59,8 +59,8 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
 PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
 
 /// Fill single missing pixels of a depth image between measured neighbours of like depth, in place.
-/// A pixel is filled with the mean of its measured 8-neighbours when at least `min_neighbours` of them lie within
-/// `max_step` of each other. Gives the number filled.
+/// A pixel is filled with the mean of its measured 8-neighbours when there are at least `min_neighbours` of them, all
+/// within `max_step` of each other. Pixels on the image's border stay as they are. Gives the number filled.
 std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours, Column<float>& depth);
 
 }  // namespace trivet::kernels
