@@ -50,7 +50,7 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
 
   std::vector<Plane> planes;
   std::uint64_t sequence = 0;
-  while (planes.size() < options.max_planes) {
+  while (!points.empty() && planes.size() < options.max_planes) {
     Plane best;
     for (int trial = 0; trial < options.num_trials; ++trial) {
       // The top bits of multiples of 2^64 / phi visit the points evenly.

@@ -28,7 +28,7 @@ struct Plane {
 /// Find planes one after the other, largest first, among oriented points that stand for `areas` of surface each.
 ///
 /// A plane is proposed by one point and its normal, chosen by a fixed sequence (RANSAC, Fischler and Bolles 1981,
-/// with one-point samples as the normals are known), and refitted to its points twice.
+/// with one-point samples as the normals are known), and refitted three times to the points then on it.
 /// Points without a normal are ignored. Same input, same planes.
 std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span<const float> areas,
                                const PlaneOptions& options);
