@@ -57,7 +57,9 @@ struct Posed {
 };
 
 constexpr float kGrazing = 0.15F;  // cosine below which a surface is too oblique to be measured
+constexpr float kUnknownNormal = 0.8F;  // cosine taken where the scene has no normal: below that of a good fit
 constexpr int kOutlineSide = 96;   // cells; a diameter is some 50
+constexpr std::array<std::array<int, 2>, 5> kCross{{{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};  // a pixel, neighbours
 
 bool is_background(std::uint8_t plane, const VerifyOptions& options) noexcept {
   return plane > 0 && plane <= options.plane_is_background.size() && options.plane_is_background[plane - 1] != 0;
@@ -74,8 +76,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
     const ImageGeometry& geometry = image.geometry;
     const Posed posed(image, samples, T_scene_model);
     const Eigen::Matrix3f R = posed.T_camera_model.linear();
-    const auto width = static_cast<std::int64_t>(geometry.width);
-    const auto num_pixels = static_cast<std::int64_t>(image.depth.size());
+    const auto width = static_cast<std::int64_t>(geometry.width), height = static_cast<std::int64_t>(geometry.height);
     const std::size_t n = std::min(num_samples, samples.points.size());
     for (std::size_t i = 0; i < n; ++i) {
       if (!posed.sees(samples.views[i])) continue;
@@ -93,9 +94,10 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
       // The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a hole.
       float best = std::numeric_limits<float>::infinity();
       std::int64_t best_pixel = -1;
-      for (const std::int64_t step : {std::int64_t{0}, std::int64_t{-1}, std::int64_t{1}, -width, width}) {
-        const std::int64_t at = pixel + step;
-        if (at < 0 || at >= num_pixels) continue;
+      const std::int64_t u = pixel % width, v = pixel / width;
+      for (const auto& [du, dv] : kCross) {
+        if (u + du < 0 || u + du >= width || v + dv < 0 || v + dv >= height) continue;
+        const std::int64_t at = pixel + dv * width + du;
         const float d = image.depth[static_cast<std::size_t>(at)];
         if (!(d > 0)) continue;
         const float r = (d - p.z()) * facing;
@@ -103,7 +105,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
           best = r;
           best_pixel = at;
         }
-        if (step == 0 && std::abs(r) <= options.tolerance) break;
+        if (at == pixel && std::abs(r) <= options.tolerance) break;
       }
       if (best_pixel < 0) {
         ++evidence.unknown;
@@ -125,14 +127,14 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
         } else {
           ++evidence.consistent;
           const float share = best / options.tolerance;
-          const float agreement = std::isfinite(cosine) ? cosine : 0.8F;
+          const float agreement = std::isfinite(cosine) ? cosine : kUnknownNormal;
           evidence.weight += (1 - share * share) * agreement;
           evidence.squared_residuals += best * best;
           if (explained) explained->push_back(first_pixel + static_cast<std::uint32_t>(pixel));
         }
       }
     }
-    first_pixel += static_cast<std::uint32_t>(num_pixels);
+    first_pixel += static_cast<std::uint32_t>(image.depth.size());
   }
   return evidence;
 }

@@ -51,10 +51,11 @@ struct Evidence {
 
 /// Compare the first `num_samples` samples with the images along the viewing rays.
 ///
-/// A sample is visible when its view mask has the bit of the direction to the camera and its normal faces it.
-/// With measured depth d, model depth z and the ray's angle to the surface, r = (d - z) cos: |r| <= tolerance is
-/// agreement (the best of the pixel and its 4 neighbours), r > tolerance a violation, r < -tolerance occlusion.
-/// explained   if given, receives the pixel (offset by the images before it) of every consistent sample
+/// A sample is visible when its view mask has the bit of the direction to the camera and its normal is within 81
+/// degrees of the ray. With measured depth d, model depth z and the angle between ray and normal, r = (d - z) cos:
+/// |r| <= tolerance is agreement, r > tolerance a violation, r < -tolerance occlusion; where the pixel itself does not
+/// agree, the best of it and its 4 neighbours counts.
+/// explained   if given, the pixel (offset by the images before it) of every consistent sample is appended
 /// Source: Papazov and Burschka, ACCV 2010, acceptance by visibility and penalty; extended by normals and planes.
 Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& samples, std::size_t num_samples,
                      const Pose& T_scene_model, const VerifyOptions& options,
