@@ -254,39 +254,5 @@ TEST(WilsonInterval, SolvesItsEquation) {
   EXPECT_EQ(wilson_interval(0, 0), (std::pair<double, double>{0, 1}));
 }
 
-/// Train a data set's models, recognise its scenes and judge them.
-Evaluation evaluate_data_set(const std::filesystem::path& file) {
-  const test::TempDir folder;
-  const Result<Manifest> manifest = read_manifest(file);
-  EXPECT_TRUE(manifest) << manifest.error().message;
-  EXPECT_TRUE(train_library(models_of(*manifest), manifest->unit, {}, folder / "library.h5", {}));
-  const Result<Library> library = open_library(folder / "library.h5");
-  EXPECT_TRUE(library) << library.error().message;
-  std::vector<std::optional<SceneResult>> results(manifest->scenes.size());
-  EXPECT_TRUE(recognise_all(*library, scenes_of(*manifest, library->header.unit), {}, {},
-                            [&](std::size_t index, const SceneResult& result) { results[index] = result; }));
-  return *evaluate(*manifest, *library, results);
-}
-
-TEST(EvaluateRealScans, FindsEveryObjectOfTheLaserScanAndNothingElse) {
-  const std::filesystem::path file = std::filesystem::path(TRIVET_DATA) / "uwa/manifest.json";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
-  const Evaluation evaluation = evaluate_data_set(file);
-  EXPECT_EQ(evaluation.total.right, 4U);
-  EXPECT_EQ(evaluation.total.instances, 4U);
-  EXPECT_EQ(evaluation.total.add_right, 4U);
-  EXPECT_EQ(evaluation.total.false_positives, 0U);
-}
-
-TEST(EvaluateRealScans, FindsTheBunnyInEveryDepthImageAndNothingElse) {
-  const std::filesystem::path file = std::filesystem::path(TRIVET_DATA) / "kinect_bunny/manifest.json";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
-  const Evaluation evaluation = evaluate_data_set(file);
-  EXPECT_EQ(evaluation.total.right, 18U);
-  EXPECT_EQ(evaluation.total.instances, 18U);
-  EXPECT_EQ(evaluation.total.add_right, 18U);
-  EXPECT_EQ(evaluation.total.false_positives, 0U);
-}
-
 }  // namespace
 }  // namespace trivet

@@ -1,0 +1,66 @@
+// The whole way from files to poses on real scans with known truth, one set of defaults for all.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "engine/evaluate.hpp"
+#include "engine/manifest_inputs.hpp"
+#include "engine/recognise.hpp"
+#include "engine/train.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+struct DataSet {
+  const char* name;
+  const char* manifest;
+  std::size_t instances;
+  std::size_t fewest_right, most_false;
+};
+std::ostream& operator<<(std::ostream& out, const DataSet& set) { return out << set.manifest; }
+
+class RealScans : public testing::TestWithParam<DataSet> {};
+
+TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
+  const DataSet set = GetParam();
+  const std::filesystem::path file = std::filesystem::path(TRIVET_DATA) / set.manifest;
+  if (!std::filesystem::exists(TRIVET_DATA)) GTEST_SKIP() << TRIVET_DATA << " is absent: set TRIVET_DATA";
+  const Result<Manifest> manifest = read_manifest(file);
+  ASSERT_TRUE(manifest) << manifest.error().message;
+
+  const test::TempDir folder;
+  const auto trained = train_library(models_of(*manifest), manifest->unit, {}, folder / "library.h5", {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  const Result<Library> library = open_library(folder / "library.h5");
+  ASSERT_TRUE(library) << library.error().message;
+  std::vector<std::optional<SceneResult>> results(manifest->scenes.size());
+  const auto done = recognise_all(*library, scenes_of(*manifest, library->header.unit), {}, {},
+                                  [&](std::size_t index, const SceneResult& result) { results[index] = result; });
+  ASSERT_TRUE(done) << done.error().message;
+
+  const Result<Evaluation> evaluation = evaluate(*manifest, *library, results);
+  ASSERT_TRUE(evaluation) << evaluation.error().message;
+  EXPECT_EQ(evaluation->total.instances, set.instances);
+  EXPECT_GE(evaluation->total.right, set.fewest_right);
+  EXPECT_GE(evaluation->total.add_right, set.fewest_right);
+  EXPECT_LE(evaluation->total.false_positives, set.most_false);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Sets, RealScans,
+    testing::Values(DataSet{"uwa", "uwa/manifest.json", 4, 4, 0},
+                    DataSet{"uwa_in_metres", "uwa/manifest_full_scan_m.json", 4, 4, 0},
+                    DataSet{"stanford_bunny", "stanford_bunny_scans/manifest.json", 10, 10, 0},
+                    DataSet{"bologna", "bologna_retrieval/manifest.json", 15, 15, 0},
+                    DataSet{"kinect_bunny", "kinect_bunny/manifest.json", 18, 18, 0},
+                    DataSet{"clutter_bin", "clutter_bin/manifest.json", 90, 84, 3},
+                    DataSet{"clutter_table", "clutter_table/manifest.json", 67, 58, 3}),
+    [](const testing::TestParamInfo<DataSet>& set) { return set.param.name; });
+
+}  // namespace
+}  // namespace trivet
