@@ -1,5 +1,6 @@
 #include "support/allocations.hpp"
 
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 
@@ -7,13 +8,20 @@ namespace {
 
 thread_local std::size_t count = 0;
 
-void* allocate(std::size_t size, std::size_t alignment) {
+void* allocate_or_null(std::size_t size, std::size_t alignment) noexcept {
   ++count;
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-  void* memory = std::aligned_alloc(alignment, whole > 0 ? whole : alignment);
+  return std::aligned_alloc(alignment, whole > 0 ? whole : alignment);
+}
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  void* memory = allocate_or_null(size, alignment);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
+
+constexpr std::size_t kPlain = alignof(std::max_align_t);
+std::size_t bytes(std::align_val_t alignment) { return static_cast<std::size_t>(alignment); }
 
 }  // namespace
 
@@ -21,12 +29,33 @@ namespace trivet::test {
 std::size_t num_allocations() noexcept { return count; }
 }  // namespace trivet::test
 
-// The array and nothrow forms of the standard library call these.
-void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
+// All forms, so that the runtimes of sanitizers put none of their own between them.
+void* operator new(std::size_t n) { return allocate(n, kPlain); }
+void* operator new[](std::size_t n) { return allocate(n, kPlain); }
+void* operator new(std::size_t n, std::align_val_t a) { return allocate(n, bytes(a)); }
+void* operator new[](std::size_t n, std::align_val_t a) { return allocate(n, bytes(a)); }
+void* operator new(std::size_t n, const std::nothrow_t&) noexcept {
+  return allocate_or_null(n, kPlain);
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void* operator new[](std::size_t n, const std::nothrow_t&) noexcept {
+  return allocate_or_null(n, kPlain);
+}
+void* operator new(std::size_t n, std::align_val_t a, const std::nothrow_t&) noexcept {
+  return allocate_or_null(n, bytes(a));
+}
+void* operator new[](std::size_t n, std::align_val_t a, const std::nothrow_t&) noexcept {
+  return allocate_or_null(n, bytes(a));
+}
+
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete[](void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
+void operator delete[](void* p, const std::nothrow_t&) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t, const std::nothrow_t&) noexcept { std::free(p); }
+void operator delete[](void* p, std::align_val_t, const std::nothrow_t&) noexcept { std::free(p); }
