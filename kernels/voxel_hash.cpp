@@ -17,68 +17,44 @@ VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(point
 
   // Voxels of one row follow each other in x.
   const auto row_length = static_cast<std::uint64_t>(lattice_.counts[0]);
-  for (std::size_t v = 0; v < voxels.size(); ++v) {
-    const std::uint64_t row_key = voxels.keys[v] / row_length;
-    if (row_keys_.empty() || row_keys_.back() != row_key) {
-      row_keys_.push_back(row_key);
-      row_offsets_.push_back(static_cast<std::uint32_t>(v));
-    }
+  rows_in_layer_ = static_cast<std::uint64_t>(lattice_.counts[1]);
+  voxel_x_.reserve(voxels.size());
+  for (std::uint32_t v = 0; v < voxels.size(); ++v) {
+    const std::uint64_t key = voxels.keys[v] / row_length;
+    if (rows_.empty() || rows_.back().key != key) rows_.push_back({key, v, v});
+    rows_.back().last = v + 1;
     voxel_x_.push_back(static_cast<std::uint32_t>(voxels.keys[v] % row_length));
   }
-  row_offsets_.push_back(static_cast<std::uint32_t>(voxels.size()));
   indices_ = std::move(voxels.order);
   voxel_offsets_ = std::move(voxels.offsets);
 
-  table_.assign(std::bit_ceil(2 * row_keys_.size() + 2), kNoRow);
+  table_.resize(std::bit_ceil(2 * rows_.size() + 2));
   table_shift_ = 64 - std::countr_zero(table_.size());
-  for (std::uint32_t row = 0; row < row_keys_.size(); ++row) {
-    std::uint64_t s = slot(row_keys_[row]);
-    while (table_[s] != kNoRow) s = (s + 1) & (table_.size() - 1);
+  for (const Row& row : rows_) {
+    std::uint64_t s = slot(row.key);
+    while (table_[s].key != kNoRow) s = (s + 1) & (table_.size() - 1);
     table_[s] = row;
   }
 }
 
-std::optional<VoxelHash::Box> VoxelHash::touched_box(const Eigen::Vector3f& query,
-                                                     double radius) const noexcept {
-  if (!query.allFinite() || indices_.empty()) return std::nullopt;
-  Box box{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const double last = lattice_.counts[a] - 1;
-    const double low = lattice_.coordinate(query[axis] - radius, axis);
-    const double high = lattice_.coordinate(query[axis] + radius, axis);
-    if (!(low <= last && high >= 0)) return std::nullopt;
-    box.low[a] = static_cast<std::int64_t>(std::max(low, 0.0));
-    box.high[a] = static_cast<std::int64_t>(std::min(high, last));
+std::optional<VoxelHash::Ball> VoxelHash::ball(const Eigen::Vector3f& query,
+                                               float radius) const noexcept {
+  if (!query.allFinite() || !(radius >= 0) || indices_.empty()) return std::nullopt;
+  std::array<double, 3> centre;
+  Ball b{};
+  b.radius = padded_radius(query, radius);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double last = lattice_.counts[axis] - 1;
+    centre[axis] = query[static_cast<int>(axis)] * lattice_.inverse_cell - lattice_.lowest[axis];
+    const double low = centre[axis] - b.radius, high = centre[axis] + b.radius;
+    if (!(low <= last + 1 && high >= 0)) return std::nullopt;
+    b.low[axis] = static_cast<std::int64_t>(std::clamp(low, 0.0, last));
+    b.high[axis] = static_cast<std::int64_t>(std::min(high, last));
   }
-  return box;
-}
-
-double VoxelHash::squared_gap(const Eigen::Vector3f& query, std::int64_t y,
-                              std::int64_t z) const noexcept {
-  const auto gap = [&](double value, double voxel) {
-    return std::max({0.0, voxel * lattice_.cell - value, value - (voxel + 1) * lattice_.cell});
-  };
-  const double gap_y = gap(query.y(), lattice_.lowest[1] + static_cast<double>(y));
-  const double gap_z = gap(query.z(), lattice_.lowest[2] + static_cast<double>(z));
-  return gap_y * gap_y + gap_z * gap_z;
-}
-
-std::int64_t VoxelHash::row_y(std::uint32_t row) const noexcept {
-  return static_cast<std::int64_t>(row_keys_[row] % static_cast<std::uint64_t>(lattice_.counts[1]));
-}
-
-std::int64_t VoxelHash::row_z(std::uint32_t row) const noexcept {
-  return static_cast<std::int64_t>(row_keys_[row] / static_cast<std::uint64_t>(lattice_.counts[1]));
-}
-
-std::uint32_t VoxelHash::find_row(std::int64_t y, std::int64_t z) const noexcept {
-  const auto rows_in_layer = static_cast<std::uint64_t>(lattice_.counts[1]);
-  const std::uint64_t key =
-      static_cast<std::uint64_t>(y) + rows_in_layer * static_cast<std::uint64_t>(z);
-  std::uint64_t s = slot(key);
-  while (table_[s] != kNoRow && row_keys_[table_[s]] != key) s = (s + 1) & (table_.size() - 1);
-  return table_[s];
+  b.x = centre[0];
+  b.y = centre[1];
+  b.z = centre[2];
+  return b;
 }
 
 std::uint32_t VoxelHash::count_within(const Eigen::Vector3f& query, float radius) const noexcept {
@@ -97,18 +73,16 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
                                                      float max_radius) const noexcept {
   constexpr std::uint32_t kNone = 0xFFFFFFFF;
   const PointsView sorted = sorted_;
-  const std::optional<Box> box =
-      max_radius >= 0 ? touched_box(query, padded(query, max_radius)) : std::nullopt;
-  if (!box) return std::nullopt;
-  const auto [low, high] = *box;
+  const std::optional<Ball> whole = ball(query, max_radius);
+  if (!whole) return std::nullopt;
+  const std::array<std::int64_t, 3>&low = whole->low, &high = whole->high;
 
   // The ball shrinks to the best point so far; ties in distance go to the lower index.
   Nearest best{kNone, max_radius * max_radius};
-  const auto search_row = [&](std::uint32_t row, std::int64_t y, std::int64_t z) {
-    const double r = padded(query, std::sqrt(static_cast<double>(best.squared_distance)));
-    const double left = r * r - squared_gap(query, y, z);
-    if (!(left >= 0)) return;
-    consider_row(row, query, std::sqrt(left), [&](std::size_t first, std::size_t last) {
+  double radius = whole->radius;
+  const auto search_row = [&](const Row& row, std::int64_t y, std::int64_t z) {
+    consider_row(row, *whole, radius, y, z, [&](std::size_t first, std::size_t last) {
+      const float before = best.squared_distance;
       for (std::size_t i = first; i < last; ++i) {
         const float d2 = squared_distance(sorted, i, query);
         if (d2 < best.squared_distance ||
@@ -116,27 +90,24 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
           best = {indices_[i], d2};
         }
       }
+      if (best.squared_distance < before) {
+        radius = padded_radius(query, std::sqrt(static_cast<double>(best.squared_distance)));
+      }
     });
   };
 
   // Rings of rows around the query's own, or around the box's row that is nearest to it.
-  const auto nearest_row = [&](int axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    return static_cast<std::int64_t>(std::clamp(lattice_.coordinate(query[axis], axis),
-                                                static_cast<double>(low[a]),
-                                                static_cast<double>(high[a])));
+  const auto within = [](double value, std::int64_t first, std::int64_t last) {
+    return static_cast<std::int64_t>(
+        std::clamp(value, static_cast<double>(first), static_cast<double>(last)));
   };
-  const std::int64_t y0 = nearest_row(1), z0 = nearest_row(2);
+  const std::int64_t y0 = within(whole->y, low[1], high[1]), z0 = within(whole->z, low[2], high[2]);
   const std::int64_t last_ring = std::max({y0 - low[1], high[1] - y0, z0 - low[2], high[2] - z0});
   for (std::int64_t ring = 0; ring <= last_ring; ++ring) {
-    const double bound = static_cast<double>(ring - 1) * lattice_.cell;
-    const double r = padded(query, std::sqrt(static_cast<double>(best.squared_distance)));
-    if (bound > r) break;
+    if (static_cast<double>(ring - 1) > radius) break;
     if (static_cast<double>(ring) * static_cast<double>(ring) >
-        static_cast<double>(row_keys_.size())) {  // emptiness all around: fewer rows than voxels
-      for (std::uint32_t row = 0; row < row_keys_.size(); ++row) {
-        search_row(row, row_y(row), row_z(row));
-      }
+        static_cast<double>(rows_.size())) {  // emptiness all around: fewer rows than places
+      for (const Row& row : rows_) search_row(row, row_y(row), row_z(row));
       break;
     }
     for (std::int64_t z = std::max(z0 - ring, low[2]); z <= std::min(z0 + ring, high[2]); ++z) {
@@ -144,8 +115,8 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
       const std::int64_t step = whole_side || ring == 0 ? 1 : 2 * ring;
       for (std::int64_t y = y0 - ring; y <= y0 + ring; y += step) {
         if (y < low[1] || y > high[1]) continue;
-        const std::uint32_t row = find_row(y, z);
-        if (row != kNoRow) search_row(row, y, z);
+        const Row* row = find_row(y, z);
+        if (row != nullptr) search_row(*row, y, z);
       }
     }
   }
@@ -163,11 +134,22 @@ void fill_radius_neighbours(const VoxelHash& grid, PointsView queries, float rad
                             std::span<const std::uint32_t> offsets,
                             std::span<std::uint32_t> indices) noexcept {
   assert(offsets.size() == queries.size() + 1 && "one row per query");
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    std::size_t next = offsets[i];
-    grid.visit_within(queries[i], radius,
-                      [&](std::uint32_t index, float) { indices[next++] = index; });
-    assert(next == offsets[i + 1] && "rows hold what was counted");
+  const PointsView sorted = grid.sorted_;
+  const float limit = radius * radius;
+  for (std::size_t q = 0; q < queries.size(); ++q) {
+    const Eigen::Vector3f query = queries[q];
+    std::uint32_t* next = indices.data() + offsets[q];
+    std::uint32_t* const end = indices.data() + offsets[q + 1];
+    if (next == end) continue;
+    // Each candidate is written and then kept or not, which spares a branch nobody can predict;
+    // when the row is full, what follows is outside.
+    grid.visit_runs(query, radius, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last && next != end; ++i) {
+        *next = grid.indices_[i];
+        next += VoxelHash::squared_distance(sorted, i, query) <= limit ? 1 : 0;
+      }
+    });
+    assert(next == end && "rows hold what was counted");
   }
 }
 

@@ -62,10 +62,25 @@ class VoxelHash {
   std::optional<Nearest> nearest(const Eigen::Vector3f& query, float max_radius) const noexcept;
 
  private:
-  static constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
+  static constexpr std::uint64_t kNoRow = 0xFFFFFFFFFFFFFFFF;
 
-  struct Box {  // of voxels, both ends included
-    std::array<std::int64_t, 3> low, high;
+  struct Row {                          // of voxels with equal y and z
+    std::uint64_t key = kNoRow;         // y + counts[1] * z
+    std::uint32_t first = 0, last = 0;  // its voxels, rising in x
+  };
+
+  // A query seen from the lattice: lengths in voxels, counted from the lowest.
+  struct Ball {
+    double x, y, z, radius;  // the radius is padded: rounding cannot make it too small
+    std::array<std::int64_t, 3> low, high;  // the occupied box's voxels that it may touch
+
+    double squared_gap(std::int64_t row_y, std::int64_t row_z) const noexcept {
+      const double gap_y =
+          std::max({0.0, static_cast<double>(row_y) - y, y - static_cast<double>(row_y + 1)});
+      const double gap_z =
+          std::max({0.0, static_cast<double>(row_z) - z, z - static_cast<double>(row_z + 1)});
+      return gap_y * gap_y + gap_z * gap_z;
+    }
   };
 
   static float squared_distance(PointsView sorted, std::size_t i,
@@ -75,75 +90,86 @@ class VoxelHash {
     return dx * dx + dy * dy + dz * dz;
   }
 
-  // A radius that rounding, in the distances or in the lattice, cannot make too small.
-  static double padded(const Eigen::Vector3f& query, double radius) noexcept {
-    return radius * (1 + 1e-6) + 1e-14 * query.cast<double>().lpNorm<1>();
+  double padded_radius(const Eigen::Vector3f& query, double radius) const noexcept {
+    return (radius * (1 + 1e-6) + 1e-14 * query.cast<double>().lpNorm<1>()) * lattice_.inverse_cell;
   }
 
-  // The occupied box's voxels that a ball may touch; none if the ball lies outside it.
-  std::optional<Box> touched_box(const Eigen::Vector3f& query, double radius) const noexcept;
+  // None if the ball lies outside the occupied box, or means nothing.
+  std::optional<Ball> ball(const Eigen::Vector3f& query, float radius) const noexcept;
 
-  double squared_gap(const Eigen::Vector3f& query, std::int64_t y, std::int64_t z) const noexcept;
-  std::int64_t row_y(std::uint32_t row) const noexcept;
-  std::int64_t row_z(std::uint32_t row) const noexcept;
-  std::uint64_t slot(std::uint64_t row_key) const noexcept {
-    return (row_key * 0x9E3779B97F4A7C15U) >> table_shift_;  // multiplicative hashing, 2^64 / phi
+  std::uint64_t slot(std::uint64_t key) const noexcept {
+    return (key * 0x9E3779B97F4A7C15U) >> table_shift_;  // multiplicative hashing, 2^64 / phi
   }
-  std::uint32_t find_row(std::int64_t y, std::int64_t z) const noexcept;
 
+  const Row* find_row(std::int64_t y, std::int64_t z) const noexcept {
+    const std::uint64_t key =
+        static_cast<std::uint64_t>(y) + rows_in_layer_ * static_cast<std::uint64_t>(z);
+    std::uint64_t s = slot(key);
+    while (table_[s].key != key && table_[s].key != kNoRow) s = (s + 1) & (table_.size() - 1);
+    return table_[s].key == key ? &table_[s] : nullptr;
+  }
+  std::int64_t row_y(const Row& row) const noexcept {
+    return static_cast<std::int64_t>(row.key % rows_in_layer_);
+  }
+  std::int64_t row_z(const Row& row) const noexcept {
+    return static_cast<std::int64_t>(row.key / rows_in_layer_);
+  }
+
+  // Call consider(first, last) for the points of a row's voxels that meet a ball of this radius.
   template <class Consider>
-  void consider_row(std::uint32_t row, const Eigen::Vector3f& query, double half,
+  void consider_row(const Row& row, const Ball& b, double radius, std::int64_t y, std::int64_t z,
                     Consider&& consider) const {
-    const auto first = voxel_x_.begin() + row_offsets_[row];
-    const auto last = voxel_x_.begin() + row_offsets_[row + 1];
-    const double low = lattice_.coordinate(query.x() - half, 0);
-    const double high = lattice_.coordinate(query.x() + half, 0);
-    const auto from = std::lower_bound(first, last, low);
-    auto to = from;
-    while (to != last && *to <= high) ++to;
-    if (from != to) {
-      consider(voxel_offsets_[static_cast<std::size_t>(from - voxel_x_.begin())],
-               voxel_offsets_[static_cast<std::size_t>(to - voxel_x_.begin())]);
-    }
+    const double left = radius * radius - b.squared_gap(y, z);
+    if (!(left >= 0)) return;
+    const double half = std::sqrt(left), last_x = lattice_.counts[0] - 1;
+    if (b.x + half < 0 || b.x - half > last_x + 1) return;
+    const auto low = static_cast<std::uint32_t>(std::clamp(b.x - half, 0.0, last_x));
+    const auto high = static_cast<std::uint32_t>(std::clamp(b.x + half, 0.0, last_x));
+    const std::uint32_t* const voxels = voxel_x_.data();
+    const std::uint32_t* const end = voxels + row.last;
+    const std::uint32_t* const from = std::lower_bound(voxels + row.first, end, low);
+    const std::uint32_t* to = from;
+    while (to != end && *to <= high) ++to;
+    if (from != to)
+      consider(voxel_offsets_[static_cast<std::size_t>(from - voxels)],
+               voxel_offsets_[static_cast<std::size_t>(to - voxels)]);
   }
 
   // Call consider(first, last) for runs of sorted points that together hold all within radius.
   template <class Consider>
   void visit_runs(const Eigen::Vector3f& query, float radius, Consider&& consider) const {
-    const double r = padded(query, radius);
-    const std::optional<Box> box = radius >= 0 ? touched_box(query, r) : std::nullopt;
-    if (!box) return;
-    const auto [low, high] = *box;
-    const auto consider_if_near = [&](std::uint32_t row, std::int64_t y, std::int64_t z) {
-      const double left = r * r - squared_gap(query, y, z);
-      if (left >= 0) consider_row(row, query, std::sqrt(left), consider);
-    };
+    const std::optional<Ball> b = ball(query, radius);
+    if (!b) return;
 
     // A ball that is large beside the voxels meets more rows than there are.
-    const double num_touched =
-        static_cast<double>(high[1] - low[1] + 1) * static_cast<double>(high[2] - low[2] + 1);
-    if (num_touched > static_cast<double>(row_keys_.size())) {
-      for (std::uint32_t row = 0; row < row_keys_.size(); ++row) {
-        consider_if_near(row, row_y(row), row_z(row));
+    const double num_touched = static_cast<double>(b->high[1] - b->low[1] + 1) *
+                               static_cast<double>(b->high[2] - b->low[2] + 1);
+    if (num_touched > static_cast<double>(rows_.size())) {
+      for (const Row& row : rows_) {
+        consider_row(row, *b, b->radius, row_y(row), row_z(row), consider);
       }
       return;
     }
-    for (std::int64_t z = low[2]; z <= high[2]; ++z) {
-      for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-        const std::uint32_t row = find_row(y, z);
-        if (row != kNoRow) consider_if_near(row, y, z);
+    for (std::int64_t z = b->low[2]; z <= b->high[2]; ++z) {
+      for (std::int64_t y = b->low[1]; y <= b->high[1]; ++y) {
+        const Row* row = find_row(y, z);
+        if (row != nullptr) consider_row(*row, *b, b->radius, y, z, consider);
       }
     }
   }
 
+  friend void fill_radius_neighbours(const VoxelHash& grid, PointsView queries, float radius,
+                                     std::span<const std::uint32_t> offsets,
+                                     std::span<std::uint32_t> indices) noexcept;
+
   VoxelLattice lattice_;
+  std::uint64_t rows_in_layer_ = 1;  // counts[1]
   Points sorted_;
   Column<std::uint32_t> indices_;        // per sorted point: its index in the input
   Column<std::uint32_t> voxel_x_;        // per voxel, in the order of the points
   Column<std::uint32_t> voxel_offsets_;  // per voxel (+ 1): its first sorted point
-  Column<std::uint64_t> row_keys_;       // per row, rising: y + counts[1] * z
-  Column<std::uint32_t> row_offsets_;    // per row (+ 1): its first voxel
-  Column<std::uint32_t> table_;          // open addressing, at most half full: a row or kNoRow
+  Column<Row> rows_;                     // rising by key
+  Column<Row> table_;                    // the rows again: open addressing, at most half full
   int table_shift_ = 63;
 };
 

@@ -175,6 +175,32 @@ TEST(VoxelHash, FindsNothingForQueriesThatMeanNothing) {
   EXPECT_FALSE(empty.nearest({0, 0, 0}, kInfinity).has_value());
 }
 
+void expect_reference_rows(PointsView points, float radius) {
+  const VoxelHash grid(points, radius);
+  const Neighbourhoods rows = all_neighbours(grid, points, radius, points.size() + 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto row = rows.view().row(i);
+    std::vector<std::uint32_t> found(row.begin(), row.end());
+    std::ranges::sort(found);
+    ASSERT_EQ(found, reference::within(points, points[i], radius)) << "row " << i;
+  }
+}
+
+TEST(RadiusNeighbours, AgreesWithReferenceOnRandomClouds) {
+  for (const std::size_t n : test::kSmallSizes) {
+    expect_reference_rows(Random(n).dyadic_cloud(n), 0.5F);
+  }
+}
+
+TEST(RadiusNeighbours, IncludesTheSphere) {
+  Points lattice;
+  for (int i = 0; i < 216; ++i) {
+    lattice.push_back(
+        {static_cast<float>(i % 6), static_cast<float>(i / 6 % 6), static_cast<float>(i / 36)});
+  }
+  for (const float radius : {1.0F, 3.0F}) expect_reference_rows(lattice, radius);
+}
+
 TEST(RadiusNeighbours, GivesTheSameBitsForAnyChunking) {
   Random random;
   const Points points = random.surface(500);
