@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "engine/check_range.hpp"
 #include "engine/parallel.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/select_detections.hpp"
@@ -319,22 +320,19 @@ Result<SceneResult> recognise(const Library& library, const Cloud& cloud, const 
 }
 
 Result<void> validate(const RecogniseOptions& options) {
-  const auto check = [](bool ok, const char* name, const char* range, double value) -> Result<void> {
-    if (ok) return {};
-    return Error{ErrorCode::usage, fmt::format("{}: expected {}, found {}", name, range, value)};
-  };
-  for (const Result<void>& result :
-       {check(options.vote.reference_share > 0 && options.vote.reference_share <= 1, "reference share",
-              "above 0 to 1", options.vote.reference_share),
-        check(options.vote.max_references > 0, "maximum references", "at least 1", options.vote.max_references),
-        check(options.vote.neighbour_share >= 0 && options.vote.neighbour_share <= 0.5F, "neighbour share",
-              "0 to 0.5", options.vote.neighbour_share),
-        check(options.vote.max_peaks >= 1 && options.vote.max_peaks <= kernels::kMaxPeaks, "peaks per reference",
-              "1 to 8", options.vote.max_peaks),
-        check(options.min_score >= 0 && options.min_score <= 1, "minimum score", "0 to 1", options.min_score)}) {
-    if (!result) return result;
-  }
-  return {};
+  return engine::check_ranges({
+      {options.vote.reference_share > 0 && options.vote.reference_share <= 1, "reference share", "above 0 to 1", options.vote.reference_share},
+      {options.vote.max_references > 0, "maximum references", "at least 1", static_cast<double>(options.vote.max_references)},
+      {options.vote.max_votes > 0, "maximum votes", "at least 1", static_cast<double>(options.vote.max_votes)},
+      {options.vote.peak_share > 0 && options.vote.peak_share <= 1, "peak share", "above 0 to 1", options.vote.peak_share},
+      {options.pose.cluster_translation > 0, "cluster translation [diameters]", "above 0", options.pose.cluster_translation},
+      {options.pose.cluster_rotation_deg > 0, "cluster rotation [deg]", "above 0", options.pose.cluster_rotation_deg},
+      {options.verify.tolerance_diameters > 0, "tolerance [diameters]", "above 0", options.verify.tolerance_diameters},
+      {options.verify.max_overlap >= 0 && options.verify.max_overlap <= 1, "maximum overlap", "0 to 1", options.verify.max_overlap},
+      {options.vote.neighbour_share >= 0 && options.vote.neighbour_share <= 0.5F, "neighbour share", "0 to 0.5", options.vote.neighbour_share},
+      {options.vote.max_peaks >= 1 && options.vote.max_peaks <= kernels::kMaxPeaks, "peaks per reference", "1 to 8", static_cast<double>(options.vote.max_peaks)},
+      {options.min_score >= 0 && options.min_score <= 1, "minimum score", "0 to 1", options.min_score},
+  });
 }
 
 }  // namespace trivet

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/check_range.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/diameter.hpp"
 #include "kernels/estimate_normals.hpp"
@@ -225,22 +226,12 @@ float sampling_step(float diameter, float relative_step) {
 }
 
 Result<void> validate(const TrainOptions& options) {
-  const auto check = [](bool ok, const char* name, const char* range, double value) -> Result<void> {
-    if (ok) return {};
-    return Error{ErrorCode::usage, fmt::format("{}: expected {}, found {}", name, range, value)};
-  };
-  for (const Result<void>& result :
-       {check(options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step", "0.01 to 0.2",
-              options.relative_step),
-        check(options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60",
-              options.num_angle_bins),
-        check(options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180,
-              "normal cluster angle [deg]", "above 0 to 180", options.normal_cluster_angle_deg),
-        check(options.num_samples >= 256 && options.num_samples <= 1U << 20, "samples", "256 to 1048576",
-              options.num_samples)}) {
-    if (!result) return result;
-  }
-  return {};
+  return engine::check_ranges({
+      {options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step", "0.01 to 0.2", options.relative_step},
+      {options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60", static_cast<double>(options.num_angle_bins)},
+      {options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180, "normal cluster angle [deg]", "above 0 to 180", options.normal_cluster_angle_deg},
+      {options.num_samples >= 256 && options.num_samples <= 1U << 20, "samples", "256 to 1048576", static_cast<double>(options.num_samples)},
+  });
 }
 
 Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source, const TrainOptions& options) {
