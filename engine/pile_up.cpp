@@ -14,7 +14,7 @@ namespace trivet::engine {
 namespace {
 
 constexpr int kTrials = 8;           // placements tried for each instance
-constexpr float kHeapRadius = 0.42F;  // in diameters, times the square root of the number of instances
+constexpr float kHeapRadius = 0.3F;   // in diameters, times the square root of the number of instances
 constexpr float kCell = 1.5F;         // in spacings of samples; neighbouring samples are hardly farther apart
 
 /// Uniform over all rotations. Source: Shoemake, Graphics Gems III, 1992.

@@ -27,6 +27,7 @@ constexpr double kFocal = 572;                // [pixel], as of a Kinect or Prim
 constexpr double kDepthStepMetres = 1e-4;
 constexpr double kNearestMetres = 0.45;       // nearer, such sensors measure nothing
 constexpr double kFarthestMetres = 6;         // 16 bits end at 6.5
+constexpr double kFilledShare = 0.85;          // of the image's width or height, by the heap
 constexpr double kMinVisible = 0.15;          // instances of which less is seen are ignored
 constexpr std::size_t kMinVisiblePixels = 300;
 constexpr std::size_t kRowGrain = 16;
@@ -60,23 +61,19 @@ Result<RayScene> make_ground(float half_side) {
   return RayScene::from_mesh(corners, faces);
 }
 
-/// The heap's middle and the radius of a ball around it.
-struct Ball {
-  Eigen::Vector3f centre;
-  float radius;
-};
-
-Ball ball_around(std::span<const Model> models, std::span<const PlacedModel> placed) {
-  Eigen::AlignedBox3f box;
+/// The corners of the heap: every sample of every instance, in the world.
+Points surface_points(std::span<const Model> models, std::span<const PlacedModel> placed) {
+  Points points;
   for (const PlacedModel& instance : placed) {
     const PointsView samples = models[instance.model].samples;
-    for (std::size_t i = 0; i < samples.size(); ++i) box.extend(instance.T_world_model * samples[i]);
+    for (std::size_t i = 0; i < samples.size(); ++i) points.push_back(instance.T_world_model * samples[i]);
   }
-  return {box.center(), 0.5F * box.diagonal().norm()};
+  return points;
 }
 
-/// A camera that sees the ball whole, from 40 to 75 degrees above the ground.
-Pose place_camera(const Ball& ball, double distance, CounterRandom& random) {
+/// A camera that looks down on the points from a random side, 40 to 75 degrees above the ground, as near as it sees
+/// them all with some room around them, and not nearer than `nearest`.
+Pose place_camera(const Points& points, const Camera& camera, double nearest, CounterRandom& random) {
   const double elevation = random.uniform(40, 75) * std::numbers::pi / 180;
   const double azimuth = random.uniform(0, 2 * std::numbers::pi);
   const Eigen::Vector3d away(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
@@ -85,9 +82,19 @@ Pose place_camera(const Ball& ball, double distance, CounterRandom& random) {
   axes.row(2) = -away;
   axes.row(0) = Eigen::Vector3d::UnitZ().cross(away).normalized();
   axes.row(1) = axes.row(2).cross(axes.row(0));
+
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(axes * points[i].cast<double>());
+  const Eigen::Vector3d middle = box.center();
+  const double width = kFilledShare * camera.cx / camera.fx, height = kFilledShare * camera.cy / camera.fy;
+  double distance = 0;  // from the camera to the middle
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p = axes * points[i].cast<double>() - middle;
+    distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(), std::abs(p.y()) / height - p.z()});
+  }
   Pose T_camera_world = Pose::Identity();
   T_camera_world.linear() = axes.cast<float>();
-  T_camera_world.translation() = -(axes * (ball.centre.cast<double>() + distance * away)).cast<float>();
+  T_camera_world.translation() = (distance * Eigen::Vector3d::UnitZ() - middle).cast<float>();
   return T_camera_world;
 }
 
@@ -139,20 +146,19 @@ Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit uni
   assert(!models.empty() && "something to lay down");
   const double metres = unit_scale(unit, LengthUnit::metre);
   const std::vector<PlacedModel> placed = engine::pile_up(models, options.num_instances, options.seed, index);
-  const Ball ball = ball_around(models, placed);
-  const double half_field = std::atan(0.5 * kScanHeight / kFocal);
-  const double distance =
-      std::max(0.9 * static_cast<double>(ball.radius) / std::sin(half_field), kNearestMetres / metres + static_cast<double>(ball.radius));
-  if ((distance + static_cast<double>(ball.radius)) * metres > kFarthestMetres) {
-    return Error{ErrorCode::usage,
-                 fmt::format("scene {}: expected a heap that a depth camera sees from within {} m, found one of {:.3g} m "
-                             "across; give the models' unit with --unit, or a size with --diameter",
-                             index, kFarthestMetres, 2 * static_cast<double>(ball.radius) * metres)};
-  }
   RenderedScene scene;
   scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1), kDepthStepMetres / metres};
   CounterRandom random(options.seed, index, 1);
-  const Pose T_camera_world = place_camera(ball, distance, random);
+  const Points points = surface_points(models, placed);
+  const Pose T_camera_world = place_camera(points, scene.camera, kNearestMetres / metres, random);
+  float farthest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) farthest = std::max(farthest, (T_camera_world * points[i]).z());
+  if (static_cast<double>(farthest) * metres > kFarthestMetres) {
+    return Error{ErrorCode::usage,
+                 fmt::format("scene {}: expected a heap that a depth camera sees from within {} m, found one that it takes "
+                             "{:.3g} m to see; give the models' unit with --unit, or a size with --diameter",
+                             index, kFarthestMetres, static_cast<double>(farthest) * metres)};
+  }
 
   // Surfaces: instance i is placed[i], the ground comes last.
   std::vector<std::optional<RayScene>> meshes(models.size());
@@ -166,7 +172,7 @@ Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit uni
     }
     instances.push_back({&*mesh, T_camera_world * instance.T_world_model});
   }
-  const Result<RayScene> ground = make_ground(static_cast<float>(20 * distance));
+  const Result<RayScene> ground = make_ground(20 * farthest);
   if (!ground) return ground.error();
   instances.push_back({&*ground, T_camera_world});
   const Result<RayScene> rays = RayScene::from_instances(instances);
