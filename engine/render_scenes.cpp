@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "engine/check_range.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/diameter.hpp"
 #include "storage/read_cloud.hpp"
@@ -70,19 +71,13 @@ Result<void> make_folder(const fs::path& folder) {
 }  // namespace
 
 Result<void> validate(const ScanOptions& options) {
-  const auto check = [](bool ok, const char* name, const char* range, double value) -> Result<void> {
-    if (ok) return {};
-    return Error{ErrorCode::usage, fmt::format("{}: expected {}, found {}", name, range, value)};
-  };
-  for (const Result<void>& result :
-       {check(options.num_scenes >= 1 && options.num_scenes <= 10000, "scenes", "1 to 10000", options.num_scenes),
-        check(options.num_instances >= 1 && options.num_instances <= 200, "instances", "1 to 200", options.num_instances),
-        check(options.noise >= 0 && options.noise <= 10, "noise", "0 to 10", static_cast<double>(options.noise)),
-        check(options.diameter >= 0 && options.diameter < 1e6F, "diameter", "a length above 0",
-              static_cast<double>(options.diameter))}) {
-    if (!result) return result;
-  }
-  return {};
+  return engine::check_ranges({
+      {options.num_scenes >= 1 && options.num_scenes <= 10000, "scenes", "1 to 10000", static_cast<double>(options.num_scenes)},
+      {options.num_instances >= 1 && options.num_instances <= 200, "instances", "1 to 200",
+       static_cast<double>(options.num_instances)},
+      {options.noise >= 0 && options.noise <= 10, "noise", "0 to 10", static_cast<double>(options.noise)},
+      {options.diameter >= 0 && options.diameter < 1e6F, "diameter", "0 to a million", static_cast<double>(options.diameter)},
+  });
 }
 
 Result<Manifest> render_scenes(std::span<const ModelSource> sources, LengthUnit unit, const ScanOptions& options,
