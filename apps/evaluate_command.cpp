@@ -7,13 +7,14 @@
 #include "apps/evaluation_json.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
+#include "apps/report.hpp"
 #include "engine/manifest_inputs.hpp"
 
 namespace trivet::apps {
 namespace {
 
 struct EvaluateArguments {
-  std::string library, manifest, detections, json;
+  std::string library, manifest, detections, json, report;
   RecogniseArguments recognise;
 };
 
@@ -57,8 +58,13 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
   if (!evaluation) return evaluation.error();
 
   if (arguments.json != "-") fmt::print("{}", evaluation_table(*evaluation));
-  if (arguments.json.empty()) return {};
-  return write_json(arguments.json, evaluation_json(*manifest, *evaluation, *results));
+  if (!arguments.json.empty()) {
+    const Result<void> written = write_json(arguments.json, evaluation_json(*manifest, *evaluation, *results));
+    if (!written) return written;
+  }
+  if (arguments.report.empty()) return {};
+  return write_report(arguments.report, *library, *manifest, *evaluation, *results,
+                      context.console.progress("drawn", context.stop));
 }
 
 }  // namespace
@@ -72,6 +78,8 @@ void add_evaluate(CLI::App& app, Context& context) {
                       "Score what `trivet recognize --json` wrote to this file instead of recognising");
   add_recognise_options(*command, arguments->recognise);
   command->add_option("--json", arguments->json, "Write the scores as JSON to this file, - for standard output");
+  command->add_option("--report", arguments->report,
+                      "Write index.html with tables and pictures of every scene into this folder");
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return evaluate_manifest(*arguments, context); };
   });

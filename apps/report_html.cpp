@@ -1,0 +1,85 @@
+#include "apps/report_html.hpp"
+
+#include <fmt/format.h>
+
+namespace trivet::apps {
+namespace {
+
+/// Colours follow the reader's light or dark setting; on a phone the pictures of a scene stand below each other.
+constexpr std::string_view kStyle = R"css(
+:root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
+--right:#1e9e55;--wrong:#d83a3a;--missed:#2f7de0;--neutral:#8a929e}
+@media(prefers-color-scheme:dark){:root{--page:#111318;--card:#1a1d24;--text:#e7eaf0;--dim:#98a1b0;--line:#2c313b;--bar:#6f9df0;
+--range:#6f9df040;--right:#3ecf7f;--wrong:#ff6b6b;--missed:#5aa6ff;--neutral:#9aa3b0}}
+*{box-sizing:border-box}
+body{margin:0 auto;padding:20px 16px 48px;max-width:1360px;background:var(--page);color:var(--text);
+font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,sans-serif;font-variant-numeric:tabular-nums}
+h1{font-size:1.5rem;margin:0}h2{font-size:1.1rem;margin:32px 0 10px}p{margin:4px 0}.dim{color:var(--dim)}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(165px,1fr));gap:12px;margin:18px 0}
+.card,figure,.table{background:var(--card);border:1px solid var(--line);border-radius:10px}
+.card{padding:12px 16px}.card b{display:block;font-size:1.7rem;line-height:1.25;font-weight:650}
+.tables{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr));gap:16px;align-items:start}
+.table{overflow-x:auto;padding:2px 14px 6px}table{border-collapse:collapse;width:100%}
+th{font-weight:500;color:var(--dim);text-align:left;font-size:.85rem}th,td{padding:5px 8px 5px 0;border-bottom:1px solid var(--line);white-space:nowrap}
+tr:last-child td{border-bottom:0}.n{text-align:right}
+.bar{position:relative;display:block;min-width:90px;height:10px;border-radius:5px;background:var(--line)}
+.bar i{position:absolute;top:0;bottom:0;left:0;border-radius:5px;background:var(--bar)}
+.bar u{position:absolute;top:-3px;bottom:-3px;border:solid var(--dim);border-width:0 2px}
+.bar u::after{content:"";position:absolute;left:0;right:0;top:7px;border-top:2px solid var(--dim)}
+.key{display:flex;flex-wrap:wrap;gap:6px 18px;font-size:.9rem;margin:0 0 12px}.key span{display:inline-flex;align-items:center;gap:6px}
+.swatch{display:inline-block;width:13px;height:13px;border-radius:3px;flex:none}.ring{background:none!important;border:3px solid}
+figure{margin:0 0 18px;padding:12px}figcaption{display:flex;flex-wrap:wrap;gap:2px 16px;align-items:baseline;margin:0 2px 10px}
+figcaption b{font-size:1.02rem}
+.pair{display:grid;grid-template-columns:1fr 1fr;gap:10px}.view{position:relative;overflow:hidden;border-radius:6px;container-type:inline-size}
+.view img{display:block;width:100%;height:auto}
+.tag{position:absolute;transform:translate(-50%,-50%);padding:1px 6px;border-radius:4px;background:#0d1016d9;color:#fff;font-size:max(9px,min(12px,2.1cqw));
+line-height:1.35;white-space:nowrap;border-bottom:2px solid;pointer-events:none}
+.right{color:var(--right)}.wrong{color:var(--wrong)}.missed{color:var(--missed)}.neutral{color:var(--neutral)}
+.tag.right{border-color:#2fd67b;color:#fff}.tag.wrong{border-color:#ff5252;color:#fff}.tag.missed{border-color:#4aa3ff;color:#fff}.tag.neutral{border-color:#b5bcc8;color:#fff}
+details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
+@media(max-width:760px){.pair{grid-template-columns:1fr}body{padding:14px 10px 32px}figure{padding:8px}}
+)css";
+
+}  // namespace
+
+std::string html_page(std::string_view title, std::string_view content) {
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
+      "</head>\n<body>\n{}</body>\n</html>\n",
+      escape_html(title), kStyle, content);
+}
+
+std::string escape_html(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+std::string png_address(std::span<const std::byte> png) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out = "data:image/png;base64,";
+  out.reserve(out.size() + (png.size() + 2) / 3 * 4);
+  // RFC 4648, section 4: three bytes are four digits of six bits, the last ones filled up with '='.
+  for (std::size_t i = 0; i < png.size(); i += 3) {
+    unsigned bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = bits << 8 | (i + k < png.size() ? std::to_integer<unsigned>(png[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      out += i + k <= png.size() ? kDigits[bits >> (18 - 6 * k) & 63U] : '=';
+    }
+  }
+  return out;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,20 @@
+/// The parts of the report that are about HTML only.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace trivet::apps {
+
+/// Everything before and after the page's content. `title` is plain text.
+std::string html_page(std::string_view title, std::string_view content);
+
+/// Text as it may stand between tags and in quoted attributes.
+std::string escape_html(std::string_view text);
+
+/// Bytes of a PNG as an address that holds them.
+std::string png_address(std::span<const std::byte> png);
+
+}  // namespace trivet::apps
