@@ -150,7 +150,7 @@ TEST(FindPlanes, FindsNothingInNoPointsAndInClutter) {
   EXPECT_TRUE(find_planes(s.points, s.normals, s.areas, options_of(1)).empty());
 }
 
-TEST(LabelPlanes, NumbersPointsByTheFirstPlaneTheyLieOn) {
+TEST(LabelPlanes, NumbersPointsByThePlaneTheyLieOn) {
   const TableAndWall scene(0);
   const Surfaces& s = scene.surfaces;
   const auto planes = find_planes(s.points, s.normals, s.areas, options_of(1));
@@ -172,7 +172,7 @@ TEST(LabelPlanes, NumbersPointsByTheFirstPlaneTheyLieOn) {
   EXPECT_LT(wrong, 100);  // clutter on a plane, and where the two cross
 }
 
-TEST(LabelPlanes, GivesNoNumberWithoutAPointOrANormal) {
+TEST(LabelPlanes, TakesTheFirstOfPlanesAndNoneWithoutAPointOrANormal) {
   Points points;
   Normals normals;
   points.push_back({0, 0, kNaN});
@@ -181,7 +181,7 @@ TEST(LabelPlanes, GivesNoNumberWithoutAPointOrANormal) {
   normals.push_back({0, 0, 1});
   normals.push_back(Vector3f::Constant(kNaN));
   normals.push_back({0, 0, 1});
-  const std::vector<Plane> planes{{Vector3f(0, 0, 1), 0, 1}};
+  const std::vector<Plane> planes(2, Plane{Vector3f(0, 0, 1), 0, 1});
   std::vector<std::uint8_t> labels(3, 99);
   label_planes(points, normals, planes, kTolerance, 0.35F, labels);
   EXPECT_EQ(labels, (std::vector<std::uint8_t>{0, 0, 1}));

@@ -167,7 +167,7 @@ TEST(RefinePose, GivesUpWhenItMovedTooFar) {
 }
 
 TEST(RefinePose, StaysWhereThereIsTooLittleToHoldOnTo) {
-  const BoxScene scene;
+  BoxScene scene;
   RangeImage image = scene.see();
   const Pose away = test::placed({5, 5, 5}) * scene.truth;
   EXPECT_EQ(scene.refine(image, away).T_scene_model.matrix(), away.matrix());
@@ -176,14 +176,22 @@ TEST(RefinePose, StaysWhereThereIsTooLittleToHoldOnTo) {
   EXPECT_EQ(blind.T_scene_model.matrix(), scene.truth.matrix());
   EXPECT_EQ(blind.iterations, 0);
   EXPECT_FALSE(blind.moved_too_far);
+  scene.options.num_samples = 30;  // some 12 face the camera
+  EXPECT_EQ(scene.refine(scene.see(), scene.truth).iterations, 0);
 }
 
 // A plate on a wall can slide and turn in its plane: those directions must not run away.
 TEST(RefinePose, HoldsDirectionsThatAPlaneDoesNotFix) {
   const test::SampledModel plate =
       test::sampled_solid(test::box_of({0.5, 0.4, 0.02}), 0.03F, 0.65F);
-  const RangeImage image =
+  RangeImage image =
       test::render({Pose::Identity(), 200, 200, 79.5F, 59.5F, 160, 120}, {test::wall(3)});
+  Random noise(99);  // what it leaves open, noise would decide
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    image.depth[pixel] += noise.normal(0.002F);
+    const Vector3f n(noise.normal(0.005F), noise.normal(0.005F), -1);
+    image.normals.set(pixel, n.normalized());
+  }
   BoxScene scene;
   for (std::uint64_t trial = 0; trial < 20; ++trial) {
     Random random(trial);
@@ -196,7 +204,7 @@ TEST(RefinePose, HoldsDirectionsThatAPlaneDoesNotFix) {
     EXPECT_NEAR((pose * Vector3f(0, 0, -0.02F)).z(), 3, 1e-3) << "the front is on the wall";
     EXPECT_LT(pose.linear().col(2).head<2>().norm(), 2e-3F) << "and parallel to it";
     const Vector3f slide = pose.translation() - start.translation();
-    EXPECT_LT(slide.head<2>().norm(), 0.01F) << trial;
+    EXPECT_LT(slide.head<2>().norm(), 0.04F) << trial;
   }
 }
 

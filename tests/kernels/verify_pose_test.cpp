@@ -244,7 +244,8 @@ TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
   const Pose from_side = test::placed({0, 0, 3}, {0, 1.5707963F, 0}) * test::placed({0, 0, -3});
   const Seen side_view{test::moved(test::sphere(0.5), from_side * scene.truth)};
   const std::array images{test::render(camera(), {scene.seen}),
-                          test::render(camera(from_side), {side_view})};
+                          test::render(camera(from_side), {side_view}),
+                          test::render(camera(), {scene.seen})};
   VerifyOptions options;
   options.tolerance = kTolerance;
   std::vector<std::uint32_t> explained;
@@ -252,18 +253,21 @@ TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
     return verify_pose(std::span(images).subspan(first, count), scene.ball.view(), 3000,
                        scene.truth, options, out);
   };
-  const Evidence a = look(0, 1, nullptr), b = look(1, 1, nullptr), both = look(0, 2, &explained);
+  const Evidence a = look(0, 1, nullptr), b = look(1, 1, nullptr), all = look(0, 3, &explained);
   EXPECT_GT(b.consistent, 800U);
-  EXPECT_EQ(both.visible, a.visible + b.visible);
-  EXPECT_EQ(both.consistent, a.consistent + b.consistent);
-  EXPECT_NEAR(both.weight, a.weight + b.weight, 1e-2);
-  ASSERT_EQ(explained.size(), both.consistent);
+  EXPECT_EQ(all.visible, 2 * a.visible + b.visible);
+  EXPECT_EQ(all.consistent, 2 * a.consistent + b.consistent);
+  EXPECT_NEAR(all.weight, 2 * a.weight + b.weight, 1e-2);
+  ASSERT_EQ(explained.size(), all.consistent);
   constexpr std::uint32_t kPixels = 160 * 120;
   std::size_t on_ball = 0;
   for (const std::uint32_t pixel : explained)
     on_ball += images[pixel / kPixels].depth[pixel % kPixels] > 0;
   EXPECT_GT(on_ball, explained.size() * 49 / 50);  // at the rim, a neighbour is
-  EXPECT_EQ(std::ranges::count_if(explained, [](auto p) { return p >= kPixels; }), b.consistent);
+  for (const std::uint32_t image : {0U, 1U, 2U}) {
+    EXPECT_EQ(std::ranges::count(explained, image, [](auto pixel) { return pixel / kPixels; }),
+              image == 1 ? b.consistent : a.consistent);
+  }
 }
 
 TEST(VerifyPose, LooksAtTheFirstSamplesOnly) {
