@@ -25,8 +25,13 @@ Detection parse_detection(const JsonNode& node) {
   const auto number = [&](std::string_view key) {
     return node.has(key) ? static_cast<float>(node.at(key).number()) : 0.0F;
   };
-  return {node.at("model").string(), static_cast<float>(node.at("score").number()), node.at("T_scene_model").pose(),
-          number("visible_fraction"), number("violation"), number("contour"), number("rmse")};
+  return {node.at("model").string(),
+          static_cast<float>(node.at("score").number()),
+          node.at("T_scene_model").pose(),
+          number("visible_fraction"),
+          number("violation"),
+          number("contour"),
+          number("rmse")};
 }
 
 StoredScene parse_scene(const JsonNode& node) {
@@ -93,7 +98,9 @@ Result<std::vector<std::optional<SceneResult>>> read_detections(const std::files
   };
   std::vector<std::optional<SceneResult>> results;
   for (const ManifestScene& scene : manifest.scenes) {
-    const auto same = [&](const StoredScene& other) { return absolute(other.file) == absolute(scene.file); };
+    const auto same = [&](const StoredScene& other) {
+      return absolute(other.file) == absolute(scene.file);
+    };
     const auto alike = [&](const StoredScene& other) { return ends_with(other.file, scene.name); };
     auto found = std::find_if(stored.begin(), stored.end(), same);
     if (found == stored.end() && std::count_if(stored.begin(), stored.end(), alike) == 1) {

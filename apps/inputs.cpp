@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 bool has_extension(const fs::path& file, std::string_view extension) {
   std::string own = file.extension().string();
-  std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(own.begin(), own.end(), own.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return own == extension;
 }
 
@@ -28,16 +29,19 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     if (entry.is_regular_file() && readable(entry.path())) files.push_back(entry.path());
   }
-  if (error) return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
+  if (error)
+    return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
   if (files.empty()) {
     return Error{ErrorCode::missing_input,
-                 fmt::format("{}: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found none", folder.string())};
+                 fmt::format("{}: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found none",
+                             folder.string())};
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-/// In a folder of BOP models (obj_000001.ply ...) models_info.json declares the symmetries, in the models' unit.
+/// In a folder of BOP models (obj_000001.ply ...) models_info.json declares the symmetries, in the
+/// models' unit.
 Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSource> sources) {
   const fs::path info = folder / "models_info.json";
   if (!fs::exists(info)) return {};
@@ -53,7 +57,9 @@ Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSourc
 
 }  // namespace
 
-LengthUnit parse_unit(const std::string& text) { return text == "mm" ? LengthUnit::millimetre : LengthUnit::metre; }
+LengthUnit parse_unit(const std::string& text) {
+  return text == "mm" ? LengthUnit::millimetre : LengthUnit::metre;
+}
 
 const char* unit_name(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
 
@@ -64,20 +70,24 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
       const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
       if (!files) return files.error();
       const std::size_t first = inputs.sources.size();
-      for (const fs::path& file : *files) inputs.sources.push_back({file.stem().string(), file, 1, {}});
-      const Result<void> declared = declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
+      for (const fs::path& file : *files)
+        inputs.sources.push_back({file.stem().string(), file, 1, {}});
+      const Result<void> declared =
+          declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
       if (!declared) return declared.error();
     } else if (has_extension(argument, ".json")) {
       const Result<Manifest> manifest = read_manifest(argument);
       if (!manifest) return manifest.error();
       if (inputs.unit && *inputs.unit != manifest->unit) {
-        return Error{ErrorCode::usage, fmt::format("{}: expected manifests of one unit, found '{}' after '{}'", argument,
-                                                   unit_name(manifest->unit), unit_name(*inputs.unit))};
+        return Error{ErrorCode::usage,
+                     fmt::format("{}: expected manifests of one unit, found '{}' after '{}'",
+                                 argument, unit_name(manifest->unit), unit_name(*inputs.unit))};
       }
       inputs.unit = manifest->unit;
       const std::vector<ModelSource> listed = models_of(*manifest);
       inputs.sources.insert(inputs.sources.end(), listed.begin(), listed.end());
-    } else if (const std::size_t equals = argument.find('='); equals != std::string::npos && !fs::exists(argument)) {
+    } else if (const std::size_t equals = argument.find('=');
+               equals != std::string::npos && !fs::exists(argument)) {
       inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
     } else {
       inputs.sources.push_back({fs::path(argument).stem().string(), argument, 1, {}});
@@ -86,9 +96,10 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
   std::set<std::string> names;
   for (const ModelSource& source : inputs.sources) {
     if (!names.insert(source.name).second) {
-      return Error{ErrorCode::usage, fmt::format("{}: expected each model's name once, found '{}' again; name it as "
-                                                 "NAME=FILE",
-                                                 source.file.string(), source.name)};
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: expected each model's name once, found '{}' again; name it as "
+                               "NAME=FILE",
+                               source.file.string(), source.name)};
     }
   }
   return inputs;
@@ -96,13 +107,15 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
 
 Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given) {
   if (inputs.unit && !given.empty() && *inputs.unit != parse_unit(given)) {
-    return Error{ErrorCode::usage, fmt::format("--unit: expected '{}' as in the manifest, found '{}'",
-                                               unit_name(*inputs.unit), given)};
+    return Error{ErrorCode::usage,
+                 fmt::format("--unit: expected '{}' as in the manifest, found '{}'",
+                             unit_name(*inputs.unit), given)};
   }
   return inputs.unit.value_or(parse_unit(given));
 }
 
-Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
+Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments,
+                                               LengthUnit library_unit) {
   SceneInput common;
   common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
   if (!arguments.camera.empty()) {
@@ -111,7 +124,8 @@ Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, 
     common.camera = *camera;
   }
   if (!arguments.viewpoint.empty()) {
-    common.viewpoint = Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
+    common.viewpoint =
+        Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
   }
 
   std::vector<SceneInput> scenes;

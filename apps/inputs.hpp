@@ -24,17 +24,19 @@ struct ModelInputs {
 /// Errors: missing_input, bad_data, usage (two models of one name).
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 
-/// The unit of the models: what their manifests say, else `given`, else metres. Errors: usage (they disagree).
+/// The unit of the models: what their manifests say, else `given`, else metres. Errors: usage (they
+/// disagree).
 Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given);
 
 struct SceneArguments {
-  std::vector<std::string> scenes;          ///< files, folders or manifests
-  std::string camera;                       ///< file, or empty
-  std::vector<float> viewpoint;             ///< empty or three numbers
-  std::optional<LengthUnit> unit;           ///< of the scenes; absent: the library's
+  std::vector<std::string> scenes;  ///< files, folders or manifests
+  std::string camera;               ///< file, or empty
+  std::vector<float> viewpoint;     ///< empty or three numbers
+  std::optional<LengthUnit> unit;   ///< of the scenes; absent: the library's
 };
 
 /// Errors: missing_input, bad_data, usage (a depth image without a camera).
-Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit);
+Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments,
+                                               LengthUnit library_unit);
 
 }  // namespace trivet::apps

@@ -13,7 +13,8 @@ std::string describe(const Symmetry& symmetry) {
   if (symmetry.trivial()) return "none";
   std::string text;
   if (symmetry.axis) text = "axis";
-  if (!symmetry.poses.empty()) text += fmt::format("{}{} poses", text.empty() ? "" : " + ", symmetry.poses.size());
+  if (!symmetry.poses.empty())
+    text += fmt::format("{}{} poses", text.empty() ? "" : " + ", symmetry.poses.size());
   return text + (symmetry.declared ? " (declared)" : " (found)");
 }
 
@@ -28,16 +29,20 @@ Result<void> info(const std::string& file) {
   const Result<Library> library = open_library(file);
   if (!library) return library.error();
   const char* const unit = unit_name(library->header.unit);
-  fmt::print("file        {}\nsize        {} bytes\nformat      {}.{}\nproducer    {}\nunit        {}\nparameters  {}\n"
-             "models      {}\n\n",
-             file, library->file_bytes, kLibraryVersionMajor, kLibraryVersionMinor, library->header.producer, unit,
-             library->header.parameters, library->models.size());
-  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10}  {}\n", "model", fmt::format("diameter[{}]", unit), "vertices",
-             "samples", "points", "pairs", "step", "symmetry");
+  fmt::print(
+      "file        {}\nsize        {} bytes\nformat      {}.{}\nproducer    {}\nunit        "
+      "{}\nparameters  {}\n"
+      "models      {}\n\n",
+      file, library->file_bytes, kLibraryVersionMajor, kLibraryVersionMinor,
+      library->header.producer, unit, library->header.parameters, library->models.size());
+  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10}  {}\n", "model",
+             fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs", "step",
+             "symmetry");
   for (const Model& model : library->models) {
-    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g}  {}\n", model.name, model.diameter,
-               model.vertices.size(), model.samples.size(), model.ppf_points.size(), model.ppf.entries.size(),
-               model.ppf.quantisation.distance_step, describe(model.symmetry));
+    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g}  {}\n", model.name,
+               model.diameter, model.vertices.size(), model.samples.size(), model.ppf_points.size(),
+               model.ppf.entries.size(), model.ppf.quantisation.distance_step,
+               describe(model.symmetry));
   }
   return {};
 }
@@ -51,7 +56,8 @@ void add_library(CLI::App& app, Context& context) {
   CLI::App* list_command = command->add_subcommand("list", "Print the models' names, one a line");
   list_command->add_option("LIBRARY", *file, "Library file")->required();
   list_command->callback([file, &context] { context.run = [file] { return list(*file); }; });
-  CLI::App* info_command = command->add_subcommand("info", "Print what the file holds, after checking all of it");
+  CLI::App* info_command =
+      command->add_subcommand("info", "Print what the file holds, after checking all of it");
   info_command->add_option("LIBRARY", *file, "Library file")->required();
   info_command->callback([file, &context] { context.run = [file] { return info(*file); }; });
 }

@@ -18,13 +18,20 @@ using namespace trivet;
 /// sysexits.h, as scripts expect them.
 int exit_code(ErrorCode code) {
   switch (code) {
-    case ErrorCode::usage: return 2;
-    case ErrorCode::bad_data: return 65;
-    case ErrorCode::missing_input: return 66;
-    case ErrorCode::cannot_create: return 73;
-    case ErrorCode::io: return 74;
-    case ErrorCode::resumable: return 75;
-    case ErrorCode::internal: return 70;
+    case ErrorCode::usage:
+      return 2;
+    case ErrorCode::bad_data:
+      return 65;
+    case ErrorCode::missing_input:
+      return 66;
+    case ErrorCode::cannot_create:
+      return 73;
+    case ErrorCode::io:
+      return 74;
+    case ErrorCode::resumable:
+      return 75;
+    case ErrorCode::internal:
+      return 70;
   }
   return 70;
 }
@@ -55,19 +62,23 @@ class InterruptWatch {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit shall be an error of the write, not the end of the process
+  std::signal(
+      SIGXFSZ,
+      SIG_IGN);  // a file-size limit shall be an error of the write, not the end of the process
   const InterruptWatch interrupt;
   apps::Context context;
   context.stop = interrupt.token();
 
-  CLI::App app{"Recognise known rigid objects in 3-D scans.\n"
-               "Train a library once, then find its models in scenes:\n\n"
-               "  trivet train MODELS/ -o LIBRARY.h5\n"
-               "  trivet recognize LIBRARY.h5 SCENE.ply --json -\n"};
+  CLI::App app{
+      "Recognise known rigid objects in 3-D scans.\n"
+      "Train a library once, then find its models in scenes:\n\n"
+      "  trivet train MODELS/ -o LIBRARY.h5\n"
+      "  trivet recognize LIBRARY.h5 SCENE.ply --json -\n"};
   app.set_version_flag("--version", "trivet " TRIVET_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
-  app.add_option("--threads", context.num_threads, "Threads to use; 0 means all cores. The output does not depend on it.")
+  app.add_option("--threads", context.num_threads,
+                 "Threads to use; 0 means all cores. The output does not depend on it.")
       ->check(CLI::Range(0U, 1024U));
   app.add_flag("--quiet", context.console.quiet, "Print results and errors only");
   apps::add_train(app, context);
@@ -89,10 +100,13 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "error: {}\n", done.error().message);
     return exit_code(done.error().code);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error: out of memory; use a larger relative step, fewer models or a smaller scene\n");
+    fmt::print(
+        stderr,
+        "error: out of memory; use a larger relative step, fewer models or a smaller scene\n");
     return exit_code(ErrorCode::io);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: internal: {}; please report it with the command that led here\n", error.what());
+    fmt::print(stderr, "error: internal: {}; please report it with the command that led here\n",
+               error.what());
     return exit_code(ErrorCode::internal);
   }
 }

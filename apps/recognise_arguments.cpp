@@ -11,12 +11,16 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
   command.add_option("--preset", arguments.preset, "fast, balanced or accurate")
       ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
       ->capture_default_str();
-  command.add_option("--min-score", arguments.min_score, "Detections below are not reported, 0 to 1 (default 0.5)");
-  command.add_option("--max-instances", arguments.max_instances, "Per model and scene (default 100)");
-  command.add_option("--reference-share", arguments.reference_share,
-                     "Share of the sampled scene points that vote, above 0 to 1; overrides the preset");
-  command.add_option("--neighbour-share", arguments.neighbour_share,
-                     "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
+  command.add_option("--min-score", arguments.min_score,
+                     "Detections below are not reported, 0 to 1 (default 0.5)");
+  command.add_option("--max-instances", arguments.max_instances,
+                     "Per model and scene (default 100)");
+  command.add_option(
+      "--reference-share", arguments.reference_share,
+      "Share of the sampled scene points that vote, above 0 to 1; overrides the preset");
+  command.add_option(
+      "--neighbour-share", arguments.neighbour_share,
+      "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
   command.add_option("--max-votes", arguments.max_votes,
                      "Votes of a reference point for a model; fewer is faster (default 60000)");
   command.add_option("--models", arguments.models, "Only these models, as a,b,c");

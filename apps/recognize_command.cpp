@@ -18,12 +18,13 @@ struct RecognizeArguments {
 };
 
 void print_scene(const std::string& file, const SceneResult& result) {
-  fmt::print("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points, result.stats.total_seconds,
-             result.detections.size());
+  fmt::print("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points,
+             result.stats.total_seconds, result.detections.size());
   for (const Detection& detection : result.detections) {
     const Eigen::Vector3f t = detection.T_scene_model.translation();
-    fmt::print("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n", detection.model,
-               detection.score, detection.visible_fraction, detection.rmse, t.x(), t.y(), t.z());
+    fmt::print("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n",
+               detection.model, detection.score, detection.visible_fraction, detection.rmse, t.x(),
+               t.y(), t.z());
   }
 }
 
@@ -32,20 +33,23 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   if (!library) return library.error();
   SceneArguments scene_arguments = arguments.scenes;
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
-  const Result<std::vector<SceneInput>> scenes = collect_scenes(scene_arguments, library->header.unit);
+  const Result<std::vector<SceneInput>> scenes =
+      collect_scenes(scene_arguments, library->header.unit);
   if (!scenes) return scenes.error();
 
-  nlohmann::ordered_json document{{"library", arguments.library}, {"scenes", nlohmann::ordered_json::array()}};
-  const Result<void> done = recognise_all(
-      *library, *scenes, options_of(arguments.recognise), context.console.progress("recognised", context.stop),
-      [&](std::size_t index, const SceneResult& result) {
-        const std::string file = (*scenes)[index].file.string();
-        if (arguments.json.empty()) {
-          print_scene(file, result);
-        } else {
-          document["scenes"].push_back(scene_json(file, result));
-        }
-      });
+  nlohmann::ordered_json document{{"library", arguments.library},
+                                  {"scenes", nlohmann::ordered_json::array()}};
+  const Result<void> done =
+      recognise_all(*library, *scenes, options_of(arguments.recognise),
+                    context.console.progress("recognised", context.stop),
+                    [&](std::size_t index, const SceneResult& result) {
+                      const std::string file = (*scenes)[index].file.string();
+                      if (arguments.json.empty()) {
+                        print_scene(file, result);
+                      } else {
+                        document["scenes"].push_back(scene_json(file, result));
+                      }
+                    });
   if (!done) return done;
   if (arguments.json.empty()) return {};
   return write_json(arguments.json, document);
@@ -56,22 +60,30 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
 void add_recognize(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<RecognizeArguments>();
   CLI::App* command = app.add_subcommand("recognize", "Find the models of a library in scenes");
-  command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")->required();
-  command->add_option("SCENE", arguments->scenes.scenes,
-                      "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, or manifests")
+  command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")
+      ->required();
+  command
+      ->add_option("SCENE", arguments->scenes.scenes,
+                   "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, or manifests")
       ->required();
   add_recognise_options(*command, arguments->recognise);
-  command->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
+  command
+      ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
       ->check(CLI::IsMember({"m", "mm"}));
-  command->add_option("--camera", arguments->scenes.camera,
-                      "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");
-  command->add_option("--viewpoint", arguments->scenes.viewpoint,
-                      "Position x,y,z of the sensor in the scene's frame; default: the file's, else the origin")
+  command->add_option(
+      "--camera", arguments->scenes.camera,
+      "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");
+  command
+      ->add_option(
+          "--viewpoint", arguments->scenes.viewpoint,
+          "Position x,y,z of the sensor in the scene's frame; default: the file's, else the origin")
       ->delimiter(',')
       ->expected(3);
-  command->add_option("--json", arguments->json, "Write the result as JSON to this file, - for standard output");
-  command->callback(
-      [arguments, &context] { context.run = [arguments, &context] { return recognize(*arguments, context); }; });
+  command->add_option("--json", arguments->json,
+                      "Write the result as JSON to this file, - for standard output");
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return recognize(*arguments, context); };
+  });
 }
 
 }  // namespace trivet::apps

@@ -13,11 +13,12 @@
 
 namespace trivet::apps {
 
-/// Write folder/index.html: sums, tables, and each scene with its detections drawn in. The page is one file that
-/// needs nothing else; it appears whole or not at all.
-/// Errors: of reading and drawing the scenes; cannot_create, io; resumable when stopped.
-Result<void> write_report(const std::filesystem::path& folder, const Library& library, const Manifest& manifest,
-                          const Evaluation& evaluation, std::span<const std::optional<SceneResult>> results,
+/// Write folder/index.html: sums, tables, and each scene with its detections drawn in. The page is
+/// one file that needs nothing else; it appears whole or not at all. Errors: of reading and drawing
+/// the scenes; cannot_create, io; resumable when stopped.
+Result<void> write_report(const std::filesystem::path& folder, const Library& library,
+                          const Manifest& manifest, const Evaluation& evaluation,
+                          std::span<const std::optional<SceneResult>> results,
                           const Progress& progress);
 
 }  // namespace trivet::apps

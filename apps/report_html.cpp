@@ -5,7 +5,8 @@
 namespace trivet::apps {
 namespace {
 
-/// Colours follow the reader's light or dark setting; on a phone the pictures of a scene stand below each other.
+/// Colours follow the reader's light or dark setting; on a phone the pictures of a scene stand
+/// below each other.
 constexpr std::string_view kStyle = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
 --right:#1e9e55;--wrong:#d83a3a;--missed:#2f7de0;--neutral:#8a929e}
@@ -45,7 +46,8 @@ details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9re
 std::string html_page(std::string_view title, std::string_view content) {
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
+      "<meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
       "</head>\n<body>\n{}</body>\n</html>\n",
       escape_html(title), kStyle, content);
 }
@@ -55,18 +57,28 @@ std::string escape_html(std::string_view text) {
   out.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
 }
 
 std::string png_address(std::span<const std::byte> png) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out = "data:image/png;base64,";
   out.reserve(out.size() + (png.size() + 2) / 3 * 4);
   // RFC 4648, section 4: three bytes are four digits of six bits, the last ones filled up with '='.

@@ -23,16 +23,18 @@ Result<void> train(const TrainArguments& arguments, const Context& context) {
   TrainOptions options = train_presets().at(arguments.preset);
   if (arguments.relative_step) options.relative_step = *arguments.relative_step;
 
-  const Result<LibraryStats> stats = train_library(inputs->sources, *unit, options, arguments.output,
-                                                   context.console.progress("trained", context.stop));
+  const Result<LibraryStats> stats =
+      train_library(inputs->sources, *unit, options, arguments.output,
+                    context.console.progress("trained", context.stop));
   if (!stats) return stats.error();
   std::uint64_t entries = 0;
   for (const auto& [name, model] : stats->models) {
     entries += model.num_ppf_entries;
-    for (const std::string& warning : model.warnings) context.console.warning(fmt::format("{}: {}", name, warning));
+    for (const std::string& warning : model.warnings)
+      context.console.warning(fmt::format("{}: {}", name, warning));
   }
-  context.console.line(fmt::format("{}: {} models, {} point pairs, {:.2f} s", arguments.output, stats->models.size(),
-                                   entries, stats->seconds));
+  context.console.line(fmt::format("{}: {} models, {} point pairs, {:.2f} s", arguments.output,
+                                   stats->models.size(), entries, stats->seconds));
   return {};
 }
 
@@ -41,19 +43,30 @@ Result<void> train(const TrainArguments& arguments, const Context& context) {
 void add_train(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<TrainArguments>();
   CLI::App* command = app.add_subcommand("train", "Train models into one library file");
-  command->add_option("MODEL", arguments->models,
-                      "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ), NAME=FILE, folders, or manifests")
+  command
+      ->add_option(
+          "MODEL", arguments->models,
+          "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ), NAME=FILE, folders, or manifests")
       ->required();
-  command->add_option("-o,--output", arguments->output, "Library file to write; it appears whole or not at all")
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Library file to write; it appears whole or not at all")
       ->required();
-  command->add_option("--unit", arguments->unit, "Unit of the models: m (default) or mm; a manifest names its own")
+  command
+      ->add_option("--unit", arguments->unit,
+                   "Unit of the models: m (default) or mm; a manifest names its own")
       ->check(CLI::IsMember({"m", "mm"}));
-  command->add_option("--preset", arguments->preset, "fast, balanced or accurate: how finely models are sampled")
+  command
+      ->add_option("--preset", arguments->preset,
+                   "fast, balanced or accurate: how finely models are sampled")
       ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
       ->capture_default_str();
-  command->add_option("--relative-step", arguments->relative_step,
-                      "Sampling step as a share of the diameter, 0.01 to 0.2; overrides the preset");
-  command->callback([arguments, &context] { context.run = [arguments, &context] { return train(*arguments, context); }; });
+  command->add_option(
+      "--relative-step", arguments->relative_step,
+      "Sampling step as a share of the diameter, 0.01 to 0.2; overrides the preset");
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return train(*arguments, context); };
+  });
 }
 
 }  // namespace trivet::apps

@@ -1,29 +1,31 @@
-# Every library is a Debian 12 package; scripts/install-packages lists them.
+# What the libraries link to, for the build and for find_package(trivet), which includes this file.
+# Every library is a Debian 12 package; scripts/packages.txt lists them.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(CLI11 REQUIRED)
 find_package(PNG REQUIRED)
 find_package(embree 3.13 REQUIRED)
 
+# trivet_library(NAME HEADER SUFFIXES LIBRARIES...): the target trivet::NAME for libraries whose own
+# CMake files are absent or wrong. HEADER is looked for in the SUFFIXES of the include folders first.
+function(trivet_library name header suffixes)
+  if(TARGET trivet::${name})
+    return()
+  endif()
+  find_path(TRIVET_${name}_INCLUDE_DIR ${header} PATH_SUFFIXES ${suffixes} REQUIRED)
+  add_library(trivet::${name} INTERFACE IMPORTED)
+  set_target_properties(trivet::${name} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${TRIVET_${name}_INCLUDE_DIR}")
+  foreach(library IN LISTS ARGN)
+    find_library(TRIVET_${library}_LIBRARY ${library} REQUIRED)
+    mark_as_advanced(TRIVET_${library}_LIBRARY)
+    set_property(TARGET trivet::${name} APPEND PROPERTY INTERFACE_LINK_LIBRARIES "${TRIVET_${library}_LIBRARY}")
+  endforeach()
+  mark_as_advanced(TRIVET_${name}_INCLUDE_DIR)
+endfunction()
+
 # FLANN pulls in the MPI build of HDF5, and its pkg-config file would link it: name the serial one.
-set(HDF5_PREFER_PARALLEL OFF)
-find_package(HDF5 REQUIRED COMPONENTS C)
-if(HDF5_IS_PARALLEL)
-  message(FATAL_ERROR "found the parallel HDF5; install libhdf5-dev (serial)")
-endif()
-add_library(trivet_hdf5 INTERFACE)
-target_include_directories(trivet_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
-target_link_libraries(trivet_hdf5 INTERFACE ${HDF5_C_LIBRARIES})
-
+trivet_library(hdf5 hdf5.h hdf5/serial hdf5_serial)
 # FLANN's index serialisation uses LZ4, which its CMake target does not name.
-find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)
-find_library(FLANN_CPP_LIBRARY flann_cpp REQUIRED)
-find_library(LZ4_LIBRARY lz4 REQUIRED)
-add_library(trivet_flann INTERFACE)
-target_include_directories(trivet_flann SYSTEM INTERFACE ${FLANN_INCLUDE_DIR})
-target_link_libraries(trivet_flann INTERFACE ${FLANN_CPP_LIBRARY} ${LZ4_LIBRARY})
-
-find_library(XXHASH_LIBRARY xxhash REQUIRED)
+trivet_library(flann flann/flann.hpp "" flann_cpp lz4)
+trivet_library(xxhash xxhash.h "" xxhash)

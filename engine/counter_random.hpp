@@ -7,7 +7,8 @@
 
 namespace trivet::engine {
 
-/// A short stream of its own for each (seed, stream, item). Source: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
+/// A short stream of its own for each (seed, stream, item). Source: SplitMix64 (Steele, Lea, Flood,
+/// OOPSLA 2014).
 class CounterRandom {
  public:
   CounterRandom(std::uint64_t seed, std::uint64_t stream, std::uint64_t item) noexcept

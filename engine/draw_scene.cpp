@@ -18,19 +18,21 @@ using Eigen::Vector3f;
 using kernels::RangeImage;
 using kernels::RayScene;
 
-constexpr std::uint32_t kMinWidth = 640;     // [pixel]; smaller images are drawn with several pixels for one
-constexpr std::uint32_t kMaxWidth = 1024;    // larger pictures are shrunk
+constexpr std::uint32_t kMinWidth =
+    640;  // [pixel]; smaller images are drawn with several pixels for one
+constexpr std::uint32_t kMaxWidth = 1024;  // larger pictures are shrunk
 constexpr float kAmbient = 0.2F;
-constexpr float kHiddenShare = 0.35F;        // of a model's colour where the scan is in front
-constexpr float kHiddenDepth = 0.03F;        // in front: by so many diameters
-constexpr float kGreyOfUnknown = 0.35F;      // measured, but without a normal
-constexpr float kDimmed = 0.6F;              // planes larger than the models: tables, floors, walls
+constexpr float kHiddenShare = 0.35F;    // of a model's colour where the scan is in front
+constexpr float kHiddenDepth = 0.03F;    // in front: by so many diameters
+constexpr float kGreyOfUnknown = 0.35F;  // measured, but without a normal
+constexpr float kDimmed = 0.6F;          // planes larger than the models: tables, floors, walls
 constexpr std::size_t kRowGrain = 32;
-const Vector3f kBackground(22, 25, 31);      // no measurement
+const Vector3f kBackground(22, 25, 31);  // no measurement
 const Vector3f kScanColour(226, 228, 232);
 
 Vector3f to_vector(const Colour& colour) {
-  return {static_cast<float>(colour.red), static_cast<float>(colour.green), static_cast<float>(colour.blue)};
+  return {static_cast<float>(colour.red), static_cast<float>(colour.green),
+          static_cast<float>(colour.blue)};
 }
 
 /// Lambert's law, the light above the left shoulder of the camera.
@@ -75,20 +77,25 @@ Picture to_picture(const Canvas& canvas) {
 /// The image with the most to be seen.
 const RangeImage& fullest_image(const std::vector<RangeImage>& images) {
   const auto measured = [](const RangeImage& image) {
-    return static_cast<std::ptrdiff_t>(image.depth.size()) - std::count(image.depth.begin(), image.depth.end(), 0.0F);
+    return static_cast<std::ptrdiff_t>(image.depth.size()) -
+           std::count(image.depth.begin(), image.depth.end(), 0.0F);
   };
-  return *std::max_element(images.begin(), images.end(),
-                           [&](const RangeImage& a, const RangeImage& b) { return measured(a) < measured(b); });
+  return *std::max_element(
+      images.begin(), images.end(),
+      [&](const RangeImage& a, const RangeImage& b) { return measured(a) < measured(b); });
 }
 
-/// The image that a picture is drawn in: that of the scan, each pixel `factor` times as wide and high.
+/// The image that a picture is drawn in: that of the scan, each pixel `factor` times as wide and
+/// high.
 struct Frame {
   const RangeImage& scan;
   std::uint32_t factor;
   kernels::ImageGeometry geometry;
 
   explicit Frame(const RangeImage& image)
-      : scan(image), factor((kMinWidth + image.geometry.width - 1) / image.geometry.width), geometry(image.geometry) {
+      : scan(image),
+        factor((kMinWidth + image.geometry.width - 1) / image.geometry.width),
+        geometry(image.geometry) {
     const auto f = static_cast<float>(factor);
     geometry.fx *= f;
     geometry.fy *= f;
@@ -108,7 +115,9 @@ struct Frame {
 class Background {
  public:
   Background(const engine::PreparedScene& scene, const RangeImage& image, float diameter)
-      : image_(image), T_scene_camera_(image.geometry.T_camera_scene.inverse()), tolerance_(scene.plane_tolerance) {
+      : image_(image),
+        T_scene_camera_(image.geometry.T_camera_scene.inverse()),
+        tolerance_(scene.plane_tolerance) {
     const std::vector<std::uint8_t> large = engine::background_planes(scene, diameter);
     for (std::size_t i = 0; i < large.size(); ++i) {
       if (large[i] != 0) planes_.push_back(scene.planes[i]);
@@ -116,7 +125,8 @@ class Background {
   }
   bool holds(std::size_t pixel) const {
     // By distance alone: a normal that noise has turned would leave a bright speck.
-    const Vector3f point = T_scene_camera_ * image_.geometry.back_project(pixel, image_.depth[pixel]);
+    const Vector3f point =
+        T_scene_camera_ * image_.geometry.back_project(pixel, image_.depth[pixel]);
     return std::any_of(planes_.begin(), planes_.end(), [&](const kernels::Plane& plane) {
       return std::abs(plane.normal.dot(point) - plane.offset) < 2 * tolerance_;
     });
@@ -156,8 +166,8 @@ Result<RayScene> surface_of(const Model& model) {
 }
 
 /// Render those overlays that are filled, or those that are not.
-Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const Overlay> overlays, double scene_scale,
-                         bool filled) {
+Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const Overlay> overlays,
+                         double scene_scale, bool filled) {
   std::map<const Model*, RayScene> surfaces;
   std::vector<RayScene::Instance> instances;
   std::vector<std::uint32_t> which;
@@ -185,7 +195,8 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
   engine::for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     const std::size_t begin = first * geometry.width, size = count * geometry.width;
     kernels::render_depth(*rays, camera, geometry.width, static_cast<std::uint32_t>(first),
-                          std::span(out.depth).subspan(begin, size), std::span(out.overlay).subspan(begin, size));
+                          std::span(out.depth).subspan(begin, size),
+                          std::span(out.overlay).subspan(begin, size));
   });
   for (std::uint32_t& overlay : out.overlay) {
     if (overlay != kernels::Hit::kNone) overlay = which[overlay];
@@ -193,14 +204,19 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
   return out;
 }
 
-/// Of the rendered surface, from its neighbours in the image that belong to the same model; towards the camera.
-Vector3f rendered_normal(const kernels::ImageGeometry& geometry, const Rendering& rendering, std::size_t pixel) {
+/// Of the rendered surface, from its neighbours in the image that belong to the same model; towards
+/// the camera.
+Vector3f rendered_normal(const kernels::ImageGeometry& geometry, const Rendering& rendering,
+                         std::size_t pixel) {
   const std::size_t u = pixel % geometry.width, v = pixel / geometry.width;
-  const auto same = [&](std::size_t other) { return rendering.overlay[other] == rendering.overlay[pixel]; };
+  const auto same = [&](std::size_t other) {
+    return rendering.overlay[other] == rendering.overlay[pixel];
+  };
   const auto difference = [&](bool before, bool after, std::size_t step) -> Vector3f {
     const std::size_t a = before && same(pixel - step) ? pixel - step : pixel;
     const std::size_t b = after && same(pixel + step) ? pixel + step : pixel;
-    return geometry.back_project(b, rendering.depth[b]) - geometry.back_project(a, rendering.depth[a]);
+    return geometry.back_project(b, rendering.depth[b]) -
+           geometry.back_project(a, rendering.depth[a]);
   };
   const Vector3f across = difference(u > 0, u + 1 < geometry.width, 1);
   const Vector3f down = difference(v > 0, v + 1 < geometry.height, geometry.width);
@@ -209,19 +225,24 @@ Vector3f rendered_normal(const kernels::ImageGeometry& geometry, const Rendering
 }
 
 /// Whether a pixel of a model lies within `width` pixels of what is not that model.
-bool on_outline(const kernels::ImageGeometry& geometry, const Rendering& rendering, std::size_t pixel, std::int64_t width) {
-  const auto u = static_cast<std::int64_t>(pixel % geometry.width), v = static_cast<std::int64_t>(pixel / geometry.width);
+bool on_outline(const kernels::ImageGeometry& geometry, const Rendering& rendering,
+                std::size_t pixel, std::int64_t width) {
+  const auto u = static_cast<std::int64_t>(pixel % geometry.width),
+             v = static_cast<std::int64_t>(pixel / geometry.width);
   for (std::int64_t y = v - width; y <= v + width; ++y) {
     for (std::int64_t x = u - width; x <= u + width; ++x) {
       if ((x - u) * (x - u) + (y - v) * (y - v) > width * width) continue;
       if (x < 0 || y < 0 || x >= geometry.width || y >= geometry.height) return true;
-      if (rendering.overlay[static_cast<std::size_t>(y * geometry.width + x)] != rendering.overlay[pixel]) return true;
+      if (rendering.overlay[static_cast<std::size_t>(y * geometry.width + x)] !=
+          rendering.overlay[pixel])
+        return true;
     }
   }
   return false;
 }
 
-void draw_overlays(const Frame& frame, const Rendering& rendering, std::span<const Overlay> overlays, Canvas& canvas) {
+void draw_overlays(const Frame& frame, const Rendering& rendering,
+                   std::span<const Overlay> overlays, Canvas& canvas) {
   const kernels::ImageGeometry& geometry = frame.geometry;
   const std::int64_t outline_width = std::max<std::int64_t>(1, (geometry.width + 200) / 320);
   engine::for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
@@ -229,23 +250,28 @@ void draw_overlays(const Frame& frame, const Rendering& rendering, std::span<con
       if (rendering.overlay[i] == kernels::Hit::kNone) continue;
       const Overlay& overlay = overlays[rendering.overlay[i]];
       const float measured = frame.scan.depth[frame.scan_pixel(i)];
-      const bool hidden = measured > 0 && measured < rendering.depth[i] - kHiddenDepth * overlay.model->diameter;
+      const bool hidden =
+          measured > 0 && measured < rendering.depth[i] - kHiddenDepth * overlay.model->diameter;
       if (on_outline(geometry, rendering, i, outline_width)) {
         canvas.blend(i, to_vector(overlay.outline), hidden ? 0.6F : 1.0F);
       } else if (overlay.filled) {
-        const Vector3f colour = to_vector(overlay.surface) * shade(rendered_normal(geometry, rendering, i));
+        const Vector3f colour =
+            to_vector(overlay.surface) * shade(rendered_normal(geometry, rendering, i));
         canvas.blend(i, colour, hidden ? kHiddenShare : 1.0F);
       }
     }
   });
 }
 
-void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rendering, std::vector<DrawnBox>& boxes) {
+void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rendering,
+                  std::vector<DrawnBox>& boxes) {
   for (std::size_t i = 0; i < rendering.overlay.size(); ++i) {
     if (rendering.overlay[i] == kernels::Hit::kNone) continue;
     DrawnBox& box = boxes[rendering.overlay[i]];
-    const auto width = static_cast<float>(geometry.width), height = static_cast<float>(geometry.height);
-    const auto u = static_cast<float>(i % geometry.width), v = static_cast<float>(i / geometry.width);
+    const auto width = static_cast<float>(geometry.width),
+               height = static_cast<float>(geometry.height);
+    const auto u = static_cast<float>(i % geometry.width),
+               v = static_cast<float>(i / geometry.width);
     box.left = std::min(box.left, u / width);
     box.right = std::max(box.right, (u + 1) / width);
     box.top = std::min(box.top, v / height);
@@ -255,7 +281,8 @@ void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rende
 
 }  // namespace
 
-Result<ScenePictures> draw_scene(const Cloud& cloud, const SceneInput& input, std::span<const Overlay> overlays) {
+Result<ScenePictures> draw_scene(const Cloud& cloud, const SceneInput& input,
+                                 std::span<const Overlay> overlays) {
   StageTimes times;
   const Result<engine::PreparedScene> prepared = engine::prepare_scene(cloud, input, times);
   if (!prepared) return prepared.error();

@@ -26,14 +26,16 @@ struct Overlay {
   bool filled = true;  ///< else the outline only
 };
 
-/// The part of the picture that an overlay takes up, from 0 (left, top) to 1; left > right where it is not seen.
+/// The part of the picture that an overlay takes up, from 0 (left, top) to 1; left > right where it
+/// is not seen.
 struct DrawnBox {
   float left = 1, top = 1, right = 0, bottom = 0;
 };
 
 struct ScenePictures {
-  Picture scan;                 ///< the measured surface in grey, lit from above the sensor; dark: no measurement
-  Picture overlaid;             ///< the same with the models drawn in; paler where the scan is in front of them
+  Picture scan;  ///< the measured surface in grey, lit from above the sensor; dark: no measurement
+  Picture
+      overlaid;  ///< the same with the models drawn in; paler where the scan is in front of them
   std::vector<DrawnBox> boxes;  ///< one an overlay
 };
 
@@ -41,6 +43,7 @@ struct ScenePictures {
 ///
 /// overlays  filled ones hide one another by depth; those that are not filled are drawn over all
 /// Errors: bad_data (too few points, no surface), internal (ray tracing).
-Result<ScenePictures> draw_scene(const Cloud& cloud, const SceneInput& input, std::span<const Overlay> overlays);
+Result<ScenePictures> draw_scene(const Cloud& cloud, const SceneInput& input,
+                                 std::span<const Overlay> overlays);
 
 }  // namespace trivet

@@ -29,9 +29,13 @@ struct PoseError {
   double translation = 0;  // in diameters
   double rotation_deg = 0;
 
-  bool right() const noexcept { return translation < kMaxTranslation && rotation_deg < kMaxRotationDeg; }
+  bool right() const noexcept {
+    return translation < kMaxTranslation && rotation_deg < kMaxRotationDeg;
+  }
   /// The larger share of either limit weighs as much as the other.
-  double rank() const noexcept { return translation / kMaxTranslation + rotation_deg / kMaxRotationDeg; }
+  double rank() const noexcept {
+    return translation / kMaxTranslation + rotation_deg / kMaxRotationDeg;
+  }
 };
 
 double degrees(double radians) noexcept { return radians * 180 / std::numbers::pi; }
@@ -89,10 +93,12 @@ class Target {
 
   double distance_to_vertices(const Vector3d& point) {
     if (!grid_) {
-      const double spacing = static_cast<double>(model_.diameter) / std::sqrt(static_cast<double>(model_.vertices.size()));
+      const double spacing = static_cast<double>(model_.diameter) /
+                             std::sqrt(static_cast<double>(model_.vertices.size()));
       grid_.emplace(model_.vertices, static_cast<float>(2 * spacing));
     }
-    const auto nearest = grid_->nearest((point / scale_).cast<float>(), std::numeric_limits<float>::infinity());
+    const auto nearest =
+        grid_->nearest((point / scale_).cast<float>(), std::numeric_limits<float>::infinity());
     return nearest ? scale_ * std::sqrt(static_cast<double>(nearest->squared_distance)) : diameter_;
   }
 
@@ -107,16 +113,19 @@ class Target {
 class Targets {
  public:
   Targets(const Manifest& manifest, const Library& library)
-      : manifest_(manifest), library_(library), scale_(unit_scale(library.header.unit, manifest.unit)) {}
+      : manifest_(manifest),
+        library_(library),
+        scale_(unit_scale(library.header.unit, manifest.unit)) {}
 
   Result<Target*> find(const std::string& name) {
     if (const auto found = targets_.find(name); found != targets_.end()) return &found->second;
     const auto named = [&](const auto& model) { return model.name == name; };
     const auto model = std::find_if(library_.models.begin(), library_.models.end(), named);
     if (model == library_.models.end()) {
-      return Error{ErrorCode::bad_data, fmt::format("{}: expected the model '{}' that was detected, found none of that "
-                                                    "name; use the library that gave the detections",
-                                                    library_.file.string(), name)};
+      return Error{ErrorCode::bad_data,
+                   fmt::format("{}: expected the model '{}' that was detected, found none of that "
+                               "name; use the library that gave the detections",
+                               library_.file.string(), name)};
     }
     const auto declared = std::find_if(manifest_.models.begin(), manifest_.models.end(), named);
     const auto symmetry = declared == manifest_.models.end() ? std::nullopt : declared->symmetry;
@@ -159,7 +168,8 @@ StageTimes median_times(std::span<const std::optional<SceneResult>> results) {
   std::vector<double> totals;
   for (const std::optional<SceneResult>& result : results) {
     if (!result) continue;
-    for (const auto& [stage, seconds] : result->stats.times.seconds) values_of(stage).push_back(seconds);
+    for (const auto& [stage, seconds] : result->stats.times.seconds)
+      values_of(stage).push_back(seconds);
     totals.push_back(result->stats.total_seconds);
   }
   StageTimes times;
@@ -182,8 +192,8 @@ struct Match {
 };
 
 /// Among the truths not found yet, the one that a detection is right about and fits best.
-std::optional<Match> best_match(const Target& target, const Detection& detection, const ManifestScene& scene,
-                                const std::vector<bool>& found) {
+std::optional<Match> best_match(const Target& target, const Detection& detection,
+                                const ManifestScene& scene, const std::vector<bool>& found) {
   std::optional<Match> best;
   for (std::size_t t = 0; t < scene.truth.size(); ++t) {
     if (found[t] || scene.truth[t].model != detection.model) continue;
@@ -193,13 +203,16 @@ std::optional<Match> best_match(const Target& target, const Detection& detection
   return best;
 }
 
-Result<SceneEvaluation> judge_scene(const ManifestScene& scene, const std::vector<std::string>& scored,
+Result<SceneEvaluation> judge_scene(const ManifestScene& scene,
+                                    const std::vector<std::string>& scored,
                                     const SceneResult& result, Targets& targets) {
   SceneEvaluation out;
   const auto is_scored = [&](const std::string& name) {
     return std::find(scored.begin(), scored.end(), name) != scored.end();
   };
-  const auto counts = [&](const TruthInstance& truth) { return !truth.ignore && is_scored(truth.model); };
+  const auto counts = [&](const TruthInstance& truth) {
+    return !truth.ignore && is_scored(truth.model);
+  };
   std::vector<std::size_t> order(result.detections.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -211,7 +224,9 @@ Result<SceneEvaluation> judge_scene(const ManifestScene& scene, const std::vecto
     const Detection& detection = result.detections[i];
     JudgedDetection judged;
     judged.detection = i;
-    const auto same_model = [&](const TruthInstance& truth) { return truth.model == detection.model; };
+    const auto same_model = [&](const TruthInstance& truth) {
+      return truth.model == detection.model;
+    };
     if (std::any_of(scene.truth.begin(), scene.truth.end(), same_model)) {
       const Result<Target*> target = targets.find(detection.model);
       if (!target) return target.error();
@@ -264,17 +279,20 @@ Result<Evaluation> evaluate(const Manifest& manifest, const Library& library,
   for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
     const ManifestScene& scene = manifest.scenes[s];
     static const SceneResult kNothing;
-    Result<SceneEvaluation> judged = judge_scene(scene, scored, results[s] ? *results[s] : kNothing, targets);
+    Result<SceneEvaluation> judged =
+        judge_scene(scene, scored, results[s] ? *results[s] : kNothing, targets);
     if (!judged) return judged.error();
     judged->missing = !results[s];
     out.num_missing += judged->missing ? 1 : 0;
 
     const auto count = [&](const TruthInstance& truth, auto&& add) {
-      for (Tally* tally : {&out.total, &judged->tally, &models[truth.model], &bins[occlusion_bin(truth.occlusion)]}) {
+      for (Tally* tally : {&out.total, &judged->tally, &models[truth.model],
+                           &bins[occlusion_bin(truth.occlusion)]}) {
         add(*tally);
       }
     };
-    for (const std::size_t t : judged->missed) count(scene.truth[t], [](Tally& tally) { ++tally.instances; });
+    for (const std::size_t t : judged->missed)
+      count(scene.truth[t], [](Tally& tally) { ++tally.instances; });
     for (const JudgedDetection& detection : judged->detections) {
       if (detection.verdict == Verdict::right) {
         count(scene.truth[*detection.truth], [&](Tally& tally) {
@@ -297,7 +315,8 @@ Result<Evaluation> evaluate(const Manifest& manifest, const Library& library,
     if (bins[bin].instances > 0) out.by_occlusion.emplace_back(name, bins[bin]);
   }
   for (const std::string& name : scored) {
-    if (const auto found = models.find(name); found != models.end()) out.by_model.emplace_back(*found);
+    if (const auto found = models.find(name); found != models.end())
+      out.by_model.emplace_back(*found);
   }
   out.median_translation_error = median(std::move(translation_errors));
   out.median_rotation_error_deg = median(std::move(rotation_errors));

@@ -14,8 +14,8 @@
 
 namespace trivet::engine {
 
-/// Call body(first, count) for chunks that cover [0, n). Kernels give the same bits for any chunking,
-/// so the scheduler may split as it likes; inputs of one grain run on the calling thread.
+/// Call body(first, count) for chunks that cover [0, n). Kernels give the same bits for any
+/// chunking, so the scheduler may split as it likes; inputs of one grain run on the calling thread.
 template <class Body>
 void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
   if (n == 0) return;
@@ -35,11 +35,13 @@ void for_each_index(std::size_t n, Body&& body) {
   });
 }
 
-/// Working memory that each thread has its own of. It must not carry results from one item to the next.
+/// Working memory that each thread has its own of. It must not carry results from one item to the
+/// next.
 template <class T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
-/// Turn counts into offsets in place: n counts and one more place become n + 1 offsets. Returns the sum.
+/// Turn counts into offsets in place: n counts and one more place become n + 1 offsets. Returns the
+/// sum.
 inline std::uint64_t counts_to_offsets(std::span<std::uint32_t> counts) noexcept {
   std::uint64_t sum = 0;
   for (std::uint32_t& count : counts) {

@@ -13,14 +13,17 @@
 namespace trivet::engine {
 namespace {
 
-constexpr int kTrials = 8;           // placements tried for each instance
-constexpr float kHeapRadius = 0.3F;   // in diameters, times the square root of the number of instances
-constexpr float kCell = 1.5F;         // in spacings of samples; neighbouring samples are hardly farther apart
+constexpr int kTrials = 8;  // placements tried for each instance
+constexpr float kHeapRadius =
+    0.3F;  // in diameters, times the square root of the number of instances
+constexpr float kCell =
+    1.5F;  // in spacings of samples; neighbouring samples are hardly farther apart
 
 /// Uniform over all rotations. Source: Shoemake, Graphics Gems III, 1992.
 Eigen::Matrix3f random_rotation(CounterRandom& random) {
   const double u = random.uniform();
-  const double a = random.uniform(0, 2 * std::numbers::pi), b = random.uniform(0, 2 * std::numbers::pi);
+  const double a = random.uniform(0, 2 * std::numbers::pi),
+               b = random.uniform(0, 2 * std::numbers::pi);
   const double r = std::sqrt(1 - u), s = std::sqrt(u);
   return Eigen::Quaterniond(s * std::cos(b), r * std::sin(a), r * std::cos(a), s * std::sin(b))
       .toRotationMatrix()
@@ -29,12 +32,14 @@ Eigen::Matrix3f random_rotation(CounterRandom& random) {
 
 /// A place in a disc, uniform by area.
 Eigen::Vector3f random_place(CounterRandom& random, double radius) {
-  const double r = radius * std::sqrt(random.uniform()), a = random.uniform(0, 2 * std::numbers::pi);
+  const double r = radius * std::sqrt(random.uniform()),
+               a = random.uniform(0, 2 * std::numbers::pi);
   return Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0).cast<float>();
 }
 
 /// Every model once in a random order, then again in another.
-std::vector<std::uint32_t> choose_models(std::size_t num_models, std::size_t num_instances, CounterRandom& random) {
+std::vector<std::uint32_t> choose_models(std::size_t num_models, std::size_t num_instances,
+                                         CounterRandom& random) {
   std::vector<std::uint32_t> chosen;
   std::vector<std::uint32_t> round(num_models);
   while (chosen.size() < num_instances) {
@@ -53,8 +58,8 @@ void transform(PointsView points, const Pose& pose, Points& out) {
 
 }  // namespace
 
-std::vector<PlacedModel> pile_up(std::span<const Model> models, std::size_t num_instances, std::uint64_t seed,
-                                 std::uint64_t stream) {
+std::vector<PlacedModel> pile_up(std::span<const Model> models, std::size_t num_instances,
+                                 std::uint64_t seed, std::uint64_t stream) {
   assert(!models.empty() && "something to lay down");
   CounterRandom random(seed, stream, 0);
   float largest = 0, spacing = 0;
@@ -74,7 +79,8 @@ std::vector<PlacedModel> pile_up(std::span<const Model> models, std::size_t num_
     for (int trial = 0; trial < kTrials; ++trial) {
       Pose pose = Pose::Identity();
       pose.linear() = random_rotation(random);
-      pose.translation() = random_place(random, static_cast<double>(radius)) - pose.linear() * model.centre;
+      pose.translation() =
+          random_place(random, static_cast<double>(radius)) - pose.linear() * model.centre;
       transform(model.samples, pose, samples);
       const float lift = field.rest(samples);
       pose.translation().z() += lift;

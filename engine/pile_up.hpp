@@ -20,9 +20,10 @@ struct PlacedModel {
 /// models         at least one, with samples, diameter and centre
 /// num_instances  every model comes once before one comes again
 /// seed, stream   give the heap; another stream of one seed is another heap
-/// Nothing enters anything (see kernels::HeightField), but balance is not asked for: of several random placements
-/// the one whose centre lies lowest is taken, which flat sides and gaps between others offer.
-std::vector<PlacedModel> pile_up(std::span<const Model> models, std::size_t num_instances, std::uint64_t seed,
-                                 std::uint64_t stream);
+/// Nothing enters anything (see kernels::HeightField), but balance is not asked for: of several
+/// random placements the one whose centre lies lowest is taken, which flat sides and gaps between
+/// others offer.
+std::vector<PlacedModel> pile_up(std::span<const Model> models, std::size_t num_instances,
+                                 std::uint64_t seed, std::uint64_t stream);
 
 }  // namespace trivet::engine

@@ -18,13 +18,16 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kRowGrain = 8;        // image rows a task
-constexpr float kNormalClusterRad = 0.5236F; // 30 degrees, as in training
-constexpr std::size_t kPlaneSamples = 6000; // pixels that planes are searched in
+constexpr std::size_t kRowGrain = 8;          // image rows a task
+constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
+constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched in
 
-/// Half-width of the window for normals, in pixels or spacings: wide enough that noise of this size turns them by
-/// about as much as the quantisation of the pair's angles, no wider, since corners round off.
-float normal_window(float noise, float spacing) { return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F); }
+/// Half-width of the window for normals, in pixels or spacings: wide enough that noise of this size
+/// turns them by about as much as the quantisation of the pair's angles, no wider, since corners
+/// round off.
+float normal_window(float noise, float spacing) {
+  return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
+}
 
 struct Bounds {
   Eigen::Vector3f low, high;
@@ -47,8 +50,8 @@ float median(Column<float>& values) {
 }
 
 /// Depth and normals of each pixel from the points that the grid names.
-kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid, PointsView points,
-                               NormalsView normals) {
+kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid,
+                               PointsView points, NormalsView normals) {
   kernels::RangeImage image;
   image.geometry = geometry;
   const std::size_t n = grid.point_index.size();
@@ -69,7 +72,8 @@ kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const Pix
   return image;
 }
 
-/// Close single missing pixels, which scattered points leave between them, with their neighbours' normals.
+/// Close single missing pixels, which scattered points leave between them, with their neighbours'
+/// normals.
 void close_holes(float max_step, kernels::RangeImage& image) {
   const Column<float> measured = image.depth;
   kernels::fill_small_holes(image.geometry, max_step, 4, image.depth);
@@ -93,9 +97,11 @@ struct SensorView {
   bool scattered = false;
 };
 
-std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points, const Eigen::Vector3f& viewpoint) {
+std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
+                                      const Eigen::Vector3f& viewpoint) {
   std::optional<Camera> camera = cloud.camera;
-  if (!camera && cloud.grid && viewpoint.isZero()) camera = kernels::fit_camera(*cloud.grid, points);
+  if (!camera && cloud.grid && viewpoint.isZero())
+    camera = kernels::fit_camera(*cloud.grid, points);
   if (camera && cloud.grid) {
     SensorView view;
     view.grid = *cloud.grid;
@@ -132,7 +138,8 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
       const float facing = std::max(0.2F, -n.dot(p.normalized()));
       points.push_back(p);
       normals.push_back(n);
-      areas.push_back(d * d / (geometry.fx * geometry.fy) / facing * static_cast<float>(stride * stride));
+      areas.push_back(d * d / (geometry.fx * geometry.fy) / facing *
+                      static_cast<float>(stride * stride));
       total += areas.back();
     }
   }
@@ -151,8 +158,8 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
       at.set(u, image.depth[pixel] > 0 ? geometry.back_project(pixel, image.depth[pixel])
                                        : Eigen::Vector3f::Constant(kNaN));
     }
-    kernels::label_planes(at, image.normals.view().slice(v * geometry.width, geometry.width), scene.planes,
-                          scene.plane_tolerance, kPlaneAngleRad,
+    kernels::label_planes(at, image.normals.view().slice(v * geometry.width, geometry.width),
+                          scene.planes, scene.plane_tolerance, kPlaneAngleRad,
                           std::span(image.plane).subspan(v * geometry.width, geometry.width));
   }
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
@@ -163,17 +170,20 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
   }
 }
 
-Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input, PreparedScene& scene) {
+Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
+                                  PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
-      input.viewpoint ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
-                      : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
-                                        : Eigen::Vector3f::Zero();
+      input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
+      : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
+                        : Eigen::Vector3f::Zero();
   const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
   if (!view) {
     return Error{ErrorCode::bad_data,
-                 fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} points that no camera "
+                 fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} "
+                             "points that no camera "
                              "there can see; give the sensor's position with --viewpoint",
-                             input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(), cloud.points.size())};
+                             input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
+                             cloud.points.size())};
   }
   const kernels::ImageGeometry& geometry = view->geometry;
 
@@ -192,13 +202,15 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input, P
     kernels::GridNormalOptions options;
     options.window = window;
     for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
-      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, options, first, count, scene.normals, residuals);
+      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, options, first, count,
+                                     scene.normals, residuals);
     });
   };
   estimate(2);
   Column<float> scratch;
   scene.noise = kernels::estimate_scan_noise(residuals, scratch);
-  const auto window = static_cast<std::uint32_t>(std::lround(normal_window(scene.noise, scene.spacing)));
+  const auto window =
+      static_cast<std::uint32_t>(std::lround(normal_window(scene.noise, scene.spacing)));
   if (window != 2) estimate(window);
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
@@ -220,15 +232,16 @@ Normals vertex_normals(PointsView points, const Triangles& triangles) {
   return normals;
 }
 
-/// Points with outward directions all over a closed mesh: its vertices where they are dense enough to be a scan,
-/// else samples of its faces, as a CAD mesh has vertices at its corners only.
+/// Points with outward directions all over a closed mesh: its vertices where they are dense enough
+/// to be a scan, else samples of its faces, as a CAD mesh has vertices at its corners only.
 Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   std::vector<double> area_sums(triangles.size());
   const double area = kernels::sum_areas(scene.points, triangles, area_sums);
   const auto [low, high] = bounds(scene.points);
   const double widest_spacing = 0.01 * static_cast<double>((high - low).norm());
   const auto num_needed = static_cast<std::size_t>(area / (widest_spacing * widest_spacing));
-  const bool shares_vertices = scene.points.size() <= triangles.size();  // else points would lie on one another
+  const bool shares_vertices =
+      scene.points.size() <= triangles.size();  // else points would lie on one another
   if (shares_vertices && scene.points.size() >= num_needed) {
     scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(scene.points.size())));
     return vertex_normals(scene.points, triangles);
@@ -237,8 +250,8 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   Points points(n);
   Normals normals(n);
   for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-    kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n, points.span().slice(first, count),
-                         normals.span().slice(first, count));
+    kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n,
+                         points.span().slice(first, count), normals.span().slice(first, count));
   });
   scene.points = std::move(points);
   scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
@@ -262,8 +275,8 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
     rows.indices.resize(counts_to_offsets(rows.offsets));
     for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
       const NeighbourhoodsView view = rows.view().rows(first, count);
-      kernels::fill_radius_neighbours(grid, scene.points.view().slice(first, count), radius, view.offsets,
-                                      rows.indices);
+      kernels::fill_radius_neighbours(grid, scene.points.view().slice(first, count), radius,
+                                      view.offsets, rows.indices);
       kernels::estimate_normals(scene.points, view, scene.normals.span().slice(first, count),
                                 std::span(residuals).subspan(first, count));
     });
@@ -287,7 +300,8 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const float side : {-1.0F, 1.0F}) {
       const Eigen::Vector3f eye = middle + side * distance * Eigen::Vector3f::Unit(axis);
-      std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
+      std::optional<kernels::ImageGeometry> geometry =
+          kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
       if (!geometry) continue;
       const PixelGrid grid = kernels::rasterise(*geometry, scene.points, scene.normals);
       scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
@@ -298,14 +312,17 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
 
 /// Whether the scene is a whole surface instead of what a sensor saw from one place.
 bool is_closed(const Cloud& cloud, const SceneInput& input) {
-  if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty()) return false;
-  constexpr double kMostlyClosed = 0.02;  // scanned models have a few holes; a single scan has a long border
+  if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty())
+    return false;
+  constexpr double kMostlyClosed =
+      0.02;  // scanned models have a few holes; a single scan has a long border
   return input.closed_surface || kernels::boundary_share(cloud.triangles) < kMostlyClosed;
 }
 
 }  // namespace
 
-Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times) {
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
+                                    StageTimes& times) {
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
   scene.points = cloud.points;
@@ -318,8 +335,9 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
   }
   const bool closed = is_closed(cloud, input);
   if (!closed && cloud.points.size() < 50) {
-    return Error{ErrorCode::bad_data, fmt::format("{}: expected a scan of at least 50 points, found {}",
-                                                  input.file.string(), cloud.points.size())};
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a scan of at least 50 points, found {}",
+                             input.file.string(), cloud.points.size())};
   }
   if (closed) {
     prepare_closed_scene(cloud, scene);
@@ -331,20 +349,24 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
 
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter) {
   std::vector<std::uint8_t> background;
-  for (const kernels::Plane& plane : scene.planes) background.push_back(plane.area > 0.8F * diameter * diameter);
+  for (const kernels::Plane& plane : scene.planes)
+    background.push_back(plane.area > 0.8F * diameter * diameter);
   return background;
 }
 
-SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter, const VoteOptions& options) {
+SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter,
+                        const VoteOptions& options) {
   SceneLevel level;
   level.step = step;
   Points points;
   Normals normals;
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points, normals, scratch);
+  kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
+                                normals, scratch);
 
   std::vector<std::uint8_t> labels(points.size(), 0);
-  kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad, labels);
+  kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,
+                        labels);
   const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
@@ -356,7 +378,8 @@ SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_di
       std::ceil(options.reference_share * static_cast<float>(level.points.size())));
   const std::size_t num_references = std::min<std::size_t>(wanted, options.max_references);
   for (std::size_t k = 0; k < num_references; ++k) {
-    level.references.push_back(static_cast<std::uint32_t>(k * level.points.size() / num_references));
+    level.references.push_back(
+        static_cast<std::uint32_t>(k * level.points.size() / num_references));
   }
   level.grid = kernels::VoxelHash(level.points, std::max(step, 0.25F * largest_diameter));
   return level;

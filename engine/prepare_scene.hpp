@@ -1,4 +1,5 @@
-/// The scene's side of recognition: prepared once for all models, then once more per size of models.
+/// The scene's side of recognition: prepared once for all models, then once more per size of
+/// models.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +19,10 @@ namespace trivet::engine {
 struct PreparedScene {
   std::vector<kernels::RangeImage> images;  ///< one of a sensor; six around a closed surface
   Points points;
-  Normals normals;                          ///< towards the sensor or outward; NaN where unknown
-  std::vector<kernels::Plane> planes;       ///< the large ones, of any size of model
-  float noise = 0;                          ///< standard deviation across surfaces
-  float spacing = 0;                        ///< typical distance between neighbouring measurements
+  Normals normals;                     ///< towards the sensor or outward; NaN where unknown
+  std::vector<kernels::Plane> planes;  ///< the large ones, of any size of model
+  float noise = 0;                     ///< standard deviation across surfaces
+  float spacing = 0;                   ///< typical distance between neighbouring measurements
   float plane_tolerance = 0;
 };
 
@@ -39,8 +40,10 @@ struct SceneLevel {
   kernels::VoxelHash grid;
 };
 
-/// Sample a scene at `step` and choose references. Points on planes larger than the largest model stay out.
-SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter, const VoteOptions& options);
+/// Sample a scene at `step` and choose references. Points on planes larger than the largest model
+/// stay out.
+SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter,
+                        const VoteOptions& options);
 
 /// By plane number: whether it is too large to be part of a model of this diameter.
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter);

@@ -17,28 +17,32 @@
 namespace trivet {
 
 struct VoteOptions {
-  float reference_share = 0.2F;       ///< share of the sampled scene points that vote as references, 0..1
-  std::uint32_t max_references = 4000; ///< per size of models; fewer is faster in large scenes
-  float neighbour_share = 0;          ///< outer share of a bin in which the adjoining cell votes too, 0..0.5; slower
-  std::uint32_t max_votes = 60000;    ///< per reference point and model; the fullest cells are left out; fewer is faster
-  std::uint32_t max_peaks = 3;        ///< poses per reference point, 1..8
-  float peak_share = 0.9F;            ///< lower peaks, relative to the best of a reference point, are dropped
+  float reference_share =
+      0.2F;  ///< share of the sampled scene points that vote as references, 0..1
+  std::uint32_t max_references = 4000;  ///< per size of models; fewer is faster in large scenes
+  float neighbour_share =
+      0;  ///< outer share of a bin in which the adjoining cell votes too, 0..0.5; slower
+  std::uint32_t max_votes =
+      60000;  ///< per reference point and model; the fullest cells are left out; fewer is faster
+  std::uint32_t max_peaks = 3;  ///< poses per reference point, 1..8
+  float peak_share = 0.9F;  ///< lower peaks, relative to the best of a reference point, are dropped
   bool operator==(const VoteOptions&) const = default;
 };
 
 struct PoseOptions {
-  float cluster_translation = 0.07F;      ///< limit between poses of a cluster, in diameters
-  float cluster_rotation_deg = 15;        ///< ... and in degrees
-  std::uint32_t max_clusters = 600;       ///< kept per model for the first verification
-  std::uint32_t max_refined = 80;         ///< candidates per model that are refined
-  std::uint32_t max_per_place = 10;       ///< of them within a place of 0.2 diameters
+  float cluster_translation = 0.07F;  ///< limit between poses of a cluster, in diameters
+  float cluster_rotation_deg = 15;    ///< ... and in degrees
+  std::uint32_t max_clusters = 600;   ///< kept per model for the first verification
+  std::uint32_t max_refined = 80;     ///< candidates per model that are refined
+  std::uint32_t max_per_place = 10;   ///< of them within a place of 0.2 diameters
   bool operator==(const PoseOptions&) const = default;
 };
 
 struct VerifyStageOptions {
-  float tolerance_sigmas = 3;             ///< agreement in standard deviations of the scene's noise
-  float tolerance_diameters = 0.016F;     ///< ... but at least this share of the diameter
-  float max_overlap = 0.4F;               ///< share of a detection's pixels that a better one may already explain
+  float tolerance_sigmas = 3;          ///< agreement in standard deviations of the scene's noise
+  float tolerance_diameters = 0.016F;  ///< ... but at least this share of the diameter
+  float max_overlap =
+      0.4F;  ///< share of a detection's pixels that a better one may already explain
   bool operator==(const VerifyStageOptions&) const = default;
 };
 
@@ -46,9 +50,9 @@ struct RecogniseOptions {
   VoteOptions vote{};
   PoseOptions pose{};
   VerifyStageOptions verify{};
-  float min_score = 0.5F;                 ///< detections below are not reported, 0..1
-  std::uint32_t max_instances = 100;      ///< per model
-  std::vector<std::string> models{};      ///< names to look for; empty: all
+  float min_score = 0.5F;             ///< detections below are not reported, 0..1
+  std::uint32_t max_instances = 100;  ///< per model
+  std::vector<std::string> models{};  ///< names to look for; empty: all
   bool operator==(const RecogniseOptions&) const = default;
 };
 
@@ -58,12 +62,12 @@ Result<void> validate(const RecogniseOptions& options);
 /// What the sensor was.
 struct SceneInput {
   std::filesystem::path file;
-  std::optional<Camera> camera;                ///< of a depth image
-  std::optional<Eigen::Vector3f> viewpoint;    ///< position of the sensor in the scene's frame
-  /// No sensor: a whole surface, normals by its faces. Found by itself for a closed mesh without viewpoint; a scene
-  /// whose file holds a pixel grid or a viewpoint is a scan all the same.
+  std::optional<Camera> camera;              ///< of a depth image
+  std::optional<Eigen::Vector3f> viewpoint;  ///< position of the sensor in the scene's frame
+  /// No sensor: a whole surface, normals by its faces. Found by itself for a closed mesh without
+  /// viewpoint; a scene whose file holds a pixel grid or a viewpoint is a scan all the same.
   bool closed_surface = false;
-  double scale = 1;                            ///< multiplies the file's coordinates, giving the library's unit
+  double scale = 1;  ///< multiplies the file's coordinates, giving the library's unit
 };
 
 struct Detection {
@@ -79,10 +83,11 @@ struct Detection {
 struct SceneStats {
   StageTimes times;
   double total_seconds = 0;
-  std::size_t num_points = 0;      ///< finite points of the scene
-  std::size_t num_invalid = 0;     ///< dropped when reading
-  float noise = 0;                 ///< measured standard deviation of the surface [library unit]
-  std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0, num_refined = 0;
+  std::size_t num_points = 0;   ///< finite points of the scene
+  std::size_t num_invalid = 0;  ///< dropped when reading
+  float noise = 0;              ///< measured standard deviation of the surface [library unit]
+  std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0,
+                num_refined = 0;
 };
 
 struct SceneResult {
@@ -90,15 +95,17 @@ struct SceneResult {
   SceneStats stats;
 };
 
-/// Find the models in one scene that is already in memory. Same input, same bytes for any number of threads.
-/// Errors: bad_data (too few points; sizes that cannot match the library's unit), usage (unknown model name).
+/// Find the models in one scene that is already in memory. Same input, same bytes for any number of
+/// threads. Errors: bad_data (too few points; sizes that cannot match the library's unit), usage
+/// (unknown model name).
 Result<SceneResult> recognise(const Library& library, const Cloud& scene, const SceneInput& input,
                               const RecogniseOptions& options, std::stop_token stop = {});
 
-/// Read and recognise many scenes, a few in flight at a time. `emit` gets each result once, in the order of the
-/// inputs, from one thread at a time. Errors: the first one met, in the order of the inputs; resumable when stopped.
-Result<void> recognise_all(const Library& library, std::span<const SceneInput> scenes, const RecogniseOptions& options,
-                           const Progress& progress,
+/// Read and recognise many scenes, a few in flight at a time. `emit` gets each result once, in the
+/// order of the inputs, from one thread at a time. Errors: the first one met, in the order of the
+/// inputs; resumable when stopped.
+Result<void> recognise_all(const Library& library, std::span<const SceneInput> scenes,
+                           const RecogniseOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit);
 
 }  // namespace trivet

@@ -28,12 +28,14 @@ Result<SceneResult> read_and_recognise(const Library& library, const SceneInput&
   read_options.camera = input.camera;
   const Result<Cloud> cloud = read_cloud(input.file, read_options);
   if (!cloud) return cloud.error();
-  const double read_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double read_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   Result<SceneResult> result = recognise(library, *cloud, input, options, stop);
   if (result) {
     StageTimes times;
     times.add("read", read_seconds);
-    times.seconds.insert(times.seconds.end(), result->stats.times.seconds.begin(), result->stats.times.seconds.end());
+    times.seconds.insert(times.seconds.end(), result->stats.times.seconds.begin(),
+                         result->stats.times.seconds.end());
     result->stats.times = std::move(times);
     result->stats.total_seconds += read_seconds;
   }
@@ -42,8 +44,8 @@ Result<SceneResult> read_and_recognise(const Library& library, const SceneInput&
 
 }  // namespace
 
-Result<void> recognise_all(const Library& library, std::span<const SceneInput> scenes, const RecogniseOptions& options,
-                           const Progress& progress,
+Result<void> recognise_all(const Library& library, std::span<const SceneInput> scenes,
+                           const RecogniseOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit) {
   if (const Result<void> valid = validate(options); !valid) return valid;
   std::optional<Error> failure;
@@ -61,7 +63,8 @@ Result<void> recognise_all(const Library& library, std::span<const SceneInput> s
     return Finished{id, std::make_shared<Result<SceneResult>>(
                             read_and_recognise(library, scenes[id], options, progress.stop))};
   });
-  flow::sequencer_node<Finished> in_order(graph, [](const Finished& finished) { return finished.id; });
+  flow::sequencer_node<Finished> in_order(graph,
+                                          [](const Finished& finished) { return finished.id; });
   flow::function_node<Finished> deliver(graph, flow::serial, [&](const Finished& finished) {
     if (failure) return flow::continue_msg{};
     if (!*finished.result) {
@@ -83,7 +86,8 @@ Result<void> recognise_all(const Library& library, std::span<const SceneInput> s
 
   if (failure) return *failure;
   if (emitted < scenes.size()) {
-    return Error{ErrorCode::resumable, fmt::format("stopped after {} of {} scenes", emitted, scenes.size())};
+    return Error{ErrorCode::resumable,
+                 fmt::format("stopped after {} of {} scenes", emitted, scenes.size())};
   }
   return {};
 }

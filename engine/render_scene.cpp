@@ -23,18 +23,19 @@ using engine::CounterRandom;
 using engine::PlacedModel;
 using kernels::RayScene;
 
-constexpr double kFocal = 572;                // [pixel], as of a Kinect or PrimeSense
+constexpr double kFocal = 572;  // [pixel], as of a Kinect or PrimeSense
 constexpr double kDepthStepMetres = 1e-4;
-constexpr double kNearestMetres = 0.45;       // nearer, such sensors measure nothing
-constexpr double kFarthestMetres = 6;         // 16 bits end at 6.5
-constexpr double kFilledShare = 0.85;          // of the image's width or height, by the heap
-constexpr double kMinVisible = 0.15;          // instances of which less is seen are ignored
+constexpr double kNearestMetres = 0.45;  // nearer, such sensors measure nothing
+constexpr double kFarthestMetres = 6;    // 16 bits end at 6.5
+constexpr double kFilledShare = 0.85;    // of the image's width or height, by the heap
+constexpr double kMinVisible = 0.15;     // instances of which less is seen are ignored
 constexpr std::size_t kMinVisiblePixels = 300;
 constexpr std::size_t kRowGrain = 16;
 
 struct DepthImage {
   std::vector<float> depth = std::vector<float>(std::size_t{kScanWidth} * kScanHeight);
-  std::vector<std::uint32_t> instance = std::vector<std::uint32_t>(depth.size(), kernels::Hit::kNone);
+  std::vector<std::uint32_t> instance =
+      std::vector<std::uint32_t>(depth.size(), kernels::Hit::kNone);
 };
 
 struct Rows {
@@ -45,7 +46,8 @@ void render(const RayScene& rays, const Camera& camera, Rows rows, DepthImage& i
   engine::for_chunks(rows.count, kRowGrain, [&](std::size_t first, std::size_t count) {
     const std::size_t begin = (rows.first + first) * kScanWidth, size = count * kScanWidth;
     kernels::render_depth(rays, camera, kScanWidth, static_cast<std::uint32_t>(rows.first + first),
-                          std::span(image.depth).subspan(begin, size), std::span(image.instance).subspan(begin, size));
+                          std::span(image.depth).subspan(begin, size),
+                          std::span(image.instance).subspan(begin, size));
   });
 }
 
@@ -66,18 +68,20 @@ Points surface_points(std::span<const Model> models, std::span<const PlacedModel
   Points points;
   for (const PlacedModel& instance : placed) {
     const PointsView samples = models[instance.model].samples;
-    for (std::size_t i = 0; i < samples.size(); ++i) points.push_back(instance.T_world_model * samples[i]);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      points.push_back(instance.T_world_model * samples[i]);
   }
   return points;
 }
 
-/// A camera that looks down on the points from a random side, 40 to 75 degrees above the ground, as near as it sees
-/// them all with some room around them, and not nearer than `nearest`.
-Pose place_camera(const Points& points, const Camera& camera, double nearest, CounterRandom& random) {
+/// A camera that looks down on the points from a random side, 40 to 75 degrees above the ground, as
+/// near as it sees them all with some room around them, and not nearer than `nearest`.
+Pose place_camera(const Points& points, const Camera& camera, double nearest,
+                  CounterRandom& random) {
   const double elevation = random.uniform(40, 75) * std::numbers::pi / 180;
   const double azimuth = random.uniform(0, 2 * std::numbers::pi);
-  const Eigen::Vector3d away(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                             std::sin(elevation));
+  const Eigen::Vector3d away(std::cos(elevation) * std::cos(azimuth),
+                             std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
   Eigen::Matrix3d axes;  // rows: the camera's x, y and z in the world
   axes.row(2) = -away;
   axes.row(0) = Eigen::Vector3d::UnitZ().cross(away).normalized();
@@ -86,11 +90,13 @@ Pose place_camera(const Points& points, const Camera& camera, double nearest, Co
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < points.size(); ++i) box.extend(axes * points[i].cast<double>());
   const Eigen::Vector3d middle = box.center();
-  const double width = kFilledShare * camera.cx / camera.fx, height = kFilledShare * camera.cy / camera.fy;
+  const double width = kFilledShare * camera.cx / camera.fx,
+               height = kFilledShare * camera.cy / camera.fy;
   double distance = 0;  // from the camera to the middle
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d p = axes * points[i].cast<double>() - middle;
-    distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(), std::abs(p.y()) / height - p.z()});
+    distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(),
+                         std::abs(p.y()) / height - p.z()});
   }
   Pose T_camera_world = Pose::Identity();
   T_camera_world.linear() = axes.cast<float>();
@@ -100,21 +106,25 @@ Pose place_camera(const Points& points, const Camera& camera, double nearest, Co
 
 /// The rows of the image that a ball in the camera's frame can touch.
 Rows rows_of(const Camera& camera, const Eigen::Vector3f& centre, float radius) {
-  const double z = static_cast<double>(centre.z()), r = static_cast<double>(radius), y = static_cast<double>(centre.y());
+  const double z = static_cast<double>(centre.z()), r = static_cast<double>(radius),
+               y = static_cast<double>(centre.y());
   if (z <= 2 * r) return {};
   // At most tan(a + asin(r / d)) - tan(a) off the middle, which this bounds for r <= z / 2.
   const double reach = 2 * r / z * (1 + std::abs(y / z)) * (1 + std::abs(y / z));
   const auto row = [&](double tangent) {
-    return static_cast<std::size_t>(std::clamp(camera.cy + camera.fy * tangent, 0.0, double{kScanHeight}));
+    return static_cast<std::size_t>(
+        std::clamp(camera.cy + camera.fy * tangent, 0.0, double{kScanHeight}));
   };
-  const std::size_t first = row(y / z - reach), last = std::min<std::size_t>(row(y / z + reach) + 1, kScanHeight);
+  const std::size_t first = row(y / z - reach),
+                    last = std::min<std::size_t>(row(y / z + reach) + 1, kScanHeight);
   return {first, std::max(first, last) - first};
 }
 
 /// What the sensor makes of the exact depths.
-std::vector<std::uint16_t> measure(const std::vector<float>& depth, const Camera& camera, double metres,
-                                   const ScanOptions& options, std::uint32_t index) {
-  // Between neighbouring pixels, depth on a surface that steep changes by so many times their distance.
+std::vector<std::uint16_t> measure(const std::vector<float>& depth, const Camera& camera,
+                                   double metres, const ScanOptions& options, std::uint32_t index) {
+  // Between neighbouring pixels, depth on a surface that steep changes by so many times their
+  // distance.
   const double min_cosine = static_cast<double>(kernels::kMinViewCosine);
   const double steepest = std::sqrt(1 - min_cosine * min_cosine) / min_cosine;
   std::vector<std::uint16_t> out(depth.size());
@@ -125,8 +135,8 @@ std::vector<std::uint16_t> measure(const std::vector<float>& depth, const Camera
       const auto steep = [&](std::size_t neighbour) {
         return std::abs(static_cast<double>(depth[neighbour]) - z) > steepest * z / camera.fx;
       };
-      if (z == 0 || (u > 0 && steep(i - 1)) || (u + 1 < kScanWidth && steep(i + 1)) || (v > 0 && steep(i - kScanWidth)) ||
-          (v + 1 < kScanHeight && steep(i + kScanWidth))) {
+      if (z == 0 || (u > 0 && steep(i - 1)) || (u + 1 < kScanWidth && steep(i + 1)) ||
+          (v > 0 && steep(i - kScanWidth)) || (v + 1 < kScanHeight && steep(i + kScanWidth))) {
         continue;
       }
       CounterRandom random(options.seed, index, i + 2);  // 0: the heap, 1: the camera
@@ -141,23 +151,28 @@ std::vector<std::uint16_t> measure(const std::vector<float>& depth, const Camera
 
 }  // namespace
 
-Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit unit, const ScanOptions& options,
-                                   std::uint32_t index) {
+Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit unit,
+                                   const ScanOptions& options, std::uint32_t index) {
   assert(!models.empty() && "something to lay down");
   const double metres = unit_scale(unit, LengthUnit::metre);
-  const std::vector<PlacedModel> placed = engine::pile_up(models, options.num_instances, options.seed, index);
+  const std::vector<PlacedModel> placed =
+      engine::pile_up(models, options.num_instances, options.seed, index);
   RenderedScene scene;
-  scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1), kDepthStepMetres / metres};
+  scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1),
+                  kDepthStepMetres / metres};
   CounterRandom random(options.seed, index, 1);
   const Points points = surface_points(models, placed);
   const Pose T_camera_world = place_camera(points, scene.camera, kNearestMetres / metres, random);
   float farthest = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) farthest = std::max(farthest, (T_camera_world * points[i]).z());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    farthest = std::max(farthest, (T_camera_world * points[i]).z());
   if (static_cast<double>(farthest) * metres > kFarthestMetres) {
-    return Error{ErrorCode::usage,
-                 fmt::format("scene {}: expected a heap that a depth camera sees from within {} m, found one that it takes "
-                             "{:.3g} m to see; give the models' unit with --unit, or a size with --diameter",
-                             index, kFarthestMetres, static_cast<double>(farthest) * metres)};
+    return Error{
+        ErrorCode::usage,
+        fmt::format("scene {}: expected a heap that a depth camera sees from within {} m, found "
+                    "one that it takes "
+                    "{:.3g} m to see; give the models' unit with --unit, or a size with --diameter",
+                    index, kFarthestMetres, static_cast<double>(farthest) * metres)};
   }
 
   // Surfaces: instance i is placed[i], the ground comes last.
@@ -166,7 +181,8 @@ Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit uni
   for (const PlacedModel& instance : placed) {
     std::optional<RayScene>& mesh = meshes[instance.model];
     if (!mesh) {
-      Result<RayScene> made = RayScene::from_mesh(models[instance.model].vertices, models[instance.model].triangles);
+      Result<RayScene> made =
+          RayScene::from_mesh(models[instance.model].vertices, models[instance.model].triangles);
       if (!made) return made.error();
       mesh.emplace(std::move(*made));
     }
@@ -191,11 +207,15 @@ Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit uni
     const Model& model = models[placed[i].model];
     const Pose& T_camera_model = instances[i].T_world_scene;
     DepthImage own;
-    render(*alone, scene.camera, rows_of(scene.camera, T_camera_model * model.centre, model.diameter), own);
-    const auto pixels = own.instance.size() - static_cast<std::size_t>(std::count(
-                                                  own.instance.begin(), own.instance.end(), kernels::Hit::kNone));
-    const double visible = pixels == 0 ? 0 : static_cast<double>(seen[i]) / static_cast<double>(pixels);
-    scene.truth.push_back({model.name, T_camera_model, 1 - visible, visible < kMinVisible || seen[i] < kMinVisiblePixels});
+    render(*alone, scene.camera,
+           rows_of(scene.camera, T_camera_model * model.centre, model.diameter), own);
+    const auto pixels =
+        own.instance.size() - static_cast<std::size_t>(std::count(
+                                  own.instance.begin(), own.instance.end(), kernels::Hit::kNone));
+    const double visible =
+        pixels == 0 ? 0 : static_cast<double>(seen[i]) / static_cast<double>(pixels);
+    scene.truth.push_back({model.name, T_camera_model, 1 - visible,
+                           visible < kMinVisible || seen[i] < kMinVisiblePixels});
   }
   scene.depths = measure(image.depth, scene.camera, metres, options, index);
   return scene;

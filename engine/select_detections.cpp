@@ -30,16 +30,23 @@ class ExplainedPixels {
   /// Samples lie `spacing` apart: mark a square of that size around each.
   void mark(std::span<const std::uint32_t> pixels, float spacing) {
     for (const std::uint32_t pixel : pixels) {
-      const auto at = static_cast<std::size_t>(std::upper_bound(first_.begin(), first_.end(), pixel) - first_.begin()) - 1;
+      const auto at = static_cast<std::size_t>(
+                          std::upper_bound(first_.begin(), first_.end(), pixel) - first_.begin()) -
+                      1;
       const kernels::RangeImage& image = images_[at];
       const std::size_t local = pixel - first_[at];
       const float depth = image.depth[local];
       const auto width = static_cast<std::ptrdiff_t>(image.geometry.width);
       const auto height = static_cast<std::ptrdiff_t>(image.geometry.height);
-      const auto radius = depth > 0 ? static_cast<std::ptrdiff_t>(0.6F * spacing * image.geometry.fx / depth + 0.5F) : 0;
-      const std::ptrdiff_t u = static_cast<std::ptrdiff_t>(local) % width, v = static_cast<std::ptrdiff_t>(local) / width;
-      for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - radius); y <= std::min(height - 1, v + radius); ++y) {
-        for (std::ptrdiff_t x = std::max<std::ptrdiff_t>(0, u - radius); x <= std::min(width - 1, u + radius); ++x) {
+      const auto radius =
+          depth > 0 ? static_cast<std::ptrdiff_t>(0.6F * spacing * image.geometry.fx / depth + 0.5F)
+                    : 0;
+      const std::ptrdiff_t u = static_cast<std::ptrdiff_t>(local) % width,
+                           v = static_cast<std::ptrdiff_t>(local) / width;
+      for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - radius);
+           y <= std::min(height - 1, v + radius); ++y) {
+        for (std::ptrdiff_t x = std::max<std::ptrdiff_t>(0, u - radius);
+             x <= std::min(width - 1, u + radius); ++x) {
           marked_[first_[at] + static_cast<std::size_t>(y * width + x)] = 1;
         }
       }
@@ -55,8 +62,8 @@ class ExplainedPixels {
 }  // namespace
 
 std::vector<Detection> select_detections(const Library& library, const PreparedScene& scene,
-                                         std::vector<Candidate> candidates, const RecogniseOptions& options,
-                                         double scene_scale) {
+                                         std::vector<Candidate> candidates,
+                                         const RecogniseOptions& options, double scene_scale) {
   std::vector<float> rank(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const float spacing = library.models[candidates[c].model].sample_spacing;
@@ -65,7 +72,8 @@ std::vector<Detection> select_detections(const Library& library, const PreparedS
   }
   std::vector<std::uint32_t> order(candidates.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return rank[a] > rank[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return rank[a] > rank[b]; });
 
   ExplainedPixels pixels(scene.images);
   std::vector<std::uint32_t> instances(library.models.size(), 0);

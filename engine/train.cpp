@@ -24,11 +24,12 @@ namespace {
 using engine::for_chunks;
 
 constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
-constexpr std::size_t kViewGrain = 16;       // a sample shoots some 300 rays
-constexpr std::size_t kPairGrain = 16;       // references a task; each pairs with all points
-constexpr std::size_t kTableChunks = 8;      // fixed, so that the table does not depend on the number of threads
-constexpr std::size_t kMaxPpfPoints = 65536; // what a 16-bit reference can name
-constexpr std::size_t kDensePerVoxel = 10;   // surface samples averaged into one point of the table
+constexpr std::size_t kViewGrain = 16;  // a sample shoots some 300 rays
+constexpr std::size_t kPairGrain = 16;  // references a task; each pairs with all points
+constexpr std::size_t kTableChunks =
+    8;  // fixed, so that the table does not depend on the number of threads
+constexpr std::size_t kMaxPpfPoints = 65536;  // what a 16-bit reference can name
+constexpr std::size_t kDensePerVoxel = 10;  // surface samples averaged into one point of the table
 
 /// Points with outward normals, spread over the surface, before subsampling.
 struct DenseSurface {
@@ -38,10 +39,11 @@ struct DenseSurface {
 };
 
 Error bad_surface(const ModelSource& source, const std::string& found) {
-  return {ErrorCode::bad_data,
-          fmt::format("{}: model '{}': expected a surface with extent in three dimensions, found {}; "
-                      "give a mesh or a cloud of the whole object",
-                      source.file.string(), source.name, found)};
+  return {
+      ErrorCode::bad_data,
+      fmt::format("{}: model '{}': expected a surface with extent in three dimensions, found {}; "
+                  "give a mesh or a cloud of the whole object",
+                  source.file.string(), source.name, found)};
 }
 
 Points scaled_points(PointsView points, double scale) {
@@ -53,13 +55,14 @@ Points scaled_points(PointsView points, double scale) {
 }
 
 /// Sample a mesh; the normals are those of the faces and as reliable as the winding.
-DenseSurface sample_surface(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
-                            std::uint64_t seed, std::size_t n) {
+DenseSurface sample_surface(PointsView vertices, const Triangles& triangles,
+                            std::span<const double> area_sums, std::uint64_t seed, std::size_t n) {
   DenseSurface surface;
   surface.points.resize(n);
   surface.normals.resize(n);
   for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-    kernels::sample_mesh(vertices, triangles, area_sums, seed, first, n, surface.points.span().slice(first, count),
+    kernels::sample_mesh(vertices, triangles, area_sums, seed, first, n,
+                         surface.points.span().slice(first, count),
                          surface.normals.span().slice(first, count));
   });
   surface.spacing = static_cast<float>(std::sqrt(area_sums.back() / static_cast<double>(n)));
@@ -94,12 +97,14 @@ std::uint64_t shuffle_key(std::uint64_t i) {
 }
 
 /// Keep the samples that some view sees, shuffled.
-std::size_t keep_visible_samples(const DenseSurface& surface, std::span<const ViewMask> views, Model& model) {
+std::size_t keep_visible_samples(const DenseSurface& surface, std::span<const ViewMask> views,
+                                 Model& model) {
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < views.size(); ++i) {
     if (views[i] != ViewMask{}) kept.push_back(i);
   }
-  std::sort(kept.begin(), kept.end(), [](std::uint32_t a, std::uint32_t b) { return shuffle_key(a) < shuffle_key(b); });
+  std::sort(kept.begin(), kept.end(),
+            [](std::uint32_t a, std::uint32_t b) { return shuffle_key(a) < shuffle_key(b); });
   model.samples.resize(kept.size());
   model.sample_normals.resize(kept.size());
   model.sample_views.resize(kept.size());
@@ -111,8 +116,10 @@ std::size_t keep_visible_samples(const DenseSurface& surface, std::span<const Vi
   return views.size() - kept.size();
 }
 
-/// Give dense points the outward side of the nearest visible sample; those nearer to a hidden one are dropped.
-void orient_by_samples(const DenseSurface& samples, std::span<const ViewMask> views, DenseSurface& dense) {
+/// Give dense points the outward side of the nearest visible sample; those nearer to a hidden one
+/// are dropped.
+void orient_by_samples(const DenseSurface& samples, std::span<const ViewMask> views,
+                       DenseSurface& dense) {
   const kernels::VoxelHash grid(samples.points, 2 * samples.spacing);
   Normals& normals = dense.normals;
   for_chunks(dense.points.size(), 1024, [&](std::size_t first, std::size_t count) {
@@ -163,13 +170,15 @@ std::vector<ViewMask> views_of_points(const Model& model) {
   return views;
 }
 
-/// Put the points that pairs start at first: one of each set of symmetric copies. Returns how many there are.
+/// Put the points that pairs start at first: one of each set of symmetric copies. Returns how many
+/// there are.
 std::size_t references_first(float step, Model& model) {
   std::vector<std::uint8_t> is_reference(model.ppf_points.size(), 1);
   kernels::choose_references(model.ppf_points, model.symmetry, step, is_reference);
   std::vector<std::uint32_t> order(is_reference.size());
   std::iota(order.begin(), order.end(), 0U);
-  const auto rest = std::stable_partition(order.begin(), order.end(), [&](std::uint32_t i) { return is_reference[i] != 0; });
+  const auto rest = std::stable_partition(order.begin(), order.end(),
+                                          [&](std::uint32_t i) { return is_reference[i] != 0; });
   const Points points = model.ppf_points;
   const Normals normals = model.ppf_normals;
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -179,7 +188,8 @@ std::size_t references_first(float step, Model& model) {
   return static_cast<std::size_t>(rest - order.begin());
 }
 
-Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step, Model& model) {
+Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step,
+                         Model& model) {
   const std::size_t num_references = references_first(step, model);
   const std::vector<ViewMask> views = views_of_points(model);
   const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views};
@@ -187,7 +197,8 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
                                options.num_angle_bins};
   const std::size_t num_cells = quantisation.num_cells();
   const std::size_t n = model.ppf_points.size();
-  const std::size_t num_chunks = std::min(kTableChunks, (num_references + kPairGrain - 1) / kPairGrain);
+  const std::size_t num_chunks =
+      std::min(kTableChunks, (num_references + kPairGrain - 1) / kPairGrain);
   const auto chunk_first = [&](std::size_t chunk) { return num_references * chunk / num_chunks; };
 
   auto table = std::make_shared<PpfTable>();
@@ -195,26 +206,29 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
   Column<std::uint32_t> counts(num_chunks * num_cells, 0);
   engine::PerThread<kernels::PairScratch> scratch([&] { return kernels::PairScratch(n); });
   engine::for_each_index(num_chunks, [&](std::size_t chunk) {
-    kernels::count_ppf_pairs(points, quantisation, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
-                             scratch.local(), std::span(counts).subspan(chunk * num_cells, num_cells));
+    kernels::count_ppf_pairs(points, quantisation, chunk_first(chunk),
+                             chunk_first(chunk + 1) - chunk_first(chunk), scratch.local(),
+                             std::span(counts).subspan(chunk * num_cells, num_cells));
   });
   const std::uint64_t num_entries = kernels::scan_ppf_counts(counts, num_chunks, table->offsets);
   if (num_entries == 0) {
     return Error{ErrorCode::bad_data,
-                 fmt::format("{}: model '{}': expected 1 to 2^32 point pairs, found {} points that give none or more; "
+                 fmt::format("{}: model '{}': expected 1 to 2^32 point pairs, found {} points that "
+                             "give none or more; "
                              "choose another relative step than {}",
                              source.file.string(), source.name, n, options.relative_step)};
   }
   table->entries.resize(num_entries);
   engine::for_each_index(num_chunks, [&](std::size_t chunk) {
-    kernels::fill_ppf_entries(points, quantisation, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
-                              scratch.local(), std::span(counts).subspan(chunk * num_cells, num_cells),
-                              table->entries);
+    kernels::fill_ppf_entries(
+        points, quantisation, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
+        scratch.local(), std::span(counts).subspan(chunk * num_cells, num_cells), table->entries);
   });
   for_chunks(num_cells, 4096, [&](std::size_t first, std::size_t count) {
     kernels::sort_ppf_cells(table->offsets, first, count, table->entries);
   });
-  model.ppf = {quantisation, static_cast<std::uint32_t>(num_references), table->offsets, table->entries};
+  model.ppf = {quantisation, static_cast<std::uint32_t>(num_references), table->offsets,
+               table->entries};
   model.ppf_storage = std::move(table);
   return {};
 }
@@ -227,14 +241,19 @@ float sampling_step(float diameter, float relative_step) {
 
 Result<void> validate(const TrainOptions& options) {
   return engine::check_ranges({
-      {options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step", "0.01 to 0.2", options.relative_step},
-      {options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60", static_cast<double>(options.num_angle_bins)},
-      {options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180, "normal cluster angle [deg]", "above 0 to 180", options.normal_cluster_angle_deg},
-      {options.num_samples >= 256 && options.num_samples <= 1U << 20, "samples", "256 to 1048576", static_cast<double>(options.num_samples)},
+      {options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step",
+       "0.01 to 0.2", options.relative_step},
+      {options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60",
+       static_cast<double>(options.num_angle_bins)},
+      {options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180,
+       "normal cluster angle [deg]", "above 0 to 180", options.normal_cluster_angle_deg},
+      {options.num_samples >= 256 && options.num_samples <= 1U << 20, "samples", "256 to 1048576",
+       static_cast<double>(options.num_samples)},
   });
 }
 
-Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source, const TrainOptions& options) {
+Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source,
+                                 const TrainOptions& options) {
   TrainedModel trained;
   Model& model = trained.model;
   TrainStats& stats = trained.stats;
@@ -247,14 +266,16 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     model.diameter = kernels::find_diameter(model.vertices);
   }
   if (!(model.diameter > 0) || !std::isfinite(model.diameter)) {
-    return bad_surface(source, fmt::format("{} points within {}", model.vertices.size(), model.diameter));
+    return bad_surface(source,
+                       fmt::format("{} points within {}", model.vertices.size(), model.diameter));
   }
 
   // Surface samples, which side is outside, and from where each can be seen.
   std::vector<double> area_sums(model.triangles.size());
   const double area =
       area_sums.empty() ? 0 : kernels::sum_areas(model.vertices, model.triangles, area_sums);
-  const bool has_faces = area > 1e-9 * static_cast<double>(model.diameter) * static_cast<double>(model.diameter);
+  const bool has_faces =
+      area > 1e-9 * static_cast<double>(model.diameter) * static_cast<double>(model.diameter);
   const auto sample = [&](std::uint64_t seed, std::size_t n) {
     return sample_surface(model.vertices, model.triangles, area_sums, seed, n);
   };
@@ -267,7 +288,8 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
       rays = kernels::RayScene::from_mesh(model.vertices, model.triangles);
     } else {
       samples = surface_of_cloud(model.vertices, model.diameter / 40);
-      rays = kernels::RayScene::from_spheres(samples.points, kernels::kCloudRadius * samples.spacing);
+      rays =
+          kernels::RayScene::from_spheres(samples.points, kernels::kCloudRadius * samples.spacing);
     }
   }
   if (!rays) return rays.error();
@@ -277,7 +299,8 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
   std::vector<ViewMask> views(samples.points.size());
   {
     const StageTimer timer(stats.times, "visibility");
-    const float offset = has_faces ? 1e-4F * model.diameter : kernels::kCloudOffset * samples.spacing;
+    const float offset =
+        has_faces ? 1e-4F * model.diameter : kernels::kCloudOffset * samples.spacing;
     for_chunks(views.size(), kViewGrain, [&](std::size_t first, std::size_t count) {
       kernels::orient_outward(*rays, samples.points.view().slice(first, count),
                               samples.normals.span().slice(first, count), offset,
@@ -286,7 +309,8 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     stats.num_hidden_samples = keep_visible_samples(samples, views, model);
   }
   if (model.samples.size() < 20) {
-    return bad_surface(source, fmt::format("only {} places that can be seen from outside", model.samples.size()));
+    return bad_surface(
+        source, fmt::format("only {} places that can be seen from outside", model.samples.size()));
   }
   model.sample_spacing = samples.spacing;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -296,7 +320,8 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
   {
     const StageTimer timer(stats.times, "symmetry");
     model.symmetry = source.symmetry ? *source.symmetry
-                                     : kernels::find_symmetry(model.samples, model.sample_normals, model.diameter);
+                                     : kernels::find_symmetry(model.samples, model.sample_normals,
+                                                              model.diameter);
   }
 
   // Points of the table: a dense surface, oriented, thinned by voxel and normal.
@@ -306,24 +331,26 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     DenseSurface dense;
     if (has_faces) {
       const double voxels = area / (static_cast<double>(step) * static_cast<double>(step));
-      dense = sample(2, std::clamp<std::size_t>(static_cast<std::size_t>(voxels) * kDensePerVoxel, 4096, 400'000));
+      dense = sample(2, std::clamp<std::size_t>(static_cast<std::size_t>(voxels) * kDensePerVoxel,
+                                                4096, 400'000));
     } else {
       dense = surface_of_cloud(model.vertices, std::min(samples.spacing, 0.5F * step));
     }
     orient_by_samples(samples, views, dense);
     kernels::SubsampleScratch scratch;
     kernels::subsample_by_normals(dense.points, dense.normals, step,
-                                  options.normal_cluster_angle_deg * kRadiansPerDegree, model.ppf_points,
-                                  model.ppf_normals, scratch);
+                                  options.normal_cluster_angle_deg * kRadiansPerDegree,
+                                  model.ppf_points, model.ppf_normals, scratch);
   }
   stats.num_ppf_points = model.ppf_points.size();
   if (stats.num_ppf_points < 10 || stats.num_ppf_points > kMaxPpfPoints) {
-    return bad_surface(source, fmt::format("{} sampled points at step {} (10 to {} can be used)", stats.num_ppf_points,
-                                           step, kMaxPpfPoints));
+    return bad_surface(source, fmt::format("{} sampled points at step {} (10 to {} can be used)",
+                                           stats.num_ppf_points, step, kMaxPpfPoints));
   }
   {
     const StageTimer timer(stats.times, "table");
-    if (const Result<void> built = build_table(source, options, step, model); !built) return built.error();
+    if (const Result<void> built = build_table(source, options, step, model); !built)
+      return built.error();
   }
   stats.num_ppf_entries = model.ppf.entries.size();
   return trained;

@@ -17,10 +17,12 @@
 namespace trivet {
 
 struct TrainOptions {
-  float relative_step = 0.04F;            ///< tau_d: sampling step / diameter, 0.01..0.2; smaller finds more, slower
-  std::uint32_t num_angle_bins = 15;      ///< bins over 180 degrees for the angles of a pair, 6..60
-  float normal_cluster_angle_deg = 30;    ///< points of one voxel whose normals differ more stay apart, > 0
-  std::uint32_t num_samples = 2048;       ///< surface samples for refinement and verification, >= 256
+  float relative_step =
+      0.04F;  ///< tau_d: sampling step / diameter, 0.01..0.2; smaller finds more, slower
+  std::uint32_t num_angle_bins = 15;  ///< bins over 180 degrees for the angles of a pair, 6..60
+  float normal_cluster_angle_deg =
+      30;  ///< points of one voxel whose normals differ more stay apart, > 0
+  std::uint32_t num_samples = 2048;  ///< surface samples for refinement and verification, >= 256
   bool operator==(const TrainOptions&) const = default;
 };
 
@@ -31,7 +33,7 @@ Result<void> validate(const TrainOptions& options);
 struct ModelSource {
   std::string name;
   std::filesystem::path file;
-  double scale = 1;                  ///< multiplies the file's coordinates, giving the library's unit
+  double scale = 1;  ///< multiplies the file's coordinates, giving the library's unit
   std::optional<Symmetry> symmetry;  ///< absent: found by the program
 };
 
@@ -48,12 +50,13 @@ struct TrainedModel {
   TrainStats stats;
 };
 
-/// Train one model from a mesh, or from a cloud without faces. Same input, same bytes for any number of threads.
-/// Errors: bad_data (too few distinct points, no extent).
-Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source, const TrainOptions& options);
+/// Train one model from a mesh, or from a cloud without faces. Same input, same bytes for any
+/// number of threads. Errors: bad_data (too few distinct points, no extent).
+Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source,
+                                 const TrainOptions& options);
 
-/// The sampling step for a diameter: relative_step times the diameter, rounded to a quarter of an octave, so that
-/// models of like size share the scene's preparation and its pair features.
+/// The sampling step for a diameter: relative_step times the diameter, rounded to a quarter of an
+/// octave, so that models of like size share the scene's preparation and its pair features.
 float sampling_step(float diameter, float relative_step);
 
 struct LibraryStats {
@@ -61,10 +64,12 @@ struct LibraryStats {
   double seconds = 0;
 };
 
-/// Read, train and write all sources; models appear in the file by name. The file is replaced as a whole at the end.
-/// A few models are in flight at a time, so memory does not grow with the library.
-/// Errors: of reading, training and writing, and resumable when stopped; the old file then stays as it was.
-Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthUnit unit, const TrainOptions& options,
-                                   const std::filesystem::path& file, const Progress& progress);
+/// Read, train and write all sources; models appear in the file by name. The file is replaced as a
+/// whole at the end. A few models are in flight at a time, so memory does not grow with the
+/// library. Errors: of reading, training and writing, and resumable when stopped; the old file then
+/// stays as it was.
+Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthUnit unit,
+                                   const TrainOptions& options, const std::filesystem::path& file,
+                                   const Progress& progress);
 
 }  // namespace trivet

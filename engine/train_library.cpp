@@ -17,7 +17,8 @@ namespace {
 
 namespace flow = tbb::flow;
 
-/// Models in memory at once: enough to hide reading and writing behind training, however large the library.
+/// Models in memory at once: enough to hide reading and writing behind training, however large the
+/// library.
 constexpr std::size_t kModelsInFlight = 4;
 
 struct Job {
@@ -45,7 +46,8 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
   Result<TrainedModel> trained = train_model(*surface, source, options);
   if (!trained) return trained;
   trained->model.source_xxh3 = hash;
-  times.seconds.insert(times.seconds.end(), trained->stats.times.seconds.begin(), trained->stats.times.seconds.end());
+  times.seconds.insert(times.seconds.end(), trained->stats.times.seconds.begin(),
+                       trained->stats.times.seconds.end());
   trained->stats.times = std::move(times);
   return trained;
 }
@@ -60,16 +62,19 @@ std::string parameters_json(const TrainOptions& options) {
 
 }  // namespace
 
-Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthUnit unit, const TrainOptions& options,
-                                   const std::filesystem::path& file, const Progress& progress) {
+Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthUnit unit,
+                                   const TrainOptions& options, const std::filesystem::path& file,
+                                   const Progress& progress) {
   if (const Result<void> valid = validate(options); !valid) return valid.error();
   const auto start = std::chrono::steady_clock::now();
-  Result<LibraryWriter> writer = LibraryWriter::create(file, {unit, "trivet " TRIVET_VERSION, parameters_json(options)});
+  Result<LibraryWriter> writer =
+      LibraryWriter::create(file, {unit, "trivet " TRIVET_VERSION, parameters_json(options)});
   if (!writer) return writer.error();
 
   // By name, so that the file does not depend on the order of the command line.
   std::vector<const ModelSource*> order(sources.size());
-  std::transform(sources.begin(), sources.end(), order.begin(), [](const ModelSource& source) { return &source; });
+  std::transform(sources.begin(), sources.end(), order.begin(),
+                 [](const ModelSource& source) { return &source; });
   std::stable_sort(order.begin(), order.end(),
                    [](const ModelSource* a, const ModelSource* b) { return a->name < b->name; });
 
@@ -88,9 +93,11 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   });
   flow::limiter_node<Job> gate(graph, kModelsInFlight);
   flow::function_node<Job, Finished> train(graph, flow::unlimited, [&](const Job& job) {
-    return Finished{job.id, std::make_shared<Result<TrainedModel>>(read_and_train(*job.source, options))};
+    return Finished{job.id,
+                    std::make_shared<Result<TrainedModel>>(read_and_train(*job.source, options))};
   });
-  flow::sequencer_node<Finished> in_order(graph, [](const Finished& finished) { return finished.id; });
+  flow::sequencer_node<Finished> in_order(graph,
+                                          [](const Finished& finished) { return finished.id; });
   flow::function_node<Finished> write(graph, flow::serial, [&](const Finished& finished) {
     if (failure) return flow::continue_msg{};
     Result<TrainedModel>& trained = *finished.trained;
@@ -114,8 +121,9 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
 
   if (failure) return *failure;
   if (stats.models.size() < order.size()) {
-    return Error{ErrorCode::resumable, fmt::format("{}: stopped after {} of {} models; nothing was written",
-                                                   file.string(), stats.models.size(), order.size())};
+    return Error{ErrorCode::resumable,
+                 fmt::format("{}: stopped after {} of {} models; nothing was written",
+                             file.string(), stats.models.size(), order.size())};
   }
   if (const Result<void> published = writer->publish(); !published) return published.error();
   stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

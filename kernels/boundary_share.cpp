@@ -19,7 +19,8 @@ double boundary_share(const Triangles& triangles) {
   std::sort(edges.begin(), edges.end());
   std::size_t num_edges = 0, num_boundary = 0;
   for (auto first = edges.begin(); first != edges.end();) {
-    const auto last = std::find_if(first, edges.end(), [&](std::uint64_t edge) { return edge != *first; });
+    const auto last =
+        std::find_if(first, edges.end(), [&](std::uint64_t edge) { return edge != *first; });
     ++num_edges;
     num_boundary += last - first == 1;
     first = last;

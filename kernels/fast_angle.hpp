@@ -12,7 +12,8 @@ inline constexpr float kPi = 3.14159265358979323846F;
 /// same bin on both sides.
 inline float fast_atan2(float y, float x) noexcept {
   const float ax = std::abs(x), ay = std::abs(y);
-  const float large = ax > ay ? ax : ay, small = ax > ay ? ay : ax;  // std::max would keep loops scalar
+  const float large = ax > ay ? ax : ay,
+              small = ax > ay ? ay : ax;  // std::max would keep loops scalar
   const float q = small / (large > 1e-37F ? large : 1e-37F);
   const float s = q * q;
   float r = 0.00681177107617259F;

@@ -7,14 +7,16 @@
 namespace trivet::kernels {
 namespace {
 
-bool lies_on(const Plane& plane, const Eigen::Vector3f& p, const Eigen::Vector3f& n, float tolerance,
-             float min_cosine) noexcept {
-  return std::abs(plane.normal.dot(p) - plane.offset) <= tolerance && plane.normal.dot(n) >= min_cosine;
+bool lies_on(const Plane& plane, const Eigen::Vector3f& p, const Eigen::Vector3f& n,
+             float tolerance, float min_cosine) noexcept {
+  return std::abs(plane.normal.dot(p) - plane.offset) <= tolerance &&
+         plane.normal.dot(n) >= min_cosine;
 }
 
 /// Least squares through the points on the plane, weighted by area.
-Plane refit(const Plane& plane, PointsView points, NormalsView normals, std::span<const float> areas,
-            std::span<const std::uint8_t> taken, float tolerance, float min_cosine) {
+Plane refit(const Plane& plane, PointsView points, NormalsView normals,
+            std::span<const float> areas, std::span<const std::uint8_t> taken, float tolerance,
+            float min_cosine) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double sum = 0;
   const auto each = [&](auto&& body) {
@@ -43,7 +45,8 @@ Plane refit(const Plane& plane, PointsView points, NormalsView normals, std::spa
 
 std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span<const float> areas,
                                const PlaneOptions& options) {
-  assert(normals.size() == points.size() && areas.size() == points.size() && "columns of one table");
+  assert(normals.size() == points.size() && areas.size() == points.size() &&
+         "columns of one table");
   const float min_cosine = std::cos(options.max_angle_rad);
   std::vector<std::uint8_t> taken(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) taken[i] = !std::isfinite(normals.x[i]);
@@ -55,7 +58,8 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
     for (int trial = 0; trial < options.num_trials; ++trial) {
       // The top bits of multiples of 2^64 / phi visit the points evenly.
       sequence += 0x9E3779B97F4A7C15ULL;
-      const auto i = static_cast<std::size_t>((static_cast<unsigned __int128>(sequence) * points.size()) >> 64);
+      const auto i = static_cast<std::size_t>(
+          (static_cast<unsigned __int128>(sequence) * points.size()) >> 64);
       if (taken[i] != 0) continue;
       Plane plane{normals[i], normals[i].dot(points[i]), 0};
       for (std::size_t k = 0; k < points.size(); ++k) {
@@ -65,21 +69,23 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
       }
       if (plane.area > best.area) best = plane;
     }
-    if (!(best.area > 0.3F * options.min_area)) break;  // one point's normal meets only part of its plane
+    if (!(best.area > 0.3F * options.min_area))
+      break;  // one point's normal meets only part of its plane
     for (int round = 0; round < 3; ++round) {
       best = refit(best, points, normals, areas, taken, options.tolerance, min_cosine);
     }
     if (!(best.area >= options.min_area)) break;
     planes.push_back(best);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      if (taken[k] == 0 && lies_on(best, points[k], normals[k], options.tolerance, min_cosine)) taken[k] = 1;
+      if (taken[k] == 0 && lies_on(best, points[k], normals[k], options.tolerance, min_cosine))
+        taken[k] = 1;
     }
   }
   return planes;
 }
 
-void label_planes(PointsView points, NormalsView normals, std::span<const Plane> planes, float tolerance,
-                  float max_angle_rad, std::span<std::uint8_t> labels) noexcept {
+void label_planes(PointsView points, NormalsView normals, std::span<const Plane> planes,
+                  float tolerance, float max_angle_rad, std::span<std::uint8_t> labels) noexcept {
   assert(labels.size() == points.size() && "one label per point");
   const float min_cosine = std::cos(max_angle_rad);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -11,10 +11,10 @@
 namespace trivet::kernels {
 
 struct PlaneOptions {
-  float tolerance = 0;           ///< distance still on the plane [scene unit], > 0
-  float min_area = 0;            ///< smaller planes are not reported [scene unit^2], > 0
-  float max_angle_rad = 0.35F;   ///< between a point's normal and the plane's
-  std::size_t max_planes = 4;    ///< at most 255
+  float tolerance = 0;          ///< distance still on the plane [scene unit], > 0
+  float min_area = 0;           ///< smaller planes are not reported [scene unit^2], > 0
+  float max_angle_rad = 0.35F;  ///< between a point's normal and the plane's
+  std::size_t max_planes = 4;   ///< at most 255
   int num_trials = 300;
 };
 
@@ -25,16 +25,17 @@ struct Plane {
   float area = 0;  ///< of the points on it [scene unit^2]
 };
 
-/// Find planes one after the other, largest first, among oriented points that stand for `areas` of surface each.
+/// Find planes one after the other, largest first, among oriented points that stand for `areas` of
+/// surface each.
 ///
-/// A plane is proposed by one point and its normal, chosen by a fixed sequence (RANSAC, Fischler and Bolles 1981,
-/// with one-point samples as the normals are known), and refitted three times to the points then on it.
-/// Points without a normal are ignored. Same input, same planes.
+/// A plane is proposed by one point and its normal, chosen by a fixed sequence (RANSAC, Fischler
+/// and Bolles 1981, with one-point samples as the normals are known), and refitted three times to
+/// the points then on it. Points without a normal are ignored. Same input, same planes.
 std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span<const float> areas,
                                const PlaneOptions& options);
 
 /// Number each point by the first plane it lies on, from 1; 0 for none.
-void label_planes(PointsView points, NormalsView normals, std::span<const Plane> planes, float tolerance,
-                  float max_angle_rad, std::span<std::uint8_t> labels) noexcept;
+void label_planes(PointsView points, NormalsView normals, std::span<const Plane> planes,
+                  float tolerance, float max_angle_rad, std::span<std::uint8_t> labels) noexcept;
 
 }  // namespace trivet::kernels

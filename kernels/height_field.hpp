@@ -10,8 +10,8 @@ namespace trivet::kernels {
 
 /// For each cell of a square grid over the plane z = 0, how high what lies there reaches.
 ///
-/// Bodies are given by samples of their surface. A cell counts as filled up to its highest sample, from the plane on:
-/// no body slips under another. Samples outside the grid meet the bare plane.
+/// Bodies are given by samples of their surface. A cell counts as filled up to its highest sample,
+/// from the plane on: no body slips under another. Samples outside the grid meet the bare plane.
 class HeightField {
  public:
   /// A square of 2 * half_side, centred on the origin, in cells of edge `cell`; both > 0 [m].
@@ -19,9 +19,11 @@ class HeightField {
 
   /// Find how far to lift a body along z so that it touches what is there and enters nothing.
   ///
-  /// samples  n >= 1 positions on the body [m]; where no two neighbouring ones are farther apart than a cell, the
+  /// samples  n >= 1 positions on the body [m]; where no two neighbouring ones are farther apart
+  /// than a cell, the
   ///          bodies are disjoint, as each sample is held against its cell and the eight around it
-  /// Returns the least such lift [m]; negative where the body has to come down. Cost: O(n), no allocation.
+  /// Returns the least such lift [m]; negative where the body has to come down. Cost: O(n), no
+  /// allocation.
   float rest(PointsView samples) const noexcept;
 
   /// Raise the field by a body whose samples are at `lift` above where they are given.

@@ -28,11 +28,13 @@ Pose frame_pose(const ReferenceFrame& frame) noexcept {
 
 namespace {
 
-/// Columns that do not overlap: said at the parameters, where the compiler believes it and vectorises the loop.
+/// Columns that do not overlap: said at the parameters, where the compiler believes it and
+/// vectorises the loop.
 TRIVET_SIMD_CLONES
 void compute_columns(const ReferenceFrame& reference, std::size_t n, const float* __restrict x,
-                     const float* __restrict y, const float* __restrict z, const float* __restrict mx,
-                     const float* __restrict my, const float* __restrict mz, float* __restrict distance,
+                     const float* __restrict y, const float* __restrict z,
+                     const float* __restrict mx, const float* __restrict my,
+                     const float* __restrict mz, float* __restrict distance,
                      float* __restrict angle1, float* __restrict angle2, float* __restrict angle3,
                      float* __restrict rotation) noexcept {
   const float px = reference.point.x(), py = reference.point.y(), pz = reference.point.z();
@@ -50,11 +52,15 @@ void compute_columns(const ReferenceFrame& reference, std::size_t n, const float
     angle1[i] = fast_atan2(std::sqrt(across_u * across_u + across_v * across_v), along);
     rotation[i] = -fast_atan2(across_v, across_u);
 
-    const float cx = my[i] * dz - mz[i] * dy, cy = mz[i] * dx - mx[i] * dz, cz = mx[i] * dy - my[i] * dx;
-    angle2[i] = fast_atan2(std::sqrt(cx * cx + cy * cy + cz * cz), mx[i] * dx + my[i] * dy + mz[i] * dz);
+    const float cx = my[i] * dz - mz[i] * dy, cy = mz[i] * dx - mx[i] * dz,
+                cz = mx[i] * dy - my[i] * dx;
+    angle2[i] =
+        fast_atan2(std::sqrt(cx * cx + cy * cy + cz * cz), mx[i] * dx + my[i] * dy + mz[i] * dz);
 
-    const float ex = ny * mz[i] - nz * my[i], ey = nz * mx[i] - nx * mz[i], ez = nx * my[i] - ny * mx[i];
-    angle3[i] = fast_atan2(std::sqrt(ex * ex + ey * ey + ez * ez), nx * mx[i] + ny * my[i] + nz * mz[i]);
+    const float ex = ny * mz[i] - nz * my[i], ey = nz * mx[i] - nx * mz[i],
+                ez = nx * my[i] - ny * mx[i];
+    angle3[i] =
+        fast_atan2(std::sqrt(ex * ex + ey * ey + ez * ez), nx * mx[i] + ny * my[i] + nz * mz[i]);
   }
 }
 
@@ -64,9 +70,10 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
                            const PairFeaturesSpan& out) noexcept {
   assert(normals.size() == points.size() && out.distance.size() == points.size() &&
          "one normal and one feature per point");
-  compute_columns(reference, points.size(), points.x.data(), points.y.data(), points.z.data(), normals.x.data(),
-                  normals.y.data(), normals.z.data(), out.distance.data(), out.angle_n1_d.data(),
-                  out.angle_n2_d.data(), out.angle_n1_n2.data(), out.rotation.data());
+  compute_columns(reference, points.size(), points.x.data(), points.y.data(), points.z.data(),
+                  normals.x.data(), normals.y.data(), normals.z.data(), out.distance.data(),
+                  out.angle_n1_d.data(), out.angle_n2_d.data(), out.angle_n1_n2.data(),
+                  out.rotation.data());
 }
 
 TRIVET_SIMD_CLONES

@@ -55,7 +55,8 @@ void choose_references(PointsView points, const Symmetry& symmetry, float margin
                        std::span<std::uint8_t> is_reference) noexcept {
   // Any direction in general position; with an axis, the part across it is left to the strip.
   const Eigen::Vector3f general = Eigen::Vector3f(0.8411F, 0.4587F, 0.2872F).normalized();
-  Eigen::Vector3f axis = Eigen::Vector3f::Zero(), across = Eigen::Vector3f::Zero(), aside = Eigen::Vector3f::Zero();
+  Eigen::Vector3f axis = Eigen::Vector3f::Zero(), across = Eigen::Vector3f::Zero(),
+                  aside = Eigen::Vector3f::Zero();
   Eigen::Vector3f foot = Eigen::Vector3f::Zero(), along = general;
   if (symmetry.axis) {
     axis = symmetry.axis->direction;

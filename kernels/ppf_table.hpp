@@ -32,12 +32,13 @@ struct PpfPoints {
   std::span<const ViewMask> views;
 };
 
-/// Mark one point of each set of points that the model's symmetries map onto each other, so that a table holds each
-/// pair once, not once per symmetric copy: a model of n-fold symmetry needs 1 / n of the entries and votes.
+/// Mark one point of each set of points that the model's symmetries map onto each other, so that a
+/// table holds each pair once, not once per symmetric copy: a model of n-fold symmetry needs 1 / n
+/// of the entries and votes.
 ///
-/// A point is marked when none of its images lies farther along a fixed direction that no symmetry keeps; with a free
-/// axis, when it is in a strip beside one half plane through the axis. `margin` (about the sampling step) widens the
-/// choice, since samples do not map onto samples.
+/// A point is marked when none of its images lies farther along a fixed direction that no symmetry
+/// keeps; with a free axis, when it is in a strip beside one half plane through the axis. `margin`
+/// (about the sampling step) widens the choice, since samples do not map onto samples.
 void choose_references(PointsView points, const Symmetry& symmetry, float margin,
                        std::span<std::uint8_t> is_reference) noexcept;
 

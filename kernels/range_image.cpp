@@ -22,7 +22,8 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
     }
   };
   each([&](double u, double v, double x, double y) {
-    n += 1, sx += x, sxx += x * x, su += u, sxu += x * u, sy += y, syy += y * y, sv += v, syv += y * v;
+    n += 1, sx += x, sxx += x * x, su += u, sxu += x * u, sy += y, syy += y * y, sv += v,
+        syv += y * v;
   });
   const double det_x = n * sxx - sx * sx, det_y = n * syy - sy * sy;
   if (n < 100 || !(det_x > 0) || !(det_y > 0)) return std::nullopt;
@@ -35,7 +36,8 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
 
   double within = 0;
   each([&](double u, double v, double x, double y) {
-    within += std::abs(camera.fx * x + camera.cx - u) < 0.5 && std::abs(camera.fy * y + camera.cy - v) < 0.5;
+    within += std::abs(camera.fx * x + camera.cx - u) < 0.5 &&
+              std::abs(camera.fy * y + camera.cy - v) < 0.5;
   });
   if (within < 0.95 * n) return std::nullopt;
   return camera;
@@ -43,12 +45,12 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
 
 namespace {
 
-constexpr float kMaxTangent = 3.732F;      // tan 75 degrees
+constexpr float kMaxTangent = 3.732F;     // tan 75 degrees
 constexpr std::uint32_t kMaxSide = 2048;  // pixels
 
 /// Number of pixels of this pitch (in tangent units) that hold at least one point.
-std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch, std::uint32_t width,
-                           std::uint32_t height, std::vector<bool>& seen) {
+std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch,
+                           std::uint32_t width, std::uint32_t height, std::vector<bool>& seen) {
   seen.assign(std::size_t{width} * height, false);
   std::size_t occupied = 0;
   for (std::size_t i = 0; i < tangents.size(); ++i) {
@@ -62,7 +64,8 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
 }
 
 /// The pitch at which about half of the points share their pixel with another, by bisection.
-float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent, float finest) {
+float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent,
+                   float finest) {
   float fine = finest, coarse = extent.maxCoeff() / 4;
   std::vector<bool> seen;
   for (int step = 0; step < 14 && coarse > 1.02F * fine; ++step) {
@@ -88,7 +91,8 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   const Eigen::Vector3f towards = ((low + high) / 2).matrix() - viewpoint;
   if (!(towards.norm() > 1e-6F * (high - low).matrix().norm())) return std::nullopt;
 
-  // Rows of the rotation: right, down, forward. Any roll serves; take the axis least aligned as help.
+  // Rows of the rotation: right, down, forward. Any roll serves; take the axis least aligned as
+  // help.
   const Eigen::Vector3f forward = towards.normalized();
   Eigen::Index least = 0;
   forward.cwiseAbs().minCoeff(&least);

@@ -22,7 +22,8 @@ struct ImageGeometry {
   std::int64_t pixel_of(const Eigen::Vector3f& p) const noexcept {
     if (!(p.z() > 0)) return -1;
     const float u = fx * p.x() / p.z() + cx + 0.5F, v = fy * p.y() / p.z() + cy + 0.5F;
-    if (!(u >= 0 && v >= 0 && u < static_cast<float>(width) && v < static_cast<float>(height))) return -1;
+    if (!(u >= 0 && v >= 0 && u < static_cast<float>(width) && v < static_cast<float>(height)))
+      return -1;
     return static_cast<std::int64_t>(v) * width + static_cast<std::int64_t>(u);
   }
   /// The camera-frame point at depth z that projects to the centre of a pixel.
@@ -40,27 +41,31 @@ struct RangeImage {
   Column<std::uint8_t> plane;  ///< number of the dominant plane the pixel lies on, from 1; 0: none
 };
 
-/// Recover the camera of an organised scan whose file does not name it, by least squares on u = fx x/z + cx.
-/// Nothing is returned unless 95 % of the points lie within half a pixel: then the grid is not a pinhole's.
-/// points are in the frame of a sensor at the origin that looks along +z.
+/// Recover the camera of an organised scan whose file does not name it, by least squares on u = fx
+/// x/z + cx. Nothing is returned unless 95 % of the points lie within half a pixel: then the grid
+/// is not a pinhole's. points are in the frame of a sensor at the origin that looks along +z.
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
 
-/// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of the points.
-/// pixel_size   what a pixel covers at the middle of the points [scene unit]; 0: as fine as leaves about two points on
-///              each occupied pixel, so that surfaces have few holes (right when the points are what was seen from
-///              there; of a whole surface, points behind one another share pixels)
+/// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of
+/// the points. pixel_size   what a pixel covers at the middle of the points [scene unit]; 0: as
+/// fine as leaves about two points on
+///              each occupied pixel, so that surfaces have few holes (right when the points are
+///              what was seen from there; of a whole surface, points behind one another share
+///              pixels)
 /// Neither side exceeds 2048 pixels. Points more than 75 degrees off the axis fall outside.
 /// Nothing for fewer than 3 points or points all in one place or direction.
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
                                            float pixel_size = 0);
 
-/// For each pixel the index of the nearest of the points that fall on it (ties to the lowest index).
-/// With normals, points that face away from the camera are left out.
+/// For each pixel the index of the nearest of the points that fall on it (ties to the lowest
+/// index). With normals, points that face away from the camera are left out.
 PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
 
 /// Fill single missing pixels of a depth image between measured neighbours of like depth, in place.
-/// A pixel is filled with the mean of its measured 8-neighbours when there are at least `min_neighbours` of them, all
-/// within `max_step` of each other. Pixels on the image's border stay as they are. Gives the number filled.
-std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours, Column<float>& depth);
+/// A pixel is filled with the mean of its measured 8-neighbours when there are at least
+/// `min_neighbours` of them, all within `max_step` of each other. Pixels on the image's border stay
+/// as they are. Gives the number filled.
+std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours,
+                             Column<float>& depth);
 
 }  // namespace trivet::kernels

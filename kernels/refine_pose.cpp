@@ -9,8 +9,8 @@
 
 namespace trivet::kernels {
 
-Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samples, const Pose& start,
-                    const RefineOptions& options) noexcept {
+Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samples,
+                    const Pose& start, const RefineOptions& options) noexcept {
   Refined refined{start, 0, false};
   Pose& pose = refined.T_scene_model;
   const float shrink = std::pow(options.last_gate / options.first_gate,
@@ -19,7 +19,8 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
   const std::size_t n = std::min(options.num_samples, samples.points.size());
   float gate = options.first_gate;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration, gate *= shrink) {
-    const Eigen::Vector3f pivot = pose * samples.centre;  // turning about the object keeps the system well conditioned
+    const Eigen::Vector3f pivot =
+        pose * samples.centre;  // turning about the object keeps the system well conditioned
     Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
     std::uint32_t associated = 0;
@@ -37,7 +38,8 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
         const auto at = static_cast<std::size_t>(pixel);
         const float d = image.depth[at];
         const Eigen::Vector3f normal = image.normals[at];
-        if (!(d > 0) || !(normal.dot(T_camera_model.linear() * samples.normals[i]) > min_cosine)) continue;
+        if (!(d > 0) || !(normal.dot(T_camera_model.linear() * samples.normals[i]) > min_cosine))
+          continue;
         const Eigen::Vector3f q = geometry.back_project(at, d);
         const float residual = normal.dot(p - q);
         if (std::abs(residual) > gate || (p - q).squaredNorm() > 9 * gate * gate) continue;
@@ -56,8 +58,10 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
     }
     if (associated < 20) break;
     // A little damping holds directions that the visible surface does not fix, as a plane's slide.
-    A.topLeftCorner<3, 3>().diagonal().array() += 1e-3 * A.topLeftCorner<3, 3>().trace() / 3 + 1e-30;
-    A.bottomRightCorner<3, 3>().diagonal().array() += 1e-3 * A.bottomRightCorner<3, 3>().trace() / 3 + 1e-30;
+    A.topLeftCorner<3, 3>().diagonal().array() +=
+        1e-3 * A.topLeftCorner<3, 3>().trace() / 3 + 1e-30;
+    A.bottomRightCorner<3, 3>().diagonal().array() +=
+        1e-3 * A.bottomRightCorner<3, 3>().trace() / 3 + 1e-30;
     const Eigen::Matrix<double, 6, 1> step = A.ldlt().solve(b);
     if (!step.allFinite()) break;
     pose = small_motion(step.head<3>().cast<float>(), step.tail<3>().cast<float>(), pivot) * pose;

@@ -57,18 +57,22 @@ struct Posed {
 };
 
 constexpr float kGrazing = 0.15F;  // cosine below which a surface is too oblique to be measured
-constexpr float kUnknownNormal = 0.8F;  // cosine taken where the scene has no normal: below that of a good fit
-constexpr int kOutlineSide = 96;   // cells; a diameter is some 50
-constexpr std::array<std::array<int, 2>, 5> kCross{{{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};  // a pixel, neighbours
+constexpr float kUnknownNormal =
+    0.8F;  // cosine taken where the scene has no normal: below that of a good fit
+constexpr int kOutlineSide = 96;  // cells; a diameter is some 50
+constexpr std::array<std::array<int, 2>, 5> kCross{
+    {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};  // a pixel, neighbours
 
 bool is_background(std::uint8_t plane, const VerifyOptions& options) noexcept {
-  return plane > 0 && plane <= options.plane_is_background.size() && options.plane_is_background[plane - 1] != 0;
+  return plane > 0 && plane <= options.plane_is_background.size() &&
+         options.plane_is_background[plane - 1] != 0;
 }
 
 }  // namespace
 
-Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& samples, std::size_t num_samples,
-                     const Pose& T_scene_model, const VerifyOptions& options, std::vector<std::uint32_t>* explained) {
+Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& samples,
+                     std::size_t num_samples, const Pose& T_scene_model,
+                     const VerifyOptions& options, std::vector<std::uint32_t>* explained) {
   Evidence evidence;
   const float min_normal_cosine = std::cos(options.max_normal_angle_rad);
   std::uint32_t first_pixel = 0;
@@ -76,7 +80,8 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
     const ImageGeometry& geometry = image.geometry;
     const Posed posed(image, samples, T_scene_model);
     const Eigen::Matrix3f R = posed.T_camera_model.linear();
-    const auto width = static_cast<std::int64_t>(geometry.width), height = static_cast<std::int64_t>(geometry.height);
+    const auto width = static_cast<std::int64_t>(geometry.width),
+               height = static_cast<std::int64_t>(geometry.height);
     const std::size_t n = std::min(num_samples, samples.points.size());
     for (std::size_t i = 0; i < n; ++i) {
       if (!posed.sees(samples.views[i])) continue;
@@ -91,7 +96,8 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
       }
       ++evidence.visible;
 
-      // The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a hole.
+      // The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a
+      // hole.
       float best = std::numeric_limits<float>::infinity();
       std::int64_t best_pixel = -1;
       const std::int64_t u = pixel % width, v = pixel / width;
@@ -139,16 +145,17 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
   return evidence;
 }
 
-void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples, const Pose& T_scene_model,
-                   const VerifyOptions& options, ContourScratch& scratch, Evidence& evidence) {
+void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
+                   const Pose& T_scene_model, const VerifyOptions& options, ContourScratch& scratch,
+                   Evidence& evidence) {
   for (const RangeImage& image : images) {
     const ImageGeometry& geometry = image.geometry;
     const Posed posed(image, samples, T_scene_model);
     const Eigen::Vector3f centre = posed.T_camera_model * samples.centre;
     if (!(centre.z() > samples.diameter * 0.1F)) continue;
 
-    // A coarse image of the model alone, around its centre. Each sample covers 3 x 3 cells of 0.8 spacings, which
-    // leaves no holes inside the outline and widens it by about one cell.
+    // A coarse image of the model alone, around its centre. Each sample covers 3 x 3 cells of 0.8
+    // spacings, which leaves no holes inside the outline and widens it by about one cell.
     const float cell = std::max(1.0F, 0.8F * samples.spacing * geometry.fx / centre.z());
     const float u0 = geometry.fx * centre.x() / centre.z() + geometry.cx - cell * kOutlineSide / 2;
     const float v0 = geometry.fy * centre.y() / centre.z() + geometry.cy - cell * kOutlineSide / 2;
@@ -160,7 +167,8 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
       const float u = (geometry.fx * p.x() / p.z() + geometry.cx - u0) / cell;
       const float v = (geometry.fy * p.y() / p.z() + geometry.cy - v0) / cell;
       if (!(u >= 3 && v >= 3 && u < kOutlineSide - 3 && v < kOutlineSide - 3)) continue;
-      const std::size_t at = static_cast<std::size_t>(v) * kOutlineSide + static_cast<std::size_t>(u);
+      const std::size_t at =
+          static_cast<std::size_t>(v) * kOutlineSide + static_cast<std::size_t>(u);
       for (const std::size_t row : {at - kOutlineSide, at, at + kOutlineSide}) {
         for (const std::size_t k : {row - 1, row, row + 1}) {
           float& depth = scratch.depth[k];
@@ -178,7 +186,9 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
         if (z == 0) continue;
         for (const auto& [du, dv] : kSteps) {
           const auto filled = [&](int k) {
-            return scratch.depth[static_cast<std::size_t>((v + k * dv) * kOutlineSide + u + k * du)] != 0;
+            return scratch
+                       .depth[static_cast<std::size_t>((v + k * dv) * kOutlineSide + u + k * du)] !=
+                   0;
           };
           if (filled(1) || filled(2)) continue;
           const float pu = u0 + (static_cast<float>(u + du) + 0.5F) * cell;
@@ -187,8 +197,8 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
                 pv + 0.5F < static_cast<float>(geometry.height))) {
             continue;
           }
-          const std::size_t pixel =
-              static_cast<std::size_t>(pv + 0.5F) * geometry.width + static_cast<std::size_t>(pu + 0.5F);
+          const std::size_t pixel = static_cast<std::size_t>(pv + 0.5F) * geometry.width +
+                                    static_cast<std::size_t>(pu + 0.5F);
           const float d = image.depth[pixel];
           if (d > 0 && d < z - jump) continue;  // hidden by something nearer
           if (!(d > 0) || d > z + jump) {

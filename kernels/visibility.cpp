@@ -103,8 +103,10 @@ void orient_outward(const RayScene& scene, PointsView points, NormalsSpan normal
     const Eigen::Vector3f normal = given[i];
     dot_views(normal, cosines);
     masks[i] = free_views(scene, points[i] + offset * normal, cosines, 1);
-    // Where this side sees so much that no other side could see twice as much, half of the rays are saved.
-    const auto behind = std::count_if(cosines.begin(), cosines.end(), [](float c) { return -c > kMinViewCosine; });
+    // Where this side sees so much that no other side could see twice as much, half of the rays are
+    // saved.
+    const auto behind =
+        std::count_if(cosines.begin(), cosines.end(), [](float c) { return -c > kMinViewCosine; });
     if (2 * count_views(masks[i]) >= behind) continue;
     const ViewMask other = free_views(scene, points[i] - offset * normal, cosines, -1);
     if (count_views(other) > 2 * count_views(masks[i])) {

@@ -32,13 +32,14 @@ std::uint32_t fullest_cell(std::span<const SceneVote> votes, const std::uint32_t
 
 }  // namespace
 
-std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& table, std::uint64_t max_votes,
-                         std::span<std::uint16_t> accumulator) noexcept {
+std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& table,
+                         std::uint64_t max_votes, std::span<std::uint16_t> accumulator) noexcept {
   assert(votes.size() < 8192 && "counters of 16 bits");
-  // Sorted: from the first cell beyond the table on, pairs are farther apart than this model is large.
+  // Sorted: from the first cell beyond the table on, pairs are farther apart than this model is
+  // large.
   const std::uint32_t num_cells = table.quantisation.num_cells();
-  const auto beyond = std::partition_point(votes.begin(), votes.end(),
-                                           [&](const SceneVote& vote) { return vote.cell < num_cells; });
+  const auto beyond = std::partition_point(
+      votes.begin(), votes.end(), [&](const SceneVote& vote) { return vote.cell < num_cells; });
   votes = votes.first(static_cast<std::size_t>(beyond - votes.begin()));
 
   const std::uint32_t* const offsets = table.offsets.data();
@@ -53,7 +54,8 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
     if (last - first >= too_full) continue;
     const std::uint16_t rotation = votes[i].rotation;
     for (std::uint32_t e = first; e < last; ++e) {
-      const std::uint32_t bin = static_cast<std::uint16_t>(entries[e].angle - rotation) >> kRotationShift;
+      const std::uint32_t bin =
+          static_cast<std::uint16_t>(entries[e].angle - rotation) >> kRotationShift;
       ++counters[entries[e].reference * kRotationBins + bin];
     }
     total += last - first;

@@ -10,7 +10,8 @@
 
 namespace trivet {
 
-/// Pinhole camera, OpenCV axes (x right, y down, z forward): u = fx x / z + cx, v = fy y / z + cy [pixel].
+/// Pinhole camera, OpenCV axes (x right, y down, z forward): u = fx x / z + cx, v = fy y / z + cy
+/// [pixel].
 struct Camera {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double depth_scale = 1;  ///< raw depth value times depth_scale is a length in the scene's unit
@@ -40,7 +41,7 @@ struct PixelGrid {
 /// Points with whatever else came along. All values are finite; lengths are in the file's unit.
 struct Cloud {
   Points points;
-  Normals normals;      ///< as in the file, not checked for length; empty or one a point; zero: none
+  Normals normals;  ///< as in the file, not checked for length; empty or one a point; zero: none
   Triangles triangles;  ///< empty for a plain cloud; every index < points.size()
   std::optional<PixelGrid> grid;
   std::optional<Camera> camera;              ///< only from depth images; camera frame = scene frame

@@ -30,17 +30,19 @@ struct LibraryHeader {
   std::string parameters;  ///< training parameters as one JSON object
 };
 
-/// Writes models one after the other into a temporary file beside `file`; `publish` makes it visible.
-/// Peak memory is that of one model. Not for use by two threads at once.
+/// Writes models one after the other into a temporary file beside `file`; `publish` makes it
+/// visible. Peak memory is that of one model. Not for use by two threads at once.
 class LibraryWriter {
  public:
   /// Errors: bad_data (header of more than 60,000 bytes), cannot_create, io.
-  static Result<LibraryWriter> create(const std::filesystem::path& file, const LibraryHeader& header);
+  static Result<LibraryWriter> create(const std::filesystem::path& file,
+                                      const LibraryHeader& header);
   LibraryWriter(LibraryWriter&&) noexcept;
   LibraryWriter& operator=(LibraryWriter&&) noexcept;
   ~LibraryWriter();  ///< without publish: removes the temporary file, an older library stays
 
-  /// Errors: bad_data (invalid or repeated name, broken model), io (disk full: says how much was needed).
+  /// Errors: bad_data (invalid or repeated name, broken model), io (disk full: says how much was
+  /// needed).
   Result<void> add(const Model& model);
   /// Close, fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
   Result<void> publish();
@@ -61,11 +63,12 @@ struct Library {
   std::filesystem::path file;
   LibraryHeader header;
   std::uint64_t file_bytes = 0;
-  std::vector<Model> models;           ///< sorted by name; the PPF tables lie in the mapped file
-  std::vector<DatasetInfo> datasets;   ///< in file order, for `library info`
+  std::vector<Model> models;          ///< sorted by name; the PPF tables lie in the mapped file
+  std::vector<DatasetInfo> datasets;  ///< in file order, for `library info`
 };
 
-/// Open a library: structure, extents, checksums and index ranges are checked before anything is used.
+/// Open a library: structure, extents, checksums and index ranges are checked before anything is
+/// used.
 ///
 /// The PPF tables stay in the mapped file; the rest is copied. Links, external storage, filters and
 /// datasets that the format does not name are refused.

@@ -29,8 +29,8 @@ struct TruthInstance {
 };
 
 struct ManifestScene {
-  std::filesystem::path file;   ///< resolved
-  std::string name;             ///< as written in the manifest
+  std::filesystem::path file;  ///< resolved
+  std::string name;            ///< as written in the manifest
   std::optional<Camera> camera;
   std::optional<Eigen::Vector3f> viewpoint;
   bool closed_surface = false;  ///< neither camera nor viewpoint: a surface without a sensor
@@ -39,20 +39,21 @@ struct ManifestScene {
 
 struct Manifest {
   LengthUnit unit = LengthUnit::metre;
-  std::vector<ManifestModel> models;          ///< in the order of the file
-  std::vector<std::string> models_scored;     ///< empty: all
+  std::vector<ManifestModel> models;       ///< in the order of the file
+  std::vector<std::string> models_scored;  ///< empty: all
   std::vector<ManifestScene> scenes;
 };
 
 /// Errors: missing_input, bad_data (names the JSON path of the fault).
 Result<Manifest> read_manifest(const std::filesystem::path& file);
 
-/// Write a manifest that reads back the same. The files of models and scenes are named relative to its folder.
-/// The file appears whole or not at all. Errors: cannot_create, io.
+/// Write a manifest that reads back the same. The files of models and scenes are named relative to
+/// its folder. The file appears whole or not at all. Errors: cannot_create, io.
 Result<void> write_manifest(const std::filesystem::path& file, const Manifest& manifest);
 
 /// Symmetries from a BOP models_info.json (lengths in mm, scaled by `scale`), by object id.
 /// Errors: missing_input, bad_data.
-Result<std::vector<std::pair<int, Symmetry>>> read_bop_symmetries(const std::filesystem::path& file, double scale);
+Result<std::vector<std::pair<int, Symmetry>>> read_bop_symmetries(const std::filesystem::path& file,
+                                                                  double scale);
 
 }  // namespace trivet

@@ -24,9 +24,11 @@ using Pose = Eigen::Transform<float, 3, Eigen::Isometry, Eigen::DontAlign>;
 struct Symmetry {
   struct Axis {
     Eigen::Matrix<float, 3, 1, Eigen::DontAlign> direction{0, 0, 1};  ///< unit vector
-    Eigen::Matrix<float, 3, 1, Eigen::DontAlign> point{0, 0, 0};      ///< a point on the axis [library unit]
+    Eigen::Matrix<float, 3, 1, Eigen::DontAlign> point{0, 0,
+                                                       0};  ///< a point on the axis [library unit]
   };
-  std::vector<Pose> poses;   ///< discrete symmetries; beside an axis: those that are no turn about it
+  std::vector<Pose>
+      poses;  ///< discrete symmetries; beside an axis: those that are no turn about it
   std::optional<Axis> axis;  ///< any turn about it is a symmetry
   bool declared = false;     ///< given by the user, not found by the program
 
@@ -39,25 +41,27 @@ inline constexpr std::size_t kViewWords = 4;
 using ViewMask = std::array<std::uint64_t, kViewWords>;
 
 struct Model {
-  std::string name;           ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
-  std::string source;         ///< name of the file it was trained from, without folders
-  std::string source_xxh3;    ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
-  float diameter = 0;         ///< largest distance between two surface points [library unit]
-  Eigen::Vector3f centre{0, 0, 0};  ///< area centroid, which every symmetry keeps in place [library unit]
+  std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
+  std::string source;       ///< name of the file it was trained from, without folders
+  std::string source_xxh3;  ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
+  float diameter = 0;       ///< largest distance between two surface points [library unit]
+  Eigen::Vector3f centre{0, 0,
+                         0};  ///< area centroid, which every symmetry keeps in place [library unit]
   Symmetry symmetry;
 
   Points vertices;      ///< the surface as given, scaled to the library's unit
   Triangles triangles;  ///< empty for a model trained from a cloud
 
-  Points samples;            ///< about uniform over the visible surface, for refinement and verification
-  Normals sample_normals;    ///< outward
+  Points samples;  ///< about uniform over the visible surface, for refinement and verification
+  Normals sample_normals;  ///< outward
   Column<ViewMask> sample_views;
   float sample_spacing = 0;  ///< mean distance between neighbouring samples [library unit]
 
   Points ppf_points;  ///< what the table's references index; at most 65,536
   Normals ppf_normals;
-  PpfTableView ppf;   ///< spans into ppf_storage
-  std::shared_ptr<const void> ppf_storage;  ///< keeps the table's memory, heap or mapped file, alive
+  PpfTableView ppf;  ///< spans into ppf_storage
+  std::shared_ptr<const void>
+      ppf_storage;  ///< keeps the table's memory, heap or mapped file, alive
 };
 
 }  // namespace trivet

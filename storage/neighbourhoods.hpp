@@ -27,7 +27,9 @@ struct Neighbourhoods {
   Column<std::uint32_t> offsets, indices;
 
   NeighbourhoodsView view() const noexcept { return {offsets, indices}; }
-  operator NeighbourhoodsView() const noexcept { return view(); }  // NOLINT: an owner reads as its view
+  operator NeighbourhoodsView() const noexcept {
+    return view();
+  }  // NOLINT: an owner reads as its view
 };
 
 }  // namespace trivet

@@ -16,9 +16,9 @@ static_assert(sizeof(PpfEntry) == 4, "the table is stored as it is in memory");
 
 /// Quantisation of the pair feature (Drost et al., CVPR 2010, section 3.1).
 struct PpfQuantisation {
-  float distance_step = 0;               ///< width of a distance bin [library unit], > 0
-  std::uint32_t num_distance_bins = 0;   ///< distances beyond the last bin are not in the table
-  std::uint32_t num_angle_bins = 0;      ///< bins over [0, pi] for each of the three angles
+  float distance_step = 0;              ///< width of a distance bin [library unit], > 0
+  std::uint32_t num_distance_bins = 0;  ///< distances beyond the last bin are not in the table
+  std::uint32_t num_angle_bins = 0;     ///< bins over [0, pi] for each of the three angles
 
   std::uint32_t num_cells() const noexcept {
     return num_distance_bins * num_angle_bins * num_angle_bins * num_angle_bins;
@@ -29,7 +29,8 @@ struct PpfQuantisation {
 /// Entries of cell c are entries[offsets[c] .. offsets[c + 1]), sorted by reference, then angle.
 struct PpfTableView {
   PpfQuantisation quantisation;
-  std::uint32_t num_references = 0;        ///< pairs start at points below it; the rest are their symmetric copies
+  std::uint32_t num_references =
+      0;  ///< pairs start at points below it; the rest are their symmetric copies
   std::span<const std::uint32_t> offsets;  ///< num_cells() + 1, non-decreasing
   std::span<const PpfEntry> entries;       ///< offsets.back() of them
 };

@@ -13,12 +13,14 @@ ordered_json vector_json(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()
 ordered_json pose_json(const Pose& pose) {
   const Eigen::Matrix4f m = pose.matrix();
   ordered_json rows = ordered_json::array();
-  for (Eigen::Index row = 0; row < 4; ++row) rows.push_back({m(row, 0), m(row, 1), m(row, 2), m(row, 3)});
+  for (Eigen::Index row = 0; row < 4; ++row)
+    rows.push_back({m(row, 0), m(row, 1), m(row, 2), m(row, 3)});
   return rows;
 }
 
 ordered_json model_json(const ManifestModel& model, const std::filesystem::path& folder) {
-  ordered_json out{{"file", model.file.lexically_proximate(folder).generic_string()}, {"scale", model.scale}};
+  ordered_json out{{"file", model.file.lexically_proximate(folder).generic_string()},
+                   {"scale", model.scale}};
   if (!model.symmetry) return out;
   out["symmetries"] = ordered_json::array();
   for (const Pose& pose : model.symmetry->poses) out["symmetries"].push_back(pose_json(pose));
@@ -32,7 +34,10 @@ ordered_json model_json(const ManifestModel& model, const std::filesystem::path&
 ordered_json scene_json(const ManifestScene& scene, const std::filesystem::path& folder) {
   ordered_json out{{"file", scene.file.lexically_proximate(folder).generic_string()}};
   if (const auto& camera = scene.camera) {
-    out["camera"] = {{"fx", camera->fx}, {"fy", camera->fy}, {"cx", camera->cx}, {"cy", camera->cy},
+    out["camera"] = {{"fx", camera->fx},
+                     {"fy", camera->fy},
+                     {"cx", camera->cx},
+                     {"cy", camera->cy},
                      {"depth_scale", camera->depth_scale}};
   }
   if (scene.viewpoint) out["viewpoint"] = vector_json(*scene.viewpoint);
@@ -53,7 +58,8 @@ Result<void> write_manifest(const std::filesystem::path& file, const Manifest& m
   ordered_json models = ordered_json::object(), scenes = ordered_json::array();
   for (const ManifestModel& model : manifest.models) models[model.name] = model_json(model, folder);
   for (const ManifestScene& scene : manifest.scenes) scenes.push_back(scene_json(scene, folder));
-  ordered_json document{{"unit", manifest.unit == LengthUnit::metre ? "m" : "mm"}, {"models", std::move(models)}};
+  ordered_json document{{"unit", manifest.unit == LengthUnit::metre ? "m" : "mm"},
+                        {"models", std::move(models)}};
   if (!manifest.models_scored.empty()) document["models_scored"] = manifest.models_scored;
   document["scenes"] = std::move(scenes);
   const std::string text = document.dump(1) + "\n";

@@ -72,23 +72,26 @@ bool encode(const Rows& rows, Sink& sink) {
 Result<std::vector<std::byte>> encode(const Rows& rows) {
   Sink sink;
   if (encode(rows, sink)) return std::move(sink.bytes);
-  return Error{ErrorCode::internal, fmt::format("an image of {} x {} pixels cannot be encoded as PNG: {}", rows.width,
-                                                rows.height, sink.fault.data())};
+  return Error{ErrorCode::internal,
+               fmt::format("an image of {} x {} pixels cannot be encoded as PNG: {}", rows.width,
+                           rows.height, sink.fault.data())};
 }
 
 }  // namespace
 
 Result<std::vector<std::byte>> encode_png(const Picture& picture) {
-  assert(picture.rgb.size() == std::size_t{3} * picture.width * picture.height && "three bytes a pixel");
+  assert(picture.rgb.size() == std::size_t{3} * picture.width * picture.height &&
+         "three bytes a pixel");
   return encode({picture.width, picture.height, 8, PNG_COLOR_TYPE_RGB, picture.rgb.data(),
                  std::size_t{3} * picture.width});
 }
 
-Result<void> write_depth_png(const std::filesystem::path& file, std::span<const std::uint16_t> depths,
-                             std::uint32_t width) {
+Result<void> write_depth_png(const std::filesystem::path& file,
+                             std::span<const std::uint16_t> depths, std::uint32_t width) {
   assert(width > 0 && depths.size() % width == 0 && "whole rows");
-  const auto bytes = encode({width, static_cast<std::uint32_t>(depths.size() / width), 16, PNG_COLOR_TYPE_GRAY,
-                             reinterpret_cast<const png_byte*>(depths.data()), std::size_t{2} * width});
+  const auto bytes =
+      encode({width, static_cast<std::uint32_t>(depths.size() / width), 16, PNG_COLOR_TYPE_GRAY,
+              reinterpret_cast<const png_byte*>(depths.data()), std::size_t{2} * width});
   if (!bytes) return bytes.error();
   return publish_file(file, *bytes);
 }

@@ -20,9 +20,10 @@ struct Picture {
 /// Errors: internal (libpng's message).
 Result<std::vector<std::byte>> encode_png(const Picture& picture);
 
-/// Write a 16-bit grey PNG of whole rows of depths, as read_cloud reads it; 0 stands for no measurement.
-/// The file appears whole or not at all. Errors: cannot_create, io, internal (libpng's message).
-Result<void> write_depth_png(const std::filesystem::path& file, std::span<const std::uint16_t> depths,
-                             std::uint32_t width);
+/// Write a 16-bit grey PNG of whole rows of depths, as read_cloud reads it; 0 stands for no
+/// measurement. The file appears whole or not at all. Errors: cannot_create, io, internal (libpng's
+/// message).
+Result<void> write_depth_png(const std::filesystem::path& file,
+                             std::span<const std::uint16_t> depths, std::uint32_t width);
 
 }  // namespace trivet

@@ -23,7 +23,8 @@ Cloud wall() {
   for (std::uint32_t i = 0; i < kWidth * kHeight; ++i) {
     cloud.grid->point_index.push_back(static_cast<std::int32_t>(i));
     cloud.points.push_back(Eigen::Vector3d((i % kWidth - kCamera.cx) / kCamera.fx * 2,
-                                           (i / kWidth - kCamera.cy) / kCamera.fy * 2, 2).cast<float>());
+                                           (i / kWidth - kCamera.cy) / kCamera.fy * 2, 2)
+                               .cast<float>());
   }
   return cloud;
 }
@@ -69,8 +70,10 @@ TEST(DrawScene, PutsModelsWhereTheyAre) {
   const auto [red, green, blue] = pixel(pictures->overlaid, 320, 240);
   EXPECT_GT(red, green);
   EXPECT_EQ(blue, 0);
-  EXPECT_EQ(pixel(pictures->overlaid, 254, 240), (std::array{0, 255, 0})) << "the left edge is outlined";
-  EXPECT_EQ(pixel(pictures->overlaid, 100, 240), pixel(pictures->scan, 100, 240)) << "the rest is the scan";
+  EXPECT_EQ(pixel(pictures->overlaid, 254, 240), (std::array{0, 255, 0}))
+      << "the left edge is outlined";
+  EXPECT_EQ(pixel(pictures->overlaid, 100, 240), pixel(pictures->scan, 100, 240))
+      << "the rest is the scan";
 }
 
 TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {

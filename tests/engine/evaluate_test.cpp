@@ -17,14 +17,17 @@ namespace {
 
 using Eigen::Vector3f;
 
-Pose pose_at(const Vector3f& translation, float angle_deg = 0, const Vector3f& axis = Vector3f::UnitZ()) {
+Pose pose_at(const Vector3f& translation, float angle_deg = 0,
+             const Vector3f& axis = Vector3f::UnitZ()) {
   Pose pose = Pose::Identity();
-  pose.linear() = Eigen::AngleAxisf(angle_deg * std::numbers::pi_v<float> / 180, axis).toRotationMatrix();
+  pose.linear() =
+      Eigen::AngleAxisf(angle_deg * std::numbers::pi_v<float> / 180, axis).toRotationMatrix();
   pose.translation() = translation;
   return pose;
 }
 
-/// One scene in metres; a library of a box of 2 x 3 x 6 (diameter 7) far from its origin, and its twin `other`.
+/// One scene in metres; a library of a box of 2 x 3 x 6 (diameter 7) far from its origin, and its
+/// twin `other`.
 class Evaluate : public testing::Test {
  protected:
   Evaluate() {
@@ -40,7 +43,8 @@ class Evaluate : public testing::Test {
     manifest.scenes.resize(1);
   }
 
-  void add_truth(const Pose& pose, const char* model = "box", std::optional<double> occlusion = {}, bool ignore = false) {
+  void add_truth(const Pose& pose, const char* model = "box", std::optional<double> occlusion = {},
+                 bool ignore = false) {
     manifest.scenes[0].truth.push_back({model, pose, occlusion, ignore});
   }
   void add_detection(const Pose& pose, float score = 0.9F, const char* model = "box") {
@@ -63,7 +67,8 @@ class Evaluate : public testing::Test {
     EXPECT_EQ(evaluation.total.false_positives, false_positives);
   }
   /// Turn about the middle of the box by so many degrees, then shift.
-  static Pose off_by(float angle_deg, const Vector3f& axis, const Vector3f& shift = Vector3f::Zero()) {
+  static Pose off_by(float angle_deg, const Vector3f& axis,
+                     const Vector3f& shift = Vector3f::Zero()) {
     const Vector3f middle(10, 10, 10);
     return pose_at(shift + middle, angle_deg, axis) * pose_at(-middle);
   }
@@ -97,7 +102,8 @@ TEST_F(Evaluate, AllowsTwelveDegreesAboutTheMiddleWhereverTheOriginLies) {
   expect(1, 1, 0);
   result.detections[0].T_scene_model = off_by(12.1F, Vector3f::UnitY());
   expect(0, 1, 1);
-  result.detections[0].T_scene_model = pose_at(Vector3f::Zero(), 11.9F);  // about the origin, which is far
+  result.detections[0].T_scene_model =
+      pose_at(Vector3f::Zero(), 11.9F);  // about the origin, which is far
   expect(0, 1, 1);
 }
 
@@ -169,8 +175,8 @@ TEST_F(Evaluate, LeavesTheTurnAboutAFreeAxisOut) {
 
 TEST_F(Evaluate, MeasuresAddOnTheVertices) {
   add_truth(Pose::Identity());
-  // The corners lie sqrt(1 + 1.5^2) from the z axis through the middle: 12 degrees move them by 0.38, with 0.65 along
-  // z by 0.75 > 0.7, although both errors are within their limits.
+  // The corners lie sqrt(1 + 1.5^2) from the z axis through the middle: 12 degrees move them by
+  // 0.38, with 0.65 along z by 0.75 > 0.7, although both errors are within their limits.
   add_detection(off_by(11.9F, Vector3f::UnitZ(), {0, 0, 0.65F}));
   const Evaluation evaluation = judge();
   EXPECT_EQ(evaluation.total.right, 1U);
@@ -242,13 +248,15 @@ TEST_F(Evaluate, GivesMedianTimesOfTheStages) {
 
 // Ends of the interval are the roots p of |right / n - p| = z sqrt(p (1 - p) / n).
 TEST(WilsonInterval, SolvesItsEquation) {
-  for (const auto& [right, n] : {std::pair<std::size_t, std::size_t>{7, 10}, {1, 3}, {99, 100}, {0, 5}, {5, 5}}) {
+  for (const auto& [right, n] :
+       {std::pair<std::size_t, std::size_t>{7, 10}, {1, 3}, {99, 100}, {0, 5}, {5, 5}}) {
     const auto [low, high] = wilson_interval(right, n);
     const double rate = static_cast<double>(right) / static_cast<double>(n);
     EXPECT_LE(low, rate);
     EXPECT_GE(high, rate);
     for (const double p : {low, high}) {
-      EXPECT_NEAR(std::abs(rate - p), 1.959964 * std::sqrt(p * (1 - p) / static_cast<double>(n)), 1e-6);
+      EXPECT_NEAR(std::abs(rate - p), 1.959964 * std::sqrt(p * (1 - p) / static_cast<double>(n)),
+                  1e-6);
     }
   }
   EXPECT_EQ(wilson_interval(0, 0), (std::pair<double, double>{0, 1}));

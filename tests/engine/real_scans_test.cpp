@@ -29,18 +29,21 @@ class RealScans : public testing::TestWithParam<DataSet> {};
 TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
   const DataSet set = GetParam();
   const std::filesystem::path file = std::filesystem::path(TRIVET_DATA) / set.manifest;
-  if (!std::filesystem::exists(TRIVET_DATA)) GTEST_SKIP() << TRIVET_DATA << " is absent: set TRIVET_DATA";
+  if (!std::filesystem::exists(TRIVET_DATA))
+    GTEST_SKIP() << TRIVET_DATA << " is absent: set TRIVET_DATA";
   const Result<Manifest> manifest = read_manifest(file);
   ASSERT_TRUE(manifest) << manifest.error().message;
 
   const test::TempDir folder;
-  const auto trained = train_library(models_of(*manifest), manifest->unit, {}, folder / "library.h5", {});
+  const auto trained =
+      train_library(models_of(*manifest), manifest->unit, {}, folder / "library.h5", {});
   ASSERT_TRUE(trained) << trained.error().message;
   const Result<Library> library = open_library(folder / "library.h5");
   ASSERT_TRUE(library) << library.error().message;
   std::vector<std::optional<SceneResult>> results(manifest->scenes.size());
-  const auto done = recognise_all(*library, scenes_of(*manifest, library->header.unit), {}, {},
-                                  [&](std::size_t index, const SceneResult& result) { results[index] = result; });
+  const auto done =
+      recognise_all(*library, scenes_of(*manifest, library->header.unit), {}, {},
+                    [&](std::size_t index, const SceneResult& result) { results[index] = result; });
   ASSERT_TRUE(done) << done.error().message;
 
   const Result<Evaluation> evaluation = evaluate(*manifest, *library, results);

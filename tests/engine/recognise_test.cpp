@@ -22,8 +22,10 @@ class Recognise : public testing::Test {
     bracket_ = test::bracket();
     lever_ = test::lever();
     library_ = Library{};
-    for (const auto& [name, shape] : {std::pair{"bracket", &bracket_}, std::pair{"lever", &lever_}}) {
-      auto trained = train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
+    for (const auto& [name, shape] :
+         {std::pair{"bracket", &bracket_}, std::pair{"lever", &lever_}}) {
+      auto trained =
+          train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
       ASSERT_TRUE(trained) << trained.error().message;
       library_.models.push_back(std::move(trained->model));
     }
@@ -32,7 +34,8 @@ class Recognise : public testing::Test {
   /// Two parts in front of a wall, the lever partly behind the bracket.
   static Cloud clutter() {
     static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
-    return test::render_scan({{&wall, Pose::Identity()}, {&bracket_, bracket_pose()}, {&lever_, lever_pose()}});
+    return test::render_scan(
+        {{&wall, Pose::Identity()}, {&bracket_, bracket_pose()}, {&lever_, lever_pose()}});
   }
   static Pose bracket_pose() { return test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F}); }
   static Pose lever_pose() { return test::pose_of({-0.6F, 0.5F, 1.9F}, {0.12F, 0.02F, 0.95F}); }
@@ -45,7 +48,8 @@ class Recognise : public testing::Test {
   }
   static void expect_pose(const Detection* found, const Pose& truth, float diameter) {
     ASSERT_NE(found, nullptr);
-    const auto error = kernels::pose_distance(truth, found->T_scene_model, {}, Eigen::Vector3f::Zero());
+    const auto error =
+        kernels::pose_distance(truth, found->T_scene_model, {}, Eigen::Vector3f::Zero());
     EXPECT_LT(error.translation, 0.01F * diameter);
     EXPECT_LT(error.rotation_rad, 0.02F);
   }
@@ -93,7 +97,8 @@ TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
     ASSERT_EQ(results[k].detections.size(), results[0].detections.size());
     for (std::size_t i = 0; i < results[0].detections.size(); ++i) {
       EXPECT_EQ(results[k].detections[i].score, results[0].detections[i].score);
-      EXPECT_EQ(results[k].detections[i].T_scene_model.matrix(), results[0].detections[i].T_scene_model.matrix());
+      EXPECT_EQ(results[k].detections[i].T_scene_model.matrix(),
+                results[0].detections[i].T_scene_model.matrix());
     }
   }
 }
@@ -107,7 +112,8 @@ TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
   test::Random random;
   Cloud noise;
   for (int i = 0; i < 20000; ++i) {
-    noise.points.push_back({random.uniform(-0.4F, 0.4F), random.uniform(-0.4F, 0.4F), random.uniform(0.8F, 1.2F)});
+    noise.points.push_back(
+        {random.uniform(-0.4F, 0.4F), random.uniform(-0.4F, 0.4F), random.uniform(0.8F, 1.2F)});
   }
   const auto result = recognise(library_, noise, {}, {});
   ASSERT_TRUE(result) << result.error().message;
@@ -159,10 +165,12 @@ TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
 
 TEST_F(Recognise, SurvivesDegenerateScenes) {
   for (const auto& make : std::vector<std::function<Eigen::Vector3f(int)>>{
-           [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },                                // one place
-           [](int i) { return Eigen::Vector3f(0.001F * static_cast<float>(i), 0, 1); },       // a line
-           [](int) { return Eigen::Vector3f(0, 0, 0); },                                      // the viewpoint itself
-           [](int i) { return Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i)); }}) {     // one ray
+           [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },  // one place
+           [](int i) { return Eigen::Vector3f(0.001F * static_cast<float>(i), 0, 1); },  // a line
+           [](int) { return Eigen::Vector3f(0, 0, 0); },  // the viewpoint itself
+           [](int i) {
+             return Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i));
+           }}) {  // one ray
     Cloud cloud;
     for (int i = 0; i < 500; ++i) cloud.points.push_back(make(i));
     const auto result = recognise(library_, cloud, {}, {});
@@ -182,21 +190,24 @@ TEST_F(Recognise, TakesManyScenesInOrder) {
   const test::TempDir folder;
   std::vector<SceneInput> inputs;
   for (int i = 0; i < 4; ++i) {
-    const Pose motion = test::pose_of({0.2F * static_cast<float>(i), 1, 0}, {static_cast<float>(i), 0, 0});
+    const Pose motion =
+        test::pose_of({0.2F * static_cast<float>(i), 1, 0}, {static_cast<float>(i), 0, 0});
     const auto file = folder / ("scene" + std::to_string(i) + ".ply");
     ASSERT_TRUE(write_ply(file, test::cloud_of(test::Shape(bracket_).moved(motion))));
     inputs.push_back({.file = file, .closed_surface = true});
   }
   std::vector<std::size_t> order;
-  const auto done = recognise_all(library_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
-    order.push_back(index);
-    EXPECT_NE(find(result, "bracket"), nullptr) << index;
-  });
+  const auto done =
+      recognise_all(library_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
+        order.push_back(index);
+        EXPECT_NE(find(result, "bracket"), nullptr) << index;
+      });
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2, 3}));
 
   inputs[2].file = folder / "absent.ply";
-  const auto failed = recognise_all(library_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
+  const auto failed =
+      recognise_all(library_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::missing_input);
 }

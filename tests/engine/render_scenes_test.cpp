@@ -32,12 +32,14 @@ Cloud box_mesh() {
 }
 
 Model box_model() {
-  Result<TrainedModel> trained = train_model(box_mesh(), {"box", "box.ply", 1, {}}, {.relative_step = 0.1F});
+  Result<TrainedModel> trained =
+      train_model(box_mesh(), {"box", "box.ply", 1, {}}, {.relative_step = 0.1F});
   EXPECT_TRUE(trained) << trained.error().message;
   return std::move(trained->model);
 }
 
-/// Depth at which the ray through a pixel enters the box; infinite where it misses. By slabs, in double.
+/// Depth at which the ray through a pixel enters the box; infinite where it misses. By slabs, in
+/// double.
 double box_depth(const Camera& camera, std::size_t pixel, const Pose& T_camera_box) {
   const Vector3d ray((static_cast<double>(pixel % kScanWidth) - camera.cx) / camera.fx,
                      (static_cast<double>(pixel / kScanWidth) - camera.cy) / camera.fy, 1);
@@ -45,7 +47,8 @@ double box_depth(const Camera& camera, std::size_t pixel, const Pose& T_camera_b
   const Vector3d origin = into.translation(), direction = into.linear() * ray;
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const double a = (kLow[axis] - origin[axis]) / direction[axis], b = (kHigh[axis] - origin[axis]) / direction[axis];
+    const double a = (kLow[axis] - origin[axis]) / direction[axis],
+                 b = (kHigh[axis] - origin[axis]) / direction[axis];
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
@@ -103,11 +106,13 @@ TEST(RenderScene, StandsOnTheGround) {
                     (static_cast<double>(v) - scene->camera.cy) * z / scene->camera.fy, z);
   };
   const Vector3d a = point(5, 470), b = point(630, 470), c = point(5, 5);
-  const Vector3d up = (b - a).cross(c - a).normalized() * (a.dot((b - a).cross(c - a)) > 0 ? -1 : 1);
+  const Vector3d up =
+      (b - a).cross(c - a).normalized() * (a.dot((b - a).cross(c - a)) > 0 ? -1 : 1);
   double lowest = 1;
   const test::Shape shape = test::box(kLow.cast<float>(), kHigh.cast<float>());
   for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
-    lowest = std::min(lowest, up.dot((scene->truth[0].T_scene_model * shape.vertices[i]).cast<double>() - a));
+    lowest = std::min(
+        lowest, up.dot((scene->truth[0].T_scene_model * shape.vertices[i]).cast<double>() - a));
   }
   EXPECT_NEAR(lowest, 0, 0.004) << "samples of the box come that near to its corner";
 }
@@ -141,7 +146,8 @@ TEST(RenderScene, RefusesHeapsBeyondTheSensorsRange) {
   ASSERT_TRUE(scene) << "0.1 mm small, seen from the nearest range";
   std::vector<Model> large = models;
   large[0].diameter *= 100;
-  for (const std::span<float> column : {large[0].samples.span().x, large[0].samples.span().y, large[0].samples.span().z}) {
+  for (const std::span<float> column :
+       {large[0].samples.span().x, large[0].samples.span().y, large[0].samples.span().z}) {
     for (float& value : column) value *= 100;
   }
   const Result<RenderedScene> refused = render_scene(large, LengthUnit::metre, {}, 0);
@@ -205,17 +211,21 @@ std::vector<std::string> rendered_files(unsigned num_threads) {
   options.num_scenes = 3;
   options.diameter = 0.2F;
   const ThreadLimit limit(num_threads);
-  const Result<Manifest> manifest = render_scenes(sources, LengthUnit::metre, options, folder / "scan", {});
+  const Result<Manifest> manifest =
+      render_scenes(sources, LengthUnit::metre, options, folder / "scan", {});
   EXPECT_TRUE(manifest) << manifest.error().message;
   std::vector<std::string> files;
-  for (const char* name : {"manifest.json", "models/box.ply", "scene_0000.png", "scene_0001.png", "scene_0002.png"}) {
+  for (const char* name :
+       {"manifest.json", "models/box.ply", "scene_0000.png", "scene_0001.png", "scene_0002.png"}) {
     files.push_back(test::read_bytes(folder / "scan" / name));
     EXPECT_FALSE(files.back().empty()) << name;
   }
   return files;
 }
 
-TEST(RenderScenes, GivesTheSameBytesForAnyNumberOfThreads) { EXPECT_EQ(rendered_files(1), rendered_files(2)); }
+TEST(RenderScenes, GivesTheSameBytesForAnyNumberOfThreads) {
+  EXPECT_EQ(rendered_files(1), rendered_files(2));
+}
 
 TEST(RenderScenes, ScalesModelsAndDeclaresTheirSymmetries) {
   const test::TempDir folder;
@@ -242,7 +252,8 @@ TEST(RenderScenes, RefusesCloudsWithoutFaces) {
   cloud.triangles = {};
   ASSERT_TRUE(write_ply(folder / "cloud.ply", cloud));
   const std::vector<ModelSource> sources{{"cloud", folder / "cloud.ply", 1, {}}};
-  const Result<Manifest> manifest = render_scenes(sources, LengthUnit::metre, {}, folder / "scan", {});
+  const Result<Manifest> manifest =
+      render_scenes(sources, LengthUnit::metre, {}, folder / "scan", {});
   ASSERT_FALSE(manifest);
   EXPECT_EQ(manifest.error().code, ErrorCode::bad_data);
   EXPECT_NE(manifest.error().message.find("cloud.ply"), std::string::npos);

@@ -26,7 +26,8 @@ TEST(TrainModel, DescribesTheWholeVisibleSurface) {
   EXPECT_NEAR(model.diameter, 0.207F, 0.01F);
   EXPECT_TRUE(model.symmetry.trivial());
   EXPECT_GT(model.samples.size(), 1000U);
-  EXPECT_GT(trained->stats.num_hidden_samples, 0U) << "the parts overlap: their inner faces cannot be seen";
+  EXPECT_GT(trained->stats.num_hidden_samples, 0U)
+      << "the parts overlap: their inner faces cannot be seen";
   EXPECT_EQ(model.ppf.num_references, model.ppf_points.size());
   EXPECT_EQ(model.ppf.offsets.size(), model.ppf.quantisation.num_cells() + 1U);
   EXPECT_EQ(model.ppf.entries.size(), model.ppf.offsets.back());
@@ -54,7 +55,8 @@ TEST(TrainModel, TakesACloudWithoutFaces) {
   ASSERT_TRUE(trained) << trained.error().message;
   std::size_t outward = 0;
   const Model& model = trained->model;
-  for (std::size_t i = 0; i < model.ppf_points.size(); ++i) outward += model.ppf_normals[i].dot(model.ppf_points[i]) > 0;
+  for (std::size_t i = 0; i < model.ppf_points.size(); ++i)
+    outward += model.ppf_normals[i].dot(model.ppf_points[i]) > 0;
   EXPECT_GT(outward, model.ppf_points.size() * 99 / 100);
 }
 
@@ -122,7 +124,8 @@ class TrainLibrary : public testing::Test {
   TrainLibrary() {
     EXPECT_TRUE(write_ply(folder_ / "bracket.ply", test::cloud_of(test::bracket())));
     EXPECT_TRUE(write_ply(folder_ / "lever.ply", test::cloud_of(test::lever())));
-    sources_ = {{"lever", folder_ / "lever.ply", 1, {}}, {"bracket", folder_ / "bracket.ply", 1, {}}};
+    sources_ = {{"lever", folder_ / "lever.ply", 1, {}},
+                {"bracket", folder_ / "bracket.ply", 1, {}}};
   }
   test::TempDir folder_;
   std::vector<ModelSource> sources_;
@@ -174,7 +177,8 @@ TEST_F(TrainLibrary, LeavesTheOldFileWhenAModelFailsOrWhenStopped) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::resumable);
   EXPECT_EQ(std::filesystem::file_size(file), 3U);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 4) << "no temporary file is left";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 4)
+      << "no temporary file is left";
 }
 
 }  // namespace

@@ -44,7 +44,8 @@ TEST(HeightField, NeverLetsBodiesEnterEachOther) {
   std::vector<Slab> placed;
   test::Random random;
   for (int i = 0; i < 40; ++i) {
-    const float x = random.uniform(-2, 1), y = random.uniform(-2, 1), high = random.uniform(0.1F, 1);
+    const float x = random.uniform(-2, 1), y = random.uniform(-2, 1),
+                high = random.uniform(0.1F, 1);
     const Points samples = slab(x, y, 0, high);
     const float lift = field.rest(samples);
     field.add(samples, lift);

@@ -16,11 +16,17 @@ TEST(WriteManifest, ReadsBackTheSame) {
 
   Manifest written;
   written.unit = LengthUnit::millimetre;
-  Symmetry symmetry{{pose}, Symmetry::Axis{Eigen::Vector3f::UnitX(), Eigen::Vector3f(1, 2, 3)}, true};
-  written.models = {{"zebra", folder / "models/zebra.ply", 0.5, symmetry}, {"ant", "/somewhere/ant.ply", 1, {}}};
+  Symmetry symmetry{
+      {pose}, Symmetry::Axis{Eigen::Vector3f::UnitX(), Eigen::Vector3f(1, 2, 3)}, true};
+  written.models = {{"zebra", folder / "models/zebra.ply", 0.5, symmetry},
+                    {"ant", "/somewhere/ant.ply", 1, {}}};
   written.models_scored = {"ant"};
   written.scenes.resize(2);
-  written.scenes[0] = {folder / "a.png", "a.png", Camera{500, 501, 319.5, 239.5, 0.1}, {}, false,
+  written.scenes[0] = {folder / "a.png",
+                       "a.png",
+                       Camera{500, 501, 319.5, 239.5, 0.1},
+                       {},
+                       false,
                        {{"ant", pose, 0.25, true}, {"zebra", pose, {}, false}}};
   written.scenes[1].file = folder / "b.ply";
   written.scenes[1].viewpoint = Eigen::Vector3f(1, 2, 3);

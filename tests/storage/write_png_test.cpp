@@ -22,7 +22,8 @@ TEST(WriteDepthPng, ReadsBackTheSame) {
   EXPECT_EQ(cloud->grid->height, 2U);
   for (std::size_t i = 0; i < depths.size(); ++i) {
     const std::int32_t point = cloud->grid->point_index[i];
-    EXPECT_EQ(point == PixelGrid::kNone ? 0 : cloud->points[static_cast<std::size_t>(point)].z(), depths[i]);
+    EXPECT_EQ(point == PixelGrid::kNone ? 0 : cloud->points[static_cast<std::size_t>(point)].z(),
+              depths[i]);
   }
 }
 

@@ -14,7 +14,8 @@ inline Shape bracket() {
   Shape shape = box({-0.08F, -0.05F, 0}, {0.08F, 0.05F, 0.02F});
   shape.join(box({-0.07F, -0.04F, 0.02F}, {-0.03F, 0.01F, 0.11F}));
   shape.join(box({-0.03F, -0.02F, 0.02F}, {0.05F, -0.005F, 0.06F}));
-  shape.join(ellipsoid({0.025F, 0.02F, 0.03F}, 24).moved(Pose(Eigen::Translation3f(0.045F, 0.025F, 0.035F))));
+  shape.join(ellipsoid({0.025F, 0.02F, 0.03F}, 24)
+                 .moved(Pose(Eigen::Translation3f(0.045F, 0.025F, 0.035F))));
   return shape;
 }
 

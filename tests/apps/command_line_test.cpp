@@ -1,0 +1,95 @@
+/// What a person or a script sees when something is wrong, or asks for help.
+#include <gtest/gtest.h>
+
+#include "apps/program.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+class CommandLine : public testing::Test {
+ protected:
+  test::Outcome run(const std::vector<std::string>& arguments) const {
+    return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  }
+  /// Whether it ends with this code, says `text` on standard error and nothing on standard output.
+  testing::AssertionResult fails(const std::vector<std::string>& arguments, int code,
+                                 const std::string& text) const {
+    const test::Outcome outcome = run(arguments);
+    if (outcome.exit_code == code && outcome.error.find(text) != std::string::npos &&
+        outcome.out.empty()) {
+      return testing::AssertionSuccess();
+    }
+    return testing::AssertionFailure()
+           << "expected code " << code << " and '" << text << "', found " << outcome.exit_code
+           << ", error '" << outcome.error << "', output '" << outcome.out << "'";
+  }
+  const test::TempDir folder_;
+};
+
+TEST_F(CommandLine, ExplainsEverySubcommand) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{},
+                                                  {"train"},
+                                                  {"recognize"},
+                                                  {"evaluate"},
+                                                  {"scan"},
+                                                  {"library"},
+                                                  {"library", "list"},
+                                                  {"library", "info"}}) {
+    std::vector<std::string> arguments = command;
+    arguments.emplace_back("--help");
+    const test::Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    EXPECT_NE(outcome.out.find("Usage:"), std::string::npos) << outcome.out;
+    if (!command.empty()) {
+      EXPECT_NE(outcome.out.find(command.back()), std::string::npos) << outcome.out;
+    }
+    EXPECT_TRUE(outcome.error.empty()) << outcome.error;
+  }
+  EXPECT_EQ(run({"--version"}).out.rfind("trivet ", 0), 0U);
+}
+
+TEST_F(CommandLine, GivesTwoForWrongUsage) {
+  EXPECT_TRUE(fails({}, 2, "subcommand"));
+  EXPECT_TRUE(fails({"trane"}, 2, "subcommand"));
+  EXPECT_TRUE(fails({"train"}, 2, "MODEL"));
+  EXPECT_TRUE(fails({"train", "a.ply"}, 2, "--output"));
+  EXPECT_TRUE(fails({"train", "a.ply", "-o", "l.h5", "--unit", "inch"}, 2, "inch"));
+  EXPECT_TRUE(fails({"train", "a.ply", "-o", "l.h5", "--threads", "-1"}, 2, "--threads"));
+  EXPECT_TRUE(fails({"train", "a.ply", "b/a.ply", "-o", "l.h5"}, 2, "'a'"));
+  EXPECT_TRUE(fails({"recognize", "l.h5"}, 2, "SCENE"));
+  EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--preset", "best"}, 2, "best"));
+  EXPECT_TRUE(fails({"library", "list"}, 2, "LIBRARY"));
+}
+
+TEST_F(CommandLine, GivesTwoForAnOptionOutOfItsRange) {
+  folder_.write("a.xyz", "0 0 0\n1 0 0\n0 1 0\n");
+  EXPECT_TRUE(fails({"train", "a.xyz", "-o", "l.h5", "--relative-step", "7"}, 2, "7"));
+  EXPECT_TRUE(fails({"train", "a.xyz", "-o", "l.h5", "--relative-step", "nan"}, 2, "nan"));
+}
+
+TEST_F(CommandLine, GivesSixtySixForAMissingInputAndNamesIt) {
+  folder_.write("a.xyz", "0 0 0\n");
+  EXPECT_TRUE(fails({"train", "nowhere.ply", "-o", "l.h5"}, 66, "nowhere.ply"));
+  EXPECT_TRUE(fails({"train", "nowhere.json", "-o", "l.h5"}, 66, "nowhere.json"));
+  EXPECT_TRUE(fails({"recognize", "nowhere.h5", "a.xyz"}, 66, "nowhere.h5"));
+  EXPECT_TRUE(fails({"library", "info", "nowhere.h5"}, 66, "nowhere.h5"));
+  std::filesystem::create_directory(folder_ / "empty");
+  EXPECT_TRUE(fails({"train", "empty", "-o", "l.h5"}, 66, "empty"));
+}
+
+TEST_F(CommandLine, GivesSixtyFiveForBadDataAndNamesIt) {
+  folder_.write("broken.ply", "ply\nformat ascii 1.0\nelement vertex ninety\n");
+  folder_.write("point.xyz", "1 2 3\n");
+  folder_.write("broken.json", "{\"unit\": \"m\"");
+  folder_.write("broken.h5", "not a library");
+  EXPECT_TRUE(fails({"train", "broken.ply", "-o", "l.h5"}, 65, "broken.ply"));
+  EXPECT_TRUE(fails({"train", "point.xyz", "-o", "l.h5"}, 65, "point"));
+  EXPECT_TRUE(fails({"train", "broken.json", "-o", "l.h5"}, 65, "broken.json"));
+  EXPECT_TRUE(fails({"recognize", "broken.h5", "point.xyz"}, 65, "broken.h5"));
+  EXPECT_TRUE(fails({"library", "list", "broken.h5"}, 65, "broken.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "l.h5"));
+}
+
+}  // namespace
+}  // namespace trivet
