@@ -174,7 +174,9 @@ TEST_F(Recognise, SurvivesDegenerateScenes) {
     Cloud cloud;
     for (int i = 0; i < 500; ++i) cloud.points.push_back(make(i));
     const auto result = recognise(library_, cloud, {}, {});
-    if (result) EXPECT_TRUE(result->detections.empty());
+    if (result) {
+      EXPECT_TRUE(result->detections.empty());
+    }
   }
 }
 
