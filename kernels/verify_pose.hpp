@@ -52,7 +52,7 @@ struct Evidence {
   float violation_fraction() const noexcept;
   float contour()
       const noexcept;  ///< share of the judged contour that is free; 1 with too few to judge
-  float rmse() const noexcept;   ///< over consistent samples [scene unit]
+  float rmse() const noexcept;  ///< over consistent samples [scene unit]
   /// (support x (1 - violation) x contour)^1.5 x visible^0.2, 0..1. Agreement weighs more than
   /// visibility: right poses of occluded objects agree as well as others (support above 0.74 on the
   /// development scans), wrong ones on clutter see much and agree little. The exponents put both
