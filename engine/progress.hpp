@@ -38,7 +38,7 @@ struct StageTimes {
   }
 };
 
-/// Adds the time from its making to `stop` or its end to a stage.
+/// Adds the time that it lives to a stage.
 class StageTimer {
  public:
   StageTimer(StageTimes& times, std::string_view stage)

@@ -4,15 +4,16 @@
 
 namespace trivet {
 
+// Constructed in place: a copied control would lift the limit when the original is destroyed.
 struct ThreadLimit::State {
+  explicit State(unsigned num_threads)
+      : control(tbb::global_control::max_allowed_parallelism, num_threads) {}
+
   tbb::global_control control;
 };
 
 ThreadLimit::ThreadLimit(unsigned num_threads) {
-  if (num_threads > 0) {
-    state_ = std::make_unique<State>(
-        State{tbb::global_control(tbb::global_control::max_allowed_parallelism, num_threads)});
-  }
+  if (num_threads > 0) state_ = std::make_unique<State>(num_threads);
 }
 
 ThreadLimit::~ThreadLimit() = default;
