@@ -87,6 +87,8 @@ ManifestModel parse_model(const std::string& name, const JsonNode& node,
 TruthInstance parse_truth(const JsonNode& node) {
   TruthInstance truth{node.at("model").string(), node.at("T_scene_model").pose(), {}, false};
   if (node.has("occlusion")) truth.occlusion = node.at("occlusion").number();
+  if (node.has("visible_fraction")) truth.visible_fraction = node.at("visible_fraction").number();
+  if (node.has("clutter")) truth.clutter = node.at("clutter").number();
   if (node.has("ignore")) truth.ignore = node.at("ignore").boolean();
   return truth;
 }

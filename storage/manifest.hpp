@@ -1,7 +1,9 @@
 /// Manifests: JSON that names models with their symmetries and scenes with their cameras and truth.
+/// Occlusion and clutter are those of Drost et al., CVPR 2010, section 5.
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -18,14 +20,24 @@ struct ManifestModel {
   std::string name;
   std::filesystem::path file;  ///< relative paths of the manifest are resolved against its folder
   double scale = 1;            ///< multiplies the file's coordinates, giving the manifest's unit
-  std::optional<Symmetry> symmetry;  ///< absent: to be found by the program
+  std::optional<Symmetry> symmetry;      ///< absent: to be found by the program
+  std::filesystem::path eval_file = {};  ///< mesh that errors are measured on; empty: `file`
+  int object_id = 0;                     ///< BOP obj_id, from 1 on; 0: none
 };
 
 struct TruthInstance {
   std::string model;
   Pose T_scene_model;
-  std::optional<double> occlusion;  ///< 0..1
+  std::optional<double> occlusion;  ///< 0..1: share of the surface's area that the sensor lacks
   bool ignore = false;              ///< too little of it is visible: counts neither way
+  std::optional<double> visible_fraction = {};  ///< 0..1, of the silhouette's pixels (BOP)
+  std::optional<double> clutter = {};  ///< 0..1: share of the scene's area that others have
+};
+
+/// How many instances of a model a scene is known to hold, where that is told to the recogniser.
+struct SceneTarget {
+  std::string model;
+  std::uint32_t num_instances = 1;
 };
 
 struct ManifestScene {
@@ -35,6 +47,8 @@ struct ManifestScene {
   std::optional<Eigen::Vector3f> viewpoint;
   bool closed_surface = false;  ///< neither camera nor viewpoint: a surface without a sensor
   std::vector<TruthInstance> truth;
+  std::vector<SceneTarget> targets = {};  ///< of BOP's localisation task; empty: not given
+  int scene_id = -1, image_id = -1;       ///< BOP; -1: none
 };
 
 struct Manifest {

@@ -44,7 +44,9 @@ ordered_json scene_json(const ManifestScene& scene, const std::filesystem::path&
   out["truth"] = ordered_json::array();
   for (const TruthInstance& truth : scene.truth) {
     ordered_json entry{{"model", truth.model}, {"T_scene_model", pose_json(truth.T_scene_model)}};
+    if (truth.visible_fraction) entry["visible_fraction"] = *truth.visible_fraction;
     if (truth.occlusion) entry["occlusion"] = *truth.occlusion;
+    if (truth.clutter) entry["clutter"] = *truth.clutter;
     entry["ignore"] = truth.ignore;
     out["truth"].push_back(std::move(entry));
   }

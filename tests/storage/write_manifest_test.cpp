@@ -27,7 +27,7 @@ TEST(WriteManifest, ReadsBackTheSame) {
                        Camera{500, 501, 319.5, 239.5, 0.1},
                        {},
                        false,
-                       {{"ant", pose, 0.25, true}, {"zebra", pose, {}, false}}};
+                       {{"ant", pose, 0.25, true, 0.75, 0.5}, {"zebra", pose, {}, false}}};
   written.scenes[1].file = folder / "b.ply";
   written.scenes[1].viewpoint = Eigen::Vector3f(1, 2, 3);
 
@@ -53,6 +53,8 @@ TEST(WriteManifest, ReadsBackTheSame) {
   ASSERT_EQ(read->scenes[0].truth.size(), 2U);
   EXPECT_TRUE(read->scenes[0].truth[0].T_scene_model.isApprox(pose, 1e-6F));
   EXPECT_EQ(read->scenes[0].truth[0].occlusion, 0.25);
+  EXPECT_EQ(read->scenes[0].truth[0].visible_fraction, 0.75);
+  EXPECT_EQ(read->scenes[0].truth[0].clutter, 0.5);
   EXPECT_TRUE(read->scenes[0].truth[0].ignore);
   EXPECT_FALSE(read->scenes[0].truth[1].occlusion);
   EXPECT_EQ(read->scenes[1].viewpoint, written.scenes[1].viewpoint);
