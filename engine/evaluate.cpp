@@ -11,6 +11,7 @@
 #include <map>
 #include <numbers>
 
+#include "engine/manifest_inputs.hpp"
 #include "kernels/voxel_hash.hpp"
 
 namespace trivet {
@@ -176,14 +177,6 @@ StageTimes median_times(std::span<const std::optional<SceneResult>> results) {
   for (auto& [stage, values] : stages) times.add(stage, median(std::move(values)).value_or(0));
   if (!totals.empty()) times.add("total", *median(std::move(totals)));
   return times;
-}
-
-/// The names that count, in the manifest's order.
-std::vector<std::string> scored_models(const Manifest& manifest) {
-  if (!manifest.models_scored.empty()) return manifest.models_scored;
-  std::vector<std::string> names;
-  for (const ManifestModel& model : manifest.models) names.push_back(model.name);
-  return names;
 }
 
 struct Match {

@@ -19,4 +19,11 @@ std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_u
   return scenes;
 }
 
+std::vector<std::string> scored_models(const Manifest& manifest) {
+  if (!manifest.models_scored.empty()) return manifest.models_scored;
+  std::vector<std::string> names;
+  for (const ManifestModel& model : manifest.models) names.push_back(model.name);
+  return names;
+}
+
 }  // namespace trivet

@@ -1,0 +1,25 @@
+/// Precision of ranked answers, as object detection counts it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace trivet::engine {
+
+/// An estimate that counts, and whether it found an instance.
+struct ScoredMatch {
+  float score = 0;
+  bool found = false;
+};
+
+/// Mean, over the recalls 0, 0.01 ... 1, of the best precision that is had at that recall or more.
+///
+/// matches      of all images; sorted by falling score on return, equal scores in their order
+/// num_targets  instances to be found; 0 gives 0
+/// Recalls are the multiples i * 0.01 in double arithmetic, some of which lie an ulp beyond the
+/// quotient i / 100: a recall of 35 in 100 does not reach the 36th place. COCO and the BOP toolkit
+/// compare the same numbers.
+/// Source: Lin et al., ECCV 2014 (COCO), as the BOP challenge 2024 takes it over.
+double average_precision(std::vector<ScoredMatch>& matches, std::size_t num_targets);
+
+}  // namespace trivet::engine
