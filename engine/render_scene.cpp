@@ -12,6 +12,7 @@
 #include "engine/parallel.hpp"
 #include "engine/pile_up.hpp"
 #include "engine/render_scenes.hpp"
+#include "kernels/pixel_window.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/render_depth.hpp"
 #include "kernels/visibility.hpp"
@@ -21,6 +22,7 @@ namespace {
 
 using engine::CounterRandom;
 using engine::PlacedModel;
+using kernels::PixelWindow;
 using kernels::RayScene;
 
 constexpr double kFocal = 572;  // [pixel], as of a Kinect or PrimeSense
@@ -38,14 +40,12 @@ struct DepthImage {
       std::vector<std::uint32_t>(depth.size(), kernels::Hit::kNone);
 };
 
-struct Rows {
-  std::size_t first = 0, count = kScanHeight;
-};
-
-void render(const RayScene& rays, const Camera& camera, Rows rows, DepthImage& image) {
-  engine::for_chunks(rows.count, kRowGrain, [&](std::size_t first, std::size_t count) {
-    const std::size_t begin = (rows.first + first) * kScanWidth, size = count * kScanWidth;
-    kernels::render_depth(rays, camera, kScanWidth, static_cast<std::uint32_t>(rows.first + first),
+/// Whole rows, those of the window.
+void render(const RayScene& rays, const Camera& camera, const PixelWindow& window,
+            DepthImage& image) {
+  engine::for_chunks(window.height, kRowGrain, [&](std::size_t first, std::size_t count) {
+    const std::size_t begin = (window.top + first) * kScanWidth, size = count * kScanWidth;
+    kernels::render_depth(rays, camera, kScanWidth, static_cast<std::uint32_t>(window.top + first),
                           std::span(image.depth).subspan(begin, size),
                           std::span(image.instance).subspan(begin, size));
   });
@@ -102,22 +102,6 @@ Pose place_camera(const Points& points, const Camera& camera, double nearest,
   T_camera_world.linear() = axes.cast<float>();
   T_camera_world.translation() = (distance * Eigen::Vector3d::UnitZ() - middle).cast<float>();
   return T_camera_world;
-}
-
-/// The rows of the image that a ball in the camera's frame can touch.
-Rows rows_of(const Camera& camera, const Eigen::Vector3f& centre, float radius) {
-  const double z = static_cast<double>(centre.z()), r = static_cast<double>(radius),
-               y = static_cast<double>(centre.y());
-  if (z <= 2 * r) return {};
-  // At most tan(a + asin(r / d)) - tan(a) off the middle, which this bounds for r <= z / 2.
-  const double reach = 2 * r / z * (1 + std::abs(y / z)) * (1 + std::abs(y / z));
-  const auto row = [&](double tangent) {
-    return static_cast<std::size_t>(
-        std::clamp(camera.cy + camera.fy * tangent, 0.0, double{kScanHeight}));
-  };
-  const std::size_t first = row(y / z - reach),
-                    last = std::min<std::size_t>(row(y / z + reach) + 1, kScanHeight);
-  return {first, std::max(first, last) - first};
 }
 
 /// What the sensor makes of the exact depths.
@@ -194,7 +178,7 @@ Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit uni
   const Result<RayScene> rays = RayScene::from_instances(instances);
   if (!rays) return rays.error();
   DepthImage image;
-  render(*rays, scene.camera, {}, image);
+  render(*rays, scene.camera, {0, 0, kScanWidth, kScanHeight}, image);
 
   std::vector<std::size_t> seen(instances.size());
   for (const std::uint32_t instance : image.instance) {
@@ -207,8 +191,11 @@ Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit uni
     const Model& model = models[placed[i].model];
     const Pose& T_camera_model = instances[i].T_world_scene;
     DepthImage own;
+    const Eigen::Vector3d centre = (T_camera_model * model.centre).cast<double>();
     render(*alone, scene.camera,
-           rows_of(scene.camera, T_camera_model * model.centre, model.diameter), own);
+           kernels::window_of_ball(scene.camera, kScanWidth, kScanHeight, centre,
+                                   static_cast<double>(model.diameter)),
+           own);
     const auto pixels =
         own.instance.size() - static_cast<std::size_t>(std::count(
                                   own.instance.begin(), own.instance.end(), kernels::Hit::kNone));
