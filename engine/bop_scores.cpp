@@ -121,18 +121,19 @@ Result<Rendered> render(const Gauge& gauge, const Pose& pose, const PixelWindow&
   return rendered;
 }
 
-/// A table of one value for each pair of an estimate and a truth.
+/// One value for each pair of an estimate and a truth.
 template <class T>
-struct PairTable {
-  std::size_t num_truths = 0;
-  std::vector<T> values;
-
+class PairTable {
+ public:
   PairTable() = default;
-  PairTable(std::size_t num_estimates, std::size_t num_truths_)
-      : num_truths(num_truths_), values(num_estimates * num_truths_) {}
-  bool empty() const noexcept { return values.empty(); }
-  T& operator()(std::size_t e, std::size_t t) { return values[e * num_truths + t]; }
-  const T& operator()(std::size_t e, std::size_t t) const { return values[e * num_truths + t]; }
+  PairTable(std::size_t num_estimates, std::size_t num_truths)
+      : num_truths_(num_truths), values_(num_estimates * num_truths) {}
+  T& operator()(std::size_t e, std::size_t t) { return values_[e * num_truths_ + t]; }
+  const T& operator()(std::size_t e, std::size_t t) const { return values_[e * num_truths_ + t]; }
+
+ private:
+  std::size_t num_truths_ = 0;
+  std::vector<T> values_;
 };
 
 /// The detections of one model in one scene beside its instances there.
@@ -150,10 +151,11 @@ struct Group {
   PairTable<double> mssd;                 // [manifest unit]
   PairTable<double> mspd;                 // [pixel of 640]; zeros without an image
   PairTable<std::array<double, 10>> vsd;  // zeros without an image or faces
-  std::size_t num_targets() const {
-    return static_cast<std::size_t>(std::count(targets.begin(), targets.end(), true));
-  }
 };
+
+std::size_t count_true(const std::vector<bool>& flags) {
+  return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
+}
 
 double visible_share(const TruthInstance& truth) noexcept {
   return truth.visible_fraction.value_or(truth.ignore ? 0 : 1);
@@ -162,8 +164,7 @@ double visible_share(const TruthInstance& truth) noexcept {
 /// How many instances localisation is told to find, and which truths those are: the most visible.
 void choose_targets(const ManifestScene& scene, const std::string& model, Group& group) {
   if (scene.targets.empty()) {
-    group.num_wanted =
-        static_cast<std::size_t>(std::count(group.visible.begin(), group.visible.end(), true));
+    group.num_wanted = count_true(group.visible);
   } else {
     const auto target = std::ranges::find(scene.targets, model, &SceneTarget::model);
     group.num_wanted = target == scene.targets.end() ? 0 : target->num_instances;
@@ -285,7 +286,7 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
 }
 
 /// Let estimates, in their order, take the free truth of the smallest error below the threshold.
-/// Returns the truth that each has taken, or kNone. error(e, t) is not called for taken truths.
+/// Returns the truth that each has taken, or kNone.
 template <class ErrorOf>
 std::vector<std::size_t> match(std::size_t num_estimates, std::vector<bool> free,
                                const ErrorOf& error, double threshold) {
@@ -339,7 +340,7 @@ struct SceneScores {
 };
 
 void count_found(const Group& group, double diameter, SceneScores& scene) {
-  const std::size_t num_targets = group.num_targets();
+  const std::size_t num_targets = count_true(group.targets);
   scene.mssd.num_targets += num_targets;
   if (group.has_image) scene.mspd.num_targets += num_targets;
   if (group.has_vsd) scene.vsd.num_targets += num_targets;
@@ -414,8 +415,7 @@ ModelPrecision precision_of(std::span<const Group* const> groups, double diamete
                             double millimetres) {
   ModelPrecision out;
   for (const Group* group : groups) {
-    const auto visible =
-        static_cast<std::size_t>(std::count(group->visible.begin(), group->visible.end(), true));
+    const std::size_t visible = count_true(group->visible);
     out.num_targets += visible;
     if (group->has_image) out.num_in_images += visible;
   }
