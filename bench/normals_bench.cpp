@@ -12,7 +12,7 @@ namespace {
 
 // Each row starts from points alone: the search for neighbours is part of it.
 const bool kGrid =
-    add_rows("normals/trivet_pixels_w3", [](benchmark::State& state, const Scan& scan) {
+    add_rows("normals/ours_pixels_w3", [](benchmark::State& state, const Scan& scan) {
       Normals normals(scan.points.size());
       kernels::PixelPoints pixels;
       for (auto _ : state) {
@@ -23,8 +23,7 @@ const bool kGrid =
       state.counters["angle_rmse_deg"] = angle_rmse_deg(scan, normals);
     });
 
-const bool kRadius = add_rows("normals/trivet_radius", [](benchmark::State& state,
-                                                          const Scan& scan) {
+const bool kRadius = add_rows("normals/ours_radius", [](benchmark::State& state, const Scan& scan) {
   const float radius = search_radius(scan);
   Normals normals(scan.points.size());
   Neighbourhoods rows;

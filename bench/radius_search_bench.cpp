@@ -31,8 +31,8 @@ void report(benchmark::State& state, const Scan& scan, NeighbourhoodsView rows) 
 }
 
 // All rows of a scan, the search structure included.
-const bool kVoxelHash = add_rows("radius_search/trivet_voxel_hash", [](benchmark::State& state,
-                                                                       const Scan& scan) {
+const bool kVoxelHash = add_rows("radius_search/ours_voxel_hash", [](benchmark::State& state,
+                                                                     const Scan& scan) {
   const float radius = search_radius(scan);
   Neighbourhoods rows;
   for (auto _ : state) {
@@ -47,7 +47,7 @@ const bool kVoxelHash = add_rows("radius_search/trivet_voxel_hash", [](benchmark
 });
 
 const bool kKdTree =
-    add_rows("radius_search/trivet_kd_tree", [](benchmark::State& state, const Scan& scan) {
+    add_rows("radius_search/ours_kd_tree", [](benchmark::State& state, const Scan& scan) {
       const float radius = search_radius(scan);
       std::vector<float> queries;
       for (std::size_t i = 0; i < scan.points.size(); ++i) {

@@ -20,7 +20,7 @@ Points naive_voxel_grid(PointsView points) {
   return out;
 }
 
-const bool kTrivet = add_rows("voxel_grid/trivet", [](benchmark::State& state, const Scan& scan) {
+const bool kOurs = add_rows("voxel_grid/ours", [](benchmark::State& state, const Scan& scan) {
   Points out;
   kernels::SubsampleScratch scratch;
   for (auto _ : state) kernels::subsample_voxel_grid(scan.points, kCell, out, scratch);
@@ -40,14 +40,14 @@ const bool kNaive = add_rows("voxel_grid/naive", [](benchmark::State& state, con
 });
 
 const bool kApproximate =
-    add_rows("approximate_voxel_grid/trivet", [](benchmark::State& state, const Scan& scan) {
+    add_rows("approximate_voxel_grid/ours", [](benchmark::State& state, const Scan& scan) {
       Points out;
       for (auto _ : state) kernels::subsample_approximate_voxel_grid(scan.points, kCell, out);
       state.counters["voxels"] = static_cast<double>(out.size());
     });
 
-const bool kByNormals = add_rows("subsample_by_normals/trivet", [](benchmark::State& state,
-                                                                   const Scan& scan) {
+const bool kByNormals = add_rows("subsample_by_normals/ours", [](benchmark::State& state,
+                                                                 const Scan& scan) {
   Points points;
   Normals normals;
   kernels::SubsampleScratch scratch;
