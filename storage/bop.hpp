@@ -1,0 +1,65 @@
+/// Data sets in the form of the BOP benchmark: what they hold, and where.
+///
+///     DATASET/models/obj_000001.ply, models_info.json       meshes [mm]
+///     DATASET/models_eval/…                                 meshes that errors are measured on
+///     DATASET/camera.json                                   the sensor, for rendering
+///     DATASET/test/000001/depth/000003.png                  split, scene, image: 16-bit depth
+///     DATASET/test/000001/scene_camera.json, scene_gt.json, scene_gt_info.json
+///     DATASET/test_targets_bop19.json, test_targets_bop24.json
+///
+/// Source: bop_toolkit, docs/bop_datasets_format.md. All lengths are millimetres.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "storage/cloud.hpp"
+#include "storage/model.hpp"
+
+namespace trivet {
+
+/// Instances of which less is visible are no targets of BOP, and count neither way.
+inline constexpr double kBopMinVisibleFraction = 0.1;
+
+/// An entry of models_info.json.
+struct BopObject {
+  int id = 0;
+  double diameter_mm = 0;                             ///< largest distance between two vertices
+  Eigen::Vector3d min_mm{0, 0, 0}, size_mm{0, 0, 0};  ///< bounding box
+  Symmetry symmetry;                                  ///< lengths in mm; trivial: none
+};
+
+/// An object in an image: what scene_gt.json and scene_gt_info.json say of it.
+struct BopInstance {
+  int object_id = 0;
+  Pose T_camera_model;  ///< camera with OpenCV axes; mm
+  /// x, y, width, height [pixel] of the silhouette and of its visible part; -1s without any pixel.
+  std::array<int, 4> bbox_obj{-1, -1, -1, -1}, bbox_visib{-1, -1, -1, -1};
+  int px_count_all = 0;    ///< pixels of the silhouette, as if nothing stood before it
+  int px_count_valid = 0;  ///< ... that have a measured depth
+  int px_count_visib = 0;  ///< ... in which the object is seen
+  double visib_fract = 0;  ///< px_count_visib / px_count_all, 0 without any pixel
+};
+
+struct BopImage {
+  int id = 0;
+  Camera camera;  ///< depth_scale: raw depth times this is mm
+  std::vector<BopInstance> instances;
+};
+
+struct BopScene {
+  int id = 0;
+  std::vector<BopImage> images;
+};
+
+/// "obj_000001": the stem of an object's file, and the name of its model.
+std::string bop_model_name(int object_id);
+/// SPLIT/000001
+std::filesystem::path bop_scene_folder(const std::filesystem::path& split_folder, int scene_id);
+/// SCENE/depth/000003.png
+std::filesystem::path bop_depth_file(const std::filesystem::path& scene_folder, int image_id);
+
+}  // namespace trivet
