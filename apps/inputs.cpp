@@ -7,6 +7,7 @@
 #include <span>
 
 #include "engine/manifest_inputs.hpp"
+#include "storage/read_bop.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -45,11 +46,12 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
 Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSource> sources) {
   const fs::path info = folder / "models_info.json";
   if (!fs::exists(info)) return {};
-  const Result<std::vector<std::pair<int, Symmetry>>> symmetries = read_bop_symmetries(info, 1);
-  if (!symmetries) return symmetries.error();
-  for (ModelSource& source : sources) {
-    for (const auto& [id, symmetry] : *symmetries) {
-      if (source.name == fmt::format("obj_{:06}", id)) source.symmetry = symmetry;
+  const Result<std::vector<BopObject>> objects = read_bop_models_info(info);
+  if (!objects) return objects.error();
+  for (const BopObject& object : *objects) {
+    for (ModelSource& source : sources) {
+      if (source.name == bop_model_name(object.id) && !object.symmetry.trivial())
+        source.symmetry = object.symmetry;
     }
   }
   return {};

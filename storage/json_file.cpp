@@ -75,6 +75,13 @@ double JsonNode::number() const {
   return value_->get<double>();
 }
 
+int JsonNode::integer(int low, int high) const {
+  const double value = number();
+  if (!(value >= low && value <= high) || value != std::floor(value))
+    refuse(fmt::format("expected a whole number from {} to {}", low, high));
+  return static_cast<int>(value);
+}
+
 double JsonNode::coordinate() const {
   if (!(std::abs(number()) <= 1e9)) refuse("expected a number of at most 1e9");
   return number();
@@ -96,7 +103,28 @@ Eigen::Vector3d JsonNode::vector3() const {
   return {numbers[0].coordinate(), numbers[1].coordinate(), numbers[2].coordinate()};
 }
 
-Pose JsonNode::pose(double scale) const {
+namespace {
+
+Eigen::Matrix3f true_rotation(const JsonNode& node, const Matrix3d& linear) {
+  const Matrix3d rotation = nearest_rotation(linear);
+  if (!((linear - rotation).cwiseAbs().maxCoeff() <= 1e-2))
+    node.refuse("expected a rotation within 0.01 in the upper left 3 x 3 numbers");
+  return rotation.cast<float>();
+}
+
+}  // namespace
+
+Eigen::Matrix3f JsonNode::rotation() const {
+  const auto numbers = elements();
+  if (numbers.size() != 9)
+    refuse(fmt::format("expected 3 x 3 numbers instead of {}", numbers.size()));
+  Matrix3d linear;
+  for (int i = 0; i < 9; ++i)
+    linear(i / 3, i % 3) = numbers[static_cast<std::size_t>(i)].coordinate();
+  return true_rotation(*this, linear);
+}
+
+Pose JsonNode::pose() const {
   std::vector<double> numbers;
   for (const JsonNode& row : elements()) {
     if (!row.value_->is_array()) {
@@ -110,18 +138,32 @@ Pose JsonNode::pose(double scale) const {
 
   const Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
-  const Matrix3d linear = matrix.topLeftCorner<3, 3>();
-  const Matrix3d rotation = nearest_rotation(linear);
-  if (!((linear - rotation).cwiseAbs().maxCoeff() <= 1e-2)) {
-    refuse("expected a rotation within 0.01 in the upper left 3 x 3 numbers");
-  }
+  const Eigen::Matrix3f rotation = true_rotation(*this, matrix.topLeftCorner<3, 3>());
   if (!matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-6)) {
     refuse("expected 0 0 0 1 in the last row");
   }
   Pose pose = Pose::Identity();
-  pose.linear() = rotation.cast<float>();
-  pose.translation() = (matrix.topRightCorner<3, 1>() * scale).cast<float>();
+  pose.linear() = rotation;
+  pose.translation() = matrix.topRightCorner<3, 1>().cast<float>();
   return pose;
+}
+
+Symmetry::Axis JsonNode::symmetry_axis() const {
+  const Eigen::Vector3d direction = at("axis").vector3();
+  if (!(direction.norm() > 1e-6)) at("axis").refuse("expected a direction of some length");
+  Symmetry::Axis axis;
+  axis.direction = direction.normalized().cast<float>();
+  if (has("offset")) axis.point = at("offset").vector3().cast<float>();
+  return axis;
+}
+
+std::vector<Pose> JsonNode::symmetry_poses() const {
+  std::vector<Pose> poses;
+  for (const JsonNode& element : elements()) {
+    const Pose pose = element.pose();
+    if (!pose.matrix().isIdentity(1e-6F)) poses.push_back(pose);
+  }
+  return poses;
 }
 
 Camera JsonNode::camera() const {

@@ -35,14 +35,19 @@ class JsonNode {
   std::vector<JsonNode> elements() const;                         ///< of an array
   std::vector<std::pair<std::string, JsonNode>> members() const;  ///< of an object, sorted by key
 
-  double number() const;  ///< finite
+  double number() const;                 ///< finite
+  int integer(int low, int high) const;  ///< within these bounds, both included
   bool boolean() const;
   std::string string() const;
   double coordinate() const;        ///< a number of at most 1e9
   Eigen::Vector3d vector3() const;  ///< three coordinates
   /// A rigid motion as four rows of four numbers, or 16 numbers row by row. A rotation within 1e-2
-  /// is replaced by the nearest true one; the translation is multiplied by `scale`.
-  Pose pose(double scale = 1) const;
+  /// is replaced by the nearest true one.
+  Pose pose() const;
+  Eigen::Matrix3f rotation() const;  ///< 9 numbers row by row; else as for a pose
+  /// {"axis": three coordinates, "offset": three, 0 if absent}: a line that the object turns about.
+  Symmetry::Axis symmetry_axis() const;
+  std::vector<Pose> symmetry_poses() const;  ///< an array of poses, without the identity
   /// {"fx", "fy", "cx", "cy"} or {"cam_K": 9 numbers}, and "depth_scale" (1 if absent).
   Camera camera() const;
 

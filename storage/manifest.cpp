@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
-#include <utility>
 
-#include "storage/formats/text.hpp"
 #include "storage/json_file.hpp"
 
 namespace trivet {
@@ -25,37 +22,17 @@ double positive(const JsonNode& node) {
   return value;
 }
 
-Symmetry::Axis parse_axis(const JsonNode& node, double scale) {
-  const Eigen::Vector3d direction = node.at("axis").vector3();
-  if (!(direction.norm() > 1e-6)) node.at("axis").refuse("expected a direction of some length");
-  const Eigen::Vector3d point =
-      node.has("offset") ? node.at("offset").vector3() : Eigen::Vector3d::Zero();
-  Symmetry::Axis axis;
-  axis.direction = direction.normalized().cast<float>();
-  axis.point = (point * scale).cast<float>();
-  return axis;
-}
-
-std::vector<Pose> parse_poses(const JsonNode& node, double scale) {
-  std::vector<Pose> poses;
-  for (const JsonNode& element : node.elements()) {
-    const Pose pose = element.pose(scale);
-    if (!pose.matrix().isIdentity(1e-6F)) poses.push_back(pose);
-  }
-  return poses;
-}
-
 /// What the manifest declares; lengths are in its unit already. Absent when both lists are empty.
 std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
   Symmetry symmetry{{}, {}, true};
   bool declared = false;
   if (model.has("symmetries")) {
     declared = !model.at("symmetries").elements().empty();
-    symmetry.poses = parse_poses(model.at("symmetries"), 1);
+    symmetry.poses = model.at("symmetries").symmetry_poses();
   }
   if (model.has("symmetry_axis")) {
     declared = true;
-    symmetry.axis = parse_axis(model.at("symmetry_axis"), 1);
+    symmetry.axis = model.at("symmetry_axis").symmetry_axis();
   }
   return declared ? std::optional(symmetry) : std::nullopt;
 }
@@ -154,34 +131,6 @@ Result<Manifest> read_manifest(const std::filesystem::path& file) {
       with_json(file, walk, [&](int depth, const std::string& key) { order.on_key(depth, key); });
   if (!done) return done.error();
   return manifest;
-}
-
-Result<std::vector<std::pair<int, Symmetry>>> read_bop_symmetries(const std::filesystem::path& file,
-                                                                  double scale) {
-  std::vector<std::pair<int, Symmetry>> symmetries;
-  const auto walk = [&](const JsonNode& root) {
-    for (const auto& [key, node] : root.members()) {
-      const auto id = formats::parse_integer(key);
-      if (!id || *id < 0 || *id > 1'000'000'000)
-        node.refuse("expected a number as the name of an object");
-      Symmetry symmetry{{}, {}, true};
-      if (node.has("symmetries_discrete"))
-        symmetry.poses = parse_poses(node.at("symmetries_discrete"), scale);
-      if (node.has("symmetries_continuous")) {
-        const auto axes = node.at("symmetries_continuous").elements();
-        if (axes.size() > 1) {
-          node.at("symmetries_continuous")
-              .refuse(fmt::format("expected at most one axis instead of {}", axes.size()));
-        }
-        if (!axes.empty()) symmetry.axis = parse_axis(axes[0], scale);
-      }
-      if (!symmetry.trivial()) symmetries.emplace_back(static_cast<int>(*id), symmetry);
-    }
-  };
-  if (auto done = with_json(file, walk); !done) return done.error();
-  std::sort(symmetries.begin(), symmetries.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  return symmetries;
 }
 
 }  // namespace trivet

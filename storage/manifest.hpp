@@ -65,9 +65,4 @@ Result<Manifest> read_manifest(const std::filesystem::path& file);
 /// its folder. The file appears whole or not at all. Errors: cannot_create, io.
 Result<void> write_manifest(const std::filesystem::path& file, const Manifest& manifest);
 
-/// Symmetries from a BOP models_info.json (lengths in mm, scaled by `scale`), by object id.
-/// Errors: missing_input, bad_data.
-Result<std::vector<std::pair<int, Symmetry>>> read_bop_symmetries(const std::filesystem::path& file,
-                                                                  double scale);
-
 }  // namespace trivet

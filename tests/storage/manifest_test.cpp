@@ -142,27 +142,5 @@ TEST_F(ReadManifest, SurvivesTruncationAtEveryByte) {
   for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_FALSE(read(whole.substr(0, size)));
 }
 
-TEST(ReadBopSymmetries, ScalesLengthsAndSortsByObject) {
-  const test::TempDir folder;
-  const auto file =
-      folder.write("models_info.json", R"({"10": {"diameter": 5, "symmetries_discrete":
-      [[-1, 0, 0, 2, 0, -1, 0, 4, 0, 0, 1, 6, 0, 0, 0, 1]]}, "2": {"symmetries_continuous": [{"axis": [0, 1, 0], "offset": [10, 0, 0]}]},
-      "3": {"diameter": 1}})");
-  const auto symmetries = read_bop_symmetries(file, 0.001);
-  ASSERT_TRUE(symmetries) << symmetries.error().message;
-  ASSERT_EQ(symmetries->size(), 2U);
-  EXPECT_EQ((*symmetries)[0].first, 2);
-  ASSERT_TRUE((*symmetries)[0].second.axis);
-  EXPECT_FLOAT_EQ((*symmetries)[0].second.axis->point.x(), 0.01F);
-  EXPECT_EQ((*symmetries)[1].first, 10);
-  ASSERT_EQ((*symmetries)[1].second.poses.size(), 1U);
-  EXPECT_FLOAT_EQ((*symmetries)[1].second.poses[0].translation().z(), 0.006F);
-  EXPECT_FALSE(read_bop_symmetries(folder.write("a.json", R"({"mug": {}})"), 1));
-  EXPECT_FALSE(read_bop_symmetries(
-      folder.write("b.json",
-                   R"({"1": {"symmetries_continuous": [{"axis": [0,0,1]}, {"axis": [0,1,0]}]}})"),
-      1));
-}
-
 }  // namespace
 }  // namespace trivet
