@@ -57,6 +57,15 @@ Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSourc
   return {};
 }
 
+void add_scenes(const Manifest& manifest, LengthUnit library_unit, SceneInputs& inputs) {
+  for (SceneInput& source : scenes_of(manifest, library_unit))
+    inputs.sources.push_back(std::move(source));
+  for (const ManifestScene& scene : manifest.scenes)
+    inputs.ids.push_back({scene.scene_id, scene.image_id});
+  for (const ManifestModel& model : manifest.models)
+    if (model.object_id > 0) inputs.object_ids[model.name] = model.object_id;
+}
+
 }  // namespace
 
 LengthUnit parse_unit(const std::string& text) {
@@ -65,10 +74,31 @@ LengthUnit parse_unit(const std::string& text) {
 
 const char* unit_name(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
 
+bool is_listing(const std::string& argument) {
+  return has_extension(argument, ".json") || is_bop_folder(argument);
+}
+
+Result<Manifest> read_listing(const std::string& argument) {
+  return is_bop_folder(argument) ? read_bop(argument) : read_manifest(argument);
+}
+
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
   ModelInputs inputs;
   for (const std::string& argument : arguments) {
-    if (fs::is_directory(argument)) {
+    if (is_listing(argument)) {
+      // Of a BOP data set the models alone: its scenes may be many, or not there.
+      const Result<Manifest> manifest =
+          is_bop_folder(argument) ? read_bop_models(argument) : read_manifest(argument);
+      if (!manifest) return manifest.error();
+      if (inputs.unit && *inputs.unit != manifest->unit) {
+        return Error{ErrorCode::usage,
+                     fmt::format("{}: expected models of one unit, found '{}' after '{}'", argument,
+                                 unit_name(manifest->unit), unit_name(*inputs.unit))};
+      }
+      inputs.unit = manifest->unit;
+      const std::vector<ModelSource> listed = models_of(*manifest);
+      inputs.sources.insert(inputs.sources.end(), listed.begin(), listed.end());
+    } else if (fs::is_directory(argument)) {
       const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
       if (!files) return files.error();
       const std::size_t first = inputs.sources.size();
@@ -77,17 +107,6 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
       const Result<void> declared =
           declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
       if (!declared) return declared.error();
-    } else if (has_extension(argument, ".json")) {
-      const Result<Manifest> manifest = read_manifest(argument);
-      if (!manifest) return manifest.error();
-      if (inputs.unit && *inputs.unit != manifest->unit) {
-        return Error{ErrorCode::usage,
-                     fmt::format("{}: expected manifests of one unit, found '{}' after '{}'",
-                                 argument, unit_name(manifest->unit), unit_name(*inputs.unit))};
-      }
-      inputs.unit = manifest->unit;
-      const std::vector<ModelSource> listed = models_of(*manifest);
-      inputs.sources.insert(inputs.sources.end(), listed.begin(), listed.end());
     } else if (const std::size_t equals = argument.find('=');
                equals != std::string::npos && !fs::exists(argument)) {
       inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
@@ -110,14 +129,13 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
 Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given) {
   if (inputs.unit && !given.empty() && *inputs.unit != parse_unit(given)) {
     return Error{ErrorCode::usage,
-                 fmt::format("--unit: expected '{}' as in the manifest, found '{}'",
+                 fmt::format("--unit: expected '{}' as the models are in, found '{}'",
                              unit_name(*inputs.unit), given)};
   }
   return inputs.unit.value_or(parse_unit(given));
 }
 
-Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments,
-                                               LengthUnit library_unit) {
+Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
   SceneInput common;
   common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
   if (!arguments.camera.empty()) {
@@ -130,16 +148,15 @@ Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments,
         Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
   }
 
-  std::vector<SceneInput> scenes;
+  SceneInputs inputs;
   for (const std::string& argument : arguments.scenes) {
-    std::vector<fs::path> files{argument};
-    if (has_extension(argument, ".json")) {
-      const Result<Manifest> manifest = read_manifest(argument);
+    if (is_listing(argument)) {
+      const Result<Manifest> manifest = read_listing(argument);
       if (!manifest) return manifest.error();
-      const std::vector<SceneInput> listed = scenes_of(*manifest, library_unit);
-      scenes.insert(scenes.end(), listed.begin(), listed.end());
+      add_scenes(*manifest, library_unit, inputs);
       continue;
     }
+    std::vector<fs::path> files{argument};
     if (fs::is_directory(argument)) {
       Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
         return is_cloud_file(file) || (common.camera && has_extension(file, ".png"));
@@ -148,11 +165,12 @@ Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments,
       files = std::move(*listed);
     }
     for (const fs::path& file : files) {
-      scenes.push_back(common);
-      scenes.back().file = file;
+      inputs.sources.push_back(common);
+      inputs.sources.back().file = file;
+      inputs.ids.emplace_back();
     }
   }
-  return scenes;
+  return inputs;
 }
 
 }  // namespace trivet::apps

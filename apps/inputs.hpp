@@ -1,6 +1,7 @@
 /// From the names on the command line to models and scenes.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "engine/recognise.hpp"
 #include "engine/train.hpp"
 #include "storage/library.hpp"
+#include "storage/manifest.hpp"
 
 namespace trivet::apps {
 
@@ -15,12 +17,18 @@ namespace trivet::apps {
 LengthUnit parse_unit(const std::string& text);
 const char* unit_name(LengthUnit unit);
 
+/// Whether an argument lists models and scenes: a manifest or a BOP data set.
+bool is_listing(const std::string& argument);
+/// Its models and scenes. Errors: those of read_manifest and read_bop.
+Result<Manifest> read_listing(const std::string& argument);
+
 struct ModelInputs {
   std::vector<ModelSource> sources;
-  std::optional<LengthUnit> unit;  ///< of the manifests among them
+  std::optional<LengthUnit> unit;  ///< of the manifests and BOP data sets among them
 };
 
-/// Each argument is a file, NAME=FILE, a folder (every readable file in it, by name) or a manifest.
+/// Each argument is a file, NAME=FILE, a folder (every readable file in it, by name), a manifest or
+/// the folder of a BOP data set.
 /// Errors: missing_input, bad_data, usage (two models of one name).
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 
@@ -29,14 +37,23 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given);
 
 struct SceneArguments {
-  std::vector<std::string> scenes;  ///< files, folders or manifests
+  std::vector<std::string> scenes;  ///< files, folders, manifests or BOP data sets
   std::string camera;               ///< file, or empty
   std::vector<float> viewpoint;     ///< empty or three numbers
   std::optional<LengthUnit> unit;   ///< of the scenes; absent: the library's
 };
 
+struct SceneInputs {
+  std::vector<SceneInput> sources;
+  /// What BOP calls them; one a source, -1 where there are none.
+  struct Ids {
+    int scene = -1, image = -1;
+  };
+  std::vector<Ids> ids;
+  std::map<std::string, int> object_ids;  ///< of BOP, by the model's name
+};
+
 /// Errors: missing_input, bad_data, usage (a depth image without a camera).
-Result<std::vector<SceneInput>> collect_scenes(const SceneArguments& arguments,
-                                               LengthUnit library_unit);
+Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit);
 
 }  // namespace trivet::apps

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <vector>
 
+#include "apps/bop_csv.hpp"
 #include "apps/commands.hpp"
 #include "apps/detections_json.hpp"
 #include "apps/inputs.hpp"
@@ -12,7 +14,7 @@ namespace trivet::apps {
 namespace {
 
 struct RecognizeArguments {
-  std::string library, unit, json;
+  std::string library, unit, json, bop_csv;
   SceneArguments scenes;
   RecogniseArguments recognise;
 };
@@ -33,24 +35,33 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   if (!library) return library.error();
   SceneArguments scene_arguments = arguments.scenes;
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
-  const Result<std::vector<SceneInput>> scenes =
-      collect_scenes(scene_arguments, library->header.unit);
+  const Result<SceneInputs> scenes = collect_scenes(scene_arguments, library->header.unit);
   if (!scenes) return scenes.error();
+  const RecogniseOptions options = options_of(arguments.recognise);
+  if (!arguments.bop_csv.empty()) {
+    const Result<void> checked = check_bop_ids(*scenes, *library, options.models);
+    if (!checked) return checked;
+  }
 
   nlohmann::ordered_json document{{"library", arguments.library},
                                   {"scenes", nlohmann::ordered_json::array()}};
-  const Result<void> done =
-      recognise_all(*library, *scenes, options_of(arguments.recognise),
-                    context.console.progress("recognised", context.stop),
-                    [&](std::size_t index, const SceneResult& result) {
-                      const std::string file = (*scenes)[index].file.string();
-                      if (arguments.json.empty()) {
-                        print_scene(file, result);
-                      } else {
-                        document["scenes"].push_back(scene_json(file, result));
-                      }
-                    });
+  std::vector<BopResult> bop_results;
+  const Result<void> done = recognise_all(
+      *library, scenes->sources, options, context.console.progress("recognised", context.stop),
+      [&](std::size_t index, const SceneResult& result) {
+        const std::string file = scenes->sources[index].file.string();
+        if (arguments.json.empty()) {
+          print_scene(file, result);
+        } else {
+          document["scenes"].push_back(scene_json(file, result));
+        }
+        if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
+      });
   if (!done) return done;
+  if (!arguments.bop_csv.empty()) {
+    const Result<void> written = write_bop_results(arguments.bop_csv, bop_results);
+    if (!written) return written;
+  }
   if (arguments.json.empty()) return {};
   return write_json(arguments.json, document);
 }
@@ -63,8 +74,10 @@ void add_recognize(CLI::App& app, Context& context) {
   command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")
       ->required();
   command
-      ->add_option("SCENE", arguments->scenes.scenes,
-                   "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, or manifests")
+      ->add_option(
+          "SCENE", arguments->scenes.scenes,
+          "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, manifests, or "
+          "BOP data sets (the folder, or that of one split)")
       ->required();
   add_recognise_options(*command, arguments->recognise);
   command
@@ -81,6 +94,8 @@ void add_recognize(CLI::App& app, Context& context) {
       ->expected(3);
   command->add_option("--json", arguments->json,
                       "Write the result as JSON to this file, - for standard output");
+  command->add_option("--bop-csv", arguments->bop_csv,
+                      "Write the poses found in BOP data sets to this file, as BOP takes them");
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return recognize(*arguments, context); };
   });

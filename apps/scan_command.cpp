@@ -40,7 +40,7 @@ void add_scan(CLI::App& app, Context& context) {
       app.add_subcommand("scan", "Render scans of heaps of models with a virtual depth sensor");
   command
       ->add_option("MODEL", arguments->models,
-                   "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, or manifests")
+                   "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,

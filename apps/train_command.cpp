@@ -46,7 +46,8 @@ void add_train(CLI::App& app, Context& context) {
   command
       ->add_option(
           "MODEL", arguments->models,
-          "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ), NAME=FILE, folders, or manifests")
+          "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ), NAME=FILE, folders, manifests, or BOP "
+          "data sets")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
@@ -54,7 +55,8 @@ void add_train(CLI::App& app, Context& context) {
       ->required();
   command
       ->add_option("--unit", arguments->unit,
-                   "Unit of the models: m (default) or mm; a manifest names its own")
+                   "Unit of the models: m (default) or mm; manifests name their own, BOP data sets "
+                   "are in mm")
       ->check(CLI::IsMember({"m", "mm"}));
   command
       ->add_option("--preset", arguments->preset,

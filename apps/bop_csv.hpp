@@ -1,0 +1,30 @@
+/// What `trivet recognize --bop-csv` writes: detections under the numbers of a BOP data set.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/inputs.hpp"
+#include "engine/recognise.hpp"
+#include "storage/bop_results.hpp"
+#include "storage/library.hpp"
+
+namespace trivet::apps {
+
+/// Check, before anything is recognised, that every detection will have its numbers: each scene
+/// those of a BOP data set, no two the same, and each model the name that it has there, as a
+/// library knows no object ids (obj_000001, as `trivet train DATASET` names it).
+///
+/// models   names to look for; empty: all of the library
+/// Errors: usage (names the scene or the model).
+Result<void> check_bop_ids(const SceneInputs& scenes, const Library& library,
+                           std::span<const std::string> models);
+
+/// Add the detections of a scene, with the seconds that the whole scene took.
+/// Pre: check_bop_ids; a scene of a BOP data set is in mm.
+void add_bop_results(const SceneInputs& scenes, std::size_t index, const SceneResult& found,
+                     std::vector<BopResult>& results);
+
+}  // namespace trivet::apps
