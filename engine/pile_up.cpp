@@ -7,11 +7,13 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/counter_random.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/height_field.hpp"
 
 namespace trivet::engine {
 namespace {
+
+using kernels::CounterRandom;
 
 constexpr int kTrials = 8;  // placements tried for each instance
 constexpr float kHeapRadius =

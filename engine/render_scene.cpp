@@ -8,10 +8,10 @@
 #include <numbers>
 #include <optional>
 
-#include "engine/counter_random.hpp"
 #include "engine/parallel.hpp"
 #include "engine/pile_up.hpp"
 #include "engine/render_scenes.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/pixel_window.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/render_depth.hpp"
@@ -20,8 +20,8 @@
 namespace trivet {
 namespace {
 
-using engine::CounterRandom;
 using engine::PlacedModel;
+using kernels::CounterRandom;
 using kernels::PixelWindow;
 using kernels::RayScene;
 

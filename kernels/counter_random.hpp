@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace trivet::engine {
+namespace trivet::kernels {
 
 /// A short stream of its own for each (seed, stream, item). Source: SplitMix64 (Steele, Lea, Flood,
 /// OOPSLA 2014).
@@ -36,4 +36,4 @@ class CounterRandom {
   std::uint64_t state_;
 };
 
-}  // namespace trivet::engine
+}  // namespace trivet::kernels
