@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <limits>
 
 #include "support/random.hpp"
@@ -53,8 +52,8 @@ TEST_F(BopResults, ReadBackTheSameBits) {
     result.image_id = 999'999'999 - i;
     result.object_id = i % 7;
     result.score = static_cast<double>(random.uniform(-1, 1)) / 3;
-    result.R = Eigen::Quaterniond::UnitRandom().toRotationMatrix();
-    result.t_mm = Eigen::Vector3d::Random() * 1e3 / 3;
+    result.R = random.motion().linear().cast<double>() * (1 + 1e-9);
+    result.t_mm = random.direction().cast<double>() * 1e3 / 3;
     result.seconds = static_cast<double>(random.uniform(0, 100)) / 3;
     written.push_back(result);
   }
