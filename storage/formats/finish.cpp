@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <vector>
+
+#include "storage/keep_points.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -11,46 +12,13 @@ namespace {
 constexpr float kLargestCoordinate = 1e7F;
 constexpr float kSmallestExtent = 1e-5F;  ///< beside the distance; float steps are 6e-8 of it
 
-constexpr std::uint32_t kDropped = std::numeric_limits<std::uint32_t>::max();
-
-/// New index of each point, kDropped for those that are not finite.
-std::vector<std::uint32_t> number_finite(PointsView points, std::size_t& num_kept) {
-  std::vector<std::uint32_t> index(points.size(), kDropped);
-  num_kept = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].allFinite()) index[i] = static_cast<std::uint32_t>(num_kept++);
-  }
-  return index;
-}
-
-void keep(std::span<const std::uint32_t> index, std::size_t num_kept, Points& points) {
-  for (std::size_t i = 0; i < index.size(); ++i) {
-    if (index[i] != kDropped) points.set(index[i], points[i]);
-  }
-  points.resize(num_kept);
-}
-
 void drop_invalid(Cloud& cloud) {
-  std::size_t num_kept = 0;
-  const auto index = number_finite(cloud.points, num_kept);
-  cloud.num_invalid = index.size() - num_kept;
-  if (cloud.num_invalid == 0) return;
-
-  keep(index, num_kept, cloud.points);
-  if (!cloud.normals.empty()) keep(index, num_kept, cloud.normals);
-  Triangles kept;
-  for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
-    const auto a = index[cloud.triangles.a[t]], b = index[cloud.triangles.b[t]];
-    const auto c = index[cloud.triangles.c[t]];
-    if (a != kDropped && b != kDropped && c != kDropped) kept.push_back(a, b, c);
+  std::vector<std::uint8_t> is_finite(cloud.points.size());
+  for (std::size_t i = 0; i < is_finite.size(); ++i) {
+    is_finite[i] = cloud.points[i].allFinite();
+    cloud.num_invalid += is_finite[i] == 0;
   }
-  cloud.triangles = std::move(kept);
-  if (!cloud.grid) return;
-  for (std::int32_t& point : cloud.grid->point_index) {
-    if (point == PixelGrid::kNone) continue;
-    const std::uint32_t moved = index[static_cast<std::size_t>(point)];
-    point = moved == kDropped ? PixelGrid::kNone : static_cast<std::int32_t>(moved);
-  }
+  if (cloud.num_invalid > 0) keep_points(is_finite, cloud);
 }
 
 Result<void> check_range(PointsView points, const Input& input) {
