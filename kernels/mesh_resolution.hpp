@@ -1,0 +1,24 @@
+/// How far apart the points of a mesh or a cloud lie: the unit in which the literature gives noise.
+#pragma once
+
+#include "storage/cloud.hpp"
+#include "storage/points.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::kernels {
+
+/// The mean length of a mesh's edges, each counted once; 0 without triangles.
+///
+/// vertices    positions
+/// triangles   indices < vertices.size()
+/// Cost: n log n. Takes memory once, for the list of the edges.
+/// Source: the mesh resolution of Guo et al., IJCV 2013.
+double mean_edge_length(PointsView vertices, const Triangles& triangles);
+
+/// The mean distance of a cloud's points to their nearest neighbours; 0 for fewer than two points.
+///
+/// points   finite positions
+/// Cost: n log n. Errors: bad_data (a point is not finite), internal (out of memory).
+Result<double> mean_neighbour_distance(PointsView points);
+
+}  // namespace trivet::kernels
