@@ -31,7 +31,7 @@ Result<void> check_bop_ids(const SceneInputs& scenes, const Library& library,
   for (const std::string& name : names) {
     if (!scenes.object_ids.contains(name)) {
       return refuse("models named as in the BOP data set (obj_000001)",
-                    fmt::format("'{}'; choose models with --models", name));
+                    fmt::format("'{}'; train the data set, or choose models with --models", name));
     }
   }
   return {};
