@@ -8,6 +8,7 @@
 
 #include "engine/check_range.hpp"
 #include "engine/parallel.hpp"
+#include "engine/scaled_points.hpp"
 #include "kernels/diameter.hpp"
 #include "kernels/estimate_normals.hpp"
 #include "kernels/find_symmetry.hpp"
@@ -44,14 +45,6 @@ Error bad_surface(const ModelSource& source, const std::string& found) {
       fmt::format("{}: model '{}': expected a surface with extent in three dimensions, found {}; "
                   "give a mesh or a cloud of the whole object",
                   source.file.string(), source.name, found)};
-}
-
-Points scaled_points(PointsView points, double scale) {
-  Points out(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    out.set(i, (points[i].cast<double>() * scale).cast<float>());
-  }
-  return out;
 }
 
 /// Sample a mesh; the normals are those of the faces and as reliable as the winding.
@@ -259,7 +252,7 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
   TrainStats& stats = trained.stats;
   model.name = source.name;
   model.source = source.file.filename().string();
-  model.vertices = scaled_points(surface.points, source.scale);
+  model.vertices = engine::scaled_points(surface.points, source.scale);
   model.triangles = surface.triangles;
   {
     const StageTimer timer(stats.times, "diameter");

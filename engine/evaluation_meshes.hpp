@@ -1,0 +1,31 @@
+/// What a detection is measured on: the surfaces that a manifest names, as they stand there.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "storage/manifest.hpp"
+#include "storage/model.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// One model of a manifest. Lengths are in the manifest's unit.
+struct EvaluationMesh {
+  std::string name;
+  Points vertices;      ///< all of the file's, at least two of them apart
+  Triangles triangles;  ///< empty for a cloud
+  double diameter = 0;  ///< largest distance between two vertices, > 0
+  Symmetry symmetry;    ///< what the manifest declares; else none
+};
+
+/// Read the models of a manifest, in its order: for each the file that errors are measured on
+/// (BOP: models_eval), else the one that it is trained from. Errors: those of read_cloud; bad_data
+/// (a model without extent).
+Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manifest);
+
+/// The mesh of that name; none if there is none.
+const EvaluationMesh* find_mesh(std::span<const EvaluationMesh> meshes, std::string_view name);
+
+}  // namespace trivet

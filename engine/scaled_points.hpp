@@ -1,0 +1,17 @@
+/// From one unit of length to another.
+#pragma once
+
+#include "storage/points.hpp"
+
+namespace trivet::engine {
+
+/// Each coordinate times `scale`, rounded to float once.
+inline Points scaled_points(PointsView points, double scale) {
+  Points out(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.set(i, (points[i].cast<double>() * scale).cast<float>());
+  }
+  return out;
+}
+
+}  // namespace trivet::engine
