@@ -366,6 +366,8 @@ Result<void> validate(const RecogniseOptions& options) {
        "peaks per reference", "1 to 8", static_cast<double>(options.vote.max_peaks)},
       {options.min_score >= 0 && options.min_score <= 1, "minimum score", "0 to 1",
        options.min_score},
+      {options.doubtful_score.value_or(0) >= 0 && options.doubtful_score.value_or(0) <= 1,
+       "doubtful score", "0 to 1", options.doubtful_score.value_or(0)},
   });
 }
 

@@ -50,7 +50,10 @@ struct RecogniseOptions {
   VoteOptions vote{};
   PoseOptions pose{};
   VerifyStageOptions verify{};
-  float min_score = 0.5F;             ///< detections below are not reported, 0..1
+  float min_score = 0.5F;  ///< detections below are not reported, 0..1
+  /// Detections from this score to min_score are reported too, 0..1: for curves over the score.
+  /// They are chosen after the others, which they do not change.
+  std::optional<float> doubtful_score{};
   std::uint32_t max_instances = 100;  ///< per model
   std::vector<std::string> models{};  ///< names to look for; empty: all
   bool operator==(const RecogniseOptions&) const = default;

@@ -72,8 +72,10 @@ std::vector<Detection> select_detections(const Library& library, const PreparedS
   }
   std::vector<std::uint32_t> order(candidates.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return rank[a] > rank[b]; });
+  const auto doubtful = [&](std::uint32_t c) { return candidates[c].score < options.min_score; };
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return doubtful(a) != doubtful(b) ? doubtful(b) : rank[a] > rank[b];
+  });
 
   ExplainedPixels pixels(scene.images);
   std::vector<std::uint32_t> instances(library.models.size(), 0);
@@ -81,7 +83,7 @@ std::vector<Detection> select_detections(const Library& library, const PreparedS
   for (const std::uint32_t c : order) {
     const Candidate& candidate = candidates[c];
     const Model& model = library.models[candidate.model];
-    if (candidate.score < options.min_score) continue;
+    if (doubtful(c) && !(candidate.score >= options.doubtful_score.value_or(1))) continue;
     if (pixels.share_marked(candidate.explained) > options.verify.max_overlap) continue;
     pixels.mark(candidate.explained, model.sample_spacing);
     if (instances[candidate.model]++ >= options.max_instances) continue;  // seen, not asked for

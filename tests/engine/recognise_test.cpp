@@ -103,6 +103,20 @@ TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   }
 }
 
+TEST_F(Recognise, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
+  const Cloud scene = clutter();
+  const auto all = recognise(library_, scene, {}, {.min_score = 0});
+  ASSERT_TRUE(all);
+  ASSERT_GE(all->detections.size(), 2U);
+  const float best = all->detections[0].score, second = all->detections[1].score;
+  const auto sure = recognise(library_, scene, {}, {.min_score = best});
+  const auto more = recognise(library_, scene, {}, {.min_score = best, .doubtful_score = second});
+  ASSERT_TRUE(sure && more);
+  EXPECT_EQ(sure->detections.size(), 1U);
+  ASSERT_EQ(more->detections.size(), 2U);
+  EXPECT_EQ(more->detections[1].score, second);
+}
+
 TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
   const test::Shape room = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
   const auto wall = recognise(library_, test::render_scan({{&room, Pose::Identity()}}), {}, {});
