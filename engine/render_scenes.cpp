@@ -9,6 +9,7 @@
 #include "engine/check_range.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/diameter.hpp"
+#include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
 #include "storage/write_png.hpp"
 
@@ -62,13 +63,6 @@ Result<void> make_all(std::size_t n, const Progress& progress, Make&& make) {
   if (done < n)
     return Error{ErrorCode::resumable, fmt::format("stopped after {} of {} scenes", done, n)};
   return {};
-}
-
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return {};
-  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
 }
 
 }  // namespace

@@ -144,6 +144,13 @@ Result<void> publish_file(const std::filesystem::path& file, std::span<const std
   return pending->publish();
 }
 
+Result<void> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error) return {};
+  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
+}
+
 std::string xxh3_hex(std::span<const std::byte> bytes) {
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);

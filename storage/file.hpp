@@ -63,6 +63,9 @@ class PendingFile {
 /// Write bytes as a PendingFile and publish it. Errors: cannot_create, io.
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
+/// Create a folder, and those above it, where they are not there yet. Errors: cannot_create.
+Result<void> make_folder(const std::filesystem::path& folder);
+
 /// XXH3-128 as 32 hexadecimal digits.
 std::string xxh3_hex(std::span<const std::byte> bytes);
 
