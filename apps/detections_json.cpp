@@ -1,6 +1,8 @@
 #include "apps/detections_json.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <set>
 
 #include "storage/json_file.hpp"
 
@@ -23,7 +25,8 @@ struct StoredScene {
 
 Detection parse_detection(const JsonNode& node) {
   const auto number = [&](std::string_view key) {
-    return node.has(key) ? static_cast<float>(node.at(key).number()) : 0.0F;
+    return node.has(key) ? static_cast<float>(node.at(key).number())
+                         : std::numeric_limits<float>::quiet_NaN();
   };
   return {node.at("model").string(),
           static_cast<float>(node.at("score").number()),
@@ -87,15 +90,20 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
 
 Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
                                                                 const Manifest& manifest) {
-  std::vector<StoredScene> stored;
-  const Result<void> done = with_json(file, [&](const JsonNode& root) {
-    for (const JsonNode& scene : root.at("scenes").elements()) stored.push_back(parse_scene(scene));
-  });
-  if (!done) return done.error();
-
   const auto absolute = [](const std::filesystem::path& path) {
     return std::filesystem::absolute(path).lexically_normal();
   };
+  std::vector<StoredScene> stored;
+  std::set<std::filesystem::path> seen;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    for (const JsonNode& scene : root.at("scenes").elements()) {
+      stored.push_back(parse_scene(scene));
+      if (!seen.insert(absolute(stored.back().file)).second)
+        scene.at("scene").refuse("expected each scene once");
+    }
+  });
+  if (!done) return done.error();
+
   std::vector<std::optional<SceneResult>> results;
   for (const ManifestScene& scene : manifest.scenes) {
     const auto same = [&](const StoredScene& other) {

@@ -15,9 +15,11 @@ namespace trivet::apps {
 /// One element of "scenes".
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result);
 
-/// Read the detections and times of a manifest's scenes, one result a scene; none for a scene that
-/// is not there. Scenes are joined by path, else by the end of the path, where that names one of
-/// them. Errors: missing_input, io, bad_data (names the JSON path of the fault).
+/// Read the detections of a manifest's scenes, one result a scene; none for a scene that is not
+/// there. Scenes are joined by path, else by the end of the path, where that names one of them.
+/// Any program may have written them: per scene "scene" and "detections" must be there, per
+/// detection "model", "score" and "T_scene_model"; numbers that are not told are NaN, times are
+/// left out. Errors: missing_input, io, bad_data (names the JSON path of the fault).
 Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
                                                                 const Manifest& manifest);
 

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
+#include <set>
 
 #include "apps/commands.hpp"
 #include "apps/detections_json.hpp"
+#include "apps/evaluation_csv.hpp"
 #include "apps/evaluation_json.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
@@ -13,34 +17,58 @@
 namespace trivet::apps {
 namespace {
 
+/// Detections down to this score enter the curves over the score.
+constexpr float kLowestScore = 0.1F;
+
 struct EvaluateArguments {
-  std::string library, manifest, detections, json, report;
+  std::string library, manifest, detections, json, csv, report;
   RecogniseArguments recognise;
 };
 
-using SceneResults = std::vector<std::optional<SceneResult>>;
+/// What is judged: recognised now, or stored by any program.
+struct Judged {
+  std::vector<std::optional<SceneResult>> results;
+  float min_score = 0;  ///< of what counts as reported
+  std::string source;   ///< the file that it came from
+};
 
-Result<SceneResults> recognise_scenes(const Library& library, const Manifest& manifest,
-                                      const EvaluateArguments& arguments, const Context& context) {
-  SceneResults results(manifest.scenes.size());
+Result<Judged> recognise_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
+                                const Context& context) {
+  const Result<Library> library = open_library(arguments.library);
+  if (!library) return library.error();
+  RecogniseOptions options = options_of(arguments.recognise);
+  options.doubtful_score = std::min(kLowestScore, options.min_score);
+  Judged judged{{}, options.min_score, arguments.library};
+  judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognise_all(
-      library, scenes_of(manifest, library.header.unit), options_of(arguments.recognise),
+      *library, scenes_of(manifest, library->header.unit), options,
       context.console.progress("recognised", context.stop),
-      [&](std::size_t index, const SceneResult& result) { results[index] = result; });
+      [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; });
   if (!done) return done.error();
-  return results;
+  return judged;
 }
 
-Result<SceneResults> stored_results(const Manifest& manifest, const EvaluateArguments& arguments) {
-  Result<SceneResults> results = read_detections(arguments.detections, manifest);
-  if (!results || !arguments.recognise.min_score) return results;
-  for (std::optional<SceneResult>& result : *results) {
+/// All that is stored was reported, unless a threshold is given.
+Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments& arguments,
+                              const Context& context) {
+  Result<std::vector<std::optional<SceneResult>>> results =
+      read_detections(arguments.detections, manifest);
+  if (!results) return results.error();
+  std::set<std::string> strangers;
+  for (const std::optional<SceneResult>& result : *results) {
     if (!result) continue;
-    std::erase_if(result->detections, [&](const Detection& detection) {
-      return detection.score < *arguments.recognise.min_score;
-    });
+    for (const Detection& detection : result->detections) strangers.insert(detection.model);
   }
-  return results;
+  for (const ManifestModel& model : manifest.models) strangers.erase(model.name);
+  if (!strangers.empty()) {
+    context.console.warning(
+        fmt::format("{}: detections of {} models that the manifest does not list, as '{}', are not "
+                    "counted",
+                    arguments.detections, strangers.size(), *strangers.begin()));
+  }
+  return Judged{std::move(*results),
+                arguments.recognise.min_score.value_or(-std::numeric_limits<float>::infinity()),
+                arguments.detections};
 }
 
 Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
@@ -51,23 +79,33 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
         ErrorCode::bad_data,
         fmt::format("{}: expected scenes with their truth, found none", arguments.manifest)};
   }
-  const Result<Library> library = open_library(arguments.library);
-  if (!library) return library.error();
-  const Result<SceneResults> results =
-      arguments.detections.empty() ? recognise_scenes(*library, *manifest, arguments, context)
-                                   : stored_results(*manifest, arguments);
-  if (!results) return results.error();
-  const Result<Evaluation> evaluation = evaluate(*manifest, *library, *results);
-  if (!evaluation) return evaluation.error();
+  const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(*manifest);
+  if (!meshes) return meshes.error();
+  const Result<Judged> judged = arguments.detections.empty()
+                                    ? recognise_scenes(*manifest, arguments, context)
+                                    : stored_results(*manifest, arguments, context);
+  if (!judged) return judged.error();
+  const Result<Evaluation> evaluation =
+      evaluate(*manifest, *meshes, judged->results, judged->min_score);
+  if (!evaluation) {
+    return Error{evaluation.error().code,
+                 fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
+  }
 
   if (arguments.json != "-") fmt::print("{}", evaluation_table(*evaluation));
   if (!arguments.json.empty()) {
     const Result<void> written =
-        write_json(arguments.json, evaluation_json(*manifest, *evaluation, *results));
+        write_json(arguments.json, evaluation_json(*manifest, *evaluation, judged->results));
+    if (!written) return written;
+  }
+  if (!arguments.csv.empty()) {
+    const Result<void> written =
+        write_evaluation_csv(arguments.csv, *manifest, *evaluation, judged->results);
     if (!written) return written;
   }
   if (arguments.report.empty()) return {};
-  return write_report(arguments.report, *library, *manifest, *evaluation, *results,
+  return write_report(arguments.report,
+                      {*manifest, *meshes, *evaluation, judged->results, judged->source},
                       context.console.progress("drawn", context.stop));
 }
 
@@ -77,19 +115,28 @@ void add_evaluate(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command =
       app.add_subcommand("evaluate", "Recognise scenes whose truth is known, and score the result");
-  command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")
+  command
+      ->add_option("LIBRARY", arguments->library,
+                   "Library file, made by `trivet train`; leave it out with --detections")
       ->required();
-  command->add_option("MANIFEST", arguments->manifest, "Manifest of scenes with their truth")
-      ->required();
+  command->add_option("MANIFEST", arguments->manifest, "Manifest of scenes with their truth");
   command->add_option(
       "--detections", arguments->detections,
-      "Score what `trivet recognize --json` wrote to this file instead of recognising");
+      "Score the detections in this file, as `trivet recognize --json` or another program wrote "
+      "them, instead of recognising");
   add_recognise_options(*command, arguments->recognise);
   command->add_option("--json", arguments->json,
                       "Write the scores as JSON to this file, - for standard output");
+  command->add_option("--csv", arguments->csv,
+                      "Write instances.csv, detections.csv and summary.csv into this folder");
   command->add_option("--report", arguments->report,
-                      "Write index.html with tables and pictures of every scene into this folder");
+                      "Write index.html with tables, curves and pictures into this folder");
   command->callback([arguments, &context] {
+    // The manifest is what stands last.
+    if (arguments->manifest.empty()) arguments->library.swap(arguments->manifest);
+    if (arguments->library.empty() && arguments->detections.empty()) {
+      throw CLI::RequiredError("LIBRARY and MANIFEST, or a MANIFEST with --detections,");
+    }
     context.run = [arguments, &context] { return evaluate_manifest(*arguments, context); };
   });
 }

@@ -9,7 +9,10 @@
 
 namespace trivet::apps {
 
-/// Sums, medians, and for each scene what every detection turned out to be.
+/// "right", "wrong" or "neutral".
+const char* verdict_name(Verdict verdict);
+
+/// Sums, medians, curves, and for each scene what every detection turned out to be.
 nlohmann::ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluation,
                                        std::span<const std::optional<SceneResult>> results);
 

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
+#include "apps/report_charts.hpp"
 #include "apps/report_html.hpp"
-#include "engine/draw_scene.hpp"
+#include "apps/report_pictures.hpp"
 #include "engine/manifest_inputs.hpp"
 #include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
@@ -14,67 +14,61 @@
 namespace trivet::apps {
 namespace {
 
-/// Told apart by eye, and none like the outlines.
-constexpr std::array<Colour, 10> kModelColours{{{236, 168, 62},
-                                                {158, 118, 226},
-                                                {62, 178, 178},
-                                                {232, 124, 174},
-                                                {178, 178, 74},
-                                                {212, 116, 84},
-                                                {120, 166, 216},
-                                                {196, 150, 110},
-                                                {200, 160, 222},
-                                                {130, 190, 150}}};
+/// What pictures take within the page, about [byte].
+constexpr std::size_t kSceneBytes = 650'000, kExhibitBytes = 75'000, kMaxPageBytes = 20'000'000;
 
-struct VerdictStyle {
-  const char* name;
-  Colour outline;
-};
-constexpr VerdictStyle kRight{"right", {47, 214, 123}}, kWrong{"wrong", {255, 82, 82}},
-    kNeutral{"neutral", {181, 188, 200}}, kMissed{"missed", {74, 163, 255}};
+std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
-const VerdictStyle& style_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::right:
-      return kRight;
-    case Verdict::wrong:
-      return kWrong;
-    case Verdict::neutral:
-      return kNeutral;
-  }
-  return kNeutral;
+std::string count(std::size_t n, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
 }
 
-std::string css(const Colour& colour) {
-  return fmt::format("rgb({},{},{})", colour.red, colour.green, colour.blue);
-}
+// The result in words.
 
-const Model* find_model(const Library& library, const std::string& name) {
-  const auto found = std::find_if(library.models.begin(), library.models.end(),
-                                  [&](const Model& model) { return model.name == name; });
-  return found == library.models.end() ? nullptr : &*found;
-}
-
-/// The palette, then a paler one, and so on.
-Colour colour_of(const Library& library, const Model& model) {
-  const auto index = static_cast<std::size_t>(&model - library.models.data());
-  Colour colour = kModelColours[index % kModelColours.size()];
-  for (std::size_t round = 0; round < index / kModelColours.size() % 3; ++round) {
-    for (std::uint8_t* value : {&colour.red, &colour.green, &colour.blue}) {
-      *value = static_cast<std::uint8_t>(255 - (255 - *value) * 6 / 10);
+/// "2 of the 3 missed ones are occluded by 70 % or more", where occlusion is known of all.
+std::string where_missed(const ReportInput& input) {
+  constexpr double kMuch = 0.7;
+  std::size_t known = 0, much = 0;
+  for (std::size_t s = 0; s < input.evaluation.scenes.size(); ++s) {
+    for (const std::size_t t : input.evaluation.scenes[s].missed) {
+      const std::optional<double>& occlusion = input.manifest.scenes[s].truth[t].occlusion;
+      known += occlusion ? 1 : 0;
+      much += occlusion.value_or(0) >= kMuch ? 1 : 0;
     }
   }
-  return colour;
+  const std::size_t missed = input.evaluation.total.instances - input.evaluation.total.right;
+  if (missed == 0 || known < missed) return "";
+  return fmt::format(" {} of the {} are occluded by 70 % or more.", much,
+                     count(missed, "missed one", "missed ones"));
 }
 
-std::string swatch(const Library& library, const std::string& name) {
-  const Model* const model = find_model(library, name);
-  if (!model) return escape_html(name);
-  return fmt::format("<i class=\"swatch\" style=\"background:{}\"></i> {}",
-                     css(colour_of(library, *model)), escape_html(name));
+std::string headline(const ReportInput& input) {
+  const Evaluation& evaluation = input.evaluation;
+  const Tally& total = evaluation.total;
+  const auto [low, high] = wilson_interval(total.right, total.instances);
+  std::string out = fmt::format(
+      "<p class=\"headline\">{} of {} found ({}; {:.0f} to {:.0f} % with 95 % confidence), {} in "
+      "{}.",
+      total.right, count(total.instances, "instance", "instances"), percent(total.recall()),
+      100 * low, 100 * high,
+      total.false_positives == 0 ? "no false alarm"
+                                 : count(total.false_positives, "false alarm", "false alarms"),
+      count(evaluation.scenes.size() - evaluation.num_missing, "scene", "scenes"));
+  out += where_missed(input);
+  if (evaluation.median_translation_error) {
+    out += fmt::format(
+        " Half of the right poses are off by less than {:.2f} % of the diameter and {:.2f}°.",
+        100 * *evaluation.median_translation_error, *evaluation.median_rotation_error_deg);
+  }
+  if (!evaluation.seconds.empty() && evaluation.seconds.back().stage == "total") {
+    out += fmt::format(" A scene takes {:.2f} s (median).", evaluation.seconds.back().median);
+  }
+  if (evaluation.num_missing > 0) {
+    out += fmt::format(" {} without result, counted as not found.",
+                       count(evaluation.num_missing, "scene is", "scenes are"));
+  }
+  return out + "</p>\n";
 }
-
-// Sums.
 
 std::string card(std::string_view title, std::string_view value, std::string_view note) {
   return fmt::format(
@@ -85,218 +79,208 @@ std::string card(std::string_view title, std::string_view value, std::string_vie
 
 std::string cards(const Evaluation& evaluation) {
   const Tally& total = evaluation.total;
-  const auto [low, high] = wilson_interval(total.right, total.instances);
   std::string out = "<div class=\"cards\">\n";
-  out += card("Found", fmt::format("{:.1f} %", 100 * total.recall()),
-              fmt::format("{} of {}; 95 %: {:.1f} to {:.1f} %", total.right, total.instances,
-                          100 * low, 100 * high));
-  out += card("False positives", fmt::format("{}", total.false_positives),
-              fmt::format("in {} scenes", evaluation.scenes.size() - evaluation.num_missing));
+  out += card("Recall", percent(total.recall()),
+              fmt::format("{} of {}", total.right, total.instances));
+  out += card("Precision", percent(total.precision()),
+              count(total.false_positives, "false alarm", "false alarms"));
   out += card("ADD below 10 %", fmt::format("{}", total.add_right),
               fmt::format("of {}", total.instances));
+  out += card("Average precision", fmt::format("{:.3f}", evaluation.curve.average_precision),
+              "over all scores");
   if (evaluation.median_translation_error) {
     out += card(
         "Median error", fmt::format("{:.2f}°", *evaluation.median_rotation_error_deg),
         fmt::format("and {:.2f} % of the diameter", 100 * *evaluation.median_translation_error));
   }
-  if (!evaluation.median_seconds.seconds.empty()) {
-    out +=
-        card("Median time",
-             fmt::format("{:.2f} s", evaluation.median_seconds.seconds.back().second), "a scene");
+  if (!evaluation.seconds.empty()) {
+    const StageSeconds& total_time = evaluation.seconds.back();
+    out += card("Median time", fmt::format("{:.2f} s", total_time.median),
+                fmt::format("a scene; 95 % below {:.2f} s", total_time.p95));
   }
   return out + "</div>\n";
 }
 
+// Tables.
+
 std::string tally_row(std::string_view name, const Tally& tally, bool with_false) {
   const auto [low, high] = wilson_interval(tally.right, tally.instances);
-  return fmt::format(
-      "<tr><td>{}<td class=\"n\">{} / {}<td class=\"n\">{:.0f} %<td><span class=\"bar\" title=\"95 "
-      "%: {:.1f} to {:.1f} %\">"
-      "<i style=\"width:{:.1f}%\"></i><u style=\"left:{:.1f}%;width:{:.1f}%\"></u></span><td "
-      "class=\"n\">{}<td class=\"n\">{}\n",
-      name, tally.right, tally.instances, 100 * tally.recall(), 100 * low, 100 * high,
-      100 * tally.recall(), 100 * low, 100 * (high - low),
-      with_false ? fmt::format("{}", tally.false_positives) : "", tally.add_right);
-}
-
-std::string tally_table(std::string_view title, const std::string& rows) {
-  return fmt::format(
-      "<div><h2>{0}</h2><div class=\"table\"><table><tr><th><th class=\"n\">found<th "
-      "class=\"n\">recall"
-      "<th>95 % interval<th class=\"n\">false<th class=\"n\">ADD\n{1}</table></div></div>\n",
-      title, rows);
-}
-
-std::string tables(const Library& library, const Evaluation& evaluation) {
-  std::string models, occlusions, stages;
-  for (const auto& [name, tally] : evaluation.by_model)
-    models += tally_row(swatch(library, name), tally, true);
-  for (const auto& [name, tally] : evaluation.by_occlusion)
-    occlusions += tally_row(escape_html(name), tally, false);
-  const auto& seconds = evaluation.median_seconds.seconds;
-  for (const auto& [stage, value] : seconds) {
-    const double share =
-        seconds.back().second > 0 ? std::min(1.0, value / seconds.back().second) : 0;
-    stages += fmt::format(
-        "<tr><td>{}<td class=\"n\">{:.3f} s<td><span class=\"bar\"><i "
-        "style=\"width:{:.1f}%\"></i></span>\n",
-        escape_html(stage), value, 100 * share);
+  std::string row = fmt::format(
+      "<tr><td>{}<td class=\"n\">{} / {}<td class=\"n\">{:.0f} %<td><span class=\"bar\">"
+      "<i style=\"width:{:.1f}%\"></i><u style=\"left:{:.1f}%;width:{:.1f}%\"></u></span>"
+      "<td class=\"n dim\">{:.0f} – {:.0f}",
+      name, tally.right, tally.instances, 100 * tally.recall(), 100 * tally.recall(), 100 * low,
+      100 * (high - low), 100 * low, 100 * high);
+  if (with_false) {
+    row += fmt::format("<td class=\"n\">{}<td class=\"n\">{}", tally.false_positives,
+                       tally.right + tally.false_positives > 0
+                           ? fmt::format("{:.0f} %", 100 * tally.precision())
+                           : "");
   }
-  return "<div class=\"tables\">\n" + tally_table("By model", models) + "<div>" +
-         tally_table("By occlusion", occlusions) +
-         "<h2>Median time a scene</h2><div class=\"table\"><table>" + stages +
-         "</table></div></div></div>\n";
+  return row + fmt::format("<td class=\"n\">{}\n", tally.add_right);
 }
 
-std::string key() {
-  std::string out = "<div class=\"key\">";
-  for (const auto& [style, text] : {std::pair{kRight, "right"},
-                                    {kWrong, "false positive"},
-                                    {kMissed, "missed"},
-                                    {kNeutral, "not counted"}}) {
-    out += fmt::format("<span><i class=\"swatch ring\" style=\"border-color:{}\"></i>{}</span>",
-                       css(style.outline), text);
+std::string tally_table(std::string_view title, const std::string& rows, bool with_false) {
+  return fmt::format(
+      "<div><h2>{}</h2><div class=\"table tally\"><table><tr><th><th class=\"n\">found<th "
+      "class=\"n\">recall<th><th class=\"n\">95 %{}<th class=\"n\">ADD\n{}</table></div></div>\n",
+      title, with_false ? "<th class=\"n\">false<th class=\"n\">precision" : "", rows);
+}
+
+std::string group_table(std::string_view title, const Tallies& tallies) {
+  if (tallies.empty()) return "";
+  std::string rows;
+  for (const auto& [name, tally] : tallies) rows += tally_row(escape_html(name), tally, false);
+  return tally_table(title, rows, false);
+}
+
+std::string time_table(const std::vector<StageSeconds>& stages) {
+  if (stages.empty()) return "";
+  double longest = 0;
+  for (const StageSeconds& stage : stages) longest = std::max(longest, stage.p95);
+  const auto width = [&](double seconds) { return longest > 0 ? 100 * seconds / longest : 0; };
+  std::string rows;
+  for (const StageSeconds& stage : stages) {
+    rows += fmt::format(
+        "<tr><td>{}<td class=\"n\">{:.3f} s<td class=\"n\">{:.3f} s<td><span class=\"bar\">"
+        "<i style=\"width:{:.1f}%\"></i><u style=\"left:{:.1f}%;width:{:.1f}%\"></u></span>\n",
+        escape_html(stage.stage), stage.median, stage.p95, width(stage.median), width(stage.median),
+        width(stage.p95 - stage.median));
   }
-  return out +
-         "<span class=\"dim\">Fill: the model's colour, paler where something is in front of "
-         "it.</span></div>\n";
+  return fmt::format(
+      "<div><h2>Time a scene</h2><div class=\"table\"><table><tr><th>stage<th "
+      "class=\"n\">median<th class=\"n\">95 %<th>\n{}</table></div></div>\n",
+      rows);
 }
 
-// Scenes.
+std::string tables(const ReportInput& input) {
+  std::string models;
+  for (const auto& [name, tally] : input.evaluation.by_model)
+    models += tally_row(model_label(input, name), tally, true);
+  return "<div class=\"tables\">\n" + tally_table("By model", models, true) +
+         group_table("By occlusion", input.evaluation.by_occlusion) +
+         group_table("By clutter", input.evaluation.by_clutter) +
+         group_table("By visible share", input.evaluation.by_visible_fraction) +
+         time_table(input.evaluation.seconds) + "</div>\n";
+}
 
-/// What is drawn into a scene: its detections, then what was missed. Labels stand in the same
-/// order.
-struct Drawing {
-  std::vector<Overlay> overlays;
-  std::vector<std::pair<const VerdictStyle*, std::string>> labels;
+// Curves.
+
+std::string charts(const Evaluation& evaluation) {
+  if (evaluation.curve.points.empty()) return "";
+  std::string out =
+      "<div class=\"tables\">\n<div><h2>Precision and recall</h2><div class=\"table\">" +
+      precision_recall_chart(evaluation) +
+      "<p class=\"key\"><span><i class=\"dot reported\"></i>what was reported</span>";
+  if (const auto& best = evaluation.curve.best_f1) {
+    out +=
+        fmt::format("<span><i class=\"dot best\"></i>best F1 {:.3f}, from score {:.2f} on</span>",
+                    best->f1(), best->score);
+  }
+  out += "</p></div></div>\n";
+  if (!evaluation.calibration) return out + "</div>\n";
+  return out + "<div><h2>What a score is worth</h2><div class=\"table\">" +
+         calibration_chart(*evaluation.calibration) +
+         fmt::format(
+             "<p class=\"key\"><span>Share of right detections by score, with 95 % intervals; on "
+             "the dashed line a score is a probability. Mean distance from it: {:.2f}.</span></p>"
+             "</div></div>\n</div>\n",
+             evaluation.calibration->expected_error);
+}
+
+// Pictures.
+
+/// The figures of one report, in the order of the page.
+struct Figures {
+  std::vector<std::string> problems, right, scenes;
 };
 
-Drawing plan_drawing(const Library& library, const ManifestScene& scene,
-                     const SceneEvaluation& evaluation, const std::optional<SceneResult>& result) {
-  Drawing drawing;
-  const auto add = [&](const std::string& name, const Pose& pose, const VerdictStyle& style,
-                       bool filled, std::string label) {
-    const Model* const model = find_model(library, name);
-    if (!model) return;
-    drawing.overlays.push_back({model, pose, style.outline, colour_of(library, *model), filled});
-    drawing.labels.emplace_back(&style, std::move(label));
-  };
-  for (const JudgedDetection& judged : evaluation.detections) {
-    const Detection& detection = result->detections[judged.detection];
-    add(detection.model, detection.T_scene_model, style_of(judged.verdict), true,
-        fmt::format("{} {:.2f}", detection.model, detection.score));
-  }
-  for (const std::size_t t : evaluation.missed) {
-    add(scene.truth[t].model, scene.truth[t].T_scene_model, kMissed, false,
-        scene.truth[t].model + " missed");
-  }
-  return drawing;
-}
-
-Result<std::string> image_tag(const Picture& picture, std::string_view text) {
-  const auto png = encode_png(picture);
-  if (!png) return png.error();
-  return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">", picture.width,
-                     picture.height, escape_html(text), png_address(*png));
-}
-
-std::string labels(const Drawing& drawing, const std::vector<DrawnBox>& boxes) {
-  std::string out;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (boxes[i].left > boxes[i].right) continue;
-    const float x = std::clamp((boxes[i].left + boxes[i].right) / 2, 0.08F, 0.92F);
-    const float y = std::clamp((boxes[i].top + boxes[i].bottom) / 2, 0.03F, 0.97F);
-    out += fmt::format("<span class=\"tag {}\" style=\"left:{:.1f}%;top:{:.1f}%\">{}</span>",
-                       drawing.labels[i].first->name, 100 * x, 100 * y,
-                       escape_html(drawing.labels[i].second));
-  }
-  return out;
-}
-
-std::string detection_table(const Library& library, const ManifestScene& scene,
-                            const SceneEvaluation& evaluation,
-                            const std::optional<SceneResult>& result) {
-  std::string rows;
-  for (const JudgedDetection& judged : evaluation.detections) {
-    const Detection& detection = result->detections[judged.detection];
-    const char* const verdict = style_of(judged.verdict).name;
-    rows +=
-        fmt::format("<tr><td>{}<td class=\"{}\">{}<td class=\"n\">{:.3f}<td class=\"n\">{:.0f} %",
-                    swatch(library, detection.model), verdict, verdict, detection.score,
-                    100 * detection.visible_fraction);
-    rows += judged.truth ? fmt::format("<td class=\"n\">{:.2f} %<td class=\"n\">{:.2f}°\n",
-                                       100 * judged.translation_error, judged.rotation_error_deg)
-                         : "<td><td>\n";
-  }
-  for (const std::size_t t : evaluation.missed) {
-    const std::optional<double>& occlusion = scene.truth[t].occlusion;
-    rows += fmt::format("<tr><td>{}<td class=\"missed\">missed{}<td><td><td><td>\n",
-                        swatch(library, scene.truth[t].model),
-                        occlusion ? fmt::format(", {:.0f} % covered", 100 * *occlusion) : "");
-  }
-  return "<details><summary>Scores and errors</summary><div><table><tr><th>model<th>verdict<th "
-         "class=\"n\">score"
-         "<th class=\"n\">agrees<th class=\"n\">translation<th class=\"n\">rotation\n" +
-         rows + "</table></div></details>";
-}
-
-Result<std::string> scene_figure(const Library& library, const ManifestScene& scene,
-                                 const SceneInput& input, const SceneEvaluation& evaluation,
-                                 const std::optional<SceneResult>& result) {
+Result<SceneDrawing> open_scene(const SceneInput& scene, float largest_diameter) {
   ReadOptions options;
-  options.camera = input.camera;
-  const Result<Cloud> cloud = read_cloud(input.file, options);
+  options.camera = scene.camera;
+  const Result<Cloud> cloud = read_cloud(scene.file, options);
   if (!cloud) return cloud.error();
-  const Drawing drawing = plan_drawing(library, scene, evaluation, result);
-  const Result<ScenePictures> pictures = draw_scene(*cloud, input, drawing.overlays);
-  if (!pictures) return pictures.error();
-  const Result<std::string> scan = image_tag(pictures->scan, "scan " + scene.name);
-  if (!scan) return scan.error();
-  const Result<std::string> overlaid = image_tag(pictures->overlaid, "detections in " + scene.name);
-  if (!overlaid) return overlaid.error();
+  return SceneDrawing::prepare(*cloud, scene, largest_diameter);
+}
 
-  const Tally& tally = evaluation.tally;
-  std::string caption = fmt::format("<b>{}</b><span class=\"right\">{} of {} found</span>",
-                                    escape_html(scene.name), tally.right, tally.instances);
-  if (tally.false_positives > 0)
-    caption += fmt::format("<span class=\"wrong\">{} false</span>", tally.false_positives);
-  if (evaluation.missing) caption += "<span class=\"missed\">no result</span>";
-  if (result)
-    caption += fmt::format("<span class=\"dim\">{:.2f} s</span>", result->stats.total_seconds);
-  return fmt::format(
-      "<figure><figcaption>{}</figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
-      "class=\"view\">{}{}"
-      "</div></div>{}</figure>\n",
-      caption, *scan, *overlaid, labels(drawing, pictures->boxes),
-      detection_table(library, scene, evaluation, result));
+Result<Figures> draw_figures(const ReportInput& input, const Gallery& gallery, PictureStore& store,
+                             const Progress& progress) {
+  Figures figures;
+  figures.problems.resize(gallery.problems.size());
+  figures.right.resize(gallery.right.size());
+  double largest = 0;
+  for (const EvaluationMesh& mesh : input.meshes) largest = std::max(largest, mesh.diameter);
+  // Meshes and scenes are both in the manifest's unit.
+  const std::vector<SceneInput> scenes = scenes_of(input.manifest, input.manifest.unit);
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    if (progress.stop.stop_requested()) {
+      return Error{ErrorCode::resumable,
+                   fmt::format("stopped after drawing {} of {} scenes", s, scenes.size())};
+    }
+    Result<SceneDrawing> drawing = open_scene(scenes[s], static_cast<float>(largest));
+    if (!drawing) return drawing.error();
+    Result<std::string> scene = scene_figure(input, s, *drawing, store);
+    if (!scene) return scene.error();
+    figures.scenes.push_back(std::move(*scene));
+    for (const auto& [exhibits, out, kind] :
+         {std::tuple{&gallery.problems, &figures.problems, "problem"},
+          {&gallery.right, &figures.right, "right"}}) {
+      for (std::size_t i = 0; i < exhibits->size(); ++i) {
+        if ((*exhibits)[i].scene != s) continue;
+        Result<std::string> figure = exhibit_figure(input, (*exhibits)[i], *drawing, store,
+                                                    fmt::format("{}_{:04}", kind, i));
+        if (!figure) return figure.error();
+        (*out)[i] = std::move(*figure);
+      }
+    }
+    progress(s + 1, scenes.size(), input.manifest.scenes[s].name);
+  }
+  return figures;
+}
+
+std::string gallery_section(std::string_view title, const std::vector<std::string>& figures,
+                            std::size_t num_all, std::string_view note) {
+  if (figures.empty()) return "";
+  std::string out = fmt::format("<h2>{}</h2>\n", title);
+  if (figures.size() < num_all)
+    out += fmt::format("<p class=\"dim\">{} of {}{}</p>\n", figures.size(), num_all, note);
+  out += "<div class=\"gallery\">\n";
+  for (const std::string& figure : figures) out += figure;
+  return out + "</div>\n";
 }
 
 }  // namespace
 
-Result<void> write_report(const std::filesystem::path& folder, const Library& library,
-                          const Manifest& manifest, const Evaluation& evaluation,
-                          std::span<const std::optional<SceneResult>> results,
+Result<void> write_report(const std::filesystem::path& folder, const ReportInput& input,
                           const Progress& progress) {
-  std::string content = fmt::format(
-      "<h1>Trivet: what was found</h1>\n<p class=\"dim\">Library {}: {} models. {} scenes.</p>\n",
-      escape_html(library.file.filename().string()), library.models.size(), manifest.scenes.size());
-  content += cards(evaluation) + tables(library, evaluation) + "<h2>Scenes</h2>\n" + key();
-  const std::vector<SceneInput> inputs = scenes_of(manifest, library.header.unit);
-  for (std::size_t s = 0; s < inputs.size(); ++s) {
-    if (progress.stop.stop_requested()) {
-      return Error{ErrorCode::resumable,
-                   fmt::format("stopped after drawing {} of {} scenes", s, inputs.size())};
-    }
-    const Result<std::string> figure =
-        scene_figure(library, manifest.scenes[s], inputs[s], evaluation.scenes[s], results[s]);
-    if (!figure) return figure.error();
-    content += *figure;
-    progress(s + 1, inputs.size(), manifest.scenes[s].name);
+  if (const Result<void> made = make_folder(folder); !made) return made;
+  const Gallery gallery = choose_exhibits(input);
+  const std::size_t bytes = kSceneBytes * input.manifest.scenes.size() +
+                            kExhibitBytes * (gallery.problems.size() + gallery.right.size());
+  PictureStore store(bytes > kMaxPageBytes ? std::optional(folder) : std::nullopt);
+  const Result<Figures> figures = draw_figures(input, gallery, store, progress);
+  if (!figures) return figures.error();
+
+  std::string content =
+      fmt::format("<h1>Trivet: what was found</h1>\n<p class=\"dim\">{}, {}, {}</p>\n",
+                  escape_html(std::filesystem::path(input.source).filename().string()),
+                  count(input.manifest.models.size(), "model", "models"),
+                  count(input.manifest.scenes.size(), "scene", "scenes"));
+  content += headline(input) + cards(input.evaluation) + tables(input) + charts(input.evaluation);
+  if (!figures->problems.empty() || !figures->right.empty()) {
+    content +=
+        "<h2>Close-ups</h2>\n<p class=\"dim\">Left what the sensor saw, right the truth and "
+        "the answer in outlines.</p>\n" +
+        picture_key();
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
+  content += gallery_section("Missed and wrong", figures->problems, gallery.num_problems, "");
+  content +=
+      gallery_section("Right", figures->right, gallery.num_right, ", those of the lowest scores");
+  content +=
+      "<h2>Scenes</h2>\n<p class=\"dim\">Filled with the model's colour, paler where something "
+      "is in front of it.</p>\n" +
+      picture_key();
+  for (const std::string& figure : figures->scenes) content += figure;
   const std::string page = html_page("Trivet: what was found", content);
   return publish_file(folder / "index.html", std::as_bytes(std::span(page)));
 }

@@ -8,17 +8,24 @@
 
 #include "engine/evaluate.hpp"
 #include "engine/progress.hpp"
-#include "storage/library.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet::apps {
 
-/// Write folder/index.html: sums, tables, and each scene with its detections drawn in. The page is
-/// one file that needs nothing else; it appears whole or not at all. Errors: of reading and drawing
-/// the scenes; cannot_create, io; resumable when stopped.
-Result<void> write_report(const std::filesystem::path& folder, const Library& library,
-                          const Manifest& manifest, const Evaluation& evaluation,
-                          std::span<const std::optional<SceneResult>> results,
+struct ReportInput {
+  const Manifest& manifest;
+  std::span<const EvaluationMesh> meshes;
+  const Evaluation& evaluation;
+  std::span<const std::optional<SceneResult>> results;
+  std::string source;  ///< the library or the file of detections that was judged
+};
+
+/// Write folder/index.html: the result in words, tables, curves over the score, what was missed or
+/// wrong as close-ups, then right ones, then every scene. The page needs no network; its pictures
+/// are within it while that makes up to about 20 MB, else in folder/pictures. It appears whole or
+/// not at all. Errors: of reading and drawing the scenes; cannot_create, io; resumable when
+/// stopped.
+Result<void> write_report(const std::filesystem::path& folder, const ReportInput& input,
                           const Progress& progress);
 
 }  // namespace trivet::apps

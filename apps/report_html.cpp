@@ -9,9 +9,9 @@ namespace {
 /// below each other.
 constexpr std::string_view kStyle = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
---right:#1e9e55;--wrong:#d83a3a;--missed:#2f7de0;--neutral:#8a929e}
+--right:#16803f;--wrong:#c92a2a;--missed:#1f66c7;--neutral:#6b7380;--doubtful:#946200}
 @media(prefers-color-scheme:dark){:root{--page:#111318;--card:#1a1d24;--text:#e7eaf0;--dim:#98a1b0;--line:#2c313b;--bar:#6f9df0;
---range:#6f9df040;--right:#3ecf7f;--wrong:#ff6b6b;--missed:#5aa6ff;--neutral:#9aa3b0}}
+--range:#6f9df040;--right:#3ecf7f;--wrong:#ff6b6b;--missed:#5aa6ff;--neutral:#9aa3b0;--doubtful:#f2b83b}}
 *{box-sizing:border-box}
 body{margin:0 auto;padding:20px 16px 48px;max-width:1360px;background:var(--page);color:var(--text);
 font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,sans-serif;font-variant-numeric:tabular-nums}
@@ -19,11 +19,11 @@ h1{font-size:1.5rem;margin:0}h2{font-size:1.1rem;margin:32px 0 10px}p{margin:4px
 .cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(165px,1fr));gap:12px;margin:18px 0}
 .card,figure,.table{background:var(--card);border:1px solid var(--line);border-radius:10px}
 .card{padding:12px 16px}.card b{display:block;font-size:1.7rem;line-height:1.25;font-weight:650}
-.tables{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr));gap:16px;align-items:start}
+.tables{columns:2 400px;column-gap:16px}.tables>div{break-inside:avoid;padding-top:24px}.tables h2{margin:0 0 10px}
 .table{overflow-x:auto;padding:2px 14px 6px}table{border-collapse:collapse;width:100%}
 th{font-weight:500;color:var(--dim);text-align:left;font-size:.85rem}th,td{padding:5px 8px 5px 0;border-bottom:1px solid var(--line);white-space:nowrap}
-tr:last-child td{border-bottom:0}.n{text-align:right}
-.bar{position:relative;display:block;min-width:90px;height:10px;border-radius:5px;background:var(--line)}
+td:first-child{white-space:normal;overflow-wrap:anywhere;min-width:6.5em}tr:last-child td{border-bottom:0}.n{text-align:right}
+.bar{position:relative;display:block;min-width:64px;height:10px;border-radius:5px;background:var(--line)}
 .bar i{position:absolute;top:0;bottom:0;left:0;border-radius:5px;background:var(--bar)}
 .bar u{position:absolute;top:-3px;bottom:-3px;border:solid var(--dim);border-width:0 2px}
 .bar u::after{content:"";position:absolute;left:0;right:0;top:7px;border-top:2px solid var(--dim)}
@@ -37,8 +37,24 @@ figcaption b{font-size:1.02rem}
 line-height:1.35;white-space:nowrap;border-bottom:2px solid;pointer-events:none}
 .right{color:var(--right)}.wrong{color:var(--wrong)}.missed{color:var(--missed)}.neutral{color:var(--neutral)}
 .tag.right{border-color:#2fd67b;color:#fff}.tag.wrong{border-color:#ff5252;color:#fff}.tag.missed{border-color:#4aa3ff;color:#fff}.tag.neutral{border-color:#b5bcc8;color:#fff}
+.doubtful{color:var(--doubtful)}
+.headline{font-size:1.15rem;max-width:62rem;margin:14px 0}
+.gallery{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,430px),1fr));gap:16px}.exhibit{margin:0}
+.exhibit p{margin:6px 2px 0;font-size:.9rem}
+.chart{display:block;width:100%;max-width:460px;height:auto;margin:8px auto 0}
+.chart text{font-size:12px;fill:var(--dim)}.chart .name{font-size:13px;fill:var(--text)}.chart .number{font-size:10.5px;fill:var(--text)}
+.chart .mid{text-anchor:middle}.chart .end{text-anchor:end}.chart .grid{stroke:var(--line);fill:none}
+.chart .curve{stroke:var(--bar);stroke-width:2.2;fill:none;stroke-linejoin:round}.chart .ideal{stroke:var(--dim);stroke-dasharray:5 4;fill:none}
+.chart .range{stroke:var(--bar);stroke-width:1.6;opacity:.55}.chart .share{fill:var(--bar)}
+.chart .best{fill:var(--card);stroke:var(--doubtful);stroke-width:2.5}.chart .reported{fill:var(--right)}
+.dot{width:11px;height:11px;border-radius:50%;flex:none}.dot.best{border:2.5px solid var(--doubtful)}.dot.reported{background:var(--right)}
+p.key{margin:6px 4px 8px;color:var(--dim)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
-@media(max-width:760px){.pair{grid-template-columns:1fr}body{padding:14px 10px 32px}figure{padding:8px}}
+@media(max-width:760px){.pair{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
+.table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
+@media(max-width:520px){.tally td:nth-child(4),.tally th:nth-child(4){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}}
+@media print{body{max-width:none;padding:0;font-size:11px;background:none}.tables{columns:2 200px}.pair{grid-template-columns:1fr 1fr}.key{break-after:avoid}figure,.card,.table,.chart{break-inside:avoid}h2{break-after:avoid}
+.bar,.bar i,.swatch,.tag{print-color-adjust:exact;-webkit-print-color-adjust:exact}.gallery{grid-template-columns:1fr 1fr}}
 )css";
 
 }  // namespace

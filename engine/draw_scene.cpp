@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "engine/parallel.hpp"
 #include "engine/prepare_scene.hpp"
@@ -18,9 +19,15 @@ using Eigen::Vector3f;
 using kernels::RangeImage;
 using kernels::RayScene;
 
-constexpr std::uint32_t kMinWidth =
-    640;  // [pixel]; smaller images are drawn with several pixels for one
-constexpr std::uint32_t kMaxWidth = 1024;  // larger pictures are shrunk
+/// Widths of pictures [pixel]: smaller images are drawn with several pixels for one, larger ones
+/// are shrunk.
+struct Widths {
+  std::uint32_t least, most;
+  std::uint32_t outlines;  // reach of an outline: this part of the width
+};
+constexpr Widths kWhole{640, 1024, 320}, kDetail{360, 720, 130};
+constexpr float kSurroundings = 1.6F;       // side of a detail, in extents of what it shows
+constexpr std::int64_t kSmallestSide = 24;  // of a detail [pixel of the scan]
 constexpr float kAmbient = 0.2F;
 constexpr float kHiddenShare = 0.35F;    // of a model's colour where the scan is in front
 constexpr float kHiddenDepth = 0.03F;    // in front: by so many diameters
@@ -53,8 +60,8 @@ struct Canvas {
 };
 
 /// Shrink by a whole factor, each pixel the mean of those it stands for.
-Picture to_picture(const Canvas& canvas) {
-  const std::uint32_t factor = (canvas.width + kMaxWidth - 1) / kMaxWidth;
+Picture to_picture(const Canvas& canvas, std::uint32_t max_width) {
+  const std::uint32_t factor = (canvas.width + max_width - 1) / max_width;
   Picture picture{std::max(1U, canvas.width / factor), std::max(1U, canvas.height / factor), {}};
   picture.rgb.reserve(std::size_t{3} * picture.width * picture.height);
   for (std::uint32_t v = 0; v < picture.height; ++v) {
@@ -85,29 +92,48 @@ const RangeImage& fullest_image(const std::vector<RangeImage>& images) {
       [&](const RangeImage& a, const RangeImage& b) { return measured(a) < measured(b); });
 }
 
-/// The image that a picture is drawn in: that of the scan, each pixel `factor` times as wide and
-/// high.
+/// Pixels of the scan from (left, top) on, which may lie outside of it.
+struct Window {
+  std::int64_t left = 0, top = 0;
+  std::uint32_t width = 0, height = 0;
+};
+
+/// The image that a picture is drawn in: a window of the scan's, each pixel `factor` times as wide
+/// and high.
 struct Frame {
+  static constexpr std::size_t kOutside = static_cast<std::size_t>(-1);
   const RangeImage& scan;
+  Window window;
   std::uint32_t factor;
   kernels::ImageGeometry geometry;
 
-  explicit Frame(const RangeImage& image)
+  Frame(const RangeImage& image, const Window& part, std::uint32_t min_width)
       : scan(image),
-        factor((kMinWidth + image.geometry.width - 1) / image.geometry.width),
+        window(part),
+        factor((min_width + part.width - 1) / part.width),
         geometry(image.geometry) {
     const auto f = static_cast<float>(factor);
     geometry.fx *= f;
     geometry.fy *= f;
-    geometry.cx = f * geometry.cx + 0.5F * (f - 1);
-    geometry.cy = f * geometry.cy + 0.5F * (f - 1);
-    geometry.width *= factor;
-    geometry.height *= factor;
+    geometry.cx = f * (geometry.cx - static_cast<float>(part.left)) + 0.5F * (f - 1);
+    geometry.cy = f * (geometry.cy - static_cast<float>(part.top)) + 0.5F * (f - 1);
+    geometry.width = part.width * factor;
+    geometry.height = part.height * factor;
   }
-  /// Pixel of the scan that one of the picture lies in.
+  /// Pixel of the scan that one of the picture lies in, or kOutside.
   std::size_t scan_pixel(std::size_t pixel) const noexcept {
-    const std::size_t u = pixel % geometry.width, v = pixel / geometry.width;
-    return v / factor * scan.geometry.width + u / factor;
+    const auto u = window.left + static_cast<std::int64_t>(pixel % geometry.width / factor);
+    const auto v = window.top + static_cast<std::int64_t>(pixel / geometry.width / factor);
+    if (u < 0 || v < 0 || u >= static_cast<std::int64_t>(scan.geometry.width) ||
+        v >= static_cast<std::int64_t>(scan.geometry.height)) {
+      return kOutside;
+    }
+    return static_cast<std::size_t>(v) * scan.geometry.width + static_cast<std::size_t>(u);
+  }
+  /// 0 without a measurement.
+  float measured_depth(std::size_t pixel) const noexcept {
+    const std::size_t own = scan_pixel(pixel);
+    return own == kOutside ? 0 : scan.depth[own];
   }
 };
 
@@ -142,11 +168,11 @@ class Background {
 Canvas draw_scan(const Frame& frame, const Background& background) {
   Canvas canvas(frame.geometry.width, frame.geometry.height);
   for (std::size_t i = 0; i < canvas.rgb.size(); ++i) {
-    const std::size_t pixel = frame.scan_pixel(i);
-    if (frame.scan.depth[pixel] == 0) {
+    if (frame.measured_depth(i) == 0) {
       canvas.rgb.set(i, kBackground);
       continue;
     }
+    const std::size_t pixel = frame.scan_pixel(i);
     const Vector3f normal = frame.scan.normals[pixel];
     const float light = normal.allFinite() ? shade(normal) : kGreyOfUnknown;
     canvas.rgb.set(i, kScanColour * light * (background.holds(pixel) ? kDimmed : 1));
@@ -160,29 +186,30 @@ struct Rendering {
   std::vector<std::uint32_t> overlay;  // index among all overlays; Hit::kNone
 };
 
-Result<RayScene> surface_of(const Model& model) {
-  if (!model.triangles.empty()) return RayScene::from_mesh(model.vertices, model.triangles);
-  return RayScene::from_spheres(model.samples, kernels::kCloudRadius * model.sample_spacing);
+Result<RayScene> surface_of(const EvaluationMesh& mesh) {
+  if (!mesh.triangles.empty()) return RayScene::from_mesh(mesh.vertices, mesh.triangles);
+  // A closed surface has an area of some two squared diameters.
+  const double spacing = mesh.diameter * std::sqrt(2 / static_cast<double>(mesh.vertices.size()));
+  return RayScene::from_spheres(mesh.vertices, kernels::kCloudRadius * static_cast<float>(spacing));
 }
 
-/// Render those overlays that are filled, or those that are not.
+using Surfaces = std::map<const EvaluationMesh*, RayScene>;
+
+/// Render the overlays of these indices.
 Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const Overlay> overlays,
-                         double scene_scale, bool filled) {
-  std::map<const Model*, RayScene> surfaces;
+                         std::span<const std::uint32_t> which, double scene_scale,
+                         Surfaces& surfaces) {
   std::vector<RayScene::Instance> instances;
-  std::vector<std::uint32_t> which;
-  for (std::size_t i = 0; i < overlays.size(); ++i) {
-    if (overlays[i].filled != filled) continue;
-    auto found = surfaces.find(overlays[i].model);
+  for (const std::uint32_t i : which) {
+    auto found = surfaces.find(overlays[i].mesh);
     if (found == surfaces.end()) {
-      Result<RayScene> surface = surface_of(*overlays[i].model);
+      Result<RayScene> surface = surface_of(*overlays[i].mesh);
       if (!surface) return surface.error();
-      found = surfaces.emplace(overlays[i].model, std::move(*surface)).first;
+      found = surfaces.emplace(overlays[i].mesh, std::move(*surface)).first;
     }
     Pose pose = overlays[i].T_scene_model;
     pose.translation() *= static_cast<float>(scene_scale);
     instances.push_back({&found->second, geometry.T_camera_scene * pose});
-    which.push_back(static_cast<std::uint32_t>(i));
   }
   const Result<RayScene> rays = RayScene::from_instances(instances);
   if (!rays) return rays.error();
@@ -242,16 +269,17 @@ bool on_outline(const kernels::ImageGeometry& geometry, const Rendering& renderi
 }
 
 void draw_overlays(const Frame& frame, const Rendering& rendering,
-                   std::span<const Overlay> overlays, Canvas& canvas) {
+                   std::span<const Overlay> overlays, std::uint32_t outlines, Canvas& canvas) {
   const kernels::ImageGeometry& geometry = frame.geometry;
-  const std::int64_t outline_width = std::max<std::int64_t>(1, (geometry.width + 200) / 320);
+  const std::int64_t outline_width = std::max<std::int64_t>(2, geometry.width / outlines);
   engine::for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first * geometry.width; i < (first + count) * geometry.width; ++i) {
       if (rendering.overlay[i] == kernels::Hit::kNone) continue;
       const Overlay& overlay = overlays[rendering.overlay[i]];
-      const float measured = frame.scan.depth[frame.scan_pixel(i)];
+      const float measured = frame.measured_depth(i);
       const bool hidden =
-          measured > 0 && measured < rendering.depth[i] - kHiddenDepth * overlay.model->diameter;
+          measured > 0 &&
+          measured < rendering.depth[i] - kHiddenDepth * static_cast<float>(overlay.mesh->diameter);
       if (on_outline(geometry, rendering, i, outline_width)) {
         canvas.blend(i, to_vector(overlay.outline), hidden ? 0.6F : 1.0F);
       } else if (overlay.filled) {
@@ -279,28 +307,104 @@ void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rende
   }
 }
 
+/// The square around the vertices of the overlays as the scan's image shows them; none where they
+/// lie behind the sensor.
+std::optional<Window> window_around(const kernels::ImageGeometry& geometry,
+                                    std::span<const Overlay> overlays, double scene_scale) {
+  Eigen::AlignedBox2f box;
+  for (const Overlay& overlay : overlays) {
+    Pose pose = overlay.T_scene_model;
+    pose.translation() *= static_cast<float>(scene_scale);
+    const Pose T_camera_model = geometry.T_camera_scene * pose;
+    for (std::size_t i = 0; i < overlay.mesh->vertices.size(); ++i) {
+      const Vector3f p = T_camera_model * overlay.mesh->vertices[i];
+      if (!(p.z() > 0)) continue;
+      box.extend(Eigen::Vector2f(geometry.fx * p.x() / p.z() + geometry.cx,
+                                 geometry.fy * p.y() / p.z() + geometry.cy));
+    }
+  }
+  if (box.isEmpty()) return std::nullopt;
+  const auto image = static_cast<float>(std::max(geometry.width, geometry.height));
+  const auto side =
+      std::max(kSmallestSide,
+               static_cast<std::int64_t>(std::min(image, kSurroundings * box.sizes().maxCoeff())));
+  const Eigen::Vector2f middle = box.center().cwiseMax(-image).cwiseMin(2 * image);
+  return Window{static_cast<std::int64_t>(middle.x()) - side / 2,
+                static_cast<std::int64_t>(middle.y()) - side / 2, static_cast<std::uint32_t>(side),
+                static_cast<std::uint32_t>(side)};
+}
+
 }  // namespace
 
-Result<ScenePictures> draw_scene(const Cloud& cloud, const SceneInput& input,
-                                 std::span<const Overlay> overlays) {
-  StageTimes times;
-  const Result<engine::PreparedScene> prepared = engine::prepare_scene(cloud, input, times);
-  if (!prepared) return prepared.error();
-  const Frame frame(fullest_image(prepared->images));
-  float largest = 0;
-  for (const Overlay& overlay : overlays) largest = std::max(largest, overlay.model->diameter);
-  ScenePictures out;
-  out.boxes.resize(overlays.size());
-  Canvas canvas = draw_scan(frame, Background(*prepared, frame.scan, largest));
-  out.scan = to_picture(canvas);
-  for (const bool filled : {true, false}) {
-    const Result<Rendering> rendering = render(frame.geometry, overlays, input.scale, filled);
-    if (!rendering) return rendering.error();
-    draw_overlays(frame, *rendering, overlays, canvas);
-    extend_boxes(frame.geometry, *rendering, out.boxes);
+struct SceneDrawing::State {
+  State(engine::PreparedScene scene, double scale, float largest_diameter)
+      : prepared(std::move(scene)),
+        image(fullest_image(prepared.images)),
+        background(prepared, image, largest_diameter),
+        scene_scale(scale) {}
+
+  Result<ScenePictures> draw(std::span<const Overlay> overlays, const Window& window,
+                             const Widths& widths) {
+    const Frame frame(image, window, widths.least);
+    ScenePictures out;
+    out.boxes.resize(overlays.size());
+    Canvas canvas = draw_scan(frame, background);
+    out.scan = to_picture(canvas, widths.most);
+    const auto add = [&](std::span<const std::uint32_t> which) -> Result<void> {
+      const Result<Rendering> rendering =
+          render(frame.geometry, overlays, which, scene_scale, surfaces);
+      if (!rendering) return rendering.error();
+      draw_overlays(frame, *rendering, overlays, widths.outlines, canvas);
+      extend_boxes(frame.geometry, *rendering, out.boxes);
+      return {};
+    };
+    std::vector<std::uint32_t> filled;
+    for (std::uint32_t i = 0; i < overlays.size(); ++i) {
+      if (overlays[i].filled) filled.push_back(i);
+    }
+    if (const Result<void> done = add(filled); !done) return done.error();
+    for (std::uint32_t i = 0; i < overlays.size(); ++i) {
+      // One at a time: outlines of like poses would break each other up.
+      if (overlays[i].filled) continue;
+      if (const Result<void> done = add({&i, 1}); !done) return done.error();
+    }
+    out.overlaid = to_picture(canvas, widths.most);
+    return out;
   }
-  out.overlaid = to_picture(canvas);
-  return out;
+
+  engine::PreparedScene prepared;
+  const RangeImage& image;
+  Background background;
+  double scene_scale;
+  Surfaces surfaces;
+};
+
+SceneDrawing::SceneDrawing(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SceneDrawing::SceneDrawing(SceneDrawing&&) noexcept = default;
+SceneDrawing& SceneDrawing::operator=(SceneDrawing&&) noexcept = default;
+SceneDrawing::~SceneDrawing() = default;
+
+Result<SceneDrawing> SceneDrawing::prepare(const Cloud& cloud, const SceneInput& input,
+                                           float largest_diameter) {
+  StageTimes times;
+  Result<engine::PreparedScene> prepared = engine::prepare_scene(cloud, input, times);
+  if (!prepared) return prepared.error();
+  return SceneDrawing(std::make_unique<State>(std::move(*prepared), input.scale, largest_diameter));
+}
+
+Result<ScenePictures> SceneDrawing::draw(std::span<const Overlay> overlays) {
+  const kernels::ImageGeometry& geometry = state_->image.geometry;
+  return state_->draw(overlays, {0, 0, geometry.width, geometry.height}, kWhole);
+}
+
+Result<ScenePictures> SceneDrawing::draw_around(std::span<const Overlay> overlays) {
+  const std::optional<Window> window =
+      window_around(state_->image.geometry, overlays, state_->scene_scale);
+  if (!window) {
+    return Error{ErrorCode::bad_data,
+                 "expected models in front of the sensor to draw, found none; check the poses"};
+  }
+  return state_->draw(overlays, *window, kDetail);
 }
 
 }  // namespace trivet

@@ -2,15 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "engine/progress.hpp"
+#include "engine/evaluation_meshes.hpp"
 #include "engine/recognise.hpp"
-#include "storage/library.hpp"
+#include "engine/score_curves.hpp"
 #include "storage/manifest.hpp"
 #include "storage/result.hpp"
 
@@ -23,37 +24,62 @@ enum class Verdict {
   neutral,  ///< counts neither way: an ignored truth, or a model that is not scored
 };
 
+inline constexpr double kMaxAdd = 0.1;  ///< in diameters
+
 struct JudgedDetection {
   std::size_t detection = 0;  ///< index in the scene's result
   Verdict verdict = Verdict::wrong;
-  std::optional<std::size_t> truth;  ///< index in the scene's truth; none when wrong
-  double translation_error = 0;      ///< of the model's middle, in diameters; for right ones
+  bool reported = true;  ///< its score reaches the threshold; others enter the curves only
+  bool found = false;    ///< is the first to find `truth`
+  /// Index in the scene's truth: the one found, else the nearest of its model, as the errors say;
+  /// none where the scene has none of its model.
+  std::optional<std::size_t> truth;
+  double translation_error = 0;  ///< of the model's middle, in diameters
   double rotation_error_deg = 0;
-  bool add_right = false;  ///< mean distance of the vertices below a tenth of the diameter
+  double add = 0;  ///< mean distance of the vertices, in diameters
 };
 
-/// Sums over truths that count, and over detections.
+/// What became of a truth.
+struct TruthOutcome {
+  bool counts = true;                   ///< neither ignored nor of a model that is not scored
+  std::optional<std::size_t> found_by;  ///< index in `detections`, reported or not
+};
+
+/// Sums over truths that count, and over reported detections.
 struct Tally {
   std::size_t instances = 0, right = 0, add_right = 0, false_positives = 0;
-  double recall() const noexcept;  ///< 0 without instances
+  double recall() const noexcept;     ///< 0 without instances
+  double precision() const noexcept;  ///< 0 without detections that count
 };
+
+using Tallies = std::vector<std::pair<std::string, Tally>>;
 
 struct SceneEvaluation {
   bool missing = false;  ///< there is no result: its truths count as not found
   Tally tally;
   std::vector<JudgedDetection> detections;  ///< by falling score
+  std::vector<TruthOutcome> truths;         ///< as in the manifest
   std::vector<std::size_t> missed;          ///< truths that count and were not found
+};
+
+/// Seconds of one stage over the scenes that tell them.
+struct StageSeconds {
+  std::string stage;
+  double median = 0, p95 = 0;  ///< quantiles, linear between neighbours
 };
 
 struct Evaluation {
   Tally total;
-  std::size_t num_missing = 0;                              ///< scenes without a result
-  std::vector<std::pair<std::string, Tally>> by_occlusion;  ///< rising; without false positives
-  std::vector<std::pair<std::string, Tally>> by_model;      ///< in the manifest's order
-  std::optional<double> median_translation_error;           ///< of right detections, in diameters
+  std::size_t num_missing = 0;  ///< scenes without a result
+  /// Rising, without false positives; empty where no truth tells the number.
+  Tallies by_occlusion, by_clutter, by_visible_fraction;
+  Tallies by_model;                                ///< in the manifest's order
+  std::optional<double> median_translation_error;  ///< of right detections, in diameters
   std::optional<double> median_rotation_error_deg;
-  StageTimes median_seconds;            ///< by stage, then "total"; over the scenes
-  std::vector<SceneEvaluation> scenes;  ///< as in the manifest
+  std::vector<StageSeconds> seconds;       ///< by stage, then "total"
+  PrecisionRecall curve;                   ///< over all detections that count, reported or not
+  std::optional<Calibration> calibration;  ///< of the same
+  std::vector<SceneEvaluation> scenes;     ///< as in the manifest
 };
 
 /// Judge the detections of each scene.
@@ -61,18 +87,17 @@ struct Evaluation {
 /// A detection is right when, at best over the symmetries that the manifest declares, the middle of
 /// the model's bounding box is off by less than a tenth of the diameter and the rotation by less
 /// than 12 degrees; a free axis leaves the turn about it out. Each truth is found once; detections
-/// choose by falling score, each the truth it fits best. An ignored truth may be found or not.
-/// Detections of models that are not scored never count. ADD: mean distance between the vertices of
-/// both poses below a tenth of the diameter; to the nearest vertex (ADD-S) for a model that
-/// declares a symmetry. results   one a scene of the manifest, poses in the manifest's unit; none
-/// where recognition did not run Errors: bad_data (a truth's model was detected but is not in the
-/// library). Source: Drost et al., CVPR 2010, section 5 (limits); Hinterstoisser et al., ACCV 2012
-/// (ADD).
-Result<Evaluation> evaluate(const Manifest& manifest, const Library& library,
-                            std::span<const std::optional<SceneResult>> results);
-
-/// The range that holds the true rate with a confidence of 95 %, given the successes of independent
-/// trials. Whole range without trials. Source: Wilson, JASA 1927.
-std::pair<double, double> wilson_interval(std::size_t successes, std::size_t trials) noexcept;
+/// choose by falling score, each the truth it fits best, so that no detection changes what one of
+/// higher score has found. An ignored truth may be found or not. Detections of models that are not
+/// scored never count.
+///
+/// meshes     of the manifest's models (read_evaluation_meshes)
+/// results    one a scene of the manifest, poses in its unit; none where recognition did not run
+/// min_score  of reported detections: they alone enter tallies and medians
+/// Errors: bad_data (the manifest scores a model that it does not list).
+/// Source: Drost et al., CVPR 2010, section 5 (limits); Hinterstoisser et al., ACCV 2012 (ADD).
+Result<Evaluation> evaluate(const Manifest& manifest, std::span<const EvaluationMesh> meshes,
+                            std::span<const std::optional<SceneResult>> results,
+                            float min_score = -std::numeric_limits<float>::infinity());
 
 }  // namespace trivet

@@ -4,11 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
-#include "engine/manifest_inputs.hpp"
-#include "engine/train.hpp"
 #include "support/shapes.hpp"
 #include "support/temp_dir.hpp"
 
@@ -26,18 +23,13 @@ Pose pose_at(const Vector3f& translation, float angle_deg = 0,
   return pose;
 }
 
-/// One scene in metres; a library of a box of 2 x 3 x 6 (diameter 7) far from its origin, and its
-/// twin `other`.
+/// One scene; a box of 2 x 3 x 6 (diameter 7) far from its origin, and its twin `other`.
 class Evaluate : public testing::Test {
  protected:
   Evaluate() {
     const test::Shape shape = test::box({9, 8.5F, 7}, {11, 11.5F, 13});
     for (const char* name : {"box", "other"}) {
-      Model model;
-      model.name = name;
-      model.vertices = shape.vertices;
-      model.diameter = 7;
-      library.models.push_back(std::move(model));
+      meshes.push_back({name, shape.vertices, {}, 7, {}});
       manifest.models.push_back({name, "", 1, {}});
     }
     manifest.scenes.resize(1);
@@ -47,6 +39,7 @@ class Evaluate : public testing::Test {
                  bool ignore = false) {
     manifest.scenes[0].truth.push_back({model, pose, occlusion, ignore});
   }
+  void declare(const Symmetry& symmetry) { meshes[0].symmetry = symmetry; }
   void add_detection(const Pose& pose, float score = 0.9F, const char* model = "box") {
     Detection detection;
     detection.model = model;
@@ -54,9 +47,9 @@ class Evaluate : public testing::Test {
     detection.T_scene_model = pose;
     result.detections.push_back(detection);
   }
-  Evaluation judge() {
+  Evaluation judge(float min_score = 0) {
     const std::vector<std::optional<SceneResult>> results{result};
-    Result<Evaluation> evaluation = evaluate(manifest, library, results);
+    Result<Evaluation> evaluation = evaluate(manifest, meshes, results, min_score);
     EXPECT_TRUE(evaluation) << evaluation.error().message;
     return *evaluation;
   }
@@ -74,7 +67,7 @@ class Evaluate : public testing::Test {
   }
 
   Manifest manifest;
-  Library library;
+  std::vector<EvaluationMesh> meshes;
   SceneResult result;
 };
 
@@ -157,7 +150,7 @@ TEST_F(Evaluate, AcceptsDeclaredSymmetriesOnly) {
   add_truth(pose_at({1, 2, 3}, 30));
   add_detection(pose_at({1, 2, 3}, 30) * off_by(180, Vector3f::UnitZ()));
   expect(0, 1, 1);
-  manifest.models[0].symmetry = Symmetry{{off_by(180, Vector3f::UnitZ())}, {}, true};
+  declare({{off_by(180, Vector3f::UnitZ())}, {}, true});
   expect(1, 1, 0);
   EXPECT_EQ(judge().total.add_right, 1U) << "the nearest vertices coincide";
 }
@@ -165,7 +158,7 @@ TEST_F(Evaluate, AcceptsDeclaredSymmetriesOnly) {
 TEST_F(Evaluate, LeavesTheTurnAboutAFreeAxisOut) {
   Symmetry symmetry;
   symmetry.axis = Symmetry::Axis{Vector3f::UnitZ(), Vector3f(10, 10, 0)};
-  manifest.models[0].symmetry = symmetry;
+  declare(symmetry);
   add_truth(Pose::Identity());
   add_detection(off_by(77, Vector3f::UnitZ()));
   expect(1, 1, 0);
@@ -185,19 +178,10 @@ TEST_F(Evaluate, MeasuresAddOnTheVertices) {
   EXPECT_NEAR(*evaluation.median_rotation_error_deg, 11.9, 1e-3);
 }
 
-TEST_F(Evaluate, ConvertsTheLibrarysUnit) {
-  manifest.unit = LengthUnit::millimetre;  // the library is in metres: the box is 7000 across
-  add_truth(pose_at({1000, 0, 0}));
-  add_detection(pose_at({1690, 0, 0}));
-  expect(1, 1, 0);
-  result.detections[0].T_scene_model = pose_at({1710, 0, 0});
-  expect(0, 1, 1);
-}
-
 TEST_F(Evaluate, CountsTruthsOfScenesWithoutResultAsMissed) {
   add_truth(Pose::Identity());
   const std::vector<std::optional<SceneResult>> none(1);
-  const Result<Evaluation> evaluation = evaluate(manifest, library, none);
+  const Result<Evaluation> evaluation = evaluate(manifest, meshes, none);
   ASSERT_TRUE(evaluation);
   EXPECT_EQ(evaluation->num_missing, 1U);
   EXPECT_EQ(evaluation->total.instances, 1U);
@@ -205,14 +189,68 @@ TEST_F(Evaluate, CountsTruthsOfScenesWithoutResultAsMissed) {
   EXPECT_FALSE(evaluation->median_translation_error);
 }
 
-TEST_F(Evaluate, RefusesDetectionsOfAModelThatTheLibraryLacks) {
-  add_truth(Pose::Identity(), "box");
-  add_detection(Pose::Identity());
-  library.models.clear();
+TEST_F(Evaluate, RefusesToScoreAModelThatIsNotListed) {
+  manifest.models_scored = {"box", "spoon"};
   const std::vector<std::optional<SceneResult>> results{result};
-  const Result<Evaluation> evaluation = evaluate(manifest, library, results);
+  const Result<Evaluation> evaluation = evaluate(manifest, meshes, results);
   ASSERT_FALSE(evaluation);
   EXPECT_EQ(evaluation.error().code, ErrorCode::bad_data);
+  EXPECT_NE(evaluation.error().message.find("'spoon'"), std::string::npos);
+}
+
+TEST_F(Evaluate, CountsDetectionsOfUnknownModelsNeitherWay) {
+  add_truth(Pose::Identity(), "spoon");
+  add_detection(Pose::Identity(), 0.9F, "spoon");
+  add_detection(Pose::Identity(), 0.8F, "fork");
+  expect(0, 0, 0);
+}
+
+TEST_F(Evaluate, KeepsDetectionsBelowTheThresholdOutOfTheSums) {
+  add_truth(Pose::Identity());
+  add_truth(pose_at({50, 0, 0}));
+  add_detection(Pose::Identity(), 0.5F);
+  add_detection(pose_at({50, 0, 0}), 0.3F);
+  add_detection(pose_at({90, 0, 0}), 0.2F);
+  const Evaluation evaluation = judge(0.5F);
+  EXPECT_EQ(evaluation.total.right, 1U);
+  EXPECT_EQ(evaluation.total.false_positives, 0U);
+  EXPECT_EQ(evaluation.scenes[0].missed, std::vector<std::size_t>{1});
+  EXPECT_EQ(evaluation.scenes[0].truths[1].found_by, 1U);
+  EXPECT_FALSE(evaluation.scenes[0].detections[1].reported);
+  ASSERT_EQ(evaluation.curve.points.size(), 3U) << "the curve has all";
+  EXPECT_EQ(evaluation.curve.points[1].recall, 1);
+  EXPECT_NEAR(evaluation.curve.points[2].precision, 2.0 / 3, 1e-12);
+}
+
+// What a threshold takes away is always the end of the list: the rest is judged the same.
+TEST_F(Evaluate, JudgesReportedDetectionsTheSameWithAndWithoutTheOthers) {
+  for (int i = 0; i < 6; ++i) add_truth(pose_at({static_cast<float>(i), 0, 0}));
+  for (int i = 0; i < 20; ++i) {
+    const float step = static_cast<float>(i * 7 % 20);
+    add_detection(pose_at({0.31F * step, 0.01F * step, 0}), 0.05F * static_cast<float>(i + 1));
+  }
+  const Evaluation all = judge(0.5F);
+  std::erase_if(result.detections,
+                [](const Detection& detection) { return detection.score < 0.5F; });
+  const Evaluation reported = judge();
+  EXPECT_EQ(all.total.right, reported.total.right);
+  EXPECT_EQ(all.total.false_positives, reported.total.false_positives);
+  EXPECT_EQ(all.scenes[0].missed, reported.scenes[0].missed);
+}
+
+TEST_F(Evaluate, NamesTheTruthThatAWrongDetectionIsNearestTo) {
+  add_truth(pose_at({50, 0, 0}));
+  add_truth(Pose::Identity());
+  add_truth(Pose::Identity(), "other");
+  add_detection(pose_at({1.4F, 0, 0}));
+  add_detection(Pose::Identity(), 0.8F, "box");
+  const Evaluation evaluation = judge();
+  const JudgedDetection& wrong = evaluation.scenes[0].detections[0];
+  EXPECT_EQ(wrong.verdict, Verdict::wrong);
+  EXPECT_FALSE(wrong.found);
+  EXPECT_EQ(wrong.truth, 1U);
+  EXPECT_NEAR(wrong.translation_error, 0.2, 1e-6);
+  EXPECT_NEAR(wrong.add, 0.2, 1e-6) << "a mere shift moves every vertex by it";
 }
 
 TEST_F(Evaluate, SortsInstancesByOcclusionAndModel) {
@@ -231,35 +269,49 @@ TEST_F(Evaluate, SortsInstancesByOcclusionAndModel) {
   ASSERT_EQ(evaluation.by_model.size(), 2U);
   EXPECT_EQ(evaluation.by_model[0].first, "box");
   EXPECT_EQ(evaluation.by_model[0].second.instances, 3U);
+  EXPECT_TRUE(evaluation.by_clutter.empty()) << "no truth tells it";
 }
 
-TEST_F(Evaluate, GivesMedianTimesOfTheStages) {
-  manifest.scenes.resize(2);
-  std::vector<std::optional<SceneResult>> results(2, SceneResult{});
-  for (std::size_t s = 0; s < 2; ++s) {
+TEST_F(Evaluate, SortsInstancesByClutterAndVisibleFraction) {
+  for (const auto& [clutter, visible] :
+       {std::pair{0.5, 0.9}, {0.6, 0.2}, {0.96, 0.19}, {0.85, 0.21}}) {
+    add_truth(pose_at({static_cast<float>(100 * clutter), 0, 0}));
+    manifest.scenes[0].truth.back().clutter = clutter;
+    manifest.scenes[0].truth.back().visible_fraction = visible;
+  }
+  add_detection(pose_at({60, 0, 0}));
+  const Evaluation evaluation = judge();
+  const auto names = [](const Tallies& tallies) {
+    std::vector<std::string> out;
+    for (const auto& [name, tally] : tallies) out.push_back(name);
+    return out;
+  };
+  EXPECT_EQ(names(evaluation.by_clutter),
+            (std::vector<std::string>{"<60%", "60-80%", "80-90%", ">95%"}));
+  EXPECT_EQ(names(evaluation.by_visible_fraction),
+            (std::vector<std::string>{"<20%", "20-40%", ">80%"}));
+  EXPECT_EQ(evaluation.by_clutter[1].second.right, 1U);
+  EXPECT_EQ(evaluation.by_visible_fraction[1].second.right, 1U);
+  EXPECT_EQ(evaluation.by_visible_fraction[1].second.instances, 2U);
+}
+
+TEST_F(Evaluate, GivesMedianAndNinetyFifthPercentileOfTheTimes) {
+  manifest.scenes.resize(5);
+  std::vector<std::optional<SceneResult>> results(5, SceneResult{});
+  for (std::size_t s = 0; s < 3; ++s) {
     results[s]->stats.times.add("vote", 1.0 + static_cast<double>(s));
-    results[s]->stats.total_seconds = 3.0 + static_cast<double>(s);
+    results[s]->stats.total_seconds = 3.0 + static_cast<double>(2 * s);
   }
-  const Result<Evaluation> evaluation = evaluate(manifest, library, results);
+  results[4].reset();  // and the fourth does not tell its times
+  const Result<Evaluation> evaluation = evaluate(manifest, meshes, results);
   ASSERT_TRUE(evaluation);
-  const std::vector<std::pair<std::string, double>> expected{{"vote", 1.5}, {"total", 3.5}};
-  EXPECT_EQ(evaluation->median_seconds.seconds, expected);
-}
-
-// Ends of the interval are the roots p of |right / n - p| = z sqrt(p (1 - p) / n).
-TEST(WilsonInterval, SolvesItsEquation) {
-  for (const auto& [right, n] :
-       {std::pair<std::size_t, std::size_t>{7, 10}, {1, 3}, {99, 100}, {0, 5}, {5, 5}}) {
-    const auto [low, high] = wilson_interval(right, n);
-    const double rate = static_cast<double>(right) / static_cast<double>(n);
-    EXPECT_LE(low, rate);
-    EXPECT_GE(high, rate);
-    for (const double p : {low, high}) {
-      EXPECT_NEAR(std::abs(rate - p), 1.959964 * std::sqrt(p * (1 - p) / static_cast<double>(n)),
-                  1e-6);
-    }
-  }
-  EXPECT_EQ(wilson_interval(0, 0), (std::pair<double, double>{0, 1}));
+  ASSERT_EQ(evaluation->seconds.size(), 2U);
+  EXPECT_EQ(evaluation->seconds[0].stage, "vote");
+  EXPECT_DOUBLE_EQ(evaluation->seconds[0].median, 2);
+  EXPECT_DOUBLE_EQ(evaluation->seconds[0].p95, 2.9);
+  EXPECT_EQ(evaluation->seconds[1].stage, "total");
+  EXPECT_DOUBLE_EQ(evaluation->seconds[1].median, 5);
+  EXPECT_DOUBLE_EQ(evaluation->seconds[1].p95, 6.8);
 }
 
 }  // namespace

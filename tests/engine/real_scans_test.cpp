@@ -46,7 +46,9 @@ TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
                     [&](std::size_t index, const SceneResult& result) { results[index] = result; });
   ASSERT_TRUE(done) << done.error().message;
 
-  const Result<Evaluation> evaluation = evaluate(*manifest, *library, results);
+  const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(*manifest);
+  ASSERT_TRUE(meshes) << meshes.error().message;
+  const Result<Evaluation> evaluation = evaluate(*manifest, *meshes, results);
   ASSERT_TRUE(evaluation) << evaluation.error().message;
   EXPECT_EQ(evaluation->total.instances, set.instances);
   EXPECT_GE(evaluation->total.right, set.fewest_right);

@@ -1,0 +1,334 @@
+#include "apps/report_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/evaluation_json.hpp"
+#include "apps/report_html.hpp"
+#include "storage/file.hpp"
+
+namespace trivet::apps {
+namespace {
+
+constexpr std::size_t kMaxProblems = 80, kMaxRight = 24;
+constexpr double kNear = 1;  // diameters; a wrong detection farther from a truth is no answer to it
+
+/// Told apart by eye, and none like the outlines.
+constexpr std::array<Colour, 10> kModelColours{{{236, 168, 62},
+                                                {158, 118, 226},
+                                                {62, 178, 178},
+                                                {232, 124, 174},
+                                                {178, 178, 74},
+                                                {212, 116, 84},
+                                                {120, 166, 216},
+                                                {196, 150, 110},
+                                                {200, 160, 222},
+                                                {130, 190, 150}}};
+
+struct Style {
+  const char* name;
+  Colour outline;
+};
+constexpr Style kRight{"right", {47, 214, 123}}, kWrong{"wrong", {255, 82, 82}},
+    kNeutral{"neutral", {181, 188, 200}}, kMissed{"missed", {74, 163, 255}},
+    kDoubtful{"doubtful", {255, 196, 61}};
+
+const Style& style_of(const JudgedDetection& judged) {
+  if (!judged.reported) return kDoubtful;
+  switch (judged.verdict) {
+    case Verdict::right:
+      return kRight;
+    case Verdict::wrong:
+      return kWrong;
+    case Verdict::neutral:
+      return kNeutral;
+  }
+  return kNeutral;
+}
+
+std::string css(const Colour& colour) {
+  return fmt::format("rgb({},{},{})", colour.red, colour.green, colour.blue);
+}
+
+/// The palette, then a paler one, and so on.
+Colour colour_of(const ReportInput& input, const EvaluationMesh& mesh) {
+  const auto index = static_cast<std::size_t>(&mesh - input.meshes.data());
+  Colour colour = kModelColours[index % kModelColours.size()];
+  for (std::size_t round = 0; round < index / kModelColours.size() % 3; ++round) {
+    for (std::uint8_t* value : {&colour.red, &colour.green, &colour.blue}) {
+      *value = static_cast<std::uint8_t>(255 - (255 - *value) * 6 / 10);
+    }
+  }
+  return colour;
+}
+
+const Detection& detection_of(const ReportInput& input, std::size_t scene,
+                              const JudgedDetection& judged) {
+  return input.results[scene]->detections[judged.detection];
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+/// "91 % occluded, 84 % clutter": what the manifest tells of a truth.
+std::string conditions(const TruthInstance& truth) {
+  std::string out;
+  for (const auto& [value, text] : {std::pair{truth.occlusion, "occluded"},
+                                    {truth.clutter, "clutter"},
+                                    {truth.visible_fraction, "visible"}}) {
+    if (value) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", percent(*value), text);
+  }
+  return out;
+}
+
+std::string errors(const JudgedDetection& judged) {
+  return fmt::format("{:.1f} % of the diameter and {:.1f}° off", 100 * judged.translation_error,
+                     judged.rotation_error_deg);
+}
+
+/// What is drawn into a scene: its reported detections, then what was missed. Labels stand in the
+/// same order.
+struct Plan {
+  std::vector<Overlay> overlays;
+  std::vector<std::pair<const Style*, std::string>> labels;
+};
+
+Plan plan_scene(const ReportInput& input, std::size_t s) {
+  Plan plan;
+  const auto add = [&](const std::string& name, const Pose& pose, const Style& style, bool filled,
+                       std::string label) {
+    const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
+    if (!mesh) return;
+    plan.overlays.push_back({mesh, pose, style.outline, colour_of(input, *mesh), filled});
+    plan.labels.emplace_back(&style, std::move(label));
+  };
+  for (const JudgedDetection& judged : input.evaluation.scenes[s].detections) {
+    if (!judged.reported) continue;
+    const Detection& detection = detection_of(input, s, judged);
+    add(detection.model, detection.T_scene_model, style_of(judged), true,
+        fmt::format("{} {:.2f}", detection.model, detection.score));
+  }
+  for (const std::size_t t : input.evaluation.scenes[s].missed) {
+    const TruthInstance& truth = input.manifest.scenes[s].truth[t];
+    add(truth.model, truth.T_scene_model, kMissed, false, truth.model + " missed");
+  }
+  return plan;
+}
+
+std::string labels(const Plan& plan, const std::vector<DrawnBox>& boxes) {
+  std::string out;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (boxes[i].left > boxes[i].right) continue;
+    const float x = std::clamp((boxes[i].left + boxes[i].right) / 2, 0.08F, 0.92F);
+    const float y = std::clamp((boxes[i].top + boxes[i].bottom) / 2, 0.03F, 0.97F);
+    out += fmt::format("<span class=\"tag {}\" style=\"left:{:.1f}%;top:{:.1f}%\">{}</span>",
+                       plan.labels[i].first->name, 100 * x, 100 * y,
+                       escape_html(plan.labels[i].second));
+  }
+  return out;
+}
+
+std::string scene_table(const ReportInput& input, std::size_t s) {
+  const SceneEvaluation& evaluation = input.evaluation.scenes[s];
+  std::string rows;
+  for (const JudgedDetection& judged : evaluation.detections) {
+    if (!judged.reported) continue;
+    const Detection& detection = detection_of(input, s, judged);
+    const char* const verdict = style_of(judged).name;
+    rows += fmt::format("<tr><td>{}<td class=\"{}\">{}<td class=\"n\">{:.3f}",
+                        model_label(input, detection.model), verdict, verdict, detection.score);
+    rows += judged.truth ? fmt::format("<td class=\"n\">{:.2f} %<td class=\"n\">{:.2f}°\n",
+                                       100 * judged.translation_error, judged.rotation_error_deg)
+                         : "<td><td>\n";
+  }
+  for (const std::size_t t : evaluation.missed) {
+    const TruthInstance& truth = input.manifest.scenes[s].truth[t];
+    rows += fmt::format("<tr><td>{}<td class=\"missed\">missed<td colspan=\"3\">{}\n",
+                        model_label(input, truth.model), conditions(truth));
+  }
+  return "<details><summary>Scores and errors</summary><div><table><tr><th>model<th>verdict<th "
+         "class=\"n\">score<th class=\"n\">translation<th class=\"n\">rotation\n" +
+         rows + "</table></div></details>";
+}
+
+/// The score and what it is made of, as far as it is told.
+std::string score_parts(const Detection& detection) {
+  std::string out = fmt::format("<b>{:.2f}</b>", detection.score);
+  for (const auto& [value, text] : {std::pair{detection.visible_fraction, "agrees"},
+                                    {detection.violation, "looked through"},
+                                    {detection.contour, "of the outline free"}}) {
+    if (std::isfinite(value))
+      out += fmt::format(", {} {}", percent(static_cast<double>(value)), text);
+  }
+  return out;
+}
+
+/// Why this instance is shown, in words.
+std::string finding(const JudgedDetection* answer, bool missed) {
+  if (!answer) return "No answer of this model is near it.";
+  if (!answer->reported && answer->found) return "Found, but its score is below the threshold.";
+  if (missed) return fmt::format("The nearest answer is {}.", errors(*answer));
+  if (answer->verdict == Verdict::right) return fmt::format("Found, {}.", errors(*answer));
+  if (!answer->truth) return "The scene holds no such model.";
+  if (answer->translation_error < 0.1 && answer->rotation_error_deg < 12)
+    return "A second answer for an instance that is found already.";
+  return fmt::format("The nearest instance of this model is {}.", errors(*answer));
+}
+
+}  // namespace
+
+Gallery choose_exhibits(const ReportInput& input) {
+  Gallery gallery;
+  std::vector<Exhibit> missed, wrong;
+  std::vector<std::pair<float, Exhibit>> right;
+  for (std::size_t s = 0; s < input.evaluation.scenes.size(); ++s) {
+    const SceneEvaluation& scene = input.evaluation.scenes[s];
+    std::vector<bool> shown(scene.detections.size());
+    for (const std::size_t t : scene.missed) {
+      // The answer to a missed truth: what found it below the threshold, else the wrong detection
+      // that is nearest.
+      std::optional<std::size_t> answer = scene.truths[t].found_by;
+      for (std::size_t i = 0; i < scene.detections.size() && !scene.truths[t].found_by; ++i) {
+        const JudgedDetection& judged = scene.detections[i];
+        if (judged.truth != t || !judged.reported || judged.verdict != Verdict::wrong ||
+            judged.translation_error > kNear) {
+          continue;
+        }
+        if (!answer || judged.translation_error < scene.detections[*answer].translation_error)
+          answer = i;
+      }
+      if (answer) shown[*answer] = true;
+      missed.push_back({s, t, answer});
+    }
+    for (std::size_t i = 0; i < scene.detections.size(); ++i) {
+      const JudgedDetection& judged = scene.detections[i];
+      if (!judged.reported || shown[i] || judged.verdict == Verdict::neutral) continue;
+      if (judged.verdict == Verdict::right) {
+        right.push_back({detection_of(input, s, judged).score, {s, judged.truth, i}});
+      } else {
+        const bool near = judged.truth && judged.translation_error <= kNear;
+        wrong.push_back({s, near ? judged.truth : std::nullopt, i});
+      }
+    }
+  }
+  std::stable_sort(right.begin(), right.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  gallery.problems = std::move(missed);
+  gallery.problems.insert(gallery.problems.end(), wrong.begin(), wrong.end());
+  gallery.num_problems = gallery.problems.size();
+  gallery.num_right = right.size();
+  gallery.problems.resize(std::min(kMaxProblems, gallery.problems.size()));
+  for (std::size_t i = 0; i < std::min(kMaxRight, right.size()); ++i)
+    gallery.right.push_back(right[i].second);
+  return gallery;
+}
+
+Result<std::string> PictureStore::add(const Picture& picture, const std::string& name,
+                                      std::string_view text) {
+  const Result<std::vector<std::byte>> png = encode_png(picture);
+  if (!png) return png.error();
+  std::string address = png_address(*png);
+  if (folder_) {
+    address = "pictures/" + name + ".png";
+    if (const Result<void> made = make_folder(*folder_ / "pictures"); !made) return made.error();
+    if (const Result<void> done = publish_file(*folder_ / address, *png); !done)
+      return done.error();
+  }
+  return fmt::format("<img loading=\"lazy\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">",
+                     picture.width, picture.height, escape_html(text), address);
+}
+
+std::string model_label(const ReportInput& input, const std::string& name) {
+  const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
+  if (!mesh) return escape_html(name);
+  return fmt::format("<i class=\"swatch\" style=\"background:{}\"></i> {}",
+                     css(colour_of(input, *mesh)), escape_html(name));
+}
+
+std::string picture_key() {
+  std::string out = "<div class=\"key\">";
+  for (const auto& [style, text] : {std::pair{kRight, "right"},
+                                    {kWrong, "wrong"},
+                                    {kMissed, "the truth, missed or beside an answer"},
+                                    {kDoubtful, "below the threshold"},
+                                    {kNeutral, "not counted"}}) {
+    out += fmt::format("<span><i class=\"swatch ring\" style=\"border-color:{}\"></i>{}</span>",
+                       css(style.outline), text);
+  }
+  return out + "</div>\n";
+}
+
+Result<std::string> scene_figure(const ReportInput& input, std::size_t s, SceneDrawing& drawing,
+                                 PictureStore& store) {
+  const ManifestScene& scene = input.manifest.scenes[s];
+  const Plan plan = plan_scene(input, s);
+  const Result<ScenePictures> pictures = drawing.draw(plan.overlays);
+  if (!pictures) return pictures.error();
+  const std::string name = fmt::format("scene_{:04}", s);
+  const Result<std::string> scan = store.add(pictures->scan, name + "_scan", "scan " + scene.name);
+  if (!scan) return scan.error();
+  const Result<std::string> overlaid =
+      store.add(pictures->overlaid, name + "_found", "detections in " + scene.name);
+  if (!overlaid) return overlaid.error();
+
+  const SceneEvaluation& evaluation = input.evaluation.scenes[s];
+  const Tally& tally = evaluation.tally;
+  std::string caption = fmt::format("<b>{}</b><span class=\"right\">{} of {} found</span>",
+                                    escape_html(scene.name), tally.right, tally.instances);
+  if (tally.false_positives > 0)
+    caption += fmt::format("<span class=\"wrong\">{} wrong</span>", tally.false_positives);
+  if (evaluation.missing) caption += "<span class=\"missed\">no result</span>";
+  if (input.results[s] && input.results[s]->stats.total_seconds > 0) {
+    caption +=
+        fmt::format("<span class=\"dim\">{:.2f} s</span>", input.results[s]->stats.total_seconds);
+  }
+  return fmt::format(
+      "<figure><figcaption>{}</figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
+      "class=\"view\">{}{}</div></div>{}</figure>\n",
+      caption, *scan, *overlaid, labels(plan, pictures->boxes), scene_table(input, s));
+}
+
+Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhibit,
+                                   SceneDrawing& drawing, PictureStore& store,
+                                   const std::string& name) {
+  const ManifestScene& scene = input.manifest.scenes[exhibit.scene];
+  const SceneEvaluation& evaluation = input.evaluation.scenes[exhibit.scene];
+  const TruthInstance* const truth = exhibit.truth ? &scene.truth[*exhibit.truth] : nullptr;
+  const JudgedDetection* const answer =
+      exhibit.detection ? &evaluation.detections[*exhibit.detection] : nullptr;
+  const Detection* const detection =
+      answer ? &detection_of(input, exhibit.scene, *answer) : nullptr;
+  const bool missed =
+      truth && std::count(evaluation.missed.begin(), evaluation.missed.end(), *exhibit.truth) > 0;
+  const std::string& model = truth ? truth->model : detection->model;
+  const Style& style = missed ? kMissed : style_of(*answer);
+
+  std::vector<Overlay> overlays;
+  if (const EvaluationMesh* const mesh = find_mesh(input.meshes, model)) {
+    if (truth) overlays.push_back({mesh, truth->T_scene_model, kMissed.outline, {}, false});
+    if (detection)
+      overlays.push_back({mesh, detection->T_scene_model, style_of(*answer).outline, {}, false});
+  }
+  const Result<ScenePictures> pictures = drawing.draw_around(overlays);
+  if (!pictures) return pictures.error();
+  const Result<std::string> scan = store.add(pictures->scan, name + "_scan", "what the sensor saw");
+  if (!scan) return scan.error();
+  const Result<std::string> drawn =
+      store.add(pictures->overlaid, name + "_drawn", "truth and answer in outlines");
+  if (!drawn) return drawn.error();
+
+  std::string notes = fmt::format("<p>{}</p>", finding(answer, missed));
+  if (truth && !conditions(*truth).empty())
+    notes += fmt::format("<p class=\"dim\">{}</p>", conditions(*truth));
+  if (detection) notes += fmt::format("<p class=\"dim\">score {}</p>", score_parts(*detection));
+  return fmt::format(
+      "<figure class=\"exhibit\"><figcaption><b>{}</b><span class=\"{}\">{}</span><span "
+      "class=\"dim\">{}</span></figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
+      "class=\"view\">{}</div></div>{}</figure>\n",
+      model_label(input, model), style.name, style.name, escape_html(scene.name), *scan, *drawn,
+      notes);
+}
+
+}  // namespace trivet::apps

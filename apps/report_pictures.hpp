@@ -1,0 +1,59 @@
+/// The pictures of the report: scenes with what was found, and close-ups of single instances.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/report.hpp"
+#include "engine/draw_scene.hpp"
+
+namespace trivet::apps {
+
+/// One instance to be shown: a truth, a detection, or both.
+struct Exhibit {
+  std::size_t scene = 0;
+  std::optional<std::size_t> truth;      ///< index in the scene's truth
+  std::optional<std::size_t> detection;  ///< index in the scene's judged detections
+};
+
+/// What is worth a close-up: missed truths with the answer that was nearest, detections that are
+/// wrong elsewhere, then right ones by rising score; each part up to a limit.
+struct Gallery {
+  std::vector<Exhibit> problems, right;
+  std::size_t num_problems = 0, num_right = 0;  ///< without the limit
+};
+Gallery choose_exhibits(const ReportInput& input);
+
+/// Where the pictures of a report go: into the page, or into files beside it.
+class PictureStore {
+ public:
+  /// folder  of the report; none: into the page
+  explicit PictureStore(std::optional<std::filesystem::path> folder) : folder_(std::move(folder)) {}
+  /// An <img> of the picture. `name` is that of its file, without extension; `text` describes it.
+  /// Errors: those of writing.
+  Result<std::string> add(const Picture& picture, const std::string& name, std::string_view text);
+
+ private:
+  std::optional<std::filesystem::path> folder_;
+};
+
+/// The colour of a model in pictures and tables, as a small square before its name.
+std::string model_label(const ReportInput& input, const std::string& name);
+
+/// What the outlines mean.
+std::string picture_key();
+
+/// The figure of a scene with its table.
+Result<std::string> scene_figure(const ReportInput& input, std::size_t scene, SceneDrawing& drawing,
+                                 PictureStore& store);
+
+/// The figure of one instance: what the sensor saw, truth and answer in outlines, its numbers.
+Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhibit,
+                                   SceneDrawing& drawing, PictureStore& store,
+                                   const std::string& name);
+
+}  // namespace trivet::apps

@@ -1,0 +1,151 @@
+/// What `trivet evaluate` makes of stored detections: sums, tables, files and warnings.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/program.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+/// A scan of a bracket that is found, and a lever that is not.
+class EvaluateCommand : public testing::Test {
+ protected:
+  EvaluateCommand() {
+    const test::Shape bracket = test::bracket(), lever = test::lever();
+    write("bracket.ply", test::cloud_of(bracket));
+    write("lever.ply", test::cloud_of(lever));
+    const Pose at = test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F});
+    const Pose beside = test::pose_of({0.3F, 0.2F, 0.1F}, {0.15F, 0.1F, 0.9F});
+    write("scan.ply", test::render_scan({{&bracket, at}, {&lever, beside}}));
+    folder_.write("set.json",
+                  R"({"unit": "m", "models": {"bracket": {"file": "bracket.ply"},
+                      "lever": {"file": "lever.ply"}},
+                      "scenes": [{"file": "scan.ply", "camera": null, "viewpoint": [0, 0, 0],
+                      "truth": [)" +
+                      truth("bracket", at, 0.25) + ", " + truth("lever", beside, 0.75) + "]}]}");
+    // Only what every program can tell; the second one is far off, the third has a strange name.
+    folder_.write("found.json", R"({"scenes": [{"scene": "scan.ply", "detections": [)" +
+                                    detection("bracket", 0.9, at) + ", " +
+                                    detection("lever", 0.4, at) + ", " +
+                                    detection("gear, \"G\"", 0.3, at) + "]}]}");
+  }
+
+  void write(const char* name, const Cloud& cloud) const {
+    const Result<void> written = write_ply(folder_ / name, cloud);
+    ASSERT_TRUE(written) << written.error().message;
+  }
+  static nlohmann::json matrix(const Pose& pose) {
+    nlohmann::json numbers = nlohmann::json::array();
+    for (int i = 0; i < 16; ++i) numbers.push_back(pose.matrix()(i / 4, i % 4));
+    return numbers;
+  }
+  static std::string truth(const char* model, const Pose& pose, double occlusion) {
+    return nlohmann::json{
+        {"model", model}, {"T_scene_model", matrix(pose)}, {"occlusion", occlusion}}
+        .dump();
+  }
+  static std::string detection(const char* model, double score, const Pose& pose) {
+    return nlohmann::json{{"model", model}, {"score", score}, {"T_scene_model", matrix(pose)}}
+        .dump();
+  }
+  test::Outcome run(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"evaluate", "set.json", "--detections", "found.json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  }
+  std::vector<std::string> lines(const std::string& name) const {
+    std::istringstream text(test::read_bytes(folder_ / name));
+    std::vector<std::string> out;
+    for (std::string line; std::getline(text, line);) out.push_back(line);
+    return out;
+  }
+  const test::TempDir folder_;
+};
+
+TEST_F(EvaluateCommand, NeedsNoLibraryToScoreStoredDetections) {
+  const test::Outcome outcome = run({"--json", "-"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json scores = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(scores["instances"], 2);
+  EXPECT_EQ(scores["right"], 1);
+  EXPECT_EQ(scores["false_positives"], 1) << "everything that is stored was reported";
+  EXPECT_EQ(scores["precision"], 0.5);
+  EXPECT_EQ(scores["by_occlusion"]["70-80%"]["right"], 0);
+  EXPECT_EQ(scores["precision_recall"]["score"].size(), 2U);
+  EXPECT_EQ(scores["calibration"]["bins"].size(), 10U);
+  EXPECT_TRUE(scores["median_seconds"].empty()) << "no times were told";
+  EXPECT_NE(outcome.error.find("gear"), std::string::npos) << "a name that the manifest lacks";
+}
+
+TEST_F(EvaluateCommand, CountsWhatReachesTheThreshold) {
+  const test::Outcome outcome = run({"--json", "-", "--min-score", "0.5"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json scores = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(scores["right"], 1);
+  EXPECT_EQ(scores["false_positives"], 0);
+  EXPECT_EQ(scores["precision_recall"]["score"].size(), 2U) << "the curve goes on";
+}
+
+TEST_F(EvaluateCommand, WritesTablesForSpreadsheets) {
+  ASSERT_EQ(run({"--csv", "tables"}).exit_code, 0);
+  const auto instances = lines("tables/instances.csv");
+  ASSERT_EQ(instances.size(), 3U);
+  EXPECT_EQ(instances[0].substr(0, 24), "scene,truth,model,counts");
+  EXPECT_EQ(instances[1].substr(0, 34), "scan.ply,0,bracket,1,0.25,,,1,0.9,");
+  EXPECT_EQ(instances[2], "scan.ply,1,lever,1,0.75,,,0,,,,");
+  const auto detections = lines("tables/detections.csv");
+  ASSERT_EQ(detections.size(), 4U);
+  EXPECT_EQ(detections[1].substr(detections[1].size() - 4), ",,,,") << "score parts are not told";
+  EXPECT_NE(detections[2].find(",1,wrong,1,"), std::string::npos) << detections[2];
+  EXPECT_EQ(detections[3].substr(0, 24), "scan.ply,2,\"gear, \"\"G\"\"\"");
+  const auto summary = lines("tables/summary.csv");
+  ASSERT_EQ(summary.size(), 6U);
+  EXPECT_EQ(summary[1].substr(0, 12), "all,,2,1,0.5");
+  const auto columns = [](const std::string& line) {
+    return std::count(line.begin(), line.end(), ',');
+  };
+  for (const std::string& line : summary) EXPECT_EQ(columns(line), columns(summary[0])) << line;
+}
+
+TEST_F(EvaluateCommand, WritesAPageThatStandsAlone) {
+  const test::Outcome outcome = run({"--report", "report"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const std::string page = test::read_bytes(folder_ / "report/index.html");
+  for (const char* text : {"1 of 2 instances found", "Missed and wrong", "<svg", "bracket",
+                           "prefers-color-scheme", "data:image/png"}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  }
+  for (const char* text : {"http://", "https://", "<script", "src=\"pictures"})
+    EXPECT_EQ(page.find(text), std::string::npos) << text;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "report/pictures"));
+}
+
+TEST_F(EvaluateCommand, AsksForALibraryOrDetections) {
+  const test::Outcome outcome = test::run_trivet(
+      {"evaluate", "set.json"}, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.error.find("--detections"), std::string::npos) << outcome.error;
+}
+
+TEST_F(EvaluateCommand, NamesTheFaultOfForeignDetections) {
+  for (const auto& [text, fault] :
+       {std::pair{R"({"scenes": [{"scene": "scan.ply", "detections": [{"model": "lever"}]}]})",
+                  "scenes[0].detections[0]"},
+        {R"({"scenes": [{"scene": "scan.ply", "detections": []},
+                        {"scene": "./scan.ply", "detections": []}]})",
+         "scenes[1].scene: expected each scene once"},
+        {R"({"detections": []})", "\"scenes\""}}) {
+    folder_.write("found.json", text);
+    const test::Outcome outcome = run({});
+    EXPECT_EQ(outcome.exit_code, 65);
+    EXPECT_NE(outcome.error.find(fault), std::string::npos) << outcome.error;
+  }
+}
+
+}  // namespace
+}  // namespace trivet
