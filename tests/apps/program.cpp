@@ -12,10 +12,11 @@
 
 namespace trivet::test {
 
-Outcome run_trivet(const std::vector<std::string>& arguments, const Setting& setting) {
+Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
+                    const Setting& setting) {
   const TempDir output;
   const std::string out = output / "out", error = output / "error";
-  std::vector<std::string> words{TRIVET_PROGRAM};
+  std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -42,8 +43,12 @@ Outcome run_trivet(const std::vector<std::string>& arguments, const Setting& set
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  if (code == 127) throw std::runtime_error("cannot run " TRIVET_PROGRAM);
+  if (code == 127) throw std::runtime_error("cannot run " + program);
   return {code, read_bytes(out), read_bytes(error)};
+}
+
+Outcome run_trivet(const std::vector<std::string>& arguments, const Setting& setting) {
+  return run_program(TRIVET_PROGRAM, arguments, setting);
 }
 
 }  // namespace trivet::test

@@ -1,4 +1,4 @@
-/// Run the built `trivet` as a person or a script would.
+/// Run the built `trivet`, and other programs, as a person or a script would.
 #pragma once
 
 #include <sys/types.h>
@@ -23,7 +23,9 @@ struct Setting {
   std::function<void(pid_t, const std::string& error)> watch;
 };
 
-/// Throws std::runtime_error when the program cannot be run at all.
+/// Run a program by its path. Throws std::runtime_error when it cannot be run at all.
+Outcome run_program(const std::string& program, const std::vector<std::string>& arguments,
+                    const Setting& setting);
 Outcome run_trivet(const std::vector<std::string>& arguments, const Setting& setting);
 
 }  // namespace trivet::test
