@@ -25,7 +25,7 @@ std::string count(std::size_t n, std::string_view one, std::string_view many) {
 
 // The result in words.
 
-/// "2 of the 3 missed ones are occluded by 70 % or more", where occlusion is known of all.
+/// "Of 3 missed, 2 are occluded by 70 % or more", where occlusion is known of all.
 std::string where_missed(const ReportInput& input) {
   constexpr double kMuch = 0.7;
   std::size_t known = 0, much = 0;
@@ -38,8 +38,8 @@ std::string where_missed(const ReportInput& input) {
   }
   const std::size_t missed = input.evaluation.total.instances - input.evaluation.total.right;
   if (missed == 0 || known < missed) return "";
-  return fmt::format(" {} of the {} are occluded by 70 % or more.", much,
-                     count(missed, "missed one", "missed ones"));
+  return fmt::format(" Of {} missed, {} {} occluded by 70 % or more.", missed, much,
+                     much == 1 ? "is" : "are");
 }
 
 std::string headline(const ReportInput& input) {
@@ -105,12 +105,17 @@ std::string cards(const Evaluation& evaluation) {
 
 std::string tally_row(std::string_view name, const Tally& tally, bool with_false) {
   const auto [low, high] = wilson_interval(tally.right, tally.instances);
-  std::string row = fmt::format(
-      "<tr><td>{}<td class=\"n\">{} / {}<td class=\"n\">{:.0f} %<td><span class=\"bar\">"
-      "<i style=\"width:{:.1f}%\"></i><u style=\"left:{:.1f}%;width:{:.1f}%\"></u></span>"
-      "<td class=\"n dim\">{:.0f} – {:.0f}",
-      name, tally.right, tally.instances, 100 * tally.recall(), 100 * tally.recall(), 100 * low,
-      100 * (high - low), 100 * low, 100 * high);
+  std::string row =
+      fmt::format("<tr><td>{}<td class=\"n\">{} / {}", name, tally.right, tally.instances);
+  if (tally.instances == 0) {
+    row += "<td><td><td>";
+  } else {
+    row += fmt::format(
+        "<td class=\"n\">{:.0f} %<td><span class=\"bar\"><i style=\"width:{:.1f}%\"></i>"
+        "<u style=\"left:{:.1f}%;width:{:.1f}%\"></u></span><td class=\"n dim\">{:.0f} – {:.0f}",
+        100 * tally.recall(), 100 * tally.recall(), 100 * low, 100 * (high - low), 100 * low,
+        100 * high);
+  }
   if (with_false) {
     row += fmt::format("<td class=\"n\">{}<td class=\"n\">{}", tally.false_positives,
                        tally.right + tally.false_positives > 0
@@ -122,9 +127,10 @@ std::string tally_row(std::string_view name, const Tally& tally, bool with_false
 
 std::string tally_table(std::string_view title, const std::string& rows, bool with_false) {
   return fmt::format(
-      "<div><h2>{}</h2><div class=\"table tally\"><table><tr><th><th class=\"n\">found<th "
+      "<div{}><h2>{}</h2><div class=\"table tally\"><table><tr><th><th class=\"n\">found<th "
       "class=\"n\">recall<th><th class=\"n\">95 %{}<th class=\"n\">ADD\n{}</table></div></div>\n",
-      title, with_false ? "<th class=\"n\">false<th class=\"n\">precision" : "", rows);
+      with_false ? " class=\"wide\"" : "", title,
+      with_false ? "<th class=\"n\">false<th class=\"n\">precision" : "", rows);
 }
 
 std::string group_table(std::string_view title, const Tallies& tallies) {

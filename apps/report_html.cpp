@@ -22,13 +22,13 @@ h1{font-size:1.5rem;margin:0}h2{font-size:1.1rem;margin:32px 0 10px}p{margin:4px
 .tables{columns:2 400px;column-gap:16px}.tables>div{break-inside:avoid;padding-top:24px}.tables h2{margin:0 0 10px}
 .table{overflow-x:auto;padding:2px 14px 6px}table{border-collapse:collapse;width:100%}
 th{font-weight:500;color:var(--dim);text-align:left;font-size:.85rem}th,td{padding:5px 8px 5px 0;border-bottom:1px solid var(--line);white-space:nowrap}
-td:first-child{white-space:normal;overflow-wrap:anywhere;min-width:6.5em}tr:last-child td{border-bottom:0}.n{text-align:right}
+td:first-child{white-space:normal;overflow-wrap:anywhere;min-width:9.5em}tr:last-child td{border-bottom:0}.n{text-align:right}
 .bar{position:relative;display:block;min-width:64px;height:10px;border-radius:5px;background:var(--line)}
 .bar i{position:absolute;top:0;bottom:0;left:0;border-radius:5px;background:var(--bar)}
 .bar u{position:absolute;top:-3px;bottom:-3px;border:solid var(--dim);border-width:0 2px}
 .bar u::after{content:"";position:absolute;left:0;right:0;top:7px;border-top:2px solid var(--dim)}
 .key{display:flex;flex-wrap:wrap;gap:6px 18px;font-size:.9rem;margin:0 0 12px}.key span{display:inline-flex;align-items:center;gap:6px}
-.swatch{display:inline-block;width:13px;height:13px;border-radius:3px;flex:none}.ring{background:none!important;border:3px solid}
+.swatch{display:inline-block;width:13px;height:13px;border-radius:3px;flex:none}.label{display:inline-flex;align-items:center;gap:6px}.ring{background:none!important;border:3px solid}
 figure{margin:0 0 18px;padding:12px}figcaption{display:flex;flex-wrap:wrap;gap:2px 16px;align-items:baseline;margin:0 2px 10px}
 figcaption b{font-size:1.02rem}
 .pair{display:grid;grid-template-columns:1fr 1fr;gap:10px}.view{position:relative;overflow:hidden;border-radius:6px;container-type:inline-size}
@@ -52,9 +52,11 @@ p.key{margin:6px 4px 8px;color:var(--dim)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
 @media(max-width:760px){.pair{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
-@media(max-width:520px){.tally td:nth-child(4),.tally th:nth-child(4){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}}
-@media print{body{max-width:none;padding:0;font-size:11px;background:none}.tables{columns:2 200px}.pair{grid-template-columns:1fr 1fr}.key{break-after:avoid}figure,.card,.table,.chart{break-inside:avoid}h2{break-after:avoid}
-.bar,.bar i,.swatch,.tag{print-color-adjust:exact;-webkit-print-color-adjust:exact}.gallery{grid-template-columns:1fr 1fr}}
+@media(max-width:520px){td:first-child{min-width:6.2em}.tally td:nth-child(4),.tally th:nth-child(4){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}}
+@media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
+.tables{columns:auto;display:grid;grid-template-columns:1fr 1fr;gap:0 12px;align-items:start}.tables>.wide{grid-column:1/-1}.table{overflow:visible}
+.cards{grid-template-columns:repeat(6,1fr);gap:6px}.card{padding:6px 8px}.pair,.gallery{grid-template-columns:1fr 1fr}.key{break-after:avoid}
+figure,.card,.table,.chart{break-inside:avoid}h2{break-after:avoid}.bar,.bar i,.swatch,.tag,.dot{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )css";
 
 }  // namespace

@@ -243,8 +243,10 @@ Result<std::string> PictureStore::add(const Picture& picture, const std::string&
 std::string model_label(const ReportInput& input, const std::string& name) {
   const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
   if (!mesh) return escape_html(name);
-  return fmt::format("<i class=\"swatch\" style=\"background:{}\"></i> {}",
-                     css(colour_of(input, *mesh)), escape_html(name));
+  return fmt::format(
+      "<span class=\"label\"><i class=\"swatch\" "
+      "style=\"background:{}\"></i><span>{}</span></span>",
+      css(colour_of(input, *mesh)), escape_html(name));
 }
 
 std::string picture_key() {

@@ -188,9 +188,11 @@ struct Rendering {
 
 Result<RayScene> surface_of(const EvaluationMesh& mesh) {
   if (!mesh.triangles.empty()) return RayScene::from_mesh(mesh.vertices, mesh.triangles);
-  // A closed surface has an area of some two squared diameters.
+  // A closed surface has an area of some two squared diameters. The points of a file lie less
+  // evenly than samples do: larger spheres leave no gaps.
   const double spacing = mesh.diameter * std::sqrt(2 / static_cast<double>(mesh.vertices.size()));
-  return RayScene::from_spheres(mesh.vertices, kernels::kCloudRadius * static_cast<float>(spacing));
+  return RayScene::from_spheres(mesh.vertices,
+                                1.5F * kernels::kCloudRadius * static_cast<float>(spacing));
 }
 
 using Surfaces = std::map<const EvaluationMesh*, RayScene>;
