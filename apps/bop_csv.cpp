@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -50,6 +52,49 @@ void add_bop_results(const SceneInputs& scenes, std::size_t index, const SceneRe
     result.seconds = found.stats.total_seconds;
     results.push_back(result);
   }
+}
+
+Result<std::vector<std::optional<SceneResult>>> read_bop_detections(
+    const std::filesystem::path& file, const Manifest& manifest) {
+  const Result<std::vector<BopResult>> stored = read_bop_results(file);
+  if (!stored) return stored.error();
+  std::map<std::pair<int, int>, std::size_t> scenes;
+  for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
+    const ManifestScene& scene = manifest.scenes[s];
+    if (scene.scene_id < 0 || scene.image_id < 0) {
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: expected BOP results together with the folder of their data "
+                               "set, found a manifest",
+                               file.string())};
+    }
+    scenes.emplace(std::pair(scene.scene_id, scene.image_id), s);
+  }
+  std::map<int, std::string> names;
+  for (const ManifestModel& model : manifest.models) names.emplace(model.object_id, model.name);
+
+  std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
+  for (const BopResult& result : *stored) {
+    const auto scene = scenes.find({result.scene_id, result.image_id});
+    if (scene == scenes.end()) continue;  // an image that is no target
+    const auto name = names.find(result.object_id);
+    if (name == names.end()) {
+      return Error{ErrorCode::bad_data,
+                   fmt::format("{}: expected objects of the data set, found object {}",
+                               file.string(), result.object_id)};
+    }
+    Detection detection;
+    detection.model = name->second;
+    detection.score = static_cast<float>(result.score);
+    detection.T_scene_model.linear() = result.R.cast<float>();
+    detection.T_scene_model.translation() = result.t_mm.cast<float>();
+    detection.visible_fraction = detection.violation = detection.contour = detection.rmse =
+        std::numeric_limits<float>::quiet_NaN();
+    std::optional<SceneResult>& found = results[scene->second];
+    if (!found) found.emplace();
+    found->detections.push_back(std::move(detection));
+    if (result.seconds > 0) found->stats.total_seconds = result.seconds;
+  }
+  return results;
 }
 
 }  // namespace trivet::apps

@@ -1,7 +1,10 @@
-/// What `trivet recognize --bop-csv` writes: detections under the numbers of a BOP data set.
+/// Detections under the numbers of a BOP data set, as `trivet recognize --bop-csv` writes and
+/// `trivet evaluate --detections` reads them.
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,5 +29,11 @@ Result<void> check_bop_ids(const SceneInputs& scenes, const Library& library,
 /// Pre: check_bop_ids; a scene of a BOP data set is in mm.
 void add_bop_results(const SceneInputs& scenes, std::size_t index, const SceneResult& found,
                      std::vector<BopResult>& results);
+
+/// Read the results of a data set's scenes, one a scene of the manifest; none for images that the
+/// file does not name. Errors: those of read_bop_results; usage (the manifest is no BOP data set),
+/// bad_data (an object that the data set does not have).
+Result<std::vector<std::optional<SceneResult>>> read_bop_detections(
+    const std::filesystem::path& file, const Manifest& manifest);
 
 }  // namespace trivet::apps

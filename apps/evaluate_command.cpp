@@ -5,13 +5,16 @@
 #include <memory>
 #include <set>
 
+#include "apps/bop_csv.hpp"
 #include "apps/commands.hpp"
 #include "apps/detections_json.hpp"
 #include "apps/evaluation_csv.hpp"
 #include "apps/evaluation_json.hpp"
+#include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
 #include "apps/report.hpp"
+#include "engine/bop_scores.hpp"
 #include "engine/manifest_inputs.hpp"
 
 namespace trivet::apps {
@@ -51,8 +54,10 @@ Result<Judged> recognise_scenes(const Manifest& manifest, const EvaluateArgument
 /// All that is stored was reported, unless a threshold is given.
 Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments& arguments,
                               const Context& context) {
+  const bool is_bop = std::filesystem::path(arguments.detections).extension() == ".csv";
   Result<std::vector<std::optional<SceneResult>>> results =
-      read_detections(arguments.detections, manifest);
+      is_bop ? read_bop_detections(arguments.detections, manifest)
+             : read_detections(arguments.detections, manifest);
   if (!results) return results.error();
   std::set<std::string> strangers;
   for (const std::optional<SceneResult>& result : *results) {
@@ -72,7 +77,7 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
 }
 
 Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
-  const Result<Manifest> manifest = read_manifest(arguments.manifest);
+  const Result<Manifest> manifest = read_listing(arguments.manifest);
   if (!manifest) return manifest.error();
   if (manifest->scenes.empty()) {
     return Error{
@@ -91,21 +96,23 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
   }
+  const Result<BopScores> bop = bop_scores(*manifest, *meshes, judged->results);
+  if (!bop) return bop.error();
 
-  if (arguments.json != "-") fmt::print("{}", evaluation_table(*evaluation));
+  if (arguments.json != "-") fmt::print("{}", evaluation_table(*evaluation, *bop));
   if (!arguments.json.empty()) {
     const Result<void> written =
-        write_json(arguments.json, evaluation_json(*manifest, *evaluation, judged->results));
+        write_json(arguments.json, evaluation_json(*manifest, *evaluation, *bop, judged->results));
     if (!written) return written;
   }
   if (!arguments.csv.empty()) {
     const Result<void> written =
-        write_evaluation_csv(arguments.csv, *manifest, *evaluation, judged->results);
+        write_evaluation_csv(arguments.csv, *manifest, *evaluation, *bop, judged->results);
     if (!written) return written;
   }
   if (arguments.report.empty()) return {};
   return write_report(arguments.report,
-                      {*manifest, *meshes, *evaluation, judged->results, judged->source},
+                      {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source},
                       context.console.progress("drawn", context.stop));
 }
 
@@ -119,11 +126,12 @@ void add_evaluate(CLI::App& app, Context& context) {
       ->add_option("LIBRARY", arguments->library,
                    "Library file, made by `trivet train`; leave it out with --detections")
       ->required();
-  command->add_option("MANIFEST", arguments->manifest, "Manifest of scenes with their truth");
+  command->add_option("MANIFEST", arguments->manifest,
+                      "Manifest of scenes with their truth, or the folder of a BOP data set");
   command->add_option(
       "--detections", arguments->detections,
       "Score the detections in this file, as `trivet recognize --json` or another program wrote "
-      "them, instead of recognising");
+      "them, or a file of BOP results (.csv), instead of recognising");
   add_recognise_options(*command, arguments->recognise);
   command->add_option("--json", arguments->json,
                       "Write the scores as JSON to this file, - for standard output");

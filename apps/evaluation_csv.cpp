@@ -92,11 +92,11 @@ Table instances_table(const Manifest& manifest, const Evaluation& evaluation,
   return table;
 }
 
-Table detections_table(const Manifest& manifest, const Evaluation& evaluation,
+Table detections_table(const Manifest& manifest, const Evaluation& evaluation, const BopScores& bop,
                        std::span<const std::optional<SceneResult>> results) {
   Table table(
       "scene,detection,model,score,reported,verdict,truth,translation_error_over_diameter,"
-      "rotation_error_deg,add_over_diameter,visible_fraction,violation,contour,rmse");
+      "rotation_error_deg,add_over_diameter,mssd,mspd,vsd,visible_fraction,violation,contour,rmse");
   for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
     for (const JudgedDetection& judged : evaluation.scenes[s].detections) {
       const Detection& detection = results[s]->detections[judged.detection];
@@ -108,6 +108,11 @@ Table detections_table(const Manifest& manifest, const Evaluation& evaluation,
         add_errors(judged, table);
       } else {
         table.empty(4);
+      }
+      if (const std::optional<BopErrors>& errors = bop.errors[s][judged.detection]) {
+        table.number(errors->mssd).number(errors->mspd).number(errors->vsd_at_20_percent());
+      } else {
+        table.empty(3);
       }
       for (const float part :
            {detection.visible_fraction, detection.violation, detection.contour, detection.rmse}) {
@@ -141,12 +146,12 @@ Table summary_table(const Evaluation& evaluation) {
 }  // namespace
 
 Result<void> write_evaluation_csv(const std::filesystem::path& folder, const Manifest& manifest,
-                                  const Evaluation& evaluation,
+                                  const Evaluation& evaluation, const BopScores& bop,
                                   std::span<const std::optional<SceneResult>> results) {
   if (const Result<void> made = make_folder(folder); !made) return made;
   for (const auto& [name, table] :
        {std::pair{"instances.csv", instances_table(manifest, evaluation, results)},
-        {"detections.csv", detections_table(manifest, evaluation, results)},
+        {"detections.csv", detections_table(manifest, evaluation, bop, results)},
         {"summary.csv", summary_table(evaluation)}}) {
     if (const Result<void> written = table.write(folder / name); !written) return written;
   }

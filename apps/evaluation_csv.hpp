@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "engine/bop_scores.hpp"
 #include "engine/evaluate.hpp"
 
 namespace trivet::apps {
@@ -15,7 +16,7 @@ namespace trivet::apps {
 /// summary.csv     one row a sum: over all, by occlusion, clutter, visible fraction, model
 /// Fields after RFC 4180; empty where a number is not known. Errors: cannot_create, io.
 Result<void> write_evaluation_csv(const std::filesystem::path& folder, const Manifest& manifest,
-                                  const Evaluation& evaluation,
+                                  const Evaluation& evaluation, const BopScores& bop,
                                   std::span<const std::optional<SceneResult>> results);
 
 }  // namespace trivet::apps

@@ -73,7 +73,26 @@ ordered_json calibration_json(const std::optional<Calibration>& calibration) {
   return {{"expected_error", calibration->expected_error}, {"bins", std::move(bins)}};
 }
 
-ordered_json detection_json(const JudgedDetection& judged, const Detection& detection) {
+ordered_json bop_json(const BopScores& bop) {
+  const BopRecall& recall = bop.localisation;
+  const BopPrecision& precision = bop.detection;
+  return {{"localisation",
+           {{"targets", recall.num_targets},
+            {"ar_vsd", optional_json(recall.vsd)},
+            {"ar_mssd", recall.mssd},
+            {"ar_mspd", optional_json(recall.mspd)},
+            {"ar", optional_json(recall.mean)}}},
+          {"detection",
+           {{"targets", precision.num_targets},
+            {"detections_of_absent_models", precision.num_absent},
+            {"ap_mssd", precision.mssd},
+            {"ap_mspd", optional_json(precision.mspd)},
+            {"ap", optional_json(precision.mean)},
+            {"ap_mssd_mm", precision.mssd_mm}}}};
+}
+
+ordered_json detection_json(const JudgedDetection& judged, const Detection& detection,
+                            const std::optional<BopErrors>& errors) {
   ordered_json entry{{"model", detection.model},
                      {"score", detection.score},
                      {"reported", judged.reported},
@@ -83,6 +102,11 @@ ordered_json detection_json(const JudgedDetection& judged, const Detection& dete
     entry["translation_error_over_diameter"] = judged.translation_error;
     entry["rotation_error_deg"] = judged.rotation_error_deg;
     entry["add_over_diameter"] = judged.add;
+  }
+  if (errors) {
+    entry["mssd"] = errors->mssd;
+    entry["mspd"] = optional_json(errors->mspd);
+    entry["vsd"] = errors->vsd ? ordered_json(*errors->vsd) : ordered_json(nullptr);
   }
   return entry;
 }
@@ -103,10 +127,12 @@ ordered_json missed_json(const ManifestScene& scene, const SceneEvaluation& eval
 }
 
 ordered_json scene_evaluation_json(const ManifestScene& scene, const SceneEvaluation& evaluation,
+                                   std::span<const std::optional<BopErrors>> errors,
                                    const std::optional<SceneResult>& result) {
   ordered_json detections = ordered_json::array(), missed = ordered_json::array();
   for (const JudgedDetection& judged : evaluation.detections)
-    detections.push_back(detection_json(judged, result->detections[judged.detection]));
+    detections.push_back(
+        detection_json(judged, result->detections[judged.detection], errors[judged.detection]));
   for (const std::size_t truth : evaluation.missed)
     missed.push_back(missed_json(scene, evaluation, truth, result));
   ordered_json out{{"scene", scene.name}};
@@ -141,6 +167,7 @@ const char* verdict_name(Verdict verdict) {
 }
 
 ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluation,
+                             const BopScores& bop,
                              std::span<const std::optional<SceneResult>> results) {
   ordered_json median = ordered_json::object(), p95 = median, scenes = ordered_json::array();
   for (const StageSeconds& stage : evaluation.seconds) {
@@ -148,7 +175,8 @@ ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluat
     p95[stage.stage] = stage.p95;
   }
   for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
-    scenes.push_back(scene_evaluation_json(manifest.scenes[s], evaluation.scenes[s], results[s]));
+    scenes.push_back(
+        scene_evaluation_json(manifest.scenes[s], evaluation.scenes[s], bop.errors[s], results[s]));
   }
   ordered_json document = tally_json(evaluation.total);
   document.update(
@@ -163,6 +191,7 @@ ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluat
         evaluation.curve.best_f1 ? point_json(*evaluation.curve.best_f1) : ordered_json(nullptr)},
        {"precision_recall", curve_json(evaluation.curve.points)},
        {"calibration", calibration_json(evaluation.calibration)},
+       {"bop", bop_json(bop)},
        {"by_occlusion", groups_json(evaluation.by_occlusion)},
        {"by_clutter", groups_json(evaluation.by_clutter)},
        {"by_visible_fraction", groups_json(evaluation.by_visible_fraction)},
@@ -171,7 +200,7 @@ ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluat
   return document;
 }
 
-std::string evaluation_table(const Evaluation& evaluation) {
+std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop) {
   std::string text = fmt::format("{:<28} {:>13} {:>9} {:>14} {:>8} {:>7}\n", "", "right / all",
                                  "recall", "95 % interval", "false", "ADD");
   text += tally_row(fmt::format("{} scenes", evaluation.scenes.size()), evaluation.total, true);
@@ -200,6 +229,14 @@ std::string evaluation_table(const Evaluation& evaluation) {
     text += fmt::format("calibration error            {:.3f}\n",
                         evaluation.calibration->expected_error);
   }
+  const auto share = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.3f}", *value) : std::string("-");
+  };
+  text += fmt::format("BOP localisation             AR {} (VSD {}, MSSD {:.3f}, MSPD {})\n",
+                      share(bop.localisation.mean), share(bop.localisation.vsd),
+                      bop.localisation.mssd, share(bop.localisation.mspd));
+  text += fmt::format("BOP detection                AP {} (MSSD {:.3f}, MSPD {})\n",
+                      share(bop.detection.mean), bop.detection.mssd, share(bop.detection.mspd));
   if (evaluation.seconds.empty()) return text;
   text += "median seconds a scene      ";
   for (const StageSeconds& stage : evaluation.seconds)

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "engine/bop_scores.hpp"
 #include "engine/evaluate.hpp"
 
 namespace trivet::apps {
@@ -14,9 +15,10 @@ const char* verdict_name(Verdict verdict);
 
 /// Sums, medians, curves, and for each scene what every detection turned out to be.
 nlohmann::ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluation,
+                                       const BopScores& bop,
                                        std::span<const std::optional<SceneResult>> results);
 
 /// The same sums and medians as lines of text.
-std::string evaluation_table(const Evaluation& evaluation);
+std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop);
 
 }  // namespace trivet::apps

@@ -159,6 +159,24 @@ std::string time_table(const std::vector<StageSeconds>& stages) {
       rows);
 }
 
+std::string bop_table(const BopScores& bop) {
+  const auto row = [](std::string_view name, const std::optional<double>& recall,
+                      const std::optional<double>& precision) {
+    const auto cell = [](const std::optional<double>& value) {
+      return value ? fmt::format("{:.3f}", *value) : std::string();
+    };
+    return fmt::format("<tr><td>{}<td class=\"n\">{}<td class=\"n\">{}\n", name, cell(recall),
+                       cell(precision));
+  };
+  const BopRecall& recall = bop.localisation;
+  const BopPrecision& precision = bop.detection;
+  return fmt::format(
+      "<div><h2>BOP scores</h2><div class=\"table\"><table><tr><th><th class=\"n\">AR, "
+      "localisation<th class=\"n\">AP, detection\n{}</table></div></div>\n",
+      row("mean", recall.mean, precision.mean) + row("VSD", recall.vsd, {}) +
+          row("MSSD", recall.mssd, precision.mssd) + row("MSPD", recall.mspd, precision.mspd));
+}
+
 std::string tables(const ReportInput& input) {
   std::string models;
   for (const auto& [name, tally] : input.evaluation.by_model)
@@ -167,7 +185,7 @@ std::string tables(const ReportInput& input) {
          group_table("By occlusion", input.evaluation.by_occlusion) +
          group_table("By clutter", input.evaluation.by_clutter) +
          group_table("By visible share", input.evaluation.by_visible_fraction) +
-         time_table(input.evaluation.seconds) + "</div>\n";
+         bop_table(input.bop) + time_table(input.evaluation.seconds) + "</div>\n";
 }
 
 // Curves.

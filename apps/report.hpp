@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "engine/bop_scores.hpp"
 #include "engine/evaluate.hpp"
 #include "engine/progress.hpp"
 #include "storage/manifest.hpp"
@@ -16,6 +17,7 @@ struct ReportInput {
   const Manifest& manifest;
   std::span<const EvaluationMesh> meshes;
   const Evaluation& evaluation;
+  const BopScores& bop;
   std::span<const std::optional<SceneResult>> results;
   std::string source;  ///< the library or the file of detections that was judged
 };

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/evaluation_meshes.hpp"
 #include "engine/recognise.hpp"
 #include "storage/cloud.hpp"
 #include "storage/manifest.hpp"
@@ -19,15 +20,6 @@
 #include "storage/result.hpp"
 
 namespace trivet {
-
-/// What errors of a model are measured on; lengths in the manifest's unit.
-struct EvaluationMesh {
-  std::string name;     ///< of the model in the manifest
-  Points vertices;      ///< at least one
-  Triangles triangles;  ///< may be empty: no VSD for this model
-  double diameter = 0;  ///< > 0; thresholds are shares of it
-  Symmetry symmetry;
-};
 
 struct BopOptions {
   double vsd_delta_mm = 15;  ///< > 0; how far behind the measurement a surface counts as visible.
@@ -71,6 +63,10 @@ struct BopErrors {
   double mssd = 0;                            ///< [manifest unit]
   std::optional<double> mspd;                 ///< [pixel of an image 640 pixels wide]
   std::optional<std::array<double, 10>> vsd;  ///< 0..1, by tolerance (kBopShares)
+  /// The one error that stands for all in tables: at the tolerance of 0.2 diameters.
+  std::optional<double> vsd_at_20_percent() const {
+    return vsd ? std::optional((*vsd)[3]) : std::nullopt;
+  }
 };
 
 struct BopScores {

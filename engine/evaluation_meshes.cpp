@@ -21,7 +21,8 @@ Result<EvaluationMesh> read_mesh(const ManifestModel& model) {
   mesh.name = model.name;
   mesh.vertices = engine::scaled_points(cloud->points, model.scale);
   mesh.triangles = std::move(cloud->triangles);
-  mesh.diameter = static_cast<double>(kernels::find_diameter(mesh.vertices));
+  mesh.diameter =
+      model.diameter ? *model.diameter : static_cast<double>(kernels::find_diameter(mesh.vertices));
   if (model.symmetry) mesh.symmetry = *model.symmetry;
   if (!(mesh.diameter > 0)) {
     return Error{

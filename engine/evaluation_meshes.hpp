@@ -16,7 +16,7 @@ struct EvaluationMesh {
   std::string name;
   Points vertices;      ///< all of the file's, at least two of them apart
   Triangles triangles;  ///< empty for a cloud
-  double diameter = 0;  ///< largest distance between two vertices, > 0
+  double diameter = 0;  ///< of the data set (BOP), else between the farthest vertices; > 0
   Symmetry symmetry;    ///< what the manifest declares; else none
 };
 

@@ -23,6 +23,7 @@ struct ManifestModel {
   std::optional<Symmetry> symmetry;      ///< absent: to be found by the program
   std::filesystem::path eval_file = {};  ///< mesh that errors are measured on; empty: `file`
   int object_id = 0;                     ///< BOP obj_id, from 1 on; 0: none
+  std::optional<double> diameter = {};   ///< that errors are measured in, where a data set says
 };
 
 struct TruthInstance {

@@ -305,6 +305,7 @@ Result<Manifest> read_models(const Place& place) {
     model.name = bop_model_name(object.id);
     model.file = place.models / (model.name + ".ply");
     model.object_id = object.id;
+    if (object.diameter_mm > 0) model.diameter = object.diameter_mm;
     if (!object.symmetry.trivial()) model.symmetry = object.symmetry;
     const fs::path eval_file = place.root / "models_eval" / model.file.filename();
     if (is_there(eval_file)) model.eval_file = eval_file;
