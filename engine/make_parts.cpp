@@ -1,0 +1,60 @@
+#include "engine/make_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/counter_random.hpp"
+#include "engine/parallel.hpp"
+#include "engine/parts/design.hpp"
+#include "kernels/decimate_mesh.hpp"
+#include "kernels/diameter.hpp"
+#include "kernels/mesh_solid.hpp"
+
+namespace trivet {
+namespace {
+
+using engine::CounterRandom;
+
+// Lattice cells for a part, and their edge as a share of the bounds' diagonal: the least feature of
+// the families, 2.5 % of it, is 2.5 cells wide.
+constexpr float kNumCells = 250'000;
+constexpr float kFinestCell = 1 / 160.0F, kCoarsestCell = 1 / 110.0F;
+// What decimation may do to the surface, as a share of the diagonal, and where it stops.
+constexpr float kMaxError = 5e-4F;
+constexpr std::size_t kNumTriangles = 2000;
+
+Mesh mesh_part(const kernels::Solid& solid) {
+  const Eigen::Vector3f sizes = solid.bounds().sizes();
+  const float diagonal = sizes.norm();
+  const float cell = std::clamp(std::cbrt(sizes.prod() / kNumCells), kFinestCell * diagonal,
+                                kCoarsestCell * diagonal);
+  const Mesh fine = kernels::mesh_solid(solid, cell);
+  return kernels::decimate_mesh(fine.vertices, fine.triangles, kNumTriangles, kMaxError * diagonal);
+}
+
+Part make_part(std::size_t index, std::uint64_t seed) {
+  const auto families = engine::parts::families();
+  const engine::parts::Family& family = families[index % families.size()];
+  const std::size_t number = index / families.size();
+  CounterRandom random(seed, family.stream, number);
+  const double ratio = static_cast<double>(family.largest_m / family.smallest_m);
+  const auto diameter = family.smallest_m * static_cast<float>(std::pow(ratio, random.uniform()));
+  engine::parts::Design design = family.draw(random);
+
+  Mesh mesh = mesh_part(family.mirrored ? mirrored_x(design.solid) : design.solid);
+  const float scale = diameter / kernels::find_diameter(mesh.vertices);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    mesh.vertices.set(i, scale * mesh.vertices[i]);
+  return {std::string(family.name) + "_" + std::to_string(number), std::move(mesh.vertices),
+          std::move(mesh.triangles), std::move(design.symmetry), family.metal};
+}
+
+}  // namespace
+
+std::vector<Part> make_parts(std::size_t n, std::uint64_t seed) {
+  std::vector<Part> parts(n);
+  engine::for_each_index(n, [&](std::size_t i) { parts[i] = make_part(i, seed); });
+  return parts;
+}
+
+}  // namespace trivet

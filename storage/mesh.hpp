@@ -1,0 +1,14 @@
+/// A surface of triangles, as one thing to hand around.
+#pragma once
+
+#include "storage/cloud.hpp"
+#include "storage/points.hpp"
+
+namespace trivet {
+
+struct Mesh {
+  Points vertices;
+  Triangles triangles;  ///< every index < vertices.size()
+};
+
+}  // namespace trivet
