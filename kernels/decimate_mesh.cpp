@@ -78,17 +78,19 @@ using Corners = std::array<std::uint32_t, 3>;
 class Decimation {
  public:
   Decimation(PointsView vertices, const Triangles& triangles)
-      : vertices_(vertices.size()),
-        next_corner_(3 * triangles.size(), kNone),
-        marks_(vertices.size(), 0),
-        num_triangles_(triangles.size()) {
+      : vertices_(vertices.size()), marks_(vertices.size(), 0) {
     if (vertices.empty()) return;
     origin_ = vertices[0].cast<double>();
     for (std::size_t i = 0; i < vertices.size(); ++i)
       vertices_[i].place = vertices[i].cast<double>() - origin_;
     triangles_.reserve(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      triangles_.push_back({triangles.a[t], triangles.b[t], triangles.c[t]});
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const Corners corners{triangles.a[t], triangles.b[t], triangles.c[t]};
+      if (corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0])
+        triangles_.push_back(corners);
+    }
+    num_triangles_ = triangles_.size();
+    next_corner_.assign(3 * num_triangles_, kNone);
     add_planes();
     for (std::uint32_t c = 0; c < next_corner_.size(); ++c) append(vertices_[vertex(c)], c, c);
     add_edges();
@@ -248,7 +250,7 @@ class Decimation {
         if (marks_[i] == mark) marks_[i] = 0;
       }
     });
-    if (num_common != num_both) return false;
+    if (num_both == 0 || num_common != num_both) return false;
     if (num_both == 2 ? num_u == 3 && num_v == 3 : num_u == 1 && num_v == 1) return false;
     if (num_both != 1 && vertices_[u].border && vertices_[v].border) return false;
     return keeps_triangles(u, v, place) && keeps_triangles(v, u, place);
@@ -321,7 +323,7 @@ class Decimation {
   std::vector<std::uint32_t> next_corner_;  // of one vertex; corner 3 t + k
   std::vector<std::uint32_t> marks_;        // per vertex: the last question that met it
   std::uint32_t last_mark_ = 0;
-  std::size_t num_triangles_;
+  std::size_t num_triangles_ = 0;  // alive
   std::priority_queue<Collapse> queue_;
 };
 

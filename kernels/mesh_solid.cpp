@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -281,6 +282,8 @@ void add_quadrangle(const Solid& solid, const std::array<std::uint32_t, 4>& q, M
 }  // namespace
 
 Mesh mesh_solid(const Solid& solid, float cell) {
+  if (solid.bounds().isEmpty()) return {};
+  assert(solid.bounds().sizes().allFinite() && "a lattice needs bounds");
   const Lattice lattice(solid.bounds(), cell);
   Blocks values(lattice, solid);
   make_well_composed(lattice, values);

@@ -46,8 +46,8 @@ Design ratchet(CounterRandom& random) {
   const std::uint32_t count = count_between(random, 7, 11);
   const float step = 2 * kPi / static_cast<float>(count), root = between(random, 0.74F, 0.8F);
   const float height = between(random, 0.12F, 0.25F), hub = between(random, 0.3F, 0.4F);
-  // A tooth: steep at angle 0, from the tip there down to the root's radius one step on.
-  const Eigen::Vector2f tip(1, 0), foot(root * std::cos(step), root * std::sin(step));
+  // A tooth: steep at angle 0, from a blunt tip there down to the root's radius one step on.
+  const Eigen::Vector2f tip(1.06F, 0), foot(root * std::cos(step), root * std::sin(step));
   const Eigen::Vector2f normal =
       Eigen::Vector2f(foot.y() - tip.y(), tip.x() - foot.x()).normalized();
   const Solid tooth =
