@@ -15,7 +15,7 @@ namespace trivet {
 struct Part {
   std::string name;     ///< family and number, as "bracket_3": a model's name, unique in a list
   Points vertices;      ///< [m]; 0.02 to 0.2 in diameter
-  Triangles triangles;  ///< one closed manifold, wound outward; 500 to 20,000
+  Triangles triangles;  ///< one closed manifold, wound outward; some 2,000 to 10,000
   Symmetry symmetry;    ///< of the ideal part, about the origin; declared; trivial() for none
   bool metal = false;   ///< shiny: depth sensors lose its highlights
 };
@@ -25,7 +25,7 @@ struct Part {
 ///
 /// Among the families are mirror pairs (clamp_left_3 and clamp_right_3 are the two hands of one
 /// design) and a part that lacks a symmetry by one hole (drill_plate_3 beside plate_3).
-/// Same for any number of threads; a longer list begins with the shorter one. Cost: some 0.2 s a
+/// Same for any number of threads; a longer list begins with the shorter one. Cost: some 0.1 s a
 /// part on one core.
 /// The mesh has its symmetry to within 0.5 % of the diameter.
 std::vector<Part> make_parts(std::size_t n, std::uint64_t seed);

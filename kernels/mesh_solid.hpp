@@ -11,7 +11,7 @@ namespace trivet::kernels {
 /// solid  with finite bounds
 /// cell   edge of the lattice's cells, > 0 [unit of the solid]. What is thinner than a cell may be
 ///        lost, gaps narrower than a cell closed; chamfers stay below some 0.3 cells;
-///        flat faces and the edges between them are met to 0.01 cells
+///        flat faces and the edges between them are met, corners to 0.1 cells
 /// Returns a closed surface, wound outward: every edge is in two triangles, in opposite directions,
 /// and the triangles about a vertex are one fan. Without volume, nothing.
 /// Cost: a value of the solid for each lattice node within a few cells of the surface, 16 bytes for

@@ -8,11 +8,12 @@ namespace trivet::engine::parts {
 Design housing(CounterRandom& random) {
   const float width = between(random, 0.5F, 0.65F), base = between(random, 0.15F, 0.25F);
   const float roof = between(random, 0.6F, 0.85F), left = between(random, 0.5F, 0.62F);
+  const float right = between(random, 0.3F, 0.45F);
   const float tower = between(random, 0.3F, 0.36F), at = between(random, -0.2F, 0);
   const float port = between(random, 0.2F, 0.25F), side = between(random, 0.1F, 0.2F);
   const float middle = (base + roof) / 2;
   const Solid body =
-      blend(block({-left, -width + 0.1F, 0.02F}, {0.4F, width - 0.06F, roof}),
+      blend(block({-left, -width + 0.1F, 0.02F}, {right, width - 0.06F, roof}),
             shifted(rod(tower, 0.3F, roof + between(random, 0.2F, 0.45F), 0.04F), at, 0, 0), 0.1F);
   const Solid outside =
       block({-1, -width, 0}, {1, width, base}) | body |

@@ -43,9 +43,11 @@ Design bracket(CounterRandom& random) {
                     below_slope(wall + reach * length, wall + reach * top);
   const float y = 0.52F * width;
   const float first = between(random, 0.09F, 0.13F), second = between(random, 0.09F, 0.13F);
-  const Solid base_holes = hole(first, 0.76F * length, y) | hole(second, 0.56F * length, -y);
+  const float far = between(random, 0.66F, 0.8F), near = between(random, 0.45F, 0.6F);
+  const Solid base_holes = hole(first, far * length, y) | hole(second, near * length, -y);
   // Along x, x points down.
-  const Solid slots = along_x(slot(0.09F, -0.78F * top, -0.55F * top, -y) |
+  const float slot_end = between(random, 0.45F, 0.62F);
+  const Solid slots = along_x(slot(0.09F, -0.78F * top, -slot_end * top, -y) |
                               hole(between(random, 0.09F, 0.13F), -0.68F * top, y));
   return {(corner | rib) - base_holes - slots, no_symmetry(), 4};
 }

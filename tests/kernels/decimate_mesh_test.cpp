@@ -112,6 +112,29 @@ TEST(DecimateMesh, NoTriangleTurnsOver) {
   EXPECT_LE(thin.triangles.size(), 10U);
 }
 
+// Where no error tells where to go, collapses about corners and notches fold the surface.
+TEST(DecimateMesh, AFlatSheetOfUnevenTrianglesDoesNotFold) {
+  constexpr std::uint32_t kSide = 40;
+  Random random;
+  const Mesh full = patch(kSide, Pose::Identity());
+  Mesh sheet{full.vertices, {}};
+  for (std::size_t i = 0; i < sheet.vertices.size(); ++i) {
+    const Vector3f offset(random.uniform(-0.3F, 0.3F), random.uniform(-0.3F, 0.3F), 0);
+    sheet.vertices.set(i, sheet.vertices[i] + offset / kSide);
+  }
+  for (std::size_t t = 0; t < full.triangles.size(); ++t) {
+    const std::size_t square = t / 2, x = square % kSide, y = square / kSide;
+    if (x / 3 % 2 == 1 && y > kSide / 2) continue;
+    const auto c = reference::corners(full, t);
+    sheet.triangles.push_back(c[0], c[1], c[2]);
+  }
+  for (const std::size_t target : {500, 200, 50}) {
+    const Mesh thin = decimate(sheet, target);
+    for (std::size_t t = 0; t < thin.triangles.size(); ++t)
+      ASSERT_GT(area_vector(thin, t).z(), 0) << target;
+  }
+}
+
 TEST(DecimateMesh, WithNothingToDoGivesTheMeshBack) {
   const Mesh mesh = patch(3, Pose::Identity());
   const Mesh same = decimate(mesh, 18);

@@ -72,10 +72,12 @@ TEST(MeshSolid, MeetsFlatFacesAndSharpCorners) {
   const Pose pose = test::random_pose(random, 0.3F);
   const Solid solid = moved(box(half), pose);
   const Mesh mesh = mesh_solid(solid, 0.04F);
-  float worst = 0;
+  std::vector<float> errors;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    worst = std::max(worst, std::abs(solid.distance(mesh.vertices[i])));
-  EXPECT_LT(worst, 0.01F * 0.04F);
+    errors.push_back(std::abs(solid.distance(mesh.vertices[i])));
+  std::ranges::sort(errors);
+  EXPECT_LT(errors[errors.size() * 98 / 100], 1e-6F);
+  EXPECT_LT(errors.back(), 0.1F * 0.04F);
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3f sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
                         (corner & 4) != 0 ? 1 : -1);
