@@ -65,13 +65,16 @@ Design street_elbow(CounterRandom& random) {
 
 Design tee(CounterRandom& random) {
   const float run = between(random, 0.8F, 1.05F), branch = between(random, 0.65F, 0.95F);
-  const float pipe = between(random, 0.27F, 0.36F), bore = pipe * between(random, 0.6F, 0.7F);
-  const float collar = pipe * between(random, 1.2F, 1.4F), length = between(random, 0.15F, 0.25F);
-  const Solid ends = around_z(along_x(rod(collar, run - length, run, 0.03F)), 2);
+  const float pipe = between(random, 0.27F, 0.36F), bore = between(random, 0.58F, 0.7F);
+  const float collar = between(random, 1.2F, 1.4F), length = between(random, 0.15F, 0.25F);
+  const float narrow =
+      pipe * between(random, 0.75F, 0.82F);  // the branch: clear of the run's sides
+  const Solid ends = around_z(along_x(rod(collar * pipe, run - length, run, 0.03F)), 2);
   const Solid outside =
-      blend(along_x(rod(pipe, -run + 0.05F, run - 0.05F)), rod(pipe, 0, branch - 0.05F), 0.1F) |
-      ends | rod(collar, branch - length, branch, 0.03F);
-  return {outside - (along_x(rod(bore, -kFar, kFar)) | rod(bore, 0, kFar)), turns(2), 2};
+      blend(along_x(rod(pipe, -run + 0.05F, run - 0.05F)), rod(narrow, 0, branch - 0.05F), 0.08F) |
+      ends | rod(collar * narrow, branch - length, branch, 0.03F);
+  const Solid inside = along_x(rod(bore * pipe, -kFar, kFar)) | rod(bore * narrow, 0, kFar);
+  return {outside - inside, turns(2), 2};
 }
 
 }  // namespace trivet::engine::parts
