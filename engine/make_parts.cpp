@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/counter_random.hpp"
 #include "engine/parallel.hpp"
 #include "engine/parts/design.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/decimate_mesh.hpp"
 #include "kernels/diameter.hpp"
 #include "kernels/mesh_solid.hpp"
@@ -13,7 +13,7 @@
 namespace trivet {
 namespace {
 
-using engine::CounterRandom;
+using kernels::CounterRandom;
 
 // Lattice cells for a part, and their edge as a share of the bounds' diagonal: the least feature of
 // the families, 2.5 % of it, is 2.5 cells wide.

@@ -5,11 +5,13 @@
 #include <span>
 #include <string_view>
 
-#include "engine/counter_random.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/solid.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::engine::parts {
+
+using kernels::CounterRandom;
 
 /// A part before it has a size; about 2 units large, whatever is symmetric about the origin.
 struct Design {

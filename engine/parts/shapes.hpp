@@ -3,13 +3,14 @@
 
 #include <cstdint>
 
-#include "engine/counter_random.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/solid.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::engine::parts {
 
 using Eigen::Vector3f;
+using kernels::CounterRandom;
 using kernels::Solid;
 
 /// Longer than any part: for tools that cut through.

@@ -68,7 +68,7 @@ TEST(MakeParts, EveryPartIsOneClosedManifoldWoundOutward) {
 
 TEST(MakeParts, HolesAreThroughAndNoneIsExtra) {
   for (std::size_t i = 0; i < kNumParts; ++i) {
-    engine::CounterRandom random(kSeed, family(i).stream, i / engine::parts::families().size());
+    kernels::CounterRandom random(kSeed, family(i).stream, i / engine::parts::families().size());
     random.uniform();  // the diameter
     const auto design = family(i).draw(random);
     EXPECT_EQ(reference::euler_characteristic(mesh_of(parts()[i])),
