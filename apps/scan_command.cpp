@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
+#include <string>
 
 #include "apps/commands.hpp"
 #include "apps/inputs.hpp"
@@ -12,16 +14,26 @@ namespace {
 struct ScanArguments {
   std::vector<std::string> models;
   std::string output, unit;
+  ScanModelOptions model_options;
   ScanOptions options;
 };
+
+const std::map<std::string, Sensor> kSensors{{"structured-light", Sensor::structured_light},
+                                             {"time-of-flight", Sensor::time_of_flight},
+                                             {"stereo", Sensor::stereo},
+                                             {"laser", Sensor::laser}};
 
 Result<void> scan(const ScanArguments& arguments, const Context& context) {
   const Result<ModelInputs> inputs = collect_models(arguments.models);
   if (!inputs) return inputs.error();
   const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
   if (!unit) return unit.error();
+  if (const Result<void> valid = validate(arguments.options); !valid) return valid.error();
+  const Result<std::vector<ScanModel>> models =
+      read_scan_models(inputs->sources, *unit, arguments.model_options);
+  if (!models) return models.error();
   const Result<Manifest> manifest =
-      render_scenes(inputs->sources, *unit, arguments.options, arguments.output,
+      render_scenes(*models, *unit, arguments.options, arguments.output,
                     context.console.progress("rendered", context.stop));
   if (!manifest) return manifest.error();
   std::size_t num_instances = 0;
@@ -36,31 +48,85 @@ Result<void> scan(const ScanArguments& arguments, const Context& context) {
 
 void add_scan(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<ScanArguments>();
-  CLI::App* command =
-      app.add_subcommand("scan", "Render scans of heaps of models with a virtual depth sensor");
+  ScanOptions& options = arguments->options;
+  CLI::App* command = app.add_subcommand(
+      "scan",
+      "Scan heaps of models with a virtual depth sensor\n\n"
+      "Objects are dropped one after the other and come to rest on one another, without entering\n"
+      "each other. A camera of 640 x 480 pixels looks down on them from a random side. The output\n"
+      "folder is a BOP data set (models/, camera.json, test/000001/...) and has a manifest.json\n"
+      "over the same files, for trivet train, recognize and evaluate; the truth has every pose,\n"
+      "visible fraction, occlusion and clutter.");
   command
       ->add_option("MODEL", arguments->models,
                    "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "Folder for the depth images, the models and manifest.json")
+                   "Folder for the models, the depth images and the truth")
       ->required();
-  command->add_option("--scenes", arguments->options.num_scenes, "Scenes to render")
-      ->capture_default_str();
-  command->add_option("--instances", arguments->options.num_instances, "Objects of a scene")
-      ->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "Other seeds give other scenes")
-      ->capture_default_str();
+  const std::string what = "What is in a scene", how = "How it is measured";
+  command->add_option("--scenes", options.num_scenes, "Scenes to scan")
+      ->capture_default_str()
+      ->group(what);
+  command->add_option("--instances", options.num_instances, "Objects of a scene")
+      ->capture_default_str()
+      ->group(what);
   command
-      ->add_option("--noise", arguments->options.noise,
-                   "Noise, in those of a household depth camera; 0: none")
-      ->capture_default_str();
+      ->add_option("--of-a-kind", options.of_a_kind,
+                   "So many copies of a model lie in a scene before the next model comes")
+      ->capture_default_str()
+      ->group(what);
+  command->add_option("--seed", options.seed, "Other seeds give other scenes")
+      ->capture_default_str()
+      ->group(what);
   command
-      ->add_option("--unit", arguments->unit, "Unit of the models and the scans: m (default) or mm")
-      ->check(CLI::IsMember({"m", "mm"}));
-  command->add_option("--diameter", arguments->options.diameter,
-                      "Scale every model to this diameter, for meshes of arbitrary size");
+      ->add_flag("--bin", options.bin,
+                 "Drop the objects into an open box; else onto a table. The camera then looks down "
+                 "more steeply")
+      ->group(what);
+  command
+      ->add_flag("--walls", options.walls,
+                 "A corner of two walls stands behind the objects, as large planes")
+      ->group(what);
+  command
+      ->add_option("--unit", arguments->unit,
+                   "Unit of the models and of manifest.json: m (default) or mm; the BOP files are "
+                   "always in mm")
+      ->check(CLI::IsMember({"m", "mm"}))
+      ->group(what);
+  command
+      ->add_option("--diameter", arguments->model_options.diameter,
+                   "Scale every model to this diameter, for meshes of arbitrary size")
+      ->group(what);
+  command
+      ->add_flag("--metal", arguments->model_options.metal,
+                 "The models are of bright metal: where they mirror the sensor's light into the "
+                 "camera, nothing is measured, and around it the noise is strong")
+      ->group(what);
+  command
+      ->add_option("--sensor", options.sensor.sensor,
+                   "structured-light: a projector 75 mm beside the camera casts shadows; noise as "
+                   "of a Kinect, 1.2 mm and more from 0.4 m on.\n"
+                   "time-of-flight: no shadows; noise grows with range, on dark and on grazing "
+                   "surfaces; pixels at depth edges float between the surfaces.\n"
+                   "stereo: a second camera 100 mm beside; noise grows with the square of depth, "
+                   "depth comes in steps of 1/16 pixel of disparity.\n"
+                   "laser: a plane of light from 200 mm beside the camera; wide shadows, noise "
+                   "below 0.1 mm at 0.7 m, steps of 0.02 mm, range up to 1.3 m")
+      ->transform(CLI::CheckedTransformer(kSensors))
+      ->default_str("structured-light")
+      ->group(how);
+  command
+      ->add_option("--noise", options.sensor.noise,
+                   "Noise, in that of the sensor; 0: none, but what is hidden stays hidden")
+      ->capture_default_str()
+      ->group(how);
+  command
+      ->add_option("--disparity-step", options.sensor.disparity_step_pixel,
+                   "Tell depth in such steps of disparity [pixel], as sensors that match images "
+                   "do: a Kinect 0.125. 0: not; without this option the sensor's own")
+      ->group(how);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return scan(*arguments, context); };
   });

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -9,8 +10,8 @@
 #include "engine/check_range.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/diameter.hpp"
-#include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
+#include "storage/write_bop.hpp"
 #include "storage/write_png.hpp"
 
 namespace trivet {
@@ -18,10 +19,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Coarse: of a trained model only its size, surface and symmetries are used here.
-constexpr TrainOptions kSurfaceOnly{.relative_step = 0.1F};
+constexpr int kSceneId = 1;  // every image is of this scene of BOP
 
-Result<Model> read_model(ModelSource source, const ScanOptions& options) {
+/// Coarse: of a trained model only its symmetries are used here.
+constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
+
+Symmetry scaled(Symmetry symmetry, double factor) {
+  const auto f = static_cast<float>(factor);
+  for (Pose& pose : symmetry.poses) pose.translation() *= f;
+  if (symmetry.axis) symmetry.axis->point *= f;
+  return symmetry;
+}
+
+/// The vertices that triangles use, in their order, `factor` times as large.
+void keep_used(const Cloud& surface, double factor, ScanModel& model) {
+  constexpr std::uint32_t kUnused = 0xFFFF'FFFFU;
+  std::vector<std::uint32_t> place(surface.points.size(), kUnused);
+  const auto use = [&](std::uint32_t vertex) {
+    if (place[vertex] == kUnused) {
+      place[vertex] = static_cast<std::uint32_t>(model.vertices.size());
+      model.vertices.push_back((factor * surface.points[vertex].cast<double>()).cast<float>());
+    }
+    return place[vertex];
+  };
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const std::uint32_t a = use(surface.triangles.a[t]), b = use(surface.triangles.b[t]),
+                        c = use(surface.triangles.c[t]);
+    model.triangles.push_back(a, b, c);
+  }
+}
+
+Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
+                             const ScanModelOptions& options) {
   const Result<Cloud> surface = read_cloud(source.file);
   if (!surface) return surface.error();
   if (surface->triangles.empty()) {
@@ -30,14 +59,27 @@ Result<Model> read_model(ModelSource source, const ScanOptions& options) {
                              "sees through",
                              source.file.string())};
   }
+  double scale = source.scale;  // to the library's unit
   if (options.diameter > 0) {
     const float diameter = kernels::find_diameter(surface->points);
-    if (diameter > 0)
-      source.scale = static_cast<double>(options.diameter) / static_cast<double>(diameter);
+    if (diameter > 0) scale = static_cast<double>(options.diameter) / static_cast<double>(diameter);
   }
-  Result<TrainedModel> trained = train_model(*surface, source, kSurfaceOnly);
+  const double metres = unit_scale(unit, LengthUnit::metre);
+  ScanModel model;
+  model.name = source.name;
+  model.metal = options.metal;
+  keep_used(*surface, scale * metres, model);
+  if (source.symmetry) {
+    model.symmetry = scaled(*source.symmetry, scale / source.scale * metres);
+    return model;
+  }
+  Cloud own;
+  own.points = model.vertices;
+  own.triangles = model.triangles;
+  Result<TrainedModel> trained = train_model(own, {source.name, source.file, 1, {}}, kSymmetryOnly);
   if (!trained) return trained.error();
-  return std::move(trained->model);
+  model.symmetry = std::move(trained->model.symmetry);
+  return model;
 }
 
 /// Run `make(i)`, which gives the item's name, for each i side by side, until one fails or a stop
@@ -65,55 +107,92 @@ Result<void> make_all(std::size_t n, const Progress& progress, Make&& make) {
   return {};
 }
 
-}  // namespace
-
-Result<void> validate(const ScanOptions& options) {
-  return engine::check_ranges({
-      {options.num_scenes >= 1 && options.num_scenes <= 10000, "scenes", "1 to 10000",
-       static_cast<double>(options.num_scenes)},
-      {options.num_instances >= 1 && options.num_instances <= 200, "instances", "1 to 200",
-       static_cast<double>(options.num_instances)},
-      {options.noise >= 0 && options.noise <= 10, "noise", "0 to 10",
-       static_cast<double>(options.noise)},
-      {options.diameter >= 0 && options.diameter < 1e6F, "diameter", "0 to a million",
-       static_cast<double>(options.diameter)},
-  });
+Result<void> make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) return {};
+  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
 }
 
-Result<Manifest> render_scenes(std::span<const ModelSource> sources, LengthUnit unit,
-                               const ScanOptions& options, const fs::path& folder,
-                               const Progress& progress) {
-  if (const Result<void> valid = validate(options); !valid) return valid.error();
-  if (const Result<void> made = make_folder(folder / "models"); !made) return made.error();
-
-  Manifest manifest;
-  manifest.unit = unit;
-  std::vector<Model> models;
-  for (const ModelSource& source : sources) {
-    Result<Model> model = read_model(source, options);
-    if (!model) return model.error();
-    const fs::path file = folder / "models" / (source.name + ".ply");
+/// models/obj_000001.ply ... and models_info.json, in mm; and what the manifest says of them.
+Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> models, LengthUnit unit,
+                                                const fs::path& folder) {
+  std::vector<ManifestModel> entries;
+  std::vector<BopObject> objects;
+  for (const ScanModel& model : models) {
+    const int id = static_cast<int>(entries.size()) + 1;
+    const fs::path file = folder / (bop_model_name(id) + ".ply");
     Cloud surface;
-    surface.points = model->vertices;
-    surface.triangles = model->triangles;
+    surface.triangles = model.triangles;
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < model.vertices.size(); ++i) {
+      surface.points.push_back((1000 * model.vertices[i].cast<double>()).cast<float>());
+      box.extend(surface.points[i].cast<double>());
+    }
     if (const Result<void> written = write_ply(file, surface); !written) return written.error();
-    const std::optional<Symmetry> symmetry =
-        model->symmetry.trivial() ? std::nullopt : std::optional(model->symmetry);
-    manifest.models.push_back({source.name, file, 1, symmetry});
+    objects.push_back({id, static_cast<double>(kernels::find_diameter(surface.points)), box.min(),
+                       box.sizes(), scaled(model.symmetry, 1000)});
+    ManifestModel entry;
+    entry.name = model.name;
+    entry.file = file;
+    entry.scale = unit_scale(LengthUnit::millimetre, unit);
+    if (!model.symmetry.trivial())
+      entry.symmetry = scaled(model.symmetry, unit_scale(LengthUnit::metre, unit));
+    entry.object_id = id;
+    entries.push_back(std::move(entry));
+  }
+  const Result<void> written = write_bop_models_info(folder / "models_info.json", objects);
+  if (!written) return written.error();
+  return entries;
+}
+
+}  // namespace
+
+Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
+                                                LengthUnit unit, const ScanModelOptions& options) {
+  const Result<void> valid =
+      engine::check_ranges({{options.diameter >= 0 && options.diameter < 1e6F, "diameter",
+                             "0 to a million", static_cast<double>(options.diameter)}});
+  if (!valid) return valid.error();
+  std::vector<ScanModel> models;
+  for (const ModelSource& source : sources) {
+    Result<ScanModel> model = read_model(source, unit, options);
+    if (!model) return model.error();
     models.push_back(std::move(*model));
   }
+  return models;
+}
+
+Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
+                               const ScanOptions& options, const fs::path& folder,
+                               const Progress& progress) {
+  const Result<VirtualScanner> scanner = VirtualScanner::create(models, unit, options);
+  if (!scanner) return scanner.error();
+  const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
+  for (const fs::path& made_folder :
+       {folder / "models", bop_depth_file(scene_folder, 0).parent_path()}) {
+    if (const Result<void> made = make_folder(made_folder); !made) return made.error();
+  }
+  Manifest manifest;
+  manifest.unit = unit;
+  Result<std::vector<ManifestModel>> entries = write_models(models, unit, folder / "models");
+  if (!entries) return entries.error();
+  manifest.models = std::move(*entries);
 
   manifest.scenes.resize(options.num_scenes);
+  std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
   const Result<void> rendered =
       make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
-        Result<RenderedScene> scene =
-            render_scene(models, unit, options, static_cast<std::uint32_t>(i));
+        Result<RenderedScene> scene = scanner->scan(static_cast<std::uint32_t>(i));
         if (!scene) return scene.error();
         ManifestScene& entry = manifest.scenes[i];
-        entry.name = fmt::format("scene_{:04}.png", i);
-        entry.file = folder / entry.name;
+        entry.file = bop_depth_file(scene_folder, static_cast<int>(i));
+        entry.name = entry.file.lexically_relative(folder).generic_string();
         entry.camera = scene->camera;
         entry.truth = std::move(scene->truth);
+        entry.scene_id = kSceneId;
+        entry.image_id = static_cast<int>(i);
+        bop[0].images[i] = std::move(scene->bop);
         if (const Result<void> written = write_depth_png(entry.file, scene->depths, kScanWidth);
             !written) {
           return written.error();
@@ -121,8 +200,13 @@ Result<Manifest> render_scenes(std::span<const ModelSource> sources, LengthUnit 
         return entry.name;
       });
   if (!rendered) return rendered.error();
-  if (const Result<void> written = write_manifest(folder / "manifest.json", manifest); !written)
-    return written.error();
+  const Camera& camera = bop[0].images[0].camera;
+  for (const Result<void>& written :
+       {write_bop_camera(folder / "camera.json", camera, kScanWidth, kScanHeight),
+        write_bop_scene(scene_folder, bop[0].images), write_bop_targets(folder, bop),
+        write_manifest(folder / "manifest.json", manifest)}) {
+    if (!written) return written.error();
+  }
   return manifest;
 }
 

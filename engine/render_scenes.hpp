@@ -3,11 +3,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "engine/measure_scene.hpp"
 #include "engine/progress.hpp"
 #include "engine/train.hpp"
+#include "storage/bop.hpp"
 #include "storage/library.hpp"
 #include "storage/manifest.hpp"
 #include "storage/model.hpp"
@@ -18,44 +22,84 @@ namespace trivet {
 struct ScanOptions {
   std::uint32_t num_scenes = 8;     ///< 1..10000
   std::uint32_t num_instances = 8;  ///< objects of a scene, 1..200
+  std::uint32_t of_a_kind = 1;      ///< so many of a model before the next model comes, >= 1
+  std::uint32_t num_clutter = 0;    ///< objects of a scene that are in no truth, 0..200
   std::uint64_t seed = 1;           ///< other seeds give other scenes
-  float noise = 1;                  ///< in those of a household depth camera, 0..10; 0: none
-  float diameter = 0;  ///< scale every model to this diameter [output unit]; 0: as it is
+  bool bin = false;                 ///< in an open box instead of on a table
+  bool walls = false;               ///< a corner of two walls behind the heap
+  SensorOptions sensor{};
   bool operator==(const ScanOptions&) const = default;
 };
 
 /// Errors: usage (names the option, its range and its value).
 Result<void> validate(const ScanOptions& options);
 
+/// An object to lay into scenes. All lengths are metres.
+struct ScanModel {
+  std::string name;
+  Points vertices;      ///< every one used by a triangle
+  Triangles triangles;  ///< at least one
+  Symmetry symmetry;
+  bool metal = false;  ///< mirrors the sensor's light
+};
+
+struct ScanModelOptions {
+  float diameter = 0;  ///< scale every model to this diameter [library unit]; 0: as it is
+  bool metal = false;
+};
+
+/// Read models and find the symmetries that are not declared.
+///
+/// unit  library unit of the sources' scales and symmetries
+/// Errors: of reading, bad_data (points without faces).
+Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
+                                                LengthUnit unit, const ScanModelOptions& options);
+
 inline constexpr std::uint32_t kScanWidth = 640, kScanHeight = 480;
 
 /// One depth image and what is in it.
 struct RenderedScene {
-  Camera camera;
-  std::vector<std::uint16_t>
-      depths;  ///< kScanWidth * kScanHeight; 0: no measurement; in camera.depth_scale
-  std::vector<TruthInstance>
-      truth;  ///< occlusion: share of the object's own pixels that others cover
+  Camera camera;                      ///< depth_scale: to the asked unit
+  std::vector<std::uint16_t> depths;  ///< kScanWidth * kScanHeight; 0: no measurement
+  engine::ExactImage exact{0, 0};     ///< of the same size; instances: the truth, then the rest
+  std::vector<TruthInstance> truth;   ///< one an instance; lengths in the asked unit
+  BopImage bop;                       ///< the same for BOP; object ids count models from 1
 };
 
-/// Render one scene: models on a heap on the ground, a camera that looks down at them from a random
-/// side.
-///
-/// models  at least one, trained from a mesh; lengths in `unit`
-/// index   of the scene; every scene is the same whichever others are rendered
-/// Depth is measured in steps of 0.1 mm with noise along the axis of 1.2 mm + 1.9 mm (z / m -
-/// 0.4)^2 (Nguyen, Izadi, Lovell, 3DIMPVT 2012); surfaces steeper than 80 degrees to the sensor,
-/// depth edges with them, give no measurement. Instances with less than 15 % or 300 pixels to be
-/// seen are marked to be ignored. Errors: usage (too far away for 16-bit depths), internal (ray
-/// tracing).
-Result<RenderedScene> render_scene(std::span<const Model> models, LengthUnit unit,
-                                   const ScanOptions& options, std::uint32_t index);
+/// Scans one scene after the other, or side by side.
+class VirtualScanner {
+ public:
+  /// models   at least one; they outlive the scanner
+  /// unit     of the truth
+  /// Errors: usage (an option), bad_data (no model), internal (ray tracing).
+  static Result<VirtualScanner> create(std::span<const ScanModel> models, LengthUnit unit,
+                                       const ScanOptions& options);
+  VirtualScanner(VirtualScanner&&) noexcept;
+  VirtualScanner& operator=(VirtualScanner&&) noexcept;
+  ~VirtualScanner();
 
-/// Render scenes and write them into a folder: the models as PLY, depth images, and manifest.json
-/// over all of it. Same input, same bytes for any number of threads. A model's symmetries are those
-/// declared, or found. Errors: of reading and rendering, bad_data (a model without faces),
+  /// Scan models at rest in a heap, on the ground or in a bin (engine::pile_up), with a camera that
+  /// looks down on them from a random side.
+  ///
+  /// index  of the scene; every scene is the same whichever others are scanned
+  /// Visible fraction: BOP's, of the silhouette's pixels, those beyond the image's border included.
+  /// Occlusion and clutter: Drost's, of areas; a pixel that is measured stands for the patch of
+  /// surface z^2 / (fx fy |normal . ray|) that it sees. Instances with less than 15 % or 300 pixels
+  /// visible are to be ignored. Any number of threads may scan at the same time.
+  /// Errors: usage (a heap beyond the sensor's range), internal (ray tracing).
+  Result<RenderedScene> scan(std::uint32_t index) const;
+
+ private:
+  struct State;
+  explicit VirtualScanner(std::unique_ptr<const State> state);
+  std::unique_ptr<const State> state_;
+};
+
+/// Render scenes and write them into a folder, as a BOP data set (storage/bop.hpp, split "test",
+/// scene 1, an image a scene) and as manifest.json, which has the models' names, over the same
+/// files. Same input, same bytes for any number of threads. Errors: of rendering, usage (no model),
 /// cannot_create, io; resumable when stopped.
-Result<Manifest> render_scenes(std::span<const ModelSource> sources, LengthUnit unit,
+Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
                                const ScanOptions& options, const std::filesystem::path& folder,
                                const Progress& progress);
 

@@ -7,9 +7,12 @@ namespace trivet::kernels {
 
 void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t width,
                   std::uint32_t first_row, std::span<float> depth,
-                  std::span<std::uint32_t> instances) noexcept {
+                  std::span<std::uint32_t> instances, NormalsSpan normals) noexcept {
   assert(width > 0 && depth.size() % width == 0 && "whole rows");
   assert(instances.size() == depth.size() && "one instance per depth");
+  assert((normals.size() == 0 || normals.size() == depth.size()) && "one normal per depth");
+  const Eigen::Vector3f nowhere =
+      Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < depth.size(); ++i) {
     const auto u = static_cast<double>(i % width);
     const auto v = static_cast<double>(first_row + i / width);
@@ -20,6 +23,8 @@ void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t wid
                                     std::numeric_limits<float>::infinity());
     depth[i] = hit ? hit.distance : 0;
     instances[i] = hit.instance;
+    if (normals.size() == 0) continue;
+    normals.set(i, !hit ? nowhere : hit.normal.dot(direction) > 0 ? -hit.normal : hit.normal);
   }
 }
 

@@ -19,6 +19,7 @@ const Camera kCamera{60, 55, 30.5, 25.25, 1};
 struct Image {
   std::vector<float> depth = std::vector<float>(kWidth * kHeight, -1);
   std::vector<std::uint32_t> instances = std::vector<std::uint32_t>(kWidth * kHeight, 77);
+  Normals normals = Normals(kWidth * kHeight);
 };
 
 Image render(const RayScene& scene, std::uint32_t grain = kHeight) {
@@ -26,7 +27,8 @@ Image render(const RayScene& scene, std::uint32_t grain = kHeight) {
   test::for_chunks(kHeight, grain, [&](std::size_t first, std::size_t count) {
     render_depth(scene, kCamera, kWidth, static_cast<std::uint32_t>(first),
                  std::span(image.depth).subspan(first * kWidth, count * kWidth),
-                 std::span(image.instances).subspan(first * kWidth, count * kWidth));
+                 std::span(image.instances).subspan(first * kWidth, count * kWidth),
+                 image.normals.span().slice(first * kWidth, count * kWidth));
   });
   return image;
 }
@@ -80,7 +82,8 @@ TEST(RenderDepth, AgreesWithATiltedPlane) {
   const Image image = render(*scene);
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
     const float expected = 2 * normal.z() / normal.dot(pixel_ray(i));
-    EXPECT_NEAR(image.depth[i], expected, 1e-4F * expected) << i;
+    EXPECT_NEAR(image.depth[i], expected, 2e-6F * expected) << i;
+    EXPECT_LT((image.normals[i] + normal).norm(), 1e-6F) << i << ": towards the camera";
   }
 }
 
@@ -110,7 +113,11 @@ TEST(RenderDepth, NamesTheInstanceInFront) {
 TEST(RenderDepth, LeavesAnEmptySceneEmpty) {
   const auto scene = RayScene::from_instances({});
   ASSERT_TRUE(scene);
-  for (const float depth : render(*scene).depth) EXPECT_EQ(depth, 0);
+  const Image image = render(*scene);
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    EXPECT_EQ(image.depth[i], 0);
+    EXPECT_TRUE(image.normals[i].array().isNaN().all());
+  }
 }
 
 TEST(RenderDepth, GivesTheSameBitsForAnyChunkOfRows) {
@@ -125,6 +132,7 @@ TEST(RenderDepth, GivesTheSameBitsForAnyChunkOfRows) {
   for (const std::uint32_t grain : {1U, 7U, 47U}) {
     const Image split = render(*scene, grain);
     EXPECT_TRUE(test::same_bits(whole.depth, split.depth));
+    EXPECT_TRUE(test::same_bits(whole.normals, split.normals));
     EXPECT_EQ(whole.instances, split.instances);
   }
 }
@@ -133,8 +141,9 @@ TEST(RenderDepth, AllocatesNothing) {
   const auto scene = RayScene::from_instances({});
   ASSERT_TRUE(scene);
   Image image;
-  EXPECT_EQ(test::allocations_in(
-                [&] { render_depth(*scene, kCamera, kWidth, 0, image.depth, image.instances); }),
+  EXPECT_EQ(test::allocations_in([&] {
+              render_depth(*scene, kCamera, kWidth, 0, image.depth, image.instances, image.normals);
+            }),
             0U);
 }
 

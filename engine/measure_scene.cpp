@@ -1,0 +1,240 @@
+#include "engine/measure_scene.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "engine/check_range.hpp"
+#include "kernels/counter_random.hpp"
+#include "engine/parallel.hpp"
+#include "kernels/render_depth.hpp"
+#include "kernels/sensor_noise.hpp"
+#include "kernels/visibility.hpp"
+
+namespace trivet {
+
+Result<void> validate(const SensorOptions& options) {
+  const float step = options.disparity_step_pixel.value_or(0);
+  return engine::check_ranges({
+      {options.noise >= 0 && options.noise <= 10, "noise", "0 to 10",
+       static_cast<double>(options.noise)},
+      {step >= 0 && step <= 8, "disparity-step", "0 to 8 pixels", static_cast<double>(step)},
+  });
+}
+
+namespace engine {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using kernels::RayScene;
+
+constexpr std::size_t kRowGrain = 16;
+constexpr double kMinCosine = static_cast<double>(kernels::kMinViewCosine);
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
+constexpr double kLeastSignal = 0.004;   // white at 80 degrees from 6 m, a third of it from 3.6 m
+constexpr int kSubpixels = 4;            // rays along each side of a pixel that sees an edge
+constexpr double kBeforeSurface = 3e-4;  // shadow rays end so much of their length before it
+constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
+
+/// Everything that one pixel's measurement looks at.
+class Pixels {
+ public:
+  Pixels(const RayScene& rays, const Camera& camera, const ExactImage& image,
+         std::span<const Finish> finishes, const SensorOptions& options)
+      : rays_(rays),
+        camera_(camera),
+        image_(image),
+        finishes_(finishes),
+        sensor_(options.sensor),
+        noise_(static_cast<double>(options.noise)),
+        traits_(traits_of(options.sensor)),
+        disparity_step_(options.disparity_step_pixel
+                            ? static_cast<double>(*options.disparity_step_pixel)
+                            : traits_.disparity_step),
+        // Between neighbouring pixels, depth on the steepest surface changes by so many times their
+        // distance.
+        steepest_(std::sqrt(1 - kMinCosine * kMinCosine) / kMinCosine) {}
+
+  /// Depth [m]; 0 for none.
+  double measure(std::size_t i, CounterRandom& random) const {
+    const auto z = static_cast<double>(image_.depth[i]);
+    if (z == 0) return 0;
+    const double measured = sensor_ == Sensor::time_of_flight ? time_of_flight(i, z, random)
+                                                              : triangulate(i, z, random);
+    return measured >= traits_.nearest && measured <= traits_.farthest ? measured : 0;
+  }
+
+ private:
+  Vector3d ray(double u, double v) const {
+    return {(u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1};
+  }
+  double column(std::size_t i) const { return static_cast<double>(i % image_.width); }
+  double row(std::size_t i) const { return static_cast<double>(i / image_.width); }
+
+  /// Whether depth jumps from a pixel to one beside it.
+  bool at_edge(std::size_t i, double z) const {
+    const auto jumps = [&](std::size_t neighbour) {
+      return std::abs(static_cast<double>(image_.depth[neighbour]) - z) >
+             steepest_ * z / camera_.fx;
+    };
+    const std::size_t u = i % image_.width, v = i / image_.width;
+    return (u > 0 && jumps(i - 1)) || (u + 1 < image_.width && jumps(i + 1)) ||
+           (v > 0 && jumps(i - image_.width)) || (v + 1 < image_.height && jumps(i + image_.width));
+  }
+
+  /// How much stronger the noise is by mirrored light; infinite: nothing can be measured.
+  double glare(const Finish& finish, const Vector3d& normal, const Vector3d& to_light,
+               const Vector3d& to_camera) const {
+    if (!finish.metal) return 1;
+    const double angle = kernels::mirror_angle(normal, to_light, to_camera);
+    if (angle < kMirrorAngle) return std::numeric_limits<double>::infinity();
+    return angle < kGlintAngle ? kGlintNoise : 1;
+  }
+
+  /// By a light or a second camera beside the camera.
+  double triangulate(std::size_t i, double z, CounterRandom& random) const {
+    if (at_edge(i, z)) return 0;
+    const Vector3d along = ray(column(i), row(i)), point = z * along, other(traits_.baseline, 0, 0),
+                   to_camera = -along.normalized(), to_other = (other - point).normalized(),
+                   normal = image_.normals[i].cast<double>();
+    const double cosine = normal.dot(to_camera);
+    if (cosine <= kMinCosine || normal.dot(to_other) <= kMinCosine) return 0;
+    const double glint = glare(finishes_[image_.instance[i]], normal, to_other, to_camera);
+    if (std::isinf(glint)) return 0;
+    const Vector3f from = other.cast<float>(), reach = (point - other).cast<float>();
+    if (rays_.occluded(from, reach, 0, static_cast<float>(1 - kBeforeSurface))) return 0;
+
+    double measured =
+        z + noise_ * glint * sigma(z, std::acos(std::min(cosine, 1.0))) * random.normal();
+    if (disparity_step_ > 0 && measured > 0) {
+      measured =
+          kernels::quantise_disparity(measured, camera_.fx, traits_.baseline, disparity_step_);
+    }
+    return measured;
+  }
+
+  double sigma(double z, double angle) const {
+    if (sensor_ == Sensor::stereo) return kernels::stereo_sigma(z, camera_.fx, traits_.baseline);
+    if (sensor_ == Sensor::laser) return kernels::laser_sigma(z, traits_.baseline);
+    return kernels::structured_light_sigma(z, angle);
+  }
+
+  /// Light that comes back, and range [m] times light.
+  struct Echo {
+    double light = 0, moment = 0;
+    void add(double range, double signal) {
+      light += signal;
+      moment += signal * range;
+    }
+  };
+
+  double time_of_flight(std::size_t i, double z, CounterRandom& random) const {
+    const Vector3d along = ray(column(i), row(i)), to_camera = -along.normalized();
+    Echo echo;
+    double glint = 1;
+    if (at_edge(i, z)) {
+      echo = mixed_echo(i);
+    } else {
+      const Vector3d normal = image_.normals[i].cast<double>();
+      const Finish& finish = finishes_[image_.instance[i]];
+      glint = glare(finish, normal, to_camera, to_camera);
+      const double range = z * along.norm();
+      echo.add(range,
+               kernels::time_of_flight_signal(range, normal.dot(to_camera), finish.reflectance));
+    }
+    if (std::isinf(glint) || !(echo.light > kLeastSignal)) return 0;
+    const double range = echo.moment / echo.light + noise_ * glint *
+                                                        kernels::time_of_flight_sigma(echo.light) *
+                                                        random.normal();
+    return range / along.norm();
+  }
+
+  /// Over the whole square that the pixel sees.
+  Echo mixed_echo(std::size_t i) const {
+    Echo echo;
+    for (int k = 0; k < kSubpixels * kSubpixels; ++k) {
+      const double u = (k % kSubpixels + 0.5) / kSubpixels - 0.5,
+                   v = (k / kSubpixels + 0.5) / kSubpixels - 0.5;  // NOLINT: whole rows
+      const Vector3d along = ray(column(i) + u, row(i) + v).normalized();
+      const kernels::Hit hit = rays_.intersect(Vector3f::Zero(), along.cast<float>(), 0,
+                                               std::numeric_limits<float>::infinity());
+      if (!hit) continue;
+      const auto range = static_cast<double>(hit.distance);
+      echo.add(range,
+               kernels::time_of_flight_signal(range, std::abs(hit.normal.cast<double>().dot(along)),
+                                              finishes_[hit.instance].reflectance) /
+                   (kSubpixels * kSubpixels));
+    }
+    return echo;
+  }
+
+  const RayScene& rays_;
+  const Camera& camera_;
+  const ExactImage& image_;
+  std::span<const Finish> finishes_;
+  Sensor sensor_;
+  double noise_;
+  const SensorTraits& traits_;
+  double disparity_step_, steepest_;
+};
+
+}  // namespace
+
+const SensorTraits& traits_of(Sensor sensor) {
+  static constexpr std::array<SensorTraits, 4> kTraits{{
+      {.baseline = 0.075, .disparity_step = 0, .depth_step = 1e-4, .nearest = 0.45, .farthest = 6},
+      {.baseline = 0, .disparity_step = 0, .depth_step = 1e-4, .nearest = 0.3, .farthest = 6},
+      {.baseline = 0.1,
+       .disparity_step = 1.0 / 16,
+       .depth_step = 1e-4,
+       .nearest = 0.3,
+       .farthest = 6},
+      {.baseline = 0.2, .disparity_step = 0, .depth_step = 2e-5, .nearest = 0.5, .farthest = 1.3},
+  }};
+  return kTraits[static_cast<std::size_t>(sensor)];
+}
+
+ExactImage::ExactImage(std::uint32_t image_width, std::uint32_t image_height)
+    : width(image_width),
+      height(image_height),
+      depth(std::size_t{width} * height),
+      instance(depth.size()),
+      normals(depth.size()) {}
+
+ExactImage render_exactly(const RayScene& rays, const Camera& camera, std::uint32_t width,
+                          std::uint32_t height) {
+  ExactImage image(width, height);
+  for_chunks(height, kRowGrain, [&](std::size_t first, std::size_t count) {
+    const std::size_t begin = first * width, size = count * width;
+    kernels::render_depth(rays, camera, width, static_cast<std::uint32_t>(first),
+                          std::span(image.depth).subspan(begin, size),
+                          std::span(image.instance).subspan(begin, size),
+                          image.normals.span().slice(begin, size));
+  });
+  return image;
+}
+
+std::vector<std::uint16_t> measure_scene(const RayScene& rays, const Camera& camera,
+                                         const ExactImage& image, std::span<const Finish> finishes,
+                                         const SensorOptions& options, std::uint64_t seed,
+                                         std::uint64_t stream) {
+  const double step = traits_of(options.sensor).depth_step;
+  const Pixels pixels(rays, camera, image, finishes, options);
+  std::vector<std::uint16_t> out(image.depth.size());
+  for_chunks(image.height, kRowGrain, [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first * image.width; i < (first + count) * image.width; ++i) {
+      CounterRandom random(seed, stream, kFirstPixelItem + i);
+      const double steps = std::round(pixels.measure(i, random) / step);
+      if (steps >= 1 && steps <= 65535) out[i] = static_cast<std::uint16_t>(steps);
+    }
+  });
+  return out;
+}
+
+}  // namespace engine
+}  // namespace trivet

@@ -1,0 +1,377 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "engine/check_range.hpp"
+#include "kernels/counter_random.hpp"
+#include "engine/measure_scene.hpp"
+#include "engine/pile_up.hpp"
+#include "engine/render_scenes.hpp"
+#include "kernels/ray_scene.hpp"
+
+namespace trivet {
+namespace {
+
+using Eigen::Vector3d;
+using engine::Body;
+using kernels::CounterRandom;
+using engine::ExactImage;
+using engine::Finish;
+using engine::PlacedBody;
+using kernels::RayScene;
+
+constexpr double kFocal = 572;         // [pixel], as of a Kinect or PrimeSense
+constexpr double kFilledShare = 0.85;  // of the image's width or height, by the heap
+constexpr double kMinVisible = 0.15;   // instances of which less is seen are ignored
+constexpr int kMinVisiblePixels = 300;
+constexpr double kBinHeight = 0.7;                               // in the largest diameter
+constexpr double kBinThickness = 0.005;                          // [m]
+constexpr double kWallDistance = 0.02;                           // [m] behind the heap
+enum Item : std::uint64_t { kHeap, kCamera, kChoice, kFinish };  // random numbers of their own
+
+/// `of_a_kind` of every model in a random order, then again in another.
+std::vector<std::uint32_t> choose_models(std::size_t num_models, const ScanOptions& options,
+                                         CounterRandom& random) {
+  std::vector<std::uint32_t> chosen;
+  std::vector<std::uint32_t> round(num_models);
+  while (chosen.size() < options.num_instances) {
+    for (std::size_t i = 0; i < num_models; ++i) round[i] = static_cast<std::uint32_t>(i);
+    for (std::size_t i = num_models; i > 1; --i) std::swap(round[i - 1], round[random.next() % i]);
+    for (const std::uint32_t model : round) chosen.insert(chosen.end(), options.of_a_kind, model);
+  }
+  chosen.resize(options.num_instances);
+  return chosen;
+}
+
+/// A surface that is no model.
+struct Sheet {
+  Points vertices;
+  Triangles triangles;
+
+  void add(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Vector3d& corner : {a, b, c, d}) vertices.push_back(corner.cast<float>());
+    triangles.push_back(first, first + 1, first + 2);
+    triangles.push_back(first, first + 2, first + 3);
+  }
+};
+
+/// A square on z = 0 under everything that the camera sees.
+void add_ground(double half_side, Sheet& sheet) {
+  sheet.add({-half_side, -half_side, 0}, {half_side, -half_side, 0}, {half_side, half_side, 0},
+            {-half_side, half_side, 0});
+}
+
+/// The inner and outer faces of four walls, and their rim.
+void add_bin(const engine::BinSize& half, double height, Sheet& sheet) {
+  const engine::BinSize outer = half.array() + kBinThickness;
+  const auto corner = [](const engine::BinSize& size, int i, double z) {
+    return Vector3d(i == 0 || i == 3 ? -size.x() : size.x(), i < 2 ? -size.y() : size.y(), z);
+  };
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4;
+    sheet.add(corner(half, i, 0), corner(half, j, 0), corner(half, j, height),
+              corner(half, i, height));
+    sheet.add(corner(outer, i, 0), corner(outer, j, 0), corner(outer, j, height),
+              corner(outer, i, height));
+    sheet.add(corner(half, i, height), corner(half, j, height), corner(outer, j, height),
+              corner(outer, i, height));
+  }
+}
+
+/// Two walls that meet behind points, as seen from the camera.
+void add_walls(const Points& points, const Pose& T_camera_world, double half_side, Sheet& sheet) {
+  const Vector3d view = T_camera_world.linear().cast<double>().row(2);
+  const double azimuth = std::atan2(view.y(), view.x());
+  std::array<Vector3d, 2> away;
+  std::array<double, 2> distance{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double angle = azimuth + (k == 0 ? -1 : 1) * std::numbers::pi / 4;
+    away[k] = {std::cos(angle), std::sin(angle), 0};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      distance[k] = std::max(distance[k], away[k].dot(points[i].cast<double>()) + kWallDistance);
+    }
+  }
+  const Vector3d foot = distance[0] * away[0] + distance[1] * away[1], top(0, 0, half_side);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vector3d end = foot - half_side * away[1 - k];
+    sheet.add(foot, end, end + top, foot + top);
+  }
+}
+
+/// Everything on the heap, in the world.
+Points surface_points(std::span<const Body> bodies, std::span<const PlacedBody> placed) {
+  Points points;
+  for (const PlacedBody& instance : placed) {
+    const PointsView vertices = bodies[instance.body].vertices;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      points.push_back(instance.T_world_body * vertices[i]);
+  }
+  return points;
+}
+
+struct Elevations {
+  double low, high;  // [degree] above the ground
+};
+
+/// A camera that looks down on the points from a random side, as near as it sees them all with some
+/// room around them, and not nearer than `nearest`.
+Pose place_camera(const Points& points, const Camera& camera, double nearest,
+                  const Elevations& elevations, CounterRandom& random) {
+  const double elevation = random.uniform(elevations.low, elevations.high) * std::numbers::pi / 180;
+  const double azimuth = random.uniform(0, 2 * std::numbers::pi);
+  const Vector3d away(std::cos(elevation) * std::cos(azimuth),
+                      std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+  Eigen::Matrix3d axes;  // rows: the camera's x, y and z in the world
+  axes.row(2) = -away;
+  axes.row(0) = Vector3d::UnitZ().cross(away).normalized();
+  axes.row(1) = axes.row(2).cross(axes.row(0));
+
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(axes * points[i].cast<double>());
+  const Vector3d middle = box.center();
+  const double width = kFilledShare * camera.cx / camera.fx,
+               height = kFilledShare * camera.cy / camera.fy;
+  double distance = 0;  // from the camera to the middle
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d p = axes * points[i].cast<double>() - middle;
+    distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(),
+                         std::abs(p.y()) / height - p.z()});
+  }
+  Pose T_camera_world = Pose::Identity();
+  T_camera_world.linear() = axes.cast<float>();
+  T_camera_world.translation() = (distance * Vector3d::UnitZ() - middle).cast<float>();
+  return T_camera_world;
+}
+
+/// Pixels of something: how many, and the rectangle about them.
+struct Silhouette {
+  int num_pixels = 0;
+  int u0 = 0, u1 = -1, v0 = 0, v1 = -1;  // inclusive
+  void add(int u, int v) {
+    u0 = num_pixels == 0 ? u : std::min(u0, u);
+    u1 = num_pixels == 0 ? u : std::max(u1, u);
+    v0 = num_pixels == 0 ? v : std::min(v0, v);
+    v1 = num_pixels == 0 ? v : std::max(v1, v);
+    ++num_pixels;
+  }
+  std::array<int, 4> box() const {
+    if (num_pixels == 0) return {-1, -1, -1, -1};
+    return {u0, v0, u1 - u0 + 1, v1 - v0 + 1};
+  }
+};
+
+/// The pixels in which an object would be seen if it stood alone; beyond the image too.
+/// visit(u, v) is called for each.
+template <class Visit>
+Result<void> for_silhouette(const RayScene::Instance& object, PointsView vertices,
+                            const Camera& camera, Visit&& visit) {
+  Eigen::AlignedBox2d box;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vector3d p = (object.T_world_scene * vertices[i]).cast<double>();
+    box.extend(Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx,
+                               camera.fy * p.y() / p.z() + camera.cy));
+  }
+  const Eigen::Vector2d low = box.min().array().floor(), high = box.max().array().ceil();
+  Camera window = camera;
+  window.cx -= low.x();
+  window.cy -= low.y();
+  const Result<RayScene> alone = RayScene::from_instances(std::span(&object, 1));
+  if (!alone) return alone.error();
+  const auto width = static_cast<std::uint32_t>(high.x() - low.x()) + 1,
+             height = static_cast<std::uint32_t>(high.y() - low.y()) + 1;
+  const ExactImage image = engine::render_exactly(*alone, window, width, height);
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    if (image.depth[i] == 0) continue;
+    visit(static_cast<int>(i % width) + static_cast<int>(low.x()),
+          static_cast<int>(i / width) + static_cast<int>(low.y()));
+  }
+  return {};
+}
+
+/// What the sensor measures of each instance.
+struct Measured {
+  std::vector<Silhouette> visible;  // seen in the exact image
+  std::vector<double> area;         // [m^2] of what is measured
+  double whole_area = 0;            // of the whole scene
+};
+
+Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> depths,
+                        const Camera& camera, std::size_t num_instances) {
+  Measured out{std::vector<Silhouette>(num_instances), std::vector<double>(num_instances), 0};
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    if (image.depth[i] == 0) continue;
+    const auto u = static_cast<int>(i % image.width), v = static_cast<int>(i / image.width);
+    out.visible[image.instance[i]].add(u, v);
+    if (depths[i] == 0) continue;
+    const Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+    const auto z = static_cast<double>(image.depth[i]);
+    const double patch =
+        z * z / (camera.fx * camera.fy * std::abs(image.normals[i].cast<double>().dot(ray)));
+    out.area[image.instance[i]] += patch;
+    out.whole_area += patch;
+  }
+  return out;
+}
+
+double area_of(PointsView vertices, const Triangles& triangles) {
+  double area = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3d a = vertices[triangles.a[t]].cast<double>(),
+                   b = vertices[triangles.b[t]].cast<double>(),
+                   c = vertices[triangles.c[t]].cast<double>();
+    area += (b - a).cross(c - a).norm() / 2;
+  }
+  return area;
+}
+
+Pose scaled(Pose pose, double factor) {
+  pose.translation() = (factor * pose.translation().cast<double>()).cast<float>();
+  return pose;
+}
+
+}  // namespace
+
+Result<void> validate(const ScanOptions& options) {
+  const Result<void> valid = engine::check_ranges({
+      {options.num_scenes >= 1 && options.num_scenes <= 10000, "scenes", "1 to 10000",
+       static_cast<double>(options.num_scenes)},
+      {options.num_instances >= 1 && options.num_instances <= 200, "instances", "1 to 200",
+       static_cast<double>(options.num_instances)},
+      {options.of_a_kind >= 1 && options.of_a_kind <= 200, "of-a-kind", "1 to 200",
+       static_cast<double>(options.of_a_kind)},
+      {options.num_clutter <= 200, "clutter", "0 to 200", static_cast<double>(options.num_clutter)},
+  });
+  if (!valid) return valid.error();
+  return validate(options.sensor);
+}
+
+struct VirtualScanner::State {
+  std::span<const ScanModel> models;
+  LengthUnit unit;
+  ScanOptions options;
+  std::vector<Body> bodies;      // one a model
+  std::vector<RayScene> meshes;  // one a model
+  std::vector<double> areas;     // [m^2]
+};
+
+VirtualScanner::VirtualScanner(std::unique_ptr<const State> state) : state_(std::move(state)) {}
+VirtualScanner::VirtualScanner(VirtualScanner&&) noexcept = default;
+VirtualScanner& VirtualScanner::operator=(VirtualScanner&&) noexcept = default;
+VirtualScanner::~VirtualScanner() = default;
+
+Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models, LengthUnit unit,
+                                              const ScanOptions& options) {
+  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  if (models.empty())
+    return Error{ErrorCode::bad_data, "at least one model expected to scan, none found"};
+  auto state = std::make_unique<State>(State{models, unit, options, {}, {}, {}});
+  for (const ScanModel& model : models) {
+    Result<RayScene> mesh = RayScene::from_mesh(model.vertices, model.triangles);
+    if (!mesh) return mesh.error();
+    state->meshes.push_back(std::move(*mesh));
+    state->bodies.push_back(engine::make_body(model.vertices, model.triangles));
+    state->areas.push_back(area_of(model.vertices, model.triangles));
+  }
+  return VirtualScanner(std::move(state));
+}
+
+Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
+  const auto& [models, unit, options, bodies, meshes, areas] = *state_;
+  const engine::SensorTraits& sensor = engine::traits_of(options.sensor.sensor);
+  const auto random_of = [&](Item item) { return CounterRandom(options.seed, index, item); };
+
+  CounterRandom choice = random_of(kChoice);
+  const std::vector<std::uint32_t> order = choose_models(models.size(), options, choice);
+  const engine::BinSize bin = options.bin ? engine::choose_bin(bodies, order) : engine::kTable;
+  const std::vector<PlacedBody> placed = engine::pile_up(bodies, order, bin, options.seed, index);
+
+  RenderedScene scene;
+  scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1),
+                  sensor.depth_step * unit_scale(LengthUnit::metre, unit)};
+  const Camera& camera = scene.camera;
+  const Points points = surface_points(bodies, placed);
+  CounterRandom view = random_of(kCamera);
+  const Pose T_camera_world = place_camera(
+      points, camera, sensor.nearest, options.bin ? Elevations{60, 85} : Elevations{40, 75}, view);
+  float farthest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    farthest = std::max(farthest, (T_camera_world * points[i]).z());
+  const auto range = static_cast<double>(farthest);
+  if (range > sensor.farthest) {
+    return Error{ErrorCode::usage,
+                 fmt::format("scene {}: expected a heap that the sensor sees from within {} m, "
+                             "found one that it takes {:.3g} m to see; give the models' unit with "
+                             "--unit, a size with --diameter, or another --sensor",
+                             index, sensor.farthest, range)};
+  }
+
+  // Surfaces: instance i is placed[i], then what is no object.
+  std::vector<RayScene::Instance> instances;
+  std::vector<Finish> finishes;
+  CounterRandom finish = random_of(kFinish);
+  for (const PlacedBody& instance : placed) {
+    instances.push_back({&meshes[instance.body], T_camera_world * instance.T_world_body});
+    finishes.push_back({models[instance.body].metal, finish.uniform(0.15, 0.9)});
+  }
+  Sheet surroundings;
+  add_ground(20 * range, surroundings);
+  if (options.bin) {
+    float largest = 0;
+    for (const PlacedBody& instance : placed)
+      largest = std::max(largest, bodies[instance.body].diameter);
+    add_bin(bin, kBinHeight * static_cast<double>(largest), surroundings);
+  }
+  if (options.walls) add_walls(points, T_camera_world, 20 * range, surroundings);
+  const Result<RayScene> sheet = RayScene::from_mesh(surroundings.vertices, surroundings.triangles);
+  if (!sheet) return sheet.error();
+  instances.push_back({&*sheet, T_camera_world});
+  finishes.push_back({});
+  const Result<RayScene> rays = RayScene::from_instances(instances);
+  if (!rays) return rays.error();
+  scene.exact = engine::render_exactly(*rays, camera, kScanWidth, kScanHeight);
+  scene.depths = engine::measure_scene(*rays, camera, scene.exact, finishes, options.sensor,
+                                       options.seed, index);
+
+  const Measured measured = count_measured(scene.exact, scene.depths, camera, instances.size());
+  scene.bop.id = static_cast<int>(index);
+  scene.bop.camera = camera;
+  scene.bop.camera.depth_scale = sensor.depth_step * 1000;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::uint32_t model = placed[i].body;
+    const Pose& T_camera_model = instances[i].T_world_scene;
+    Silhouette all;
+    int num_valid = 0;
+    const Result<void> rendered =
+        for_silhouette(instances[i], models[model].vertices, camera, [&](int u, int v) {
+          all.add(u, v);
+          if (u < 0 || v < 0 || u >= int{kScanWidth} || v >= int{kScanHeight}) return;
+          const auto pixel = static_cast<std::size_t>(v) * kScanWidth + static_cast<std::size_t>(u);
+          num_valid += scene.depths[pixel] != 0 ? 1 : 0;
+        });
+    if (!rendered) return rendered.error();
+    const Silhouette& visible = measured.visible[i];
+    const double fraction =
+        all.num_pixels == 0
+            ? 0
+            : std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
+    scene.bop.instances.push_back({static_cast<int>(model) + 1, scaled(T_camera_model, 1000),
+                                   all.box(), visible.box(), all.num_pixels, num_valid,
+                                   visible.num_pixels, fraction});
+    TruthInstance truth;
+    truth.model = models[model].name;
+    truth.T_scene_model = scaled(T_camera_model, unit_scale(LengthUnit::metre, unit));
+    truth.ignore = fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
+    truth.visible_fraction = fraction;
+    truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);
+    truth.clutter = measured.whole_area > 0 ? 1 - measured.area[i] / measured.whole_area : 1;
+    scene.truth.push_back(std::move(truth));
+  }
+  return scene;
+}
+
+}  // namespace trivet
