@@ -36,9 +36,9 @@ constexpr std::size_t kRowGrain = 16;
 constexpr double kMinCosine = static_cast<double>(kernels::kMinViewCosine);
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
-constexpr double kLeastSignal = 0.004;   // white at 80 degrees from 6 m, a third of it from 3.6 m
-constexpr int kSubpixels = 4;            // rays along each side of a pixel that sees an edge
-constexpr double kBeforeSurface = 3e-4;  // shadow rays end so much of their length before it
+constexpr double kLeastSignal = 0.02;          // grey at 88 degrees from 0.7 m, white from 6 m
+constexpr int kSubpixels = 4;                  // rays along each side of a pixel that sees an edge
+constexpr double kBeforeSurface = 3e-4;        // shadow rays end so much of their length before it
 constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
 
 /// Everything that one pixel's measurement looks at.

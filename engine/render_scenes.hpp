@@ -83,9 +83,10 @@ class VirtualScanner {
   ///
   /// index  of the scene; every scene is the same whichever others are scanned
   /// Visible fraction: BOP's, of the silhouette's pixels, those beyond the image's border included.
-  /// Occlusion and clutter: Drost's, of areas; a pixel that is measured stands for the patch of
-  /// surface z^2 / (fx fy |normal . ray|) that it sees. Instances with less than 15 % or 300 pixels
-  /// visible are to be ignored. Any number of threads may scan at the same time.
+  /// Occlusion and clutter: Drost's, of areas; a pixel that is measured, of a surface less than 80
+  /// degrees steep, stands for the patch z^2 / (fx fy |normal . ray|) that it sees. Instances with
+  /// less than 15 % or 300 pixels visible are to be ignored. Any number of threads may scan at the
+  /// same time.
   /// Errors: usage (a heap beyond the sensor's range), internal (ray tracing).
   Result<RenderedScene> scan(std::uint32_t index) const;
 

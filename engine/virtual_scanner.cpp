@@ -12,6 +12,7 @@
 #include "engine/pile_up.hpp"
 #include "engine/render_scenes.hpp"
 #include "kernels/ray_scene.hpp"
+#include "kernels/visibility.hpp"
 
 namespace trivet {
 namespace {
@@ -210,8 +211,9 @@ Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> 
     if (depths[i] == 0) continue;
     const Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
     const auto z = static_cast<double>(image.depth[i]);
-    const double patch =
-        z * z / (camera.fx * camera.fy * std::abs(image.normals[i].cast<double>().dot(ray)));
+    const double facing = std::abs(image.normals[i].cast<double>().dot(ray));
+    if (facing <= static_cast<double>(kernels::kMinViewCosine) * ray.norm()) continue;
+    const double patch = z * z / (camera.fx * camera.fy * facing);
     out.area[image.instance[i]] += patch;
     out.whole_area += patch;
   }

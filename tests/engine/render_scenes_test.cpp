@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
-#include "engine/pile_up.hpp"
 #include "engine/progress.hpp"
 #include "kernels/diameter.hpp"
 #include "storage/read_cloud.hpp"
@@ -19,23 +19,38 @@ namespace trivet {
 namespace {
 
 using Eigen::Vector3d;
-using Eigen::Vector3f;
 
 const Vector3d kLow(-0.03, -0.05, -0.02), kHigh(0.04, 0.05, 0.06);
 
-Cloud box_mesh() {
-  const test::Shape shape = test::box(kLow.cast<float>(), kHigh.cast<float>());
+Cloud cloud_of(const test::Shape& shape) {
   Cloud cloud;
   cloud.points = shape.vertices;
   cloud.triangles = shape.triangles;
   return cloud;
 }
 
-Model box_model() {
-  Result<TrainedModel> trained =
-      train_model(box_mesh(), {"box", "box.ply", 1, {}}, {.relative_step = 0.1F});
-  EXPECT_TRUE(trained) << trained.error().message;
-  return std::move(trained->model);
+Cloud box_mesh() { return cloud_of(test::box(kLow.cast<float>(), kHigh.cast<float>())); }
+
+ScanModel model_of(const std::string& name, const test::Shape& shape) {
+  return {name, shape.vertices, shape.triangles, {}, false};
+}
+
+ScanModel box_model() {
+  return model_of("box", test::box(kLow.cast<float>(), kHigh.cast<float>()));
+}
+
+ScanOptions exact(std::uint32_t num_instances, Sensor sensor = Sensor::structured_light) {
+  ScanOptions options;
+  options.num_instances = num_instances;
+  options.sensor = {sensor, 0, {}};
+  return options;
+}
+
+Result<RenderedScene> scan(const std::vector<ScanModel>& models, const ScanOptions& options,
+                           std::uint32_t index, LengthUnit unit = LengthUnit::metre) {
+  const Result<VirtualScanner> scanner = VirtualScanner::create(models, unit, options);
+  if (!scanner) return scanner.error();
+  return scanner->scan(index);
 }
 
 /// Depth at which the ray through a pixel enters the box; infinite where it misses. By slabs, in
@@ -55,24 +70,23 @@ double box_depth(const Camera& camera, std::size_t pixel, const Pose& T_camera_b
   return enter <= leave ? enter : std::numeric_limits<double>::infinity();
 }
 
-TEST(RenderScene, MeasuresBoxesWhereTheTruthSaysTheyAre) {
-  const std::vector<Model> models{box_model()};
-  ScanOptions options;
-  options.noise = 0;
-  options.num_instances = 3;
-  const Result<RenderedScene> scene = render_scene(models, LengthUnit::metre, options, 5);
+TEST(VirtualScanner, MeasuresBoxesWhereTheTruthSaysTheyAre) {
+  const std::vector<ScanModel> models{box_model()};
+  const Result<RenderedScene> scene = scan(models, exact(3), 5);
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_EQ(scene->depths.size(), std::size_t{kScanWidth} * kScanHeight);
   ASSERT_EQ(scene->truth.size(), 3U);
 
-  std::vector<std::size_t> own(3), nearest(3);
+  std::vector<int> own(3), nearest(3), valid(3);
   std::size_t measured = 0;
   for (std::size_t i = 0; i < scene->depths.size(); ++i) {
     double depth = std::numeric_limits<double>::infinity();
     std::size_t first = 0;
     for (std::size_t t = 0; t < 3; ++t) {
       const double z = box_depth(scene->camera, i, scene->truth[t].T_scene_model);
-      own[t] += std::isfinite(z) ? 1 : 0;
+      if (!std::isfinite(z)) continue;
+      ++own[t];
+      if (scene->depths[i] != 0) ++valid[t];
       if (z < depth) {
         depth = z;
         first = t;
@@ -80,28 +94,32 @@ TEST(RenderScene, MeasuresBoxesWhereTheTruthSaysTheyAre) {
     }
     if (!std::isfinite(depth)) continue;  // the ground
     ++nearest[first];
-    if (scene->depths[i] == 0) continue;  // an edge
+    if (scene->depths[i] == 0) continue;  // an edge or a shadow
     ++measured;
-    // Half a step of 0.1 mm, and float rays.
-    EXPECT_NEAR(scene->depths[i] * scene->camera.depth_scale, depth, 0.6e-4) << "pixel " << i;
+    EXPECT_NEAR(scene->exact.depth[i], depth, 2e-6) << "pixel " << i;
+    // Half a step of 0.1 mm.
+    EXPECT_NEAR(scene->depths[i] * scene->camera.depth_scale, depth, 0.52e-4) << "pixel " << i;
   }
   EXPECT_GT(measured, 5000U);
   for (std::size_t t = 0; t < 3; ++t) {
-    const double covered = 1 - static_cast<double>(nearest[t]) / static_cast<double>(own[t]);
-    EXPECT_NEAR(*scene->truth[t].occlusion, covered, 0.01) << "but for pixels on an outline";
+    const BopInstance& bop = scene->bop.instances[t];
+    EXPECT_NEAR(bop.px_count_all, own[t], 3) << "but for pixels on an outline";
+    EXPECT_NEAR(bop.px_count_visib, nearest[t], 3);
+    EXPECT_NEAR(bop.px_count_valid, valid[t], 3);
+    EXPECT_DOUBLE_EQ(bop.visib_fract, static_cast<double>(bop.px_count_visib) / bop.px_count_all);
+    EXPECT_EQ(scene->truth[t].visible_fraction, bop.visib_fract);
+    EXPECT_EQ(bop.object_id, 1);
+    EXPECT_TRUE(bop.T_camera_model.translation().isApprox(
+        1000 * scene->truth[t].T_scene_model.translation(), 1e-6F));
   }
 }
 
-TEST(RenderScene, StandsOnTheGround) {
-  const std::vector<Model> models{box_model()};
-  ScanOptions options;
-  options.noise = 0;
-  options.num_instances = 1;
-  const Result<RenderedScene> scene = render_scene(models, LengthUnit::metre, options, 0);
+TEST(VirtualScanner, StandsOnTheGround) {
+  const std::vector<ScanModel> models{box_model()};
+  const Result<RenderedScene> scene = scan(models, exact(1), 0);
   ASSERT_TRUE(scene);
-  // The ground fills the lower corners; a third point of it is in the lower middle.
   const auto point = [&](std::size_t u, std::size_t v) {
-    const double z = scene->depths[v * kScanWidth + u] * scene->camera.depth_scale;
+    const auto z = static_cast<double>(scene->exact.depth[v * kScanWidth + u]);
     return Vector3d((static_cast<double>(u) - scene->camera.cx) * z / scene->camera.fx,
                     (static_cast<double>(v) - scene->camera.cy) * z / scene->camera.fy, z);
   };
@@ -109,122 +127,161 @@ TEST(RenderScene, StandsOnTheGround) {
   const Vector3d up =
       (b - a).cross(c - a).normalized() * (a.dot((b - a).cross(c - a)) > 0 ? -1 : 1);
   double lowest = 1;
-  const test::Shape shape = test::box(kLow.cast<float>(), kHigh.cast<float>());
-  for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
+  for (std::size_t i = 0; i < models[0].vertices.size(); ++i) {
     lowest = std::min(
-        lowest, up.dot((scene->truth[0].T_scene_model * shape.vertices[i]).cast<double>() - a));
+        lowest, up.dot((scene->truth[0].T_scene_model * models[0].vertices[i]).cast<double>() - a));
   }
-  EXPECT_NEAR(lowest, 0, 0.004) << "samples of the box come that near to its corner";
+  EXPECT_NEAR(lowest, 0, 1e-5);
 }
 
-TEST(RenderScene, AddsNoiseOfTheSensorsSize) {
-  const std::vector<Model> models{box_model()};
-  ScanOptions options;
-  options.num_instances = 2;
-  const Result<RenderedScene> noisy = render_scene(models, LengthUnit::metre, options, 1);
-  options.noise = 0;
-  const Result<RenderedScene> clean = render_scene(models, LengthUnit::metre, options, 1);
-  ASSERT_TRUE(noisy && clean);
-  double sum = 0, squares = 0, n = 0;
-  for (std::size_t i = 0; i < clean->depths.size(); ++i) {
-    EXPECT_EQ(clean->depths[i] == 0, noisy->depths[i] == 0);
-    if (clean->depths[i] == 0) continue;
-    const double z = clean->depths[i] * 1e-4;
-    const double sigma = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4);
-    const double error = (noisy->depths[i] * 1e-4 - z) / sigma;
-    sum += error;
-    squares += error * error;
-    n += 1;
+// A camera at distance d from the middle of a sphere of radius r sees it where the ray's angle to
+// the normal is below 80 degrees: by the law of sines, where the angle at the middle is below
+// 80 degrees - asin(r sin(80 degrees) / d). That cap has the area 2 pi r^2 (1 - cos).
+TEST(VirtualScanner, FindsTheAreaOfASphereThatASensorMeasures) {
+  const float r = 0.05F;
+  const std::vector<ScanModel> models{model_of("ball", test::ellipsoid({r, r, r}, 90))};
+  const Result<RenderedScene> scene = scan(models, exact(1, Sensor::time_of_flight), 2);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const double d = static_cast<double>(scene->truth[0].T_scene_model.translation().norm());
+  const double right = 80 * std::numbers::pi / 180;
+  const double angle = right - std::asin(static_cast<double>(r) * std::sin(right) / d);
+  const double cap = (1 - std::cos(angle)) / 2;
+  EXPECT_NEAR(1 - *scene->truth[0].occlusion, cap, 0.005 * cap) << "light at the lens: no shadow";
+  EXPECT_EQ(scene->truth[0].visible_fraction, 1);
+
+  const Result<RenderedScene> lit = scan(models, exact(1), 2);
+  ASSERT_TRUE(lit);
+  EXPECT_LT(1 - *lit->truth[0].occlusion, 0.99 * cap) << "the side away from the light is lost";
+  EXPECT_GT(1 - *lit->truth[0].occlusion, 0.85 * cap);
+
+  // Clutter: all else that is measured, by the same patches.
+  const auto pose = scene->truth[0].T_scene_model.cast<double>();
+  double whole = 0, own = 0;
+  for (std::size_t i = 0; i < scene->depths.size(); ++i) {
+    if (scene->depths[i] == 0) continue;
+    const double z = scene->exact.depth[i];
+    const Vector3d ray((static_cast<double>(i % kScanWidth) - scene->camera.cx) / scene->camera.fx,
+                       (static_cast<double>(i / kScanWidth) - scene->camera.cy) / scene->camera.fy,
+                       1);
+    const bool ball = (z * ray - pose.translation()).norm() < 1.01 * static_cast<double>(r) &&
+                      scene->exact.instance[i] == 0;
+    const Vector3d normal = scene->exact.normals[i].cast<double>();
+    if (std::abs(normal.dot(ray)) <= std::cos(right) * ray.norm()) continue;
+    const double patch = z * z / (scene->camera.fx * scene->camera.fy * std::abs(normal.dot(ray)));
+    whole += patch;
+    if (ball) own += patch;
   }
-  EXPECT_NEAR(sum / n, 0, 5 / std::sqrt(n));
-  EXPECT_NEAR(std::sqrt(squares / n), 1, 0.01);
+  EXPECT_NEAR(*scene->truth[0].clutter, 1 - own / whole, 1e-4);
 }
 
-TEST(RenderScene, RefusesHeapsBeyondTheSensorsRange) {
-  const std::vector<Model> models{box_model()};
-  const Result<RenderedScene> scene = render_scene(models, LengthUnit::millimetre, {}, 0);
-  ASSERT_TRUE(scene) << "0.1 mm small, seen from the nearest range";
-  std::vector<Model> large = models;
-  large[0].diameter *= 100;
-  for (const std::span<float> column :
-       {large[0].samples.span().x, large[0].samples.span().y, large[0].samples.span().z}) {
-    for (float& value : column) value *= 100;
-  }
-  const Result<RenderedScene> refused = render_scene(large, LengthUnit::metre, {}, 0);
+TEST(VirtualScanner, TellsLengthsInTheAskedUnit) {
+  const std::vector<ScanModel> models{box_model()};
+  const Result<RenderedScene> m = scan(models, exact(2), 1),
+                              mm = scan(models, exact(2), 1, LengthUnit::millimetre);
+  ASSERT_TRUE(m && mm);
+  EXPECT_EQ(m->depths, mm->depths);
+  EXPECT_NEAR(mm->camera.depth_scale, 1000 * m->camera.depth_scale, 1e-12);
+  EXPECT_TRUE(mm->truth[1].T_scene_model.translation().isApprox(
+      1000 * m->truth[1].T_scene_model.translation(), 1e-6F));
+  EXPECT_EQ(m->bop.camera, mm->bop.camera) << "always mm";
+}
+
+TEST(VirtualScanner, TakesEveryModelBeforeOneComesAgain) {
+  const std::vector<ScanModel> models{box_model(),
+                                      model_of("b", test::box({0, 0, 0}, {0.1F, 0.1F, 0.05F})),
+                                      model_of("c", test::box({0, 0, 0}, {0.1F, 0.05F, 0.05F}))};
+  const auto count = [&](std::uint32_t num_instances, std::uint32_t of_a_kind) {
+    ScanOptions options = exact(num_instances);
+    options.of_a_kind = of_a_kind;
+    const Result<RenderedScene> scene = scan(models, options, 4);
+    std::map<std::string, int> counts;
+    for (const TruthInstance& truth : scene->truth) ++counts[truth.model];
+    std::vector<int> sorted;
+    for (const auto& [name, n] : counts) sorted.push_back(n);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  EXPECT_EQ(count(6, 1), (std::vector<int>{2, 2, 2}));
+  EXPECT_EQ(count(6, 3), (std::vector<int>{3, 3}));
+  EXPECT_EQ(count(4, 4), (std::vector<int>{4}));
+}
+
+// The walls of a bin and of a room are seen, and nothing of them is in the truth.
+TEST(VirtualScanner, PutsBinsAndWallsAround) {
+  const std::vector<ScanModel> models{box_model()};
+  const auto upright_pixels = [&](bool bin, bool walls) {
+    ScanOptions options = exact(4);
+    options.bin = bin;
+    options.walls = walls;
+    const Result<RenderedScene> scene = scan(models, options, 0);
+    EXPECT_EQ(scene->truth.size(), 4U);
+    const std::size_t corner = 470 * kScanWidth + 5;  // sees the ground
+    const Eigen::Vector3f up = scene->exact.normals[corner];
+    std::size_t upright = 0;
+    for (std::size_t i = 0; i < scene->depths.size(); ++i) {
+      if (scene->exact.instance[i] >= 4 && std::abs(up.dot(scene->exact.normals[i])) < 1e-3F)
+        ++upright;
+    }
+    return upright;
+  };
+  EXPECT_EQ(upright_pixels(false, false), 0U);
+  EXPECT_GT(upright_pixels(true, false), 5000U);
+  EXPECT_GT(upright_pixels(false, true), 5000U);
+}
+
+TEST(VirtualScanner, RefusesHeapsBeyondTheSensorsRange) {
+  test::Shape large = test::box({0, 0, 0}, {8, 8, 8});
+  const Result<RenderedScene> refused = scan({model_of("house", large)}, {}, 0);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::usage);
   EXPECT_NE(refused.error().message.find("--diameter"), std::string::npos);
 }
 
-TEST(PileUp, TakesEveryModelOnceBeforeOneComesAgain) {
-  const std::vector<Model> models(4, box_model());
-  const auto placed = engine::pile_up(models, 10, 7, 3);
-  ASSERT_EQ(placed.size(), 10U);
-  std::vector<int> count(4);
-  for (std::size_t i = 0; i < 8; ++i) ++count[placed[i].model];
-  EXPECT_EQ(count, std::vector<int>(4, 2));
-}
+using Files = std::map<std::string, std::string>;
 
-// Separating axes: of two disjoint boxes, a face normal or a cross product of edges parts them.
-TEST(PileUp, LetsNothingEnterAnything) {
-  const std::vector<Model> models{box_model()};
-  const auto placed = engine::pile_up(models, 12, 1, 0);
-  const auto extent = [](const Pose& pose, const Vector3f& axis) {
-    float low = std::numeric_limits<float>::infinity(), high = -low;
-    const test::Shape shape = test::box(kLow.cast<float>(), kHigh.cast<float>());
-    for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
-      const float along = axis.dot(pose * shape.vertices[i]);
-      low = std::min(low, along);
-      high = std::max(high, along);
-    }
-    return std::pair(low, high);
-  };
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const Pose &a = placed[i].T_world_model, &b = placed[j].T_world_model;
-      std::vector<Vector3f> axes;
-      for (Eigen::Index k = 0; k < 3; ++k) {
-        axes.push_back(a.linear().col(k));
-        axes.push_back(b.linear().col(k));
-        for (Eigen::Index l = 0; l < 3; ++l) {
-          const Vector3f across = a.linear().col(k).cross(b.linear().col(l));
-          if (across.norm() > 1e-3F) axes.push_back(across.normalized());
-        }
-      }
-      float gap = -1;
-      for (const Vector3f& axis : axes) {
-        const auto [low_a, high_a] = extent(a, axis);
-        const auto [low_b, high_b] = extent(b, axis);
-        gap = std::max(gap, std::max(low_a - high_b, low_b - high_a));
-      }
-      EXPECT_GT(gap, -0.001F) << i << " and " << j << ": 1 mm is less than the samples are apart";
-    }
-  }
-}
-
-std::vector<std::string> rendered_files(unsigned num_threads) {
+Files rendered_files(unsigned num_threads, std::uint32_t num_scenes) {
   const test::TempDir folder;
-  Cloud mesh = box_mesh();
-  EXPECT_TRUE(write_ply(folder / "box.ply", mesh));
-  const std::vector<ModelSource> sources{{"box", folder / "box.ply", 1, {}}};
+  std::vector<ScanModel> models{box_model()};
+  models[0].metal = true;
   ScanOptions options;
-  options.num_scenes = 3;
-  options.diameter = 0.2F;
+  options.num_scenes = num_scenes;
   const ThreadLimit limit(num_threads);
   const Result<Manifest> manifest =
-      render_scenes(sources, LengthUnit::metre, options, folder / "scan", {});
+      render_scenes(models, LengthUnit::metre, options, folder / "scan", {});
   EXPECT_TRUE(manifest) << manifest.error().message;
-  std::vector<std::string> files;
-  for (const char* name :
-       {"manifest.json", "models/box.ply", "scene_0000.png", "scene_0001.png", "scene_0002.png"}) {
-    files.push_back(test::read_bytes(folder / "scan" / name));
-    EXPECT_FALSE(files.back().empty()) << name;
+  Files files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "scan")) {
+    if (!entry.is_regular_file()) continue;
+    files[entry.path().lexically_relative(folder / "scan").generic_string()] =
+        test::read_bytes(entry.path());
   }
   return files;
 }
 
 TEST(RenderScenes, GivesTheSameBytesForAnyNumberOfThreads) {
-  EXPECT_EQ(rendered_files(1), rendered_files(2));
+  EXPECT_EQ(rendered_files(1, 3), rendered_files(2, 3));
+}
+
+TEST(RenderScenes, GivesTheSameSceneWhicheverOthersAreRendered) {
+  const Files few = rendered_files(2, 2), more = rendered_files(2, 3);
+  for (const char* name : {"test/000001/depth/000000.png", "test/000001/depth/000001.png",
+                           "models/obj_000001.ply", "models/models_info.json", "camera.json"}) {
+    ASSERT_TRUE(few.contains(name)) << name;
+    EXPECT_EQ(few.at(name), more.at(name)) << name;
+  }
+}
+
+TEST(RenderScenes, WritesABopDataSetAndAManifestOverTheSameFiles) {
+  const Files files = rendered_files(2, 1);
+  for (const char* name :
+       {"manifest.json", "camera.json", "models/obj_000001.ply", "models/models_info.json",
+        "test/000001/depth/000000.png", "test/000001/scene_camera.json",
+        "test/000001/scene_gt.json", "test/000001/scene_gt_info.json", "test_targets_bop19.json",
+        "test_targets_bop24.json"}) {
+    ASSERT_TRUE(files.contains(name)) << name;
+    EXPECT_FALSE(files.at(name).empty()) << name;
+  }
+  EXPECT_EQ(files.size(), 10U);
 }
 
 TEST(RenderScenes, ScalesModelsAndDeclaresTheirSymmetries) {
@@ -232,16 +289,26 @@ TEST(RenderScenes, ScalesModelsAndDeclaresTheirSymmetries) {
   ASSERT_TRUE(write_ply(folder / "box.ply", box_mesh()));
   ScanOptions options;
   options.num_scenes = 1;
-  options.diameter = 0.2F;
   const std::vector<ModelSource> sources{{"box", folder / "box.ply", 1, {}}};
-  ASSERT_TRUE(render_scenes(sources, LengthUnit::metre, options, folder / "scan", {}));
+  const Result<std::vector<ScanModel>> models =
+      read_scan_models(sources, LengthUnit::millimetre, {.diameter = 200});
+  ASSERT_TRUE(models) << models.error().message;
+  ASSERT_TRUE(render_scenes(*models, LengthUnit::millimetre, options, folder / "scan", {}));
   const Result<Manifest> manifest = read_manifest(folder / "scan/manifest.json");
   ASSERT_TRUE(manifest) << manifest.error().message;
   ASSERT_TRUE(manifest->models[0].symmetry);
+  EXPECT_EQ(manifest->models[0].name, "box") << "its own name";
+  EXPECT_EQ(manifest->models[0].scale, 1) << "the file is in mm";
   EXPECT_EQ(manifest->models[0].symmetry->poses.size(), 3U) << "half turns about the axes of a box";
+  // About the middle of the box, in the asked unit.
+  for (const Pose& pose : manifest->models[0].symmetry->poses) {
+    const float scale = 200 / kernels::find_diameter(box_mesh().points);
+    const Eigen::Vector3f middle = scale * (0.5 * (kLow + kHigh)).cast<float>();
+    EXPECT_LT((pose * middle - middle).norm(), 0.5F);
+  }
   const Result<Cloud> mesh = read_cloud(manifest->models[0].file);
   ASSERT_TRUE(mesh);
-  EXPECT_NEAR(kernels::find_diameter(mesh->points), 0.2, 1e-6);
+  EXPECT_NEAR(kernels::find_diameter(mesh->points), 200, 1e-3);
   EXPECT_TRUE(manifest->scenes[0].camera);
   EXPECT_EQ(manifest->scenes[0].truth.size(), options.num_instances);
 }
@@ -252,11 +319,22 @@ TEST(RenderScenes, RefusesCloudsWithoutFaces) {
   cloud.triangles = {};
   ASSERT_TRUE(write_ply(folder / "cloud.ply", cloud));
   const std::vector<ModelSource> sources{{"cloud", folder / "cloud.ply", 1, {}}};
+  const Result<std::vector<ScanModel>> models = read_scan_models(sources, LengthUnit::metre, {});
+  ASSERT_FALSE(models);
+  EXPECT_EQ(models.error().code, ErrorCode::bad_data);
+  EXPECT_NE(models.error().message.find("cloud.ply"), std::string::npos);
+}
+
+TEST(RenderScenes, TellsWhenItIsStopped) {
+  const test::TempDir folder;
+  const std::vector<ScanModel> models{box_model()};
+  std::stop_source stop;
+  stop.request_stop();
   const Result<Manifest> manifest =
-      render_scenes(sources, LengthUnit::metre, {}, folder / "scan", {});
+      render_scenes(models, LengthUnit::metre, {}, folder / "scan", {{}, stop.get_token()});
   ASSERT_FALSE(manifest);
-  EXPECT_EQ(manifest.error().code, ErrorCode::bad_data);
-  EXPECT_NE(manifest.error().message.find("cloud.ply"), std::string::npos);
+  EXPECT_EQ(manifest.error().code, ErrorCode::resumable);
+  EXPECT_FALSE(std::filesystem::exists(folder / "scan/manifest.json"));
 }
 
 }  // namespace
