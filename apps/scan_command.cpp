@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "apps/commands.hpp"
@@ -14,6 +15,7 @@ namespace {
 struct ScanArguments {
   std::vector<std::string> models;
   std::string output, unit;
+  std::uint32_t num_parts = 0;
   ScanModelOptions model_options;
   ScanOptions options;
 };
@@ -23,14 +25,41 @@ const std::map<std::string, Sensor> kSensors{{"structured-light", Sensor::struct
                                              {"stereo", Sensor::stereo},
                                              {"laser", Sensor::laser}};
 
+constexpr std::uint32_t kMaxParts = 1000;
+
+/// The models of the command line, then made parts. Errors: usage (none, two of one name), of
+/// reading.
+Result<std::vector<ScanModel>> gather_models(const ScanArguments& arguments,
+                                             const ModelInputs& inputs, LengthUnit unit) {
+  Result<std::vector<ScanModel>> models =
+      read_scan_models(inputs.sources, unit, arguments.model_options);
+  if (!models) return models.error();
+  std::set<std::string> names;
+  for (const ScanModel& model : *models) names.insert(model.name);
+  for (ScanModel& part : make_scan_models(arguments.num_parts, arguments.options.seed)) {
+    if (!names.insert(part.name).second) {
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: expected one model of this name, found a file and a made part; "
+                               "give the file as NAME=FILE",
+                               part.name)};
+    }
+    models->push_back(std::move(part));
+  }
+  return models;
+}
+
 Result<void> scan(const ScanArguments& arguments, const Context& context) {
+  if (arguments.models.empty() && arguments.num_parts == 0) {
+    return Error{ErrorCode::usage,
+                 "expected models to scan, found none; name files, or have parts "
+                 "made with --parts"};
+  }
   const Result<ModelInputs> inputs = collect_models(arguments.models);
   if (!inputs) return inputs.error();
   const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
   if (!unit) return unit.error();
   if (const Result<void> valid = validate(arguments.options); !valid) return valid.error();
-  const Result<std::vector<ScanModel>> models =
-      read_scan_models(inputs->sources, *unit, arguments.model_options);
+  const Result<std::vector<ScanModel>> models = gather_models(arguments, *inputs, *unit);
   if (!models) return models.error();
   const Result<Manifest> manifest =
       render_scenes(*models, *unit, arguments.options, arguments.output,
@@ -57,10 +86,13 @@ void add_scan(CLI::App& app, Context& context) {
       "folder is a BOP data set (models/, camera.json, test/000001/...) and has a manifest.json\n"
       "over the same files, for trivet train, recognize and evaluate; the truth has every pose,\n"
       "visible fraction, occlusion and clutter.");
+  command->add_option("MODEL", arguments->models,
+                      "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets");
   command
-      ->add_option("MODEL", arguments->models,
-                   "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets")
-      ->required();
+      ->add_option("--parts", arguments->num_parts,
+                   "Scan so many machine parts, made for it by --seed, beside the MODELs or alone; "
+                   "their sizes are real, 20 to 200 mm")
+      ->check(CLI::Range(kMaxParts));
   command
       ->add_option("-o,--output", arguments->output,
                    "Folder for the models, the depth images and the truth")
@@ -81,6 +113,11 @@ void add_scan(CLI::App& app, Context& context) {
       ->capture_default_str()
       ->group(what);
   command
+      ->add_option("--clutter", options.num_clutter,
+                   "So many other parts lie among the objects and are in no truth")
+      ->capture_default_str()
+      ->group(what);
+  command
       ->add_flag("--bin", options.bin,
                  "Drop the objects into an open box; else onto a table. The camera then looks down "
                  "more steeply")
@@ -97,11 +134,11 @@ void add_scan(CLI::App& app, Context& context) {
       ->group(what);
   command
       ->add_option("--diameter", arguments->model_options.diameter,
-                   "Scale every model to this diameter, for meshes of arbitrary size")
+                   "Scale every MODEL to this diameter, for meshes of arbitrary size")
       ->group(what);
   command
       ->add_flag("--metal", arguments->model_options.metal,
-                 "The models are of bright metal: where they mirror the sensor's light into the "
+                 "The MODELs are of bright metal: where they mirror the sensor's light into the "
                  "camera, nothing is measured, and around it the noise is strong")
       ->group(what);
   command

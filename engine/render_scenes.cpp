@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "engine/check_range.hpp"
+#include "engine/make_parts.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/diameter.hpp"
 #include "storage/read_cloud.hpp"
@@ -159,6 +160,15 @@ Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sou
     Result<ScanModel> model = read_model(source, unit, options);
     if (!model) return model.error();
     models.push_back(std::move(*model));
+  }
+  return models;
+}
+
+std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed) {
+  std::vector<ScanModel> models;
+  for (Part& part : make_parts(n, seed)) {
+    models.push_back({std::move(part.name), std::move(part.vertices), std::move(part.triangles),
+                      std::move(part.symmetry), part.metal});
   }
   return models;
 }

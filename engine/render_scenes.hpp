@@ -23,7 +23,7 @@ struct ScanOptions {
   std::uint32_t num_scenes = 8;     ///< 1..10000
   std::uint32_t num_instances = 8;  ///< objects of a scene, 1..200
   std::uint32_t of_a_kind = 1;      ///< so many of a model before the next model comes, >= 1
-  std::uint32_t num_clutter = 0;    ///< objects of a scene that are in no truth, 0..200
+  std::uint32_t num_clutter = 0;    ///< other parts among them, in no truth, 0..200
   std::uint64_t seed = 1;           ///< other seeds give other scenes
   bool bin = false;                 ///< in an open box instead of on a table
   bool walls = false;               ///< a corner of two walls behind the heap
@@ -54,6 +54,9 @@ struct ScanModelOptions {
 /// Errors: of reading, bad_data (points without faces).
 Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
                                                 LengthUnit unit, const ScanModelOptions& options);
+
+/// The first n machine parts of a seed (engine/make_parts.hpp).
+std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed);
 
 inline constexpr std::uint32_t kScanWidth = 640, kScanHeight = 480;
 

@@ -11,6 +11,7 @@
 #include "engine/measure_scene.hpp"
 #include "engine/pile_up.hpp"
 #include "engine/render_scenes.hpp"
+#include "kernels/diameter.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/visibility.hpp"
 
@@ -32,20 +33,56 @@ constexpr int kMinVisiblePixels = 300;
 constexpr double kBinHeight = 0.7;                               // in the largest diameter
 constexpr double kBinThickness = 0.005;                          // [m]
 constexpr double kWallDistance = 0.02;                           // [m] behind the heap
-enum Item : std::uint64_t { kHeap, kCamera, kChoice, kFinish };  // random numbers of their own
+constexpr std::size_t kClutterKinds = 12;                        // at most
+constexpr double kSmallestClutter = 0.5, kLargestClutter = 1.1;  // in the models' mean diameter
+constexpr std::uint64_t kClutterSeed = 0xC1C7;                   // other parts than the models
+enum Item : std::uint64_t {
+  kHeap,
+  kCamera,
+  kChoice,
+  kFinish,
+  kClutter
+};  // random numbers of their own
 
-/// `of_a_kind` of every model in a random order, then again in another.
-std::vector<std::uint32_t> choose_models(std::size_t num_models, const ScanOptions& options,
-                                         CounterRandom& random) {
+/// `of_a_kind` of every model in a random order, then again in another, and clutter among them.
+/// Clutter has the indices from num_models on.
+std::vector<std::uint32_t> choose_bodies(std::size_t num_models, std::size_t num_clutter_kinds,
+                                         const ScanOptions& options, CounterRandom& random) {
+  const auto shuffle = [&](std::vector<std::uint32_t>& values) {
+    for (std::size_t i = values.size(); i > 1; --i)
+      std::swap(values[i - 1], values[random.next() % i]);
+  };
   std::vector<std::uint32_t> chosen;
   std::vector<std::uint32_t> round(num_models);
   while (chosen.size() < options.num_instances) {
     for (std::size_t i = 0; i < num_models; ++i) round[i] = static_cast<std::uint32_t>(i);
-    for (std::size_t i = num_models; i > 1; --i) std::swap(round[i - 1], round[random.next() % i]);
+    shuffle(round);
     for (const std::uint32_t model : round) chosen.insert(chosen.end(), options.of_a_kind, model);
   }
   chosen.resize(options.num_instances);
+  for (std::uint32_t i = 0; i < options.num_clutter; ++i) {
+    chosen.push_back(static_cast<std::uint32_t>(num_models + random.next() % num_clutter_kinds));
+  }
+  shuffle(chosen);
   return chosen;
+}
+
+/// Parts of no model's shape, about as large as the models.
+std::vector<ScanModel> make_clutter(const ScanOptions& options, std::span<const Body> bodies) {
+  double mean = 0;
+  for (const Body& body : bodies)
+    mean += static_cast<double>(body.diameter) / static_cast<double>(bodies.size());
+  const std::size_t n = std::min<std::size_t>(options.num_clutter, kClutterKinds);
+  std::vector<ScanModel> clutter = make_scan_models(n, options.seed ^ kClutterSeed);
+  CounterRandom random(options.seed, 0, kClutter);
+  for (ScanModel& model : clutter) {
+    const double diameter = mean * random.uniform(kSmallestClutter, kLargestClutter);
+    const auto factor =
+        static_cast<float>(diameter / static_cast<double>(kernels::find_diameter(model.vertices)));
+    for (std::size_t i = 0; i < model.vertices.size(); ++i)
+      model.vertices.set(i, factor * model.vertices[i]);
+  }
+  return clutter;
 }
 
 /// A surface that is no model.
@@ -256,9 +293,10 @@ struct VirtualScanner::State {
   std::span<const ScanModel> models;
   LengthUnit unit;
   ScanOptions options;
-  std::vector<Body> bodies;      // one a model
-  std::vector<RayScene> meshes;  // one a model
-  std::vector<double> areas;     // [m^2]
+  std::vector<ScanModel> clutter;  // kinds
+  std::vector<Body> bodies;        // one a model, then one a kind of clutter
+  std::vector<RayScene> meshes;    // the same
+  std::vector<double> areas;       // one a model [m^2]
 };
 
 VirtualScanner::VirtualScanner(std::unique_ptr<const State> state) : state_(std::move(state)) {}
@@ -271,26 +309,37 @@ Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models,
   if (const Result<void> valid = validate(options); !valid) return valid.error();
   if (models.empty())
     return Error{ErrorCode::bad_data, "at least one model expected to scan, none found"};
-  auto state = std::make_unique<State>(State{models, unit, options, {}, {}, {}});
-  for (const ScanModel& model : models) {
+  auto state = std::make_unique<State>(State{models, unit, options, {}, {}, {}, {}});
+  const auto add = [&](const ScanModel& model) -> Result<void> {
     Result<RayScene> mesh = RayScene::from_mesh(model.vertices, model.triangles);
     if (!mesh) return mesh.error();
     state->meshes.push_back(std::move(*mesh));
     state->bodies.push_back(engine::make_body(model.vertices, model.triangles));
+    return {};
+  };
+  for (const ScanModel& model : models) {
+    if (const Result<void> added = add(model); !added) return added.error();
     state->areas.push_back(area_of(model.vertices, model.triangles));
+  }
+  state->clutter = make_clutter(options, state->bodies);
+  for (const ScanModel& model : state->clutter) {
+    if (const Result<void> added = add(model); !added) return added.error();
   }
   return VirtualScanner(std::move(state));
 }
 
 Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
-  const auto& [models, unit, options, bodies, meshes, areas] = *state_;
+  const auto& [models, unit, options, clutter, bodies, meshes, areas] = *state_;
   const engine::SensorTraits& sensor = engine::traits_of(options.sensor.sensor);
   const auto random_of = [&](Item item) { return CounterRandom(options.seed, index, item); };
 
   CounterRandom choice = random_of(kChoice);
-  const std::vector<std::uint32_t> order = choose_models(models.size(), options, choice);
+  const std::vector<std::uint32_t> order =
+      choose_bodies(models.size(), clutter.size(), options, choice);
   const engine::BinSize bin = options.bin ? engine::choose_bin(bodies, order) : engine::kTable;
-  const std::vector<PlacedBody> placed = engine::pile_up(bodies, order, bin, options.seed, index);
+  std::vector<PlacedBody> placed = engine::pile_up(bodies, order, bin, options.seed, index);
+  std::stable_partition(placed.begin(), placed.end(),
+                        [&](const PlacedBody& instance) { return instance.body < models.size(); });
 
   RenderedScene scene;
   scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1),
@@ -312,13 +361,15 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
                              index, sensor.farthest, range)};
   }
 
-  // Surfaces: instance i is placed[i], then what is no object.
+  // Surfaces: instance i is placed[i], models first; then what is no object.
   std::vector<RayScene::Instance> instances;
   std::vector<Finish> finishes;
   CounterRandom finish = random_of(kFinish);
   for (const PlacedBody& instance : placed) {
     instances.push_back({&meshes[instance.body], T_camera_world * instance.T_world_body});
-    finishes.push_back({models[instance.body].metal, finish.uniform(0.15, 0.9)});
+    const ScanModel& model = instance.body < models.size() ? models[instance.body]
+                                                           : clutter[instance.body - models.size()];
+    finishes.push_back({model.metal, finish.uniform(0.15, 0.9)});
   }
   Sheet surroundings;
   add_ground(20 * range, surroundings);
@@ -343,7 +394,7 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   scene.bop.id = static_cast<int>(index);
   scene.bop.camera = camera;
   scene.bop.camera.depth_scale = sensor.depth_step * 1000;
-  for (std::size_t i = 0; i < order.size(); ++i) {
+  for (std::size_t i = 0; i < options.num_instances; ++i) {
     const std::uint32_t model = placed[i].body;
     const Pose& T_camera_model = instances[i].T_world_scene;
     Silhouette all;

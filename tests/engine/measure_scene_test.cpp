@@ -126,7 +126,8 @@ TEST(MeasureScene, ErrsByTheLawOfItsSensor) {
             // Clear of the ends of the range, where half of the noise is cut off.
             const SensorTraits& traits = traits_of(sensor);
             if (exact < 1.1 * traits.nearest || exact > 0.9 * traits.farthest) continue;
-            if (light_cosine(sensor, i, exact, normal) < 0.174) continue;
+            const double steepness = normal.dot(ray(i)) / ray(i).norm();
+            if (std::min(light_cosine(sensor, i, exact, normal), steepness) < 0.174) continue;
             if (sensor == Sensor::time_of_flight && exact > 1.5) continue;  // too little light
             ASSERT_NE(measured.depths[i], 0);
             const double sigma = noise * law(sensor, i, exact, normal, 0.3);

@@ -229,6 +229,23 @@ TEST(VirtualScanner, PutsBinsAndWallsAround) {
   EXPECT_GT(upright_pixels(false, true), 5000U);
 }
 
+TEST(VirtualScanner, PutsUnknownPartsAmongTheModels) {
+  const std::vector<ScanModel> models{box_model()};
+  ScanOptions options = exact(3);
+  options.num_clutter = 4;
+  const Result<RenderedScene> scene = scan(models, options, 0);
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->truth.size(), 3U);
+  EXPECT_EQ(scene->bop.instances.size(), 3U);
+  std::vector<int> pixels(8);  // of the models, the clutter, the ground
+  for (std::size_t i = 0; i < scene->depths.size(); ++i) {
+    ASSERT_LT(scene->exact.instance[i], 8U);
+    ++pixels[scene->exact.instance[i]];
+  }
+  EXPECT_GE(std::count_if(pixels.begin() + 3, pixels.end() - 1, [](int n) { return n > 300; }), 2);
+  for (std::size_t t = 0; t < 3; ++t) EXPECT_EQ(scene->bop.instances[t].px_count_visib, pixels[t]);
+}
+
 TEST(VirtualScanner, RefusesHeapsBeyondTheSensorsRange) {
   test::Shape large = test::box({0, 0, 0}, {8, 8, 8});
   const Result<RenderedScene> refused = scan({model_of("house", large)}, {}, 0);
