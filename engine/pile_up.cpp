@@ -21,7 +21,8 @@ using kernels::Motion;
 
 constexpr int kThrows = 6;           // of which the one that lies lowest is taken
 constexpr int kShakes = 2;           // tries to come lower from where a body rests
-constexpr int kMaxSteps = 60;        // until a body rests
+constexpr int kMaxSteps = 120;       // landings until a body rests
+constexpr int kDodges = 8;           // directions of sidesteps
 constexpr double kFriction = 0.4;    // of plastic and steel on one another
 constexpr double kHeapRadius = 0.3;  // in the root of the sum of squared diameters
 constexpr double kBinHalf = 0.3;     // the same
@@ -70,13 +71,13 @@ class Faller {
     state.centre += heap_.land(vertices_, *body_.triangles, reach, scratch_, state.contacts);
   }
 
-  /// Move a state that has landed until it rests.
+  /// Move a state that has landed along gravity, with friction, until it rests.
   void settle(State& state) {
     const auto diameter = static_cast<double>(body_.diameter);
     double fall = kFirstFall * diameter;
     double reach = -1;  // of the state's contacts: unknown
     State next;
-    for (int step = 0; step < kMaxSteps && fall > kLeastFall * diameter; ++step) {
+    for (int steps = 0; steps < kMaxSteps && fall > kLeastFall * diameter; ++steps) {
       const double wanted = std::min(2 * fall, kReach * diameter);
       if (reach < wanted) {
         land(state, wanted);
@@ -84,18 +85,27 @@ class Faller {
       }
       Motion motion =
           kernels::descend(state.contacts, state.centre, body_.gyration, fall, kFriction);
-      const double length = motion.shift.norm() + body_.gyration * motion.turn.norm();
+      double length = motion.shift.norm() + body_.gyration * motion.turn.norm();
       if (length < kAtRest * fall) {
         if (fall >= kLongestFall * diameter) return;
         fall = std::min(8 * fall, kLongestFall * diameter);
         continue;
       }
       const double share = std::min(1.0, kFarthestStep * diameter / length);
-      next = moved(state, motion, share);
+      motion.shift *= share;
+      motion.turn *= share;
+      length *= share;
+      next = moved(state, motion);
       land(next, wanted);
-      const bool inside = next.centre.head<2>().cwiseAbs().maxCoeff() < limit_;
-      if (inside && next.centre.z() < state.centre.z() - kLeastGain * diameter) {
+      const double highest = state.centre.z() - kLeastGain * diameter;
+      bool lower = within(next) && next.centre.z() < highest;
+      if (!lower && next.centre.z() > state.centre.z() + length) {
+        steps += kDodges;
+        lower = dodge(state, motion, length, highest, wanted, next);
+      }
+      if (lower) {
         std::swap(state, next);
+        reach = wanted;
         fall = std::min(2 * fall, kLongestFall * diameter);
       } else {
         fall = share * fall / 4;
@@ -110,20 +120,43 @@ class Faller {
     nudge.turn = size * Vector3d(std::cos(angle), std::sin(angle), 0);
     nudge.shift =
         0.05 * static_cast<double>(body_.diameter) * Vector3d(random.normal(), random.normal(), 0);
-    State next = moved(state, nudge, 1);
+    State next = moved(state, nudge);
     land(next, 0);
     settle(next);
-    if (next.centre.head<2>().cwiseAbs().maxCoeff() < limit_ &&
+    if (within(next) &&
         next.centre.z() < state.centre.z() - kShakeGain * static_cast<double>(body_.diameter)) {
       std::swap(state, next);
     }
   }
 
  private:
-  static State moved(const State& state, const Motion& motion, double share) {
+  /// A motion that ends on top of something runs into its side. Make it with a sidestep of its own
+  /// length, in the direction that brings the body lowest. Returns whether that is below `highest`.
+  bool dodge(const State& state, const Motion& motion, double length, double highest, double reach,
+             State& next) {
+    bool lower = false;
+    for (int i = 0; i < kDodges; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kDodges;
+      State other = moved(
+          state,
+          {motion.shift + length * Vector3d(std::cos(angle), std::sin(angle), 0), motion.turn});
+      land(other, reach);
+      if (!within(other) || other.centre.z() >= highest) continue;
+      highest = other.centre.z();
+      std::swap(next, other);
+      lower = true;
+    }
+    return lower;
+  }
+
+  bool within(const State& state) const {
+    return state.centre.head<2>().cwiseAbs().maxCoeff() < limit_;
+  }
+
+  static State moved(const State& state, const Motion& motion) {
     State out;
-    out.centre = state.centre + share * motion.shift;
-    const double angle = share * motion.turn.norm();
+    out.centre = state.centre + motion.shift;
+    const double angle = motion.turn.norm();
     out.rotation = state.rotation;
     if (angle > 0) {
       out.rotation =

@@ -41,19 +41,24 @@ bool height_over(const Facet& facet, const Vector3d& place, double& height) {
   return true;
 }
 
-/// Call touch(point, normal, clearance) wherever the clearance between two facets may be least.
+/// Call touch(point, normal, clearance, gap per clearance) wherever the clearance between two
+/// facets may be least.
 template <class Touch>
 void compare(const Facet& upper, const Facet& lower, Touch&& touch) {
   double height = 0;
+  const auto on_face = [&](const Vector3d& p, const Vector3d& normal, double clearance) {
+    const Vector3d up = upwards(normal);
+    touch(p, up, clearance, up.z());
+  };
   for (int i = 0; i < 3; ++i) {
     const Vector3d p = upper.col(i);
     if (!height_over(lower, p, height)) continue;
-    touch(p, (lower.col(1) - lower.col(0)).cross(lower.col(2) - lower.col(0)), p.z() - height);
+    on_face(p, (lower.col(1) - lower.col(0)).cross(lower.col(2) - lower.col(0)), p.z() - height);
   }
   for (int i = 0; i < 3; ++i) {
     const Vector3d p = lower.col(i);
     if (!height_over(upper, p, height)) continue;
-    touch(p, (upper.col(1) - upper.col(0)).cross(upper.col(2) - upper.col(0)), height - p.z());
+    on_face(p, (upper.col(1) - upper.col(0)).cross(upper.col(2) - upper.col(0)), height - p.z());
   }
   for (int i = 0; i < 3; ++i) {
     const Vector3d a = upper.col(i), along = upper.col((i + 1) % 3) - a;
@@ -66,7 +71,9 @@ void compare(const Facet& upper, const Facet& lower, Touch&& touch) {
                    t = cross(between, along.head<2>()) / turn;
       if (std::min(s, t) < 0 || std::max(s, t) > 1) continue;
       const Vector3d p = a + s * along;
-      touch(p, along.cross(across), p.z() - (b.z() + t * across.z()));
+      // The edge may lie within a flat face: then its normal holds at the very crossing only, and
+      // taken for a wall it would stop bodies in the middle of nowhere.
+      touch(p, upwards(along.cross(across)), p.z() - (b.z() + t * across.z()), 1.0);
     }
   }
 }
@@ -254,11 +261,12 @@ Vector3d Heap::land(PointsView vertices, const Triangles& triangles, double reac
           from.z() - lower_to.z() >= best + reach) {
         continue;
       }
-      compare(upper, lower, [&](const Vector3d& point, const Vector3d& normal, double clearance) {
-        if (clearance >= best + reach) return;
-        best = std::min(best, clearance);
-        touches.push_back({point, upwards(normal), clearance});
-      });
+      compare(upper, lower,
+              [&](const Vector3d& point, const Vector3d& normal, double clearance, double slant) {
+                if (clearance >= best + reach) return;
+                best = std::min(best, clearance);
+                touches.push_back({point, normal, clearance, slant});
+              });
     }
   }
   shift.z() = -best;
@@ -290,7 +298,7 @@ Vector3d Heap::land(PointsView vertices, const Triangles& triangles, double reac
   for (const Scratch::Touch& touch : touches) {
     if (touch.clearance >= best + reach) continue;
     keep(touch.point + Vector3d(0, 0, shift.z()), touch.normal,
-         (touch.clearance - best) * touch.normal.z());
+         (touch.clearance - best) * touch.slant);
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vector3d p = vertices[i].cast<double>() + shift;

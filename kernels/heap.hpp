@@ -16,7 +16,7 @@ namespace trivet::kernels {
 /// Where a body touches, or nearly touches, what holds it.
 struct Contact {
   Eigen::Vector3d point, normal;  ///< normal: unit, from what holds to the body
-  double gap = 0;                 ///< along the normal, to first order, >= 0 [m]
+  double gap = 0;                 ///< along the normal, about, >= 0 [m]
 };
 
 /// The ground z = 0, walls about it, and bodies on it as triangles. Whatever is above a body's
@@ -75,7 +75,7 @@ struct Heap::Scratch {
   };
   struct Touch {
     Eigen::Vector3d point, normal;
-    double clearance;
+    double clearance, slant;  // gap: their product
   };
   std::vector<Candidate> candidates;
   std::vector<Touch> touches;
