@@ -151,7 +151,8 @@ void add_scan(CLI::App& app, Context& context) {
                    "depth comes in steps of 1/16 pixel of disparity.\n"
                    "laser: a plane of light from 200 mm beside the camera; wide shadows, noise "
                    "below 0.1 mm at 0.7 m, steps of 0.02 mm, range up to 1.3 m")
-      ->transform(CLI::CheckedTransformer(kSensors))
+      ->transform(CLI::CheckedTransformer(kSensors).description(
+          "{structured-light,time-of-flight,stereo,laser}"))
       ->default_str("structured-light")
       ->group(how);
   command

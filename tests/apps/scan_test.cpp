@@ -1,0 +1,76 @@
+/// Scan as a script does: what the folder holds, in both of its forms.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/program.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+class Scan : public testing::Test {
+ protected:
+  test::Outcome run(const std::vector<std::string>& arguments) const {
+    return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  }
+  nlohmann::json json(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return nlohmann::json::parse(file);
+  }
+  const test::TempDir folder_;
+};
+
+TEST_F(Scan, SaysWhatIsWrong) {
+  const auto fails = [&](const std::vector<std::string>& arguments, const std::string& text) {
+    const test::Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.error;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+  };
+  fails({"scan", "-o", "out"}, "--parts");
+  fails({"scan", "--parts", "1"}, "--output");
+  fails({"scan", "--parts", "1", "-o", "out", "--sensor", "sonar"}, "sonar");
+  fails({"scan", "--parts", "1", "-o", "out", "--instances", "0"}, "instances");
+  fails({"scan", "--parts", "1", "-o", "out", "--noise", "-1"}, "noise");
+  fails({"scan", "--parts", "1", "-o", "out", "--disparity-step", "9"}, "disparity-step");
+}
+
+TEST_F(Scan, TellsOneTruthInTheManifestAndInBopsFiles) {
+  const test::Outcome outcome = run({"scan", "--parts", "2", "-o", "out", "--scenes", "2",
+                                     "--instances", "3", "--sensor", "laser", "--bin"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json manifest = json("out/manifest.json"),
+                       poses = json("out/test/000001/scene_gt.json"),
+                       info = json("out/test/000001/scene_gt_info.json"),
+                       cameras = json("out/test/000001/scene_camera.json"),
+                       objects = json("out/models/models_info.json");
+  EXPECT_EQ(manifest["models"].size(), 2U);
+  EXPECT_EQ(objects.size(), 2U);
+  ASSERT_EQ(manifest["scenes"].size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const nlohmann::json& scene = manifest["scenes"][i];
+    const std::string image = std::to_string(i);
+    EXPECT_EQ(scene["file"], "test/000001/depth/00000" + image + ".png");
+    EXPECT_TRUE(std::filesystem::exists(folder_ / ("out/" + scene["file"].get<std::string>())));
+    EXPECT_NEAR(cameras[image]["depth_scale"].get<double>(),
+                1000 * scene["camera"]["depth_scale"].get<double>(), 1e-9);
+    ASSERT_EQ(scene["truth"].size(), 3U);
+    ASSERT_EQ(poses[image].size(), 3U);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const nlohmann::json &truth = scene["truth"][k], &pose = poses[image][k];
+      const std::string model = truth["model"];
+      char file[32];
+      std::snprintf(file, sizeof file, "models/obj_%06d.ply", pose["obj_id"].get<int>());
+      EXPECT_EQ(manifest["models"][model]["file"], file);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(pose["cam_t_m2c"][axis].get<double>(),
+                    1000 * truth["T_scene_model"][axis][3].get<double>(), 1e-3);
+      }
+      EXPECT_EQ(info[image][k]["visib_fract"], truth["visible_fraction"]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace trivet
