@@ -74,7 +74,7 @@ class VirtualScanner {
  public:
   /// models   at least one; they outlive the scanner
   /// unit     of the truth
-  /// Errors: usage (an option), bad_data (no model), internal (ray tracing).
+  /// Errors: usage (an option), bad_data (no model, one without extent), internal (ray tracing).
   static Result<VirtualScanner> create(std::span<const ScanModel> models, LengthUnit unit,
                                        const ScanOptions& options);
   VirtualScanner(VirtualScanner&&) noexcept;

@@ -315,7 +315,11 @@ Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models,
     if (!mesh) return mesh.error();
     state->meshes.push_back(std::move(*mesh));
     state->bodies.push_back(engine::make_body(model.vertices, model.triangles));
-    return {};
+    if (state->bodies.back().diameter > 0) return {};
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected an object of some size, found all of its corners at one "
+                             "place",
+                             model.name)};
   };
   for (const ScanModel& model : models) {
     if (const Result<void> added = add(model); !added) return added.error();

@@ -254,6 +254,15 @@ TEST(VirtualScanner, RefusesHeapsBeyondTheSensorsRange) {
   EXPECT_NE(refused.error().message.find("--diameter"), std::string::npos);
 }
 
+TEST(VirtualScanner, RefusesModelsWithoutExtent) {
+  const test::Shape point = test::box({1, 1, 1}, {1, 1, 1});
+  const Result<RenderedScene> refused = scan({model_of("point", point)}, {}, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_data);
+  EXPECT_NE(refused.error().message.find("point"), std::string::npos);
+  EXPECT_FALSE(scan({}, {}, 0));
+}
+
 using Files = std::map<std::string, std::string>;
 
 Files rendered_files(unsigned num_threads, std::uint32_t num_scenes) {
