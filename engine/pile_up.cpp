@@ -25,7 +25,7 @@ constexpr int kMaxSteps = 120;       // landings until a body rests
 constexpr int kDodges = 8;           // directions of sidesteps
 constexpr double kFriction = 0.4;    // of plastic and steel on one another
 constexpr double kHeapRadius = 0.3;  // in the root of the sum of squared diameters
-constexpr double kBinHalf = 0.25;    // the same
+constexpr double kBinHalf = 0.28;    // the same
 constexpr double kBinAspect = 1.12;  // root of length by width
 constexpr double kCell = 1.0 / 96;   // in the largest diameter
 // In diameters:
@@ -226,7 +226,7 @@ Body make_body(PointsView vertices, const Triangles& triangles) {
 
 BinSize choose_bin(std::span<const Body> bodies, std::span<const std::uint32_t> order) {
   const double half =
-      std::max(0.6 * kBinAspect * largest_of(bodies, order), kBinHalf * size_of(bodies, order));
+      std::max(0.75 * kBinAspect * largest_of(bodies, order), kBinHalf * size_of(bodies, order));
   return {kBinAspect * half, half / kBinAspect};
 }
 

@@ -30,7 +30,7 @@ constexpr double kFocal = 572;         // [pixel], as of a Kinect or PrimeSense
 constexpr double kFilledShare = 0.85;  // of the image's width or height, by the heap
 constexpr double kMinVisible = 0.15;   // instances of which less is seen are ignored
 constexpr int kMinVisiblePixels = 300;
-constexpr double kBinHeight = 0.7;                               // in the largest diameter
+constexpr double kBinHeight = 0.5;                               // in the heap's height
 constexpr double kBinThickness = 0.005;                          // [m]
 constexpr double kWallDistance = 0.02;                           // [m] behind the heap
 constexpr std::size_t kClutterKinds = 12;                        // at most
@@ -102,6 +102,18 @@ struct Sheet {
 void add_ground(double half_side, Sheet& sheet) {
   sheet.add({-half_side, -half_side, 0}, {half_side, -half_side, 0}, {half_side, half_side, 0},
             {-half_side, half_side, 0});
+}
+
+/// Walls half as high as the heap, and as high as anything leans on them.
+double bin_height(const Points& points, const engine::BinSize& half) {
+  double top = 0, leaning = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d p = points[i].cast<double>();
+    top = std::max(top, p.z());
+    if ((half - p.head<2>().cwiseAbs()).minCoeff() < kBinThickness)
+      leaning = std::max(leaning, p.z());
+  }
+  return std::max(kBinHeight * top, leaning) + kBinThickness;
 }
 
 /// The inner and outer faces of four walls, and their rim.
@@ -377,12 +389,7 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   }
   Sheet surroundings;
   add_ground(20 * range, surroundings);
-  if (options.bin) {
-    float largest = 0;
-    for (const PlacedBody& instance : placed)
-      largest = std::max(largest, bodies[instance.body].diameter);
-    add_bin(bin, kBinHeight * static_cast<double>(largest), surroundings);
-  }
+  if (options.bin) add_bin(bin, bin_height(points, bin), surroundings);
   if (options.walls) add_walls(points, T_camera_world, 20 * range, surroundings);
   const Result<RayScene> sheet = RayScene::from_mesh(surroundings.vertices, surroundings.triangles);
   if (!sheet) return sheet.error();
