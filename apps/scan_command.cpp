@@ -86,8 +86,9 @@ void add_scan(CLI::App& app, Context& context) {
       "folder is a BOP data set (models/, camera.json, test/000001/...) and has a manifest.json\n"
       "over the same files, for trivet train, recognize and evaluate; the truth has every pose,\n"
       "visible fraction, occlusion and clutter.");
-  command->add_option("MODEL", arguments->models,
-                      "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets");
+  command->add_option(
+      "MODEL", arguments->models,
+      "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets");
   command
       ->add_option("--parts", arguments->num_parts,
                    "Scan so many machine parts, made for it by --seed, beside the MODELs or alone; "

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "engine/check_range.hpp"
-#include "kernels/counter_random.hpp"
 #include "engine/parallel.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/render_depth.hpp"
 #include "kernels/sensor_noise.hpp"
 #include "kernels/visibility.hpp"
@@ -30,6 +30,7 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+using kernels::CounterRandom;
 using kernels::RayScene;
 
 constexpr std::size_t kRowGrain = 16;

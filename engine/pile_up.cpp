@@ -16,6 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 using kernels::Contact;
+using kernels::CounterRandom;
 using kernels::Heap;
 using kernels::Motion;
 

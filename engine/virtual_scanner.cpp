@@ -7,10 +7,10 @@
 #include <numbers>
 
 #include "engine/check_range.hpp"
-#include "kernels/counter_random.hpp"
 #include "engine/measure_scene.hpp"
 #include "engine/pile_up.hpp"
 #include "engine/render_scenes.hpp"
+#include "kernels/counter_random.hpp"
 #include "kernels/diameter.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/visibility.hpp"
@@ -20,10 +20,10 @@ namespace {
 
 using Eigen::Vector3d;
 using engine::Body;
-using kernels::CounterRandom;
 using engine::ExactImage;
 using engine::Finish;
 using engine::PlacedBody;
+using kernels::CounterRandom;
 using kernels::RayScene;
 
 constexpr double kFocal = 572;         // [pixel], as of a Kinect or PrimeSense
