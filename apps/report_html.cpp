@@ -52,7 +52,7 @@ p.key{margin:6px 4px 8px;color:var(--dim)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
 @media(max-width:760px){.pair{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
-@media(max-width:520px){td:first-child{min-width:6.2em}.tally td:nth-child(4),.tally th:nth-child(4){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}}
+@media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}}
 @media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
 .tables{columns:auto;display:grid;grid-template-columns:1fr 1fr;gap:0 12px;align-items:start}.tables>.wide{grid-column:1/-1}.table{overflow:visible}
 .cards{grid-template-columns:repeat(6,1fr);gap:6px}.card{padding:6px 8px}.pair,.gallery{grid-template-columns:1fr 1fr}.key{break-after:avoid}

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "apps/program.hpp"
 #include "storage/bop_results.hpp"
@@ -137,6 +138,28 @@ TEST_F(Bop, GivesTheSameDetectionsForTheFolderOfTheSplit) {
   };
   EXPECT_EQ(lines("set"), lines("set/test"));
   EXPECT_TRUE(fs::exists(*folder_ / "found.json"));
+}
+
+TEST_F(Bop, JudgesADataSetRecognisedNowOrByAFileOfResults) {
+  const auto scores = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "evaluate");
+    arguments.insert(arguments.end(), {"--json", "-", "--quiet"});
+    const test::Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return nlohmann::json::parse(outcome.out);
+  };
+  ASSERT_EQ(run({"recognize", "set.h5", "set", "--bop-csv", "found.csv"}).exit_code, 0);
+  for (const nlohmann::json& judged :
+       {scores({"set.h5", "set"}), scores({"set", "--detections", "found.csv"})}) {
+    EXPECT_EQ(judged["instances"], 3);
+    EXPECT_EQ(judged["right"], 3);
+    EXPECT_EQ(judged["false_positives"], 0);
+    EXPECT_EQ(judged["bop"]["localisation"]["targets"], 3);
+    EXPECT_GT(judged["bop"]["localisation"]["ar"].get<double>(), 0.95);
+    EXPECT_GT(judged["bop"]["detection"]["ap"].get<double>(), 0.95);
+  }
+  const test::Outcome refused = run({"evaluate", "set/manifest.json", "--detections", "found.csv"});
+  EXPECT_EQ(refused.exit_code, 66) << refused.error;
 }
 
 TEST_F(Bop, RefusesResultsThatWouldLackTheirNumbers) {
