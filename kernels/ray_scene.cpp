@@ -195,4 +195,40 @@ Hit RayScene::intersect(const Eigen::Vector3f& origin, const Eigen::Vector3f& di
   return {query.ray.tfar, query.hit.primID, instance, normal.normalized()};
 }
 
+void RayScene::intersect_many(const Eigen::Vector3f& origin, PointsView directions,
+                              std::span<float> distances, NormalsSpan normals) const noexcept {
+  constexpr std::size_t kWidth = 8;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < directions.size(); first += kWidth) {
+    const std::size_t count = std::min(kWidth, directions.size() - first);
+    RTCRayHit8 query{};
+    alignas(32) int valid[kWidth];
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      const std::size_t i = first + std::min(k, count - 1);
+      valid[k] = k < count ? -1 : 0;
+      query.ray.org_x[k] = origin.x();
+      query.ray.org_y[k] = origin.y();
+      query.ray.org_z[k] = origin.z();
+      query.ray.dir_x[k] = directions.x[i];
+      query.ray.dir_y[k] = directions.y[i];
+      query.ray.dir_z[k] = directions.z[i];
+      query.ray.tnear[k] = 0;
+      query.ray.tfar[k] = std::numeric_limits<float>::infinity();
+      query.ray.mask[k] = 0xFFFF'FFFFU;
+      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid, state_->scene, &context, &query);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool met = query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+      distances[first + k] = met ? query.ray.tfar[k] : std::numeric_limits<float>::infinity();
+      if (!met) continue;
+      const Eigen::Vector3f normal(query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k]);
+      normals.set(first + k, normal.normalized());
+    }
+  }
+}
+
 }  // namespace trivet::kernels

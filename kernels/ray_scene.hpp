@@ -58,6 +58,13 @@ class RayScene {
   /// The nearest surface on the same stretch. The direction need not have length 1.
   Hit intersect(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,
                 float t_far) const noexcept;
+  /// The nearest surfaces on many rays from one origin, several at a time. Not for instances.
+  ///
+  /// directions  n, of any length > 0
+  /// distances   n, in lengths of the direction; infinity where nothing is met
+  /// normals     n, as Hit::normal; not written where nothing is met
+  void intersect_many(const Eigen::Vector3f& origin, PointsView directions,
+                      std::span<float> distances, NormalsSpan normals) const noexcept;
 
  private:
   struct State;

@@ -189,5 +189,30 @@ TEST(RayScene, QueriesAllocateNothing) {
             0U);
 }
 
+TEST(RaySceneIntersectMany, AgreesWithOneRayAtATime) {
+  const test::Shape shape = test::ellipsoid({0.3F, 0.5F, 0.8F}, 20);
+  const Result<RayScene> scene = RayScene::from_mesh(shape.vertices, shape.triangles);
+  ASSERT_TRUE(scene);
+  test::Random random;
+  const Vector3f eye(0.1F, -0.2F, 3);
+  for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{7}, std::size_t{8},
+                              std::size_t{9}, std::size_t{500}}) {
+    Points directions(n);
+    for (std::size_t i = 0; i < n; ++i)
+      directions.set(i, {random.uniform(-0.3F, 0.3F), random.uniform(-0.3F, 0.3F), -1});
+    std::vector<float> distances(n);
+    Normals normals(n);
+    scene->intersect_many(eye, directions, distances, normals);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Hit one =
+          scene->intersect(eye, directions[i], 0, std::numeric_limits<float>::infinity());
+      ASSERT_EQ(std::isfinite(distances[i]), static_cast<bool>(one));
+      if (!one) continue;
+      EXPECT_NEAR(distances[i], one.distance, 1e-5F);
+      EXPECT_LT((normals[i] - one.normal).norm(), 1e-4F);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace trivet::kernels

@@ -1,0 +1,366 @@
+#include "kernels/examine_pose.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trivet::kernels {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr float kGrazing = 0.17F;  // cosine below which a surface is too oblique to be measured
+constexpr int kMaxSide = 48;       // rays along a side of the crop
+constexpr int kMargin = 2;         // rays around the model's ball, for its outline
+constexpr double kFewest = 6;      // residuals of a window that give a slope
+
+constexpr std::array<std::array<int, 2>, 5> kCross{{{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+
+enum State : std::uint8_t { kMissed, kOutside, kJudged, kConsistent };
+
+/// The rays: one in each `stride` pixels, from (u0, v0) on.
+struct Crop {
+  int u0 = 0, v0 = 0, stride = 1, width = 0, height = 0;
+
+  std::size_t size() const noexcept {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  std::size_t at(int i, int j) const noexcept {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(i);
+  }
+  int u(int i) const noexcept { return u0 + stride * i; }
+  int v(int j) const noexcept { return v0 + stride * j; }
+};
+
+/// The crop that a ball in the camera's frame projects into; empty where it is off the image.
+Crop crop_of(const ImageGeometry& g, const Eigen::Vector3f& centre, float radius) noexcept {
+  Crop crop;
+  if (!(centre.z() > 1.05F * radius)) return crop;
+  const float x = centre.x() / centre.z(), y = centre.y() / centre.z();
+  // The tangents of the ball's cone, bounded from above.
+  const float reach = radius / std::sqrt(centre.z() * centre.z() - radius * radius);
+  const float half_u = g.fx * reach * (1 + x * x + std::abs(x) * reach);
+  const float half_v = g.fy * reach * (1 + y * y + std::abs(y) * reach);
+  const float u = g.fx * x + g.cx, v = g.fy * y + g.cy;
+  if (!(u + half_u > 0 && v + half_v > 0 && u - half_u < static_cast<float>(g.width) &&
+        v - half_v < static_cast<float>(g.height))) {
+    return crop;
+  }
+  crop.stride = std::max(1, static_cast<int>(std::ceil(2 * std::max(half_u, half_v) / kMaxSide)));
+  const auto rays = [&](float half) {
+    return static_cast<int>(std::ceil(2 * half / static_cast<float>(crop.stride))) + 2 * kMargin;
+  };
+  crop.width = rays(half_u);
+  crop.height = rays(half_v);
+  crop.u0 = static_cast<int>(std::floor(u)) - crop.stride * (crop.width / 2);
+  crop.v0 = static_cast<int>(std::floor(v)) - crop.stride * (crop.height / 2);
+  return crop;
+}
+
+Eigen::Vector3f ray_through(const ImageGeometry& g, int u, int v) noexcept {
+  return {(static_cast<float>(u) - g.cx) / g.fx, (static_cast<float>(v) - g.cy) / g.fy, 1};
+}
+
+void shoot(const ImageGeometry& g, const Crop& crop, const RayScene& surface,
+           const Pose& T_model_camera, ExamineScratch& s) {
+  s.directions.resize(crop.size());
+  s.normals.resize(crop.size());
+  s.distance.resize(crop.size());
+  const Eigen::Matrix3f R = T_model_camera.linear();
+  for (int j = 0; j < crop.height; ++j) {
+    for (int i = 0; i < crop.width; ++i)
+      s.directions.set(crop.at(i, j), R * ray_through(g, crop.u(i), crop.v(j)));
+  }
+  surface.intersect_many(T_model_camera.translation(), s.directions, s.distance, s.normals);
+}
+
+/// Sums over the consistent pixels of all images.
+struct Sums {
+  double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
+  Matrix6 covariance = Matrix6::Zero();
+};
+
+/// One image's share of an examination.
+class Examiner {
+ public:
+  Examiner(const RangeImage& image, const ModelSamples& samples, const Pose& T_scene_model,
+           const ExamineOptions& options, ExamineScratch& scratch)
+      : image_(image),
+        g_(image.geometry),
+        options_(options),
+        s_(scratch),
+        T_camera_model_(g_.T_camera_scene * T_scene_model),
+        diameter_(samples.diameter),
+        centre_(T_camera_model_ * samples.centre),
+        crop_(crop_of(g_, centre_, 0.5F * reach_of(samples))) {}
+
+  bool sees_nothing() const noexcept { return crop_.width == 0; }
+  const Crop& crop() const noexcept { return crop_; }
+
+  void compare(const RayScene& surface, std::uint32_t first_pixel, Examination& out, Sums& sums,
+               ExplainedPixels* explained) {
+    shoot(g_, crop_, surface, T_camera_model_.inverse(), s_);
+    s_.state.assign(crop_.size(), kMissed);
+    s_.residual.assign(crop_.size(), 0);
+    const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
+    const Eigen::Matrix3f R_camera_model = T_camera_model_.linear();
+    const auto square = static_cast<float>(crop_.stride * crop_.stride);
+    for (int j = 0; j < crop_.height; ++j) {
+      for (int i = 0; i < crop_.width; ++i) {
+        const std::size_t at = crop_.at(i, j);
+        const float z = s_.distance[at];
+        if (!std::isfinite(z)) continue;
+        const int u = crop_.u(i), v = crop_.v(j);
+        if (!inside(u, v)) {
+          s_.state[at] = kOutside;
+          out.outside += square;
+          continue;
+        }
+        s_.state[at] = kJudged;
+        out.covered += square;
+        const Eigen::Vector3f ray = ray_through(g_, u, v);
+        Eigen::Vector3f normal = (R_camera_model * s_.normals[at]).normalized();
+        const float length = ray.norm();
+        if (normal.dot(ray) > 0) normal = -normal;
+        const float facing = -normal.dot(ray) / length;
+        if (!(facing > kGrazing)) continue;
+
+        const auto [r, pixel] = nearest_measurement(u, v, z, length * facing);
+        if (pixel < 0) {
+          out.unknown += square;
+          continue;
+        }
+        const bool background = is_background(image_.plane[static_cast<std::size_t>(pixel)]);
+        const float tolerance = options_.verify.tolerance;
+        if (r > tolerance) {
+          out.violation += square;
+        } else if (r < -tolerance) {
+          (background ? out.violation : out.occluded) += square;  // nothing reaches through a table
+        } else if (background) {
+          out.background += square;
+        } else {
+          s_.state[at] = kConsistent;
+          s_.residual[at] = r;
+          out.consistent += square;
+          const double share = static_cast<double>(r / tolerance);
+          sums.count += 1;
+          sums.squares += share * share;
+          sums.area += static_cast<double>(square * z * z / (g_.fx * g_.fy * facing));
+          const Eigen::Vector3f n = R_scene_camera * normal;
+          const Eigen::Vector3f arm = R_scene_camera * (ray * z - centre_) / (0.5F * diameter_);
+          Vector6 J;
+          J << arm.cross(n).cast<double>(), n.cast<double>();
+          sums.covariance.noalias() += J * J.transpose();
+          if (explained)
+            explained->pixels.push_back(first_pixel + static_cast<std::uint32_t>(v) * g_.width +
+                                        static_cast<std::uint32_t>(u));
+        }
+      }
+    }
+  }
+
+  /// Average the residuals over windows, and fit planes to them.
+  void smooth(Sums& sums) {
+    sum_up();
+    const int half = std::max(
+        1, static_cast<int>(std::lround(options_.window / static_cast<float>(crop_.stride))));
+    const double tolerance = static_cast<double>(options_.verify.tolerance);
+    for (int j = 0; j < crop_.height; ++j) {
+      for (int i = 0; i < crop_.width; ++i) {
+        const std::size_t at = crop_.at(i, j);
+        if (s_.state[at] != kConsistent) continue;
+        const std::array<double, 9> w =
+            window_sums(std::max(0, i - half), std::max(0, j - half),
+                        std::min(crop_.width - 1, i + half), std::min(crop_.height - 1, j + half));
+        const double n = w[0], mean = w[1] / n;
+        sums.smooth += mean * mean / (tolerance * tolerance);
+        if (n < kFewest) continue;
+        const double xx = w[4] - w[2] * w[2] / n, yy = w[5] - w[3] * w[3] / n;
+        const double xy = w[6] - w[2] * w[3] / n;
+        const double rx = w[7] - w[1] * w[2] / n, ry = w[8] - w[1] * w[3] / n;
+        const double determinant = xx * yy - xy * xy;
+        if (!(determinant > 1e-3 * n * n)) continue;
+        const double gx = (rx * yy - ry * xy) / determinant, gy = (ry * xx - rx * xy) / determinant;
+        const double step =
+            static_cast<double>(s_.distance[at] / g_.fx * static_cast<float>(crop_.stride));
+        sums.slope += std::atan(std::sqrt(gx * gx + gy * gy) / step);
+        sums.num_slopes += 1;
+      }
+    }
+  }
+
+  /// Beyond the outline a real object's scene falls back or is not measured, within the few pixels
+  /// that sensors blur edges over; a wrong fit on a larger surface finds that surface running on.
+  void follow_outline(Examination& out) const {
+    const float jump = std::max(2 * options_.verify.tolerance, 0.03F * diameter_);
+    constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    for (int j = kMargin; j < crop_.height - kMargin; ++j) {
+      for (int i = kMargin; i < crop_.width - kMargin; ++i) {
+        if (s_.state[crop_.at(i, j)] < kJudged) continue;
+        for (const auto& [di, dj] : kSteps) {
+          if (s_.state[crop_.at(i + di, j + dj)] != kMissed ||
+              s_.state[crop_.at(i + 2 * di, j + 2 * dj)] != kMissed) {
+            continue;
+          }
+          judge_beyond(i, j, di, dj, jump, out);
+        }
+      }
+    }
+  }
+
+ private:
+  /// Twice the distance that samples lie from the centre, which no other point of the surface
+  /// exceeds by more than their spacing.
+  static float reach_of(const ModelSamples& samples) noexcept {
+    float reach = 0;
+    for (std::size_t i = 0; i < samples.points.size(); ++i)
+      reach = std::max(reach, (samples.points[i] - samples.centre).squaredNorm());
+    return 2 * (std::sqrt(reach) + samples.spacing);
+  }
+
+  bool inside(int u, int v) const noexcept {
+    return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
+  }
+
+  bool is_background(std::uint8_t plane) const noexcept {
+    return plane > 0 && plane <= options_.verify.plane_is_background.size() &&
+           options_.verify.plane_is_background[plane - 1] != 0;
+  }
+
+  struct Measurement {
+    float r;
+    std::int64_t pixel;  // -1: nothing was measured
+  };
+
+  /// The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a
+  /// hole.
+  Measurement nearest_measurement(int u, int v, float z, float scale) const noexcept {
+    Measurement best{std::numeric_limits<float>::infinity(), -1};
+    for (const auto& [du, dv] : kCross) {
+      if (!inside(u + du, v + dv)) continue;
+      const std::int64_t pixel = static_cast<std::int64_t>(v + dv) * g_.width + (u + du);
+      const float d = image_.depth[static_cast<std::size_t>(pixel)];
+      if (!(d > 0)) continue;
+      const float r = (d - z) * scale;
+      if (std::abs(r) < std::abs(best.r)) best = {r, pixel};
+      if (du == 0 && dv == 0 && std::abs(r) <= options_.verify.tolerance) break;
+    }
+    return best;
+  }
+
+  /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
+  void sum_up() {
+    const std::size_t row = static_cast<std::size_t>(crop_.width) + 1;
+    s_.sums.assign(row * (static_cast<std::size_t>(crop_.height) + 1), {});
+    for (int j = 0; j < crop_.height; ++j) {
+      std::array<double, 9> line{};
+      for (int i = 0; i < crop_.width; ++i) {
+        const std::size_t at = crop_.at(i, j);
+        if (s_.state[at] == kConsistent) {
+          const double r = static_cast<double>(s_.residual[at]), x = i, y = j;
+          const std::array<double, 9> add{1, r, x, y, x * x, y * y, x * y, r * x, r * y};
+          for (std::size_t k = 0; k < 9; ++k) line[k] += add[k];
+        }
+        const std::size_t below =
+            (static_cast<std::size_t>(j) + 1) * row + static_cast<std::size_t>(i) + 1;
+        for (std::size_t k = 0; k < 9; ++k) s_.sums[below][k] = s_.sums[below - row][k] + line[k];
+      }
+    }
+  }
+
+  std::array<double, 9> window_sums(int i0, int j0, int i1, int j1) const noexcept {
+    const std::size_t row = static_cast<std::size_t>(crop_.width) + 1;
+    const auto at = [&](int i, int j) -> const std::array<double, 9>& {
+      return s_.sums[static_cast<std::size_t>(j) * row + static_cast<std::size_t>(i)];
+    };
+    std::array<double, 9> sum;
+    for (std::size_t k = 0; k < 9; ++k)
+      sum[k] = at(i1 + 1, j1 + 1)[k] - at(i0, j1 + 1)[k] - at(i1 + 1, j0)[k] + at(i0, j0)[k];
+    return sum;
+  }
+
+  void judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const noexcept {
+    const float z = s_.distance[crop_.at(i, j)];
+    const int reach = std::max({3, crop_.stride, static_cast<int>(0.03F * diameter_ * g_.fx / z)});
+    bool any = false, open = false, judged = true;
+    for (int step = 1; step <= reach; ++step) {
+      const int u = crop_.u(i) + step * di, v = crop_.v(j) + step * dj;
+      if (!inside(u, v)) break;
+      any = true;
+      const std::size_t pixel =
+          static_cast<std::size_t>(v) * g_.width + static_cast<std::size_t>(u);
+      const float d = image_.depth[pixel];
+      if (d > 0 && d < z - jump) {
+        judged = false;  // hidden by something nearer
+      } else if (!(d > 0) || d > z + jump) {
+        open = true;
+      } else if (is_background(image_.plane[pixel])) {
+        judged = false;  // things stand on it
+      }
+    }
+    if (!any) return;
+    const auto length = static_cast<float>(crop_.stride);
+    if (open) {
+      out.outline_free += length;
+    } else if (judged) {
+      out.outline_crossed += length;
+    }
+  }
+
+  const RangeImage& image_;
+  const ImageGeometry& g_;
+  const ExamineOptions& options_;
+  ExamineScratch& s_;
+  Pose T_camera_model_;
+  float diameter_;
+  Eigen::Vector3f centre_;
+  Crop crop_;
+};
+
+/// What turning about the symmetry axis does to J, as a unit vector; zero without an axis.
+Vector6 free_turn(const ModelSamples& samples, const Symmetry& symmetry,
+                  const Pose& T_scene_model) noexcept {
+  Vector6 turn = Vector6::Zero();
+  if (!symmetry.axis) return turn;
+  const Eigen::Vector3f axis = T_scene_model.linear() * symmetry.axis->direction;
+  const Eigen::Vector3f arm =
+      T_scene_model * samples.centre - T_scene_model * Eigen::Vector3f(symmetry.axis->point);
+  turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * samples.diameter)).cast<double>();
+  return turn.normalized();
+}
+
+}  // namespace
+
+void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
+                  const ModelSamples& samples, const Symmetry& symmetry, const Pose& T_scene_model,
+                  const ExamineOptions& options, ExamineScratch& scratch, Examination& out,
+                  ExplainedPixels* explained) {
+  out = {};
+  if (explained) *explained = {};
+  Sums sums;
+  std::uint32_t first_pixel = 0;
+  for (const RangeImage& image : images) {
+    Examiner examiner(image, samples, T_scene_model, options, scratch);
+    if (!examiner.sees_nothing()) {
+      examiner.compare(surface, first_pixel, out, sums, explained);
+      examiner.smooth(sums);
+      examiner.follow_outline(out);
+      if (explained) explained->square = static_cast<std::uint32_t>(examiner.crop().stride);
+    }
+    first_pixel += static_cast<std::uint32_t>(image.depth.size());
+  }
+  if (sums.count == 0) return;
+  out.residual = static_cast<float>(sums.squares / sums.count);
+  out.smooth = static_cast<float>(sums.smooth / sums.count);
+  out.slope = static_cast<float>(sums.slope / std::max(1.0, sums.num_slopes));
+  out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
+  const Vector6 turn = free_turn(samples, symmetry, T_scene_model);
+  const Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(held, Eigen::EigenvaluesOnly);
+  out.hold = static_cast<float>(std::max(0.0, solver.eigenvalues()(0)));
+}
+
+}  // namespace trivet::kernels

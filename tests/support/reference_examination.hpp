@@ -1,0 +1,139 @@
+/// The slow, obvious examination of a pose: in double, ray by ray and window by window.
+#pragma once
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "kernels/range_image.hpp"
+#include "kernels/ray_scene.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::reference {
+
+struct Examination {
+  double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, unknown = 0,
+         background = 0;
+  double residual = 0, smooth = 0, slope = 0, area = 0, hold = 0;
+};
+
+/// What the words of examine_pose say, for one image whose plane 1 is background, a window of 2
+/// pixels, and rays that lie `square` pixels apart around the middle of the model's image.
+inline Examination examination(const kernels::RangeImage& image, const kernels::RayScene& surface,
+                               float diameter, const Pose& T_camera_model, std::uint32_t square,
+                               float tolerance) {
+  const kernels::ImageGeometry& g = image.geometry;
+  const int width = static_cast<int>(g.width), height = static_cast<int>(g.height);
+  const int stride = static_cast<int>(square);
+  const Pose T_model_camera = T_camera_model.inverse();
+  const Eigen::Vector3d centre = T_camera_model.translation().cast<double>();
+  const auto middle = [&](float f, double at, float c) {
+    return static_cast<int>(
+        std::floor(static_cast<double>(f) * at / centre.z() + static_cast<double>(c)));
+  };
+  const int u_middle = middle(g.fx, centre.x(), g.cx), v_middle = middle(g.fy, centre.y(), g.cy);
+  const double each = stride * stride, tau = static_cast<double>(tolerance);
+
+  Examination out;
+  std::map<std::pair<int, int>, double> residuals;  // by steps from the middle
+  std::map<std::pair<int, int>, double> depths;
+  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+  const int reach = 400 / stride;
+  for (int j = -reach; j <= reach; ++j) {
+    for (int i = -reach; i <= reach; ++i) {
+      const int u = u_middle + stride * i, v = v_middle + stride * j;
+      const Eigen::Vector3f ray_f((static_cast<float>(u) - g.cx) / g.fx,
+                                  (static_cast<float>(v) - g.cy) / g.fy, 1);
+      const kernels::Hit hit =
+          surface.intersect(T_model_camera.translation(), T_model_camera.linear() * ray_f, 0,
+                            std::numeric_limits<float>::infinity());
+      if (!hit) continue;
+      const auto inside = [&](int x, int y) { return x >= 0 && y >= 0 && x < width && y < height; };
+      if (!inside(u, v)) {
+        out.outside += each;
+        continue;
+      }
+      out.covered += each;
+      const Eigen::Vector3d ray = ray_f.cast<double>();
+      Eigen::Vector3d n = (T_camera_model.linear() * hit.normal).cast<double>();
+      if (n.dot(ray) > 0) n = -n;
+      const double facing = -n.dot(ray) / ray.norm(), z = static_cast<double>(hit.distance);
+      if (facing <= 0.17) continue;
+      double best = std::numeric_limits<double>::infinity();
+      bool background = false;
+      const int cross[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+      for (const auto& [du, dv] : cross) {
+        if (!inside(u + du, v + dv)) continue;
+        const auto pixel = static_cast<std::size_t>((v + dv) * width + u + du);
+        const double d = static_cast<double>(image.depth[pixel]);
+        if (!(d > 0)) continue;
+        const double r = (d - z) * ray.norm() * facing;
+        if (std::abs(r) < std::abs(best)) {
+          best = r;
+          background = image.plane[pixel] == 1;
+        }
+        if (du == 0 && dv == 0 && std::abs(r) <= tau) break;
+      }
+      if (!std::isfinite(best)) {
+        out.unknown += each;
+      } else if (best > tau) {
+        out.violation += each;
+      } else if (best < -tau) {
+        (background ? out.violation : out.occluded) += each;
+      } else if (background) {
+        out.background += each;
+      } else {
+        out.consistent += each;
+        residuals[{i, j}] = best;
+        depths[{i, j}] = z;
+        out.residual += best * best / (tau * tau);
+        out.area += each * z * z / static_cast<double>(g.fx * g.fy) / facing;
+        const Eigen::Vector3d arm = (ray * z - centre) / (static_cast<double>(diameter) / 2);
+        Eigen::Matrix<double, 6, 1> J;
+        J << arm.cross(n), n;
+        A += J * J.transpose();
+      }
+    }
+  }
+  if (residuals.empty()) return out;
+  const auto count = static_cast<double>(residuals.size());
+  out.residual /= count;
+  out.area /= static_cast<double>(diameter) * static_cast<double>(diameter);
+  out.hold = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(A / count).eigenvalues()(0);
+
+  const int half = std::max(1, static_cast<int>(std::lround(2.0 / stride)));
+  double num_slopes = 0;
+  for (const auto& [at, r] : residuals) {
+    Eigen::MatrixXd rows(0, 3);
+    Eigen::VectorXd values(0);
+    for (int dj = -half; dj <= half; ++dj) {
+      for (int di = -half; di <= half; ++di) {
+        const auto found = residuals.find({at.first + di, at.second + dj});
+        if (found == residuals.end()) continue;
+        rows.conservativeResize(rows.rows() + 1, 3);
+        values.conservativeResize(values.size() + 1);
+        rows.row(rows.rows() - 1) << 1, di, dj;
+        values(values.size() - 1) = found->second;
+      }
+    }
+    out.smooth += values.mean() * values.mean() / (tau * tau) / count;
+    if (values.size() < 6) continue;
+    const Eigen::MatrixXd centred =
+        rows.rightCols(2).rowwise() - rows.rightCols(2).colwise().mean();
+    if (!((centred.transpose() * centred).determinant() >
+          1e-3 * static_cast<double>(values.size() * values.size()))) {
+      continue;
+    }
+    const Eigen::Vector3d plane = rows.colPivHouseholderQr().solve(values);
+    const double step = depths[at] / static_cast<double>(g.fx) * stride;
+    out.slope += std::atan(plane.tail<2>().norm() / step);
+    num_slopes += 1;
+  }
+  out.slope /= std::max(1.0, num_slopes);
+  return out;
+}
+
+}  // namespace trivet::reference
