@@ -133,7 +133,8 @@ class Examiner {
           out.unknown += square;
           continue;
         }
-        const bool background = is_background(image_.plane[static_cast<std::size_t>(pixel)]);
+        const bool background =
+            options_.verify.is_background(image_.plane[static_cast<std::size_t>(pixel)]);
         const float tolerance = options_.verify.tolerance;
         if (r > tolerance) {
           out.violation += square;
@@ -225,11 +226,6 @@ class Examiner {
     return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
   }
 
-  bool is_background(std::uint8_t plane) const noexcept {
-    return plane > 0 && plane <= options_.verify.plane_is_background.size() &&
-           options_.verify.plane_is_background[plane - 1] != 0;
-  }
-
   struct Measurement {
     float r;
     std::int64_t pixel;  // -1: nothing was measured
@@ -297,7 +293,7 @@ class Examiner {
         judged = false;  // hidden by something nearer
       } else if (!(d > 0) || d > z + jump) {
         open = true;
-      } else if (is_background(image_.plane[pixel])) {
+      } else if (options_.verify.is_background(image_.plane[pixel])) {
         judged = false;  // things stand on it
       }
     }

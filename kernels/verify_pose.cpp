@@ -63,11 +63,6 @@ constexpr int kOutlineSide = 96;  // cells; a diameter is some 50
 constexpr std::array<std::array<int, 2>, 5> kCross{
     {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};  // a pixel, neighbours
 
-bool is_background(std::uint8_t plane, const VerifyOptions& options) noexcept {
-  return plane > 0 && plane <= options.plane_is_background.size() &&
-         options.plane_is_background[plane - 1] != 0;
-}
-
 }  // namespace
 
 Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& samples,
@@ -118,7 +113,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
         continue;
       }
       const auto at = static_cast<std::size_t>(best_pixel);
-      const bool background = is_background(image.plane[at], options);
+      const bool background = options.is_background(image.plane[at]);
       if (best > options.tolerance) {
         ++evidence.violation;
       } else if (best < -options.tolerance) {
@@ -203,7 +198,7 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
           if (d > 0 && d < z - jump) continue;  // hidden by something nearer
           if (!(d > 0) || d > z + jump) {
             ++evidence.contour_free;
-          } else if (!is_background(image.plane[pixel], options)) {
+          } else if (!options.is_background(image.plane[pixel])) {
             ++evidence.contour_crossed;
           }
         }

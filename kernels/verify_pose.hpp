@@ -25,6 +25,11 @@ struct VerifyOptions {
   float max_normal_angle_rad = 0.8F;  ///< between model and scene normals
   std::span<const std::uint8_t>
       plane_is_background;  ///< by plane number: too large to be part of this model
+
+  /// Whether a pixel's plane number, 0 for none, names such a plane.
+  bool is_background(std::uint8_t plane) const noexcept {
+    return plane > 0 && plane <= plane_is_background.size() && plane_is_background[plane - 1] != 0;
+  }
 };
 
 /// What the samples that should be visible met, over all images.
