@@ -1,23 +1,13 @@
 /// Choose the set of detections that together explain the scene.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
+#include "engine/candidate.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/recognise.hpp"
-#include "kernels/verify_pose.hpp"
 
 namespace trivet::engine {
-
-/// A verified pose of one model.
-struct Candidate {
-  std::uint32_t model = 0;
-  Pose T_scene_model = Pose::Identity();
-  kernels::Evidence evidence;
-  float score = 0;
-  std::vector<std::uint32_t> explained;  ///< pixels of the agreeing samples, over all images
-};
 
 /// Take candidates by falling score x area^0.25 (large surfaces prove more), each unless a better
 /// one already explains more than max_overlap of its pixels: copies of one object fall out whatever
