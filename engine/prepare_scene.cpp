@@ -57,6 +57,7 @@ kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const Pix
   const std::size_t n = grid.point_index.size();
   image.depth.assign(n, 0);
   image.plane.assign(n, 0);
+  image.near_plane.assign(n, 0);
   image.normals.resize(n);
   const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
   for (std::size_t pixel = 0; pixel < n; ++pixel) {
@@ -158,9 +159,12 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
       at.set(u, image.depth[pixel] > 0 ? geometry.back_project(pixel, image.depth[pixel])
                                        : Eigen::Vector3f::Constant(kNaN));
     }
-    kernels::label_planes(at, image.normals.view().slice(v * geometry.width, geometry.width),
-                          scene.planes, scene.plane_tolerance, kPlaneAngleRad,
-                          std::span(image.plane).subspan(v * geometry.width, geometry.width));
+    const std::size_t row = v * geometry.width;
+    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), scene.planes,
+                          scene.plane_tolerance, kPlaneAngleRad,
+                          std::span(image.plane).subspan(row, geometry.width));
+    kernels::label_planes(at, scene.planes, scene.plane_tolerance,
+                          std::span(image.near_plane).subspan(row, geometry.width));
   }
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
   for (kernels::Plane& plane : scene.planes) {
@@ -209,8 +213,8 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   estimate(2);
   Column<float> scratch;
   scene.noise = kernels::estimate_scan_noise(residuals, scratch);
-  const auto window =
-      static_cast<std::uint32_t>(std::lround(normal_window(scene.noise, scene.spacing)));
+  scene.window = normal_window(scene.noise, scene.spacing);
+  const auto window = static_cast<std::uint32_t>(std::lround(scene.window));
   if (window != 2) estimate(window);
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
@@ -287,8 +291,8 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
     if (std::isfinite(r)) finite.push_back(r);
   }
   scene.noise = median(finite);
-  const float window = normal_window(scene.noise, scene.spacing);
-  if (window > 2.25F) estimate(window);
+  scene.window = normal_window(scene.noise, scene.spacing);
+  if (scene.window > 2.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {
     if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
   }
@@ -308,6 +312,23 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
       close_holes(3 * scene.spacing, scene.images.back());
     }
   }
+}
+
+/// Whether a scene point lies on a marked pixel of some image, within `tolerance` of what that
+/// pixel measured.
+bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
+                  const Eigen::Vector3f& point, float tolerance) {
+  std::size_t first = 0;  // of the image's pixels among those of all images
+  for (const kernels::RangeImage& image : scene.images) {
+    const Eigen::Vector3f p = image.geometry.T_camera_scene * point;
+    const std::int64_t pixel = image.geometry.pixel_of(p);
+    if (pixel >= 0) {
+      const auto at = static_cast<std::size_t>(pixel);
+      if (explained[first + at] != 0 && std::abs(image.depth[at] - p.z()) <= tolerance) return true;
+    }
+    first += image.depth.size();
+  }
+  return false;
 }
 
 /// Whether the scene is a whole surface instead of what a sensor saw from one place.
@@ -355,7 +376,7 @@ std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float di
 }
 
 SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                        const VoteOptions& options) {
+                        const VoteOptions& options, std::span<const std::uint8_t> explained) {
   SceneLevel level;
   level.step = step;
   Points points;
@@ -370,6 +391,7 @@ SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_di
   const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
+    if (!explained.empty() && is_explained(scene, explained, points[i], step)) continue;
     level.points.push_back(points[i]);
     level.normals.push_back(normals[i]);
   }

@@ -23,6 +23,7 @@ struct PreparedScene {
   std::vector<kernels::Plane> planes;  ///< the large ones, of any size of model
   float noise = 0;                     ///< standard deviation across surfaces
   float spacing = 0;                   ///< typical distance between neighbouring measurements
+  float window = 2;  ///< half-width of the windows that normals were fitted to [spacing]
   float plane_tolerance = 0;
 };
 
@@ -41,9 +42,11 @@ struct SceneLevel {
 };
 
 /// Sample a scene at `step` and choose references. Points on planes larger than the largest model
-/// stay out.
+/// stay out, and so do those within `step` of what a marked pixel measured.
+///
+/// explained  nonzero for marked pixels, of all images one after the other; empty: none
 SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                        const VoteOptions& options);
+                        const VoteOptions& options, std::span<const std::uint8_t> explained = {});
 
 /// By plane number: whether it is too large to be part of a model of this diameter.
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter);

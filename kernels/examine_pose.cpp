@@ -293,7 +293,7 @@ class Examiner {
         judged = false;  // hidden by something nearer
       } else if (!(d > 0) || d > z + jump) {
         open = true;
-      } else if (options_.verify.is_background(image_.plane[pixel])) {
+      } else if (options_.verify.is_background(image_.near_plane[pixel])) {
         judged = false;  // things stand on it
       }
     }

@@ -7,10 +7,22 @@
 namespace trivet::kernels {
 namespace {
 
+bool lies_near(const Plane& plane, const Eigen::Vector3f& p, float tolerance) noexcept {
+  return std::abs(plane.normal.dot(p) - plane.offset) <= tolerance;
+}
+
 bool lies_on(const Plane& plane, const Eigen::Vector3f& p, const Eigen::Vector3f& n,
              float tolerance, float min_cosine) noexcept {
-  return std::abs(plane.normal.dot(p) - plane.offset) <= tolerance &&
-         plane.normal.dot(n) >= min_cosine;
+  return lies_near(plane, p, tolerance) && plane.normal.dot(n) >= min_cosine;
+}
+
+/// The number of the first plane that `lies` holds for, from 1; 0 for none.
+template <class Lies>
+std::uint8_t first_plane(std::span<const Plane> planes, Lies&& lies) noexcept {
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    if (lies(planes[k])) return static_cast<std::uint8_t>(k + 1);
+  }
+  return 0;
 }
 
 /// Least squares through the points on the plane, weighted by area.
@@ -89,12 +101,18 @@ void label_planes(PointsView points, NormalsView normals, std::span<const Plane>
   assert(labels.size() == points.size() && "one label per point");
   const float min_cosine = std::cos(max_angle_rad);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    labels[i] = 0;
-    for (std::size_t k = 0; k < planes.size() && labels[i] == 0; ++k) {
-      if (lies_on(planes[k], points[i], normals[i], tolerance, min_cosine)) {
-        labels[i] = static_cast<std::uint8_t>(k + 1);
-      }
-    }
+    labels[i] = first_plane(planes, [&](const Plane& plane) {
+      return lies_on(plane, points[i], normals[i], tolerance, min_cosine);
+    });
+  }
+}
+
+void label_planes(PointsView points, std::span<const Plane> planes, float tolerance,
+                  std::span<std::uint8_t> labels) noexcept {
+  assert(labels.size() == points.size() && "one label per point");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    labels[i] = first_plane(
+        planes, [&](const Plane& plane) { return lies_near(plane, points[i], tolerance); });
   }
 }
 

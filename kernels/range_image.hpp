@@ -39,6 +39,8 @@ struct RangeImage {
   Column<float> depth;         ///< along the optical axis, 0 without a measurement [scene unit]
   Normals normals;             ///< camera frame, towards the sensor; NaN where unknown
   Column<std::uint8_t> plane;  ///< number of the dominant plane the pixel lies on, from 1; 0: none
+  Column<std::uint8_t> near_plane;  ///< the same by position alone, whatever the normal: also
+                                    ///< along the line where something stands on it
 };
 
 /// Recover the camera of an organised scan whose file does not name it, by least squares on u = fx

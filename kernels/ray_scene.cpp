@@ -129,27 +129,60 @@ Result<RayScene> RayScene::from_mesh(PointsView vertices, const Triangles& trian
   return RayScene(std::move(state));
 }
 
-Result<RayScene> RayScene::from_spheres(PointsView centres, float radius) {
-  if (centres.empty()) {
-    return Error{ErrorCode::bad_data,
-                 "at least one point expected for ray tracing, none found; check the input cloud"};
+namespace {
+
+/// Points with radii, which spheres and discs have alike.
+bool set_points(Geometry& geometry, PointsView points, float radius) {
+  auto* values = geometry.buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4,
+                                        4 * sizeof(float), points.size());
+  if (!values) return false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f>(values + 4 * i) = points[i];
+    values[4 * i + 3] = radius;
   }
+  return true;
+}
+
+Error no_points() {
+  return {ErrorCode::bad_data,
+          "at least one point expected for ray tracing, none found; check the input cloud"};
+}
+
+}  // namespace
+
+Result<RayScene> RayScene::from_spheres(PointsView centres, float radius) {
+  if (centres.empty()) return no_points();
   assert(radius > 0 && "a sphere without a radius stops no ray");
   auto state = std::make_unique<State>();
   if (!state->scene) return embree_error("creating a scene");
 
   Geometry spheres(RTC_GEOMETRY_TYPE_SPHERE_POINT);
   if (!spheres.handle) return embree_error("creating spheres");
-  auto* values = spheres.buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof(float),
-                                       centres.size());
-  if (!values) return embree_error("taking memory for spheres");
-  for (std::size_t i = 0; i < centres.size(); ++i) {
-    Eigen::Map<Eigen::Vector3f>(values + 4 * i) = centres[i];
-    values[4 * i + 3] = radius;
-  }
+  if (!set_points(spheres, centres, radius)) return embree_error("taking memory for spheres");
 
   state->attach(spheres);
   if (!state->commit()) return embree_error("building the tree of a cloud");
+  return RayScene(std::move(state));
+}
+
+Result<RayScene> RayScene::from_discs(PointsView points, NormalsView normals, float radius) {
+  if (points.empty()) return no_points();
+  assert(radius > 0 && "a disc without a radius stops no ray");
+  auto state = std::make_unique<State>();
+  if (!state->scene) return embree_error("creating a scene");
+
+  Geometry discs(RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
+  if (!discs.handle) return embree_error("creating discs");
+  if (!set_points(discs, points, radius)) return embree_error("taking memory for discs");
+  auto* directions = discs.buffer<float>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3,
+                                         3 * sizeof(float), points.size());
+  if (!directions) return embree_error("taking memory for the normals of discs");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f>(directions + 3 * i) = normals[i];
+  }
+
+  state->attach(discs);
+  if (!state->commit()) return embree_error("building the tree of an oriented cloud");
   return RayScene(std::move(state));
 }
 

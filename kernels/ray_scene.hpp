@@ -44,6 +44,9 @@ class RayScene {
   /// Spheres of one radius > 0, in the unit of the centres. Errors: bad_data (no centres),
   /// internal.
   static Result<RayScene> from_spheres(PointsView centres, float radius);
+  /// Discs of one radius > 0 across their unit normals: the surface that oriented points stand for.
+  /// Errors: bad_data (no points), internal.
+  static Result<RayScene> from_discs(PointsView points, NormalsView normals, float radius);
   /// Surfaces placed in one world frame. No instances give a scene that no ray meets. Errors:
   /// internal.
   static Result<RayScene> from_instances(std::span<const Instance> instances);

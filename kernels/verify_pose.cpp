@@ -198,7 +198,7 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
           if (d > 0 && d < z - jump) continue;  // hidden by something nearer
           if (!(d > 0) || d > z + jump) {
             ++evidence.contour_free;
-          } else if (!options.is_background(image.plane[pixel])) {
+          } else if (!options.is_background(image.near_plane[pixel])) {
             ++evidence.contour_crossed;
           }
         }

@@ -50,6 +50,7 @@ RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float w
   const std::size_t n = std::size_t{image.geometry.width} * image.geometry.height;
   image.depth.assign(n, wall);
   image.plane.assign(n, 0);
+  image.near_plane.assign(n, 0);
   image.normals.resize(n);
   for (std::size_t pixel = 0; pixel < n; ++pixel) {
     const Vector3f ray = image.geometry.back_project(pixel, 1);
@@ -114,7 +115,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
       image.depth[pixel] += random.normal(1e-3F);
       if (random.uniform(0, 1) < 0.05F) image.depth[pixel] = 0;
-      image.plane[pixel] = pixel % 160 > 100 ? 1 : 0;
+      image.plane[pixel] = image.near_plane[pixel] = pixel % 160 > 100 ? 1 : 0;
     }
     Pose pose = truth;
     pose.pretranslate(
@@ -206,6 +207,7 @@ TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
   EXPECT_GT(e.outline_crossed, 100);
   RangeImage labelled = look({{&plate, flat}});
   labelled.plane.assign(labelled.plane.size(), 1);
+  labelled.near_plane = labelled.plane;
   const Examination table = examine(labelled, brick(), flat);
   EXPECT_EQ(table.outline_crossed, 0) << "things stand on a table";
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";

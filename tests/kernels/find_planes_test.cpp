@@ -185,6 +185,8 @@ TEST(LabelPlanes, TakesTheFirstOfPlanesAndNoneWithoutAPointOrANormal) {
   std::vector<std::uint8_t> labels(3, 99);
   label_planes(points, normals, planes, kTolerance, 0.35F, labels);
   EXPECT_EQ(labels, (std::vector<std::uint8_t>{0, 0, 1}));
+  label_planes(points, planes, kTolerance, labels);
+  EXPECT_EQ(labels, (std::vector<std::uint8_t>{0, 1, 1})) << "by position alone";
 }
 
 }  // namespace

@@ -60,6 +60,39 @@ TEST(RayScene, AgreesWithReferenceOnRandomTriangles) {
   }
 }
 
+TEST(RayScene, AgreesWithReferenceOnDiscs) {
+  Random random;
+  const Points centres = random.dyadic_cloud(100, 1);
+  Normals normals;
+  for (std::size_t i = 0; i < centres.size(); ++i) normals.push_back(random.direction());
+  constexpr float kRadius = 0.1F;
+  const auto scene = RayScene::from_discs(centres, normals, kRadius);
+  ASSERT_TRUE(scene);
+  int met = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Vector3f origin = 3 * random.direction();
+    const Vector3f direction = 0.7F * random.direction() - origin;
+    double expected = reference::kInfinity;
+    bool grazes = false;
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      const Eigen::Vector3d n = normals[i].cast<double>(), o = origin.cast<double>(),
+                            d = direction.cast<double>(), c = centres[i].cast<double>();
+      const double t = n.dot(c - o) / n.dot(d);
+      const double from_centre = (o + t * d - c).norm();
+      grazes |= std::abs(from_centre - 0.1) < 1e-3 || std::abs(n.dot(d) / d.norm()) < 1e-2;
+      if (t > 0 && from_centre < 0.1) expected = std::min(expected, t);
+    }
+    if (grazes) continue;
+    const Hit hit = scene->intersect(origin, direction, 0, 10);
+    ASSERT_EQ(static_cast<bool>(hit), expected < reference::kInfinity);
+    if (!hit) continue;
+    ++met;
+    EXPECT_NEAR(static_cast<double>(hit.distance), expected, 1e-5);
+    EXPECT_NEAR(std::abs(hit.normal.dot(normals[hit.primitive])), 1, 1e-5);
+  }
+  EXPECT_GT(met, 100);
+}
+
 TEST(RayScene, AgreesWithReferenceOnSpheres) {
   Random random;
   const Points centres = random.dyadic_cloud(100, 1);

@@ -94,6 +94,7 @@ inline kernels::RangeImage render(const kernels::ImageGeometry& geometry,
   const std::size_t n = std::size_t{geometry.width} * geometry.height;
   image.depth.assign(n, 0);
   image.plane.assign(n, 0);
+  image.near_plane.assign(n, 0);
   image.normals.resize(n);
   for (std::size_t pixel = 0; pixel < n; ++pixel) {
     const Eigen::Vector3d ray = geometry.back_project(pixel, 1).cast<double>();
@@ -102,7 +103,7 @@ inline kernels::RangeImage render(const kernels::ImageGeometry& geometry,
       const SurfaceHit hit = seen.surface(Eigen::Vector3d::Zero(), ray);
       if (hit.t >= nearest.t) continue;
       nearest = hit;
-      image.plane[pixel] = seen.plane;
+      image.plane[pixel] = image.near_plane[pixel] = seen.plane;
     }
     const bool measured = std::isfinite(nearest.t);
     const auto nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
