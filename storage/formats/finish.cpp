@@ -49,6 +49,7 @@ Result<void> check_range(PointsView points, const Input& input) {
 Result<Cloud> finish(Cloud cloud, const Input& input) {
   const std::size_t num_read = cloud.points.size();
   drop_invalid(cloud);
+  if (cloud.points.empty() && cloud.grid) return cloud;  // the sensor measured nothing
   if (cloud.points.empty()) {
     return input.refuse(
         fmt::format("expected at least one point, found {} of which none is finite", num_read));

@@ -55,6 +55,15 @@ TEST_F(ReadDepthPng, RefusesWhatHoldsNoDepths) {
   EXPECT_TRUE(is_refused(read("\x89PNG, but not really a PNG file, only a text"), "signature"));
 }
 
+// A covered camera, or nothing within its range: a scene all the same.
+TEST_F(ReadDepthPng, ReadsAnImageWithoutAnyMeasurement) {
+  const auto cloud = read(test::depth_png(2, 2, {0, 0, 0, 0}), {.camera = kCamera});
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_TRUE(cloud->points.empty());
+  ASSERT_TRUE(cloud->grid);
+  EXPECT_EQ(cloud->grid->point_index.size(), 4U);
+}
+
 TEST_F(ReadDepthPng, RefusesSizesThatLieBeforeDecoding) {
   const std::string row(3, '\1');
   EXPECT_TRUE(is_refused(read(test::png_file(50000, 50000, 16, 0, row)), "50000 x 50000"));
