@@ -119,6 +119,12 @@ void add_scan(CLI::App& app, Context& context) {
       ->capture_default_str()
       ->group(what);
   command
+      ->add_option("--deviation", options.deviation,
+                   "The objects differ from their models by smooth deviations, root mean square of "
+                   "so many diameters, as printed, cast and scanned ones do; 0.005 is usual")
+      ->capture_default_str()
+      ->group(what);
+  command
       ->add_flag("--bin", options.bin,
                  "Drop the objects into an open box; else onto a table. The camera then looks down "
                  "more steeply")

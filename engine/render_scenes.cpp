@@ -10,6 +10,8 @@
 #include "engine/check_range.hpp"
 #include "engine/make_parts.hpp"
 #include "engine/parallel.hpp"
+#include "kernels/counter_random.hpp"
+#include "kernels/deform_surface.hpp"
 #include "kernels/diameter.hpp"
 #include "storage/read_cloud.hpp"
 #include "storage/write_bop.hpp"
@@ -21,6 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSceneId = 1;  // every image is of this scene of BOP
+
+constexpr std::uint64_t kDeviationStream = 0xDE7;
 
 /// Coarse: of a trained model only its symmetries are used here.
 constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
@@ -147,6 +151,18 @@ Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> model
   return entries;
 }
 
+/// What lies in the scenes in the models' place.
+std::vector<ScanModel> deviating(std::span<const ScanModel> models, const ScanOptions& options) {
+  std::vector<ScanModel> objects(models.begin(), models.end());
+  for (std::size_t m = 0; m < objects.size() && options.deviation > 0; ++m) {
+    const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
+    kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
+    kernels::deform_surface(objects[m].vertices, diameter, options.deviation * diameter,
+                            seeds.next());
+  }
+  return objects;
+}
+
 }  // namespace
 
 Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
@@ -176,7 +192,8 @@ std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed) {
 Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
                                const ScanOptions& options, const fs::path& folder,
                                const Progress& progress) {
-  const Result<VirtualScanner> scanner = VirtualScanner::create(models, unit, options);
+  const std::vector<ScanModel> objects = deviating(models, options);
+  const Result<VirtualScanner> scanner = VirtualScanner::create(objects, unit, options);
   if (!scanner) return scanner.error();
   const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
   for (const fs::path& made_folder :

@@ -27,6 +27,9 @@ struct ScanOptions {
   std::uint64_t seed = 1;           ///< other seeds give other scenes
   bool bin = false;                 ///< in an open box instead of on a table
   bool walls = false;               ///< a corner of two walls behind the heap
+  /// The objects differ from their models by smooth deviations, root mean square of so many
+  /// diameters, 0..0.05.
+  double deviation = 0;
   SensorOptions sensor{};
   bool operator==(const ScanOptions&) const = default;
 };

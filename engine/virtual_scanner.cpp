@@ -296,6 +296,8 @@ Result<void> validate(const ScanOptions& options) {
       {options.of_a_kind >= 1 && options.of_a_kind <= 200, "of-a-kind", "1 to 200",
        static_cast<double>(options.of_a_kind)},
       {options.num_clutter <= 200, "clutter", "0 to 200", static_cast<double>(options.num_clutter)},
+      {options.deviation >= 0 && options.deviation <= 0.05, "deviation [diameters]", "0 to 0.05",
+       options.deviation},
   });
   if (!valid) return valid.error();
   return validate(options.sensor);
