@@ -18,6 +18,13 @@ nlohmann::ordered_json matrix_json(const Pose& pose) {
   return rows;
 }
 
+nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
+  nlohmann::ordered_json json;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    json[std::string(kernels::kScoreParts[k].name)] = parts[k];
+  return json;
+}
+
 struct StoredScene {
   std::filesystem::path file;
   SceneResult result;
@@ -34,7 +41,8 @@ Detection parse_detection(const JsonNode& node) {
           number("visible_fraction"),
           number("violation"),
           number("contour"),
-          number("rmse")};
+          number("rmse"),
+          {}};
 }
 
 StoredScene parse_scene(const JsonNode& node) {
@@ -71,6 +79,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"violation", detection.violation},
                           {"contour", detection.contour},
                           {"rmse", detection.rmse},
+                          {"parts", parts_json(detection.parts)},
                           {"method", "ppf"}});
   }
   const SceneStats& stats = result.stats;
@@ -84,8 +93,21 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
             {"pairs", stats.num_pairs},
             {"votes", stats.num_votes},
             {"hypotheses", stats.num_hypotheses},
-            {"refined", stats.num_refined}}},
+            {"refined", stats.num_refined},
+            {"examined", stats.num_examined}}},
           {"detections", std::move(detections)}};
+}
+
+Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file) {
+  std::vector<ExpectedPose> expected;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    for (const JsonNode& scene : root.at("scenes").elements()) {
+      for (const JsonNode& detection : scene.at("detections").elements())
+        expected.push_back({detection.at("model").string(), detection.at("T_scene_model").pose()});
+    }
+  });
+  if (!done) return done.error();
+  return expected;
 }
 
 Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,

@@ -15,6 +15,9 @@ namespace trivet::apps {
 /// One element of "scenes".
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result);
 
+/// The poses of all scenes of such a document, as expected ones. Errors: as read_detections.
+Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file);
+
 /// Read the detections of a manifest's scenes, one result a scene; none for a scene that is not
 /// there. Scenes are joined by path, else by the end of the path, where that names one of them.
 /// Any program may have written them: per scene "scene" and "detections" must be there, per

@@ -37,14 +37,16 @@ struct Judged {
 
 Result<Judged> recognise_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
                                 const Context& context) {
-  const Result<Library> library = open_library(arguments.library);
+  Result<Library> library = open_library(arguments.library);
   if (!library) return library.error();
-  RecogniseOptions options = options_of(arguments.recognise);
-  options.doubtful_score = std::min(kLowestScore, options.min_score);
-  Judged judged{{}, options.min_score, arguments.library};
+  const Recogniser recogniser(std::move(*library));
+  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  if (!options) return options.error();
+  options->doubtful_score = std::min(kLowestScore, options->min_score);
+  Judged judged{{}, options->min_score, arguments.library};
   judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognise_all(
-      *library, scenes_of(manifest, library->header.unit), options,
+      recogniser, scenes_of(manifest, recogniser.library().header.unit), *options,
       context.console.progress("recognised", context.stop),
       [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; });
   if (!done) return done.error();

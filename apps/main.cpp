@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   apps::add_recognize(app, context);
   apps::add_evaluate(app, context);
   apps::add_scan(app, context);
+  apps::add_calibrate(app, context);
   apps::add_library(app, context);
 
   try {

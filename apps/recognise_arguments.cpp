@@ -1,5 +1,6 @@
 #include "apps/recognise_arguments.hpp"
 
+#include "apps/detections_json.hpp"
 #include "apps/presets.hpp"
 
 namespace trivet::apps {
@@ -23,17 +24,45 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
   command.add_option("--max-votes", arguments.max_votes,
                      "Votes of a reference point for a model; fewer is faster (default 60000)");
+  command.add_option("--rounds", arguments.rounds,
+                     "Of voting, later ones on what is not yet explained; 0 to test expected poses "
+                     "only, else 1 to 4 (default 2)");
   command.add_option("--models", arguments.models, "Only these models, as a,b,c");
+  command
+      .add_option("--region", arguments.region,
+                  "Box x0,y0,z0,x1,y1,z1 in the scene's frame and unit that the models' centres "
+                  "lie in; the rest is not searched")
+      ->delimiter(',')
+      ->expected(6);
+  command
+      .add_option("--tilt", arguments.tilt,
+                  "Limit mx,my,mz,sx,sy,sz,DEG: the model's direction m is within DEG degrees of "
+                  "the scene's direction s")
+      ->delimiter(',')
+      ->expected(7);
+  command.add_option("--expected", arguments.expected,
+                     "Result of an earlier recognition (--json): its poses are tested first, and "
+                     "voting is for what they leave unexplained");
 }
 
-RecogniseOptions options_of(const RecogniseArguments& arguments) {
+Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
   RecogniseOptions options = recognise_presets().at(arguments.preset);
   if (arguments.min_score) options.min_score = *arguments.min_score;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;
   if (arguments.max_votes) options.vote.max_votes = *arguments.max_votes;
   if (arguments.max_instances) options.max_instances = *arguments.max_instances;
+  if (arguments.rounds) options.pose.rounds = *arguments.rounds;
   if (!arguments.models.empty()) options.models = CLI::detail::split(arguments.models, ',');
+  if (const std::vector<float>& r = arguments.region; !r.empty())
+    options.limits.region = PoseLimits::Region{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+  if (const std::vector<float>& t = arguments.tilt; !t.empty())
+    options.limits.tilt = PoseLimits::Tilt{{t[0], t[1], t[2]}, {t[3], t[4], t[5]}, t[6]};
+  if (!arguments.expected.empty()) {
+    Result<std::vector<ExpectedPose>> expected = read_expected_poses(arguments.expected);
+    if (!expected) return expected.error();
+    options.expected = std::move(*expected);
+  }
   return options;
 }
 

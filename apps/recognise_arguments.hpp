@@ -5,21 +5,24 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/recognise.hpp"
 
 namespace trivet::apps {
 
 struct RecogniseArguments {
-  std::string method = "ppf", preset = "balanced", models;
+  std::string method = "ppf", preset = "balanced", models, expected;
+  std::vector<float> region, tilt;
   std::optional<float> min_score, reference_share, neighbour_share;
-  std::optional<std::uint32_t> max_instances, max_votes;
+  std::optional<std::uint32_t> max_instances, max_votes, rounds;
 };
 
 /// `arguments` must live as long as the command.
 void add_recognise_options(CLI::App& command, RecogniseArguments& arguments);
 
-/// The preset with what was given on the command line in its place.
-RecogniseOptions options_of(const RecogniseArguments& arguments);
+/// The preset with what was given on the command line in its place. Errors: of reading expected
+/// poses.
+Result<RecogniseOptions> options_of(const RecogniseArguments& arguments);
 
 }  // namespace trivet::apps

@@ -31,15 +31,18 @@ void print_scene(const std::string& file, const SceneResult& result) {
 }
 
 Result<void> recognize(const RecognizeArguments& arguments, const Context& context) {
-  const Result<Library> library = open_library(arguments.library);
-  if (!library) return library.error();
+  Result<Library> opened = open_library(arguments.library);
+  if (!opened) return opened.error();
+  const Recogniser recogniser(std::move(*opened));
+  const Library& library = recogniser.library();
   SceneArguments scene_arguments = arguments.scenes;
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
-  const Result<SceneInputs> scenes = collect_scenes(scene_arguments, library->header.unit);
+  const Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
-  const RecogniseOptions options = options_of(arguments.recognise);
+  const Result<RecogniseOptions> options = options_of(arguments.recognise);
+  if (!options) return options.error();
   if (!arguments.bop_csv.empty()) {
-    const Result<void> checked = check_bop_ids(*scenes, *library, options.models);
+    const Result<void> checked = check_bop_ids(*scenes, library, options->models);
     if (!checked) return checked;
   }
 
@@ -47,7 +50,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
                                   {"scenes", nlohmann::ordered_json::array()}};
   std::vector<BopResult> bop_results;
   const Result<void> done = recognise_all(
-      *library, scenes->sources, options, context.console.progress("recognised", context.stop),
+      recogniser, scenes->sources, *options, context.console.progress("recognised", context.stop),
       [&](std::size_t index, const SceneResult& result) {
         const std::string file = scenes->sources[index].file.string();
         if (arguments.json.empty()) {

@@ -64,10 +64,10 @@ BENCHMARK(refine_ours)->Name("icp/ours")->Apply(whole_process);
 // From the scan to verified poses of both parts: normals, planes, sampling, voting, refinement,
 // selection.
 void recognise_ours(benchmark::State& state) {
-  const Library& library = trained_parts(relative_step(state));
+  const Recogniser recogniser(trained_parts(relative_step(state)));
   SceneResult result;
   for (auto _ : state) {
-    auto found = recognise(library, parts_scan(), {}, {});
+    auto found = recognise(recogniser, parts_scan(), {}, {});
     if (!found) return state.SkipWithError(found.error().message.c_str());
     result = std::move(*found);
   }

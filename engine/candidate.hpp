@@ -2,20 +2,23 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "kernels/examine_pose.hpp"
+#include "kernels/pose_score.hpp"
 #include "kernels/verify_pose.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::engine {
 
-/// A verified pose of one model.
 struct Candidate {
   std::uint32_t model = 0;
   Pose T_scene_model = Pose::Identity();
-  kernels::Evidence evidence;
-  float score = 0;
-  std::vector<std::uint32_t> explained;  ///< pixels of the agreeing samples, over all images
+  float tolerance = 0;  ///< that it was examined with [library unit]
+  // Of the full test, by rays.
+  kernels::Examination examination;
+  kernels::ScoreParts parts{};
+  float score = 0;                     ///< probability of being right, 0..1
+  kernels::ExplainedPixels explained;  ///< over all images
 };
 
 }  // namespace trivet::engine

@@ -347,6 +347,7 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
   scene.points = cloud.points;
+  scene.scale = input.scale;
   if (input.scale != 1) {
     const PointsSpan span = scene.points;
     const auto scale = static_cast<float>(input.scale);

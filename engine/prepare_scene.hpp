@@ -25,6 +25,7 @@ struct PreparedScene {
   float spacing = 0;                   ///< typical distance between neighbouring measurements
   float window = 2;  ///< half-width of the windows that normals were fitted to [spacing]
   float plane_tolerance = 0;
+  double scale = 1;  ///< the file's lengths were multiplied by it
 };
 
 inline constexpr float kPlaneAngleRad = 0.35F;

@@ -19,6 +19,9 @@ namespace {
 using engine::PreparedScene;
 using engine::SceneLevel;
 
+/// Fewer measurements show nothing: the sensor looks at nothing within its range, or is covered.
+constexpr std::size_t kFewestPoints = 50;
+
 /// Models of one sampling step: they share the sampled scene and its pair features.
 using ModelGroups = std::map<float, std::vector<std::uint32_t>>;
 
@@ -67,49 +70,155 @@ Result<void> check_sizes(const Library& library, const PreparedScene& scene,
                            library.header.unit == LengthUnit::metre ? "m" : "mm", extent)};
 }
 
+/// Only references whose model could lie within the limits vote.
+void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, float reach,
+                         SceneLevel& level) {
+  if (!limits.region) return;
+  const auto scale = static_cast<float>(scene.scale);
+  const Eigen::Array3f low = limits.region->low.array() * scale - reach;
+  const Eigen::Array3f high = limits.region->high.array() * scale + reach;
+  std::erase_if(level.references, [&](std::uint32_t i) {
+    const Eigen::Array3f p = level.points[i].array();
+    return !((p >= low).all() && (p <= high).all());
+  });
+}
+
+/// The search of one scene: candidates from expected poses and rounds of voting, and the choice
+/// among all of them.
+class SceneSearch {
+ public:
+  SceneSearch(const Recogniser& recogniser, const PreparedScene& scene,
+              const RecogniseOptions& options, const std::stop_token& stop, SceneStats& stats)
+      : recogniser_(recogniser),
+        library_(recogniser.library()),
+        scene_(scene),
+        options_(options),
+        stop_(stop),
+        stats_(stats) {}
+
+  Result<void> test_expected(const ModelGroups& groups) {
+    for (const auto& [step, models] : groups) {
+      for (const std::uint32_t m : models) {
+        std::vector<kernels::Hypothesis> hypotheses;
+        for (const ExpectedPose& expected : options_.expected) {
+          if (expected.model != library_.models[m].name) continue;
+          hypotheses.push_back({expected.T_scene_model, 1});
+          hypotheses.back().T_scene_model.translation() *= static_cast<float>(scene_.scale);
+        }
+        if (hypotheses.empty()) continue;
+        if (const Result<void> settled = settle(m, step, hypotheses); !settled) return settled;
+      }
+    }
+    select();
+    return {};
+  }
+
+  Result<void> vote(const ModelGroups& groups) {
+    for (const auto& [step, models] : groups) {
+      float largest = 0;
+      for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
+      SceneLevel level;
+      {
+        const StageTimer timer(stats_.times, "subsample");
+        level = engine::sample_scene(scene_, step, largest, options_.vote, selection_.explained);
+        drop_far_references(options_.limits, scene_, largest, level);
+      }
+      std::vector<std::vector<kernels::Hypothesis>> hypotheses;
+      {
+        const StageTimer timer(stats_.times, "vote");
+        hypotheses = engine::find_hypotheses(library_, level, models, options_.vote, stats_);
+      }
+      for (std::size_t m = 0; m < models.size(); ++m) {
+        const Result<void> settled = settle(models[m], step, hypotheses[m]);
+        if (!settled) return settled;
+      }
+    }
+    select();
+    return {};
+  }
+
+  std::vector<const engine::Candidate*> chosen() const {
+    std::vector<const engine::Candidate*> out;
+    for (const std::uint32_t c : selection_.chosen) out.push_back(&candidates_[c]);
+    return out;
+  }
+
+ private:
+  Result<void> settle(std::uint32_t model, float step,
+                      std::span<const kernels::Hypothesis> hypotheses) {
+    if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
+    Result<std::vector<engine::Candidate>> settled =
+        engine::settle_model(recogniser_, model, scene_, step, hypotheses, options_, stats_);
+    if (!settled) return settled.error();
+    std::move(settled->begin(), settled->end(), std::back_inserter(candidates_));
+    return {};
+  }
+
+  void select() {
+    const StageTimer timer(stats_.times, "select");
+    selection_ = engine::select_detections(library_, scene_, candidates_, options_);
+  }
+
+  const Recogniser& recogniser_;
+  const Library& library_;
+  const PreparedScene& scene_;
+  const RecogniseOptions& options_;
+  const std::stop_token& stop_;
+  SceneStats& stats_;
+  std::vector<engine::Candidate> candidates_;
+  engine::Selection selection_;
+};
+
+/// A candidate as its user sees it, in the scene file's unit.
+Detection report(const Library& library, const engine::Candidate& candidate, double scene_scale) {
+  const Model& model = library.models[candidate.model];
+  const kernels::Examination& e = candidate.examination;
+  const float seen = e.consistent + e.violation + e.background;
+  const float outline = e.outline_free + e.outline_crossed;
+  Detection detection;
+  detection.model = model.name;
+  detection.score = candidate.score;
+  detection.T_scene_model = candidate.T_scene_model;
+  detection.T_scene_model.translation() /= static_cast<float>(scene_scale);
+  detection.visible_fraction = e.covered > 0 ? e.consistent / e.covered : 0;
+  detection.violation = seen > 0 ? e.violation / seen : 0;
+  detection.contour = outline > 0 ? e.outline_free / outline : 1;
+  detection.rmse = std::sqrt(e.residual) * candidate.tolerance / static_cast<float>(scene_scale);
+  detection.parts = candidate.parts;
+  return detection;
+}
+
 }  // namespace
 
-Result<SceneResult> recognise(const Library& library, const Cloud& cloud, const SceneInput& input,
-                              const RecogniseOptions& options, std::stop_token stop) {
+Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
+                              const SceneInput& input, const RecogniseOptions& options,
+                              std::stop_token stop) {
   if (const Result<void> valid = validate(options); !valid) return valid.error();
+  const Library& library = recogniser.library();
   Result<ModelGroups> groups = group_models(library, options.models);
   if (!groups) return groups.error();
 
   SceneResult result;
   SceneStats& stats = result.stats;
+  stats.num_points = cloud.points.size();
+  stats.num_invalid = cloud.num_invalid;
+  if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) return result;
   const auto start = std::chrono::steady_clock::now();
   Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times);
   if (!scene) return scene.error();
   if (const Result<void> sizes = check_sizes(library, *scene, input); !sizes) return sizes.error();
 
-  std::vector<engine::Candidate> candidates;
-  for (const auto& [step, models] : *groups) {
-    float largest = 0;
-    for (const std::uint32_t m : models) largest = std::max(largest, library.models[m].diameter);
-    std::vector<std::vector<kernels::Hypothesis>> hypotheses;
-    SceneLevel level;
-    {
-      const StageTimer timer(stats.times, "subsample");
-      level = engine::sample_scene(*scene, step, largest, options.vote);
-    }
-    {
-      const StageTimer timer(stats.times, "vote");
-      hypotheses = engine::find_hypotheses(library, level, models, options.vote, stats);
-    }
-    for (std::size_t m = 0; m < models.size(); ++m) {
-      if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
-      std::vector<engine::Candidate> settled =
-          engine::settle_model(library, models[m], *scene, step, hypotheses[m], options, stats);
-      std::move(settled.begin(), settled.end(), std::back_inserter(candidates));
-    }
+  SceneSearch search(recogniser, *scene, options, stop, stats);
+  if (!options.expected.empty()) {
+    if (const Result<void> tested = search.test_expected(*groups); !tested) return tested.error();
   }
-  {
-    const StageTimer timer(stats.times, "select");
-    result.detections =
-        engine::select_detections(library, *scene, std::move(candidates), options, input.scale);
+  for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
+    if (const Result<void> voted = search.vote(*groups); !voted) return voted.error();
   }
-  stats.num_points = cloud.points.size();
-  stats.num_invalid = cloud.num_invalid;
+  for (const engine::Candidate* candidate : search.chosen())
+    result.detections.push_back(report(library, *candidate, input.scale));
+  std::stable_sort(result.detections.begin(), result.detections.end(),
+                   [](const Detection& a, const Detection& b) { return a.score > b.score; });
   stats.noise = scene->noise;
   stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -126,6 +235,15 @@ Result<void> validate(const RecogniseOptions& options) {
        static_cast<double>(options.vote.max_votes)},
       {options.vote.peak_share > 0 && options.vote.peak_share <= 1, "peak share", "above 0 to 1",
        options.vote.peak_share},
+      {options.pose.rounds <= 4, "rounds of voting", "0 to 4",
+       static_cast<double>(options.pose.rounds)},
+      {!options.limits.region ||
+           (options.limits.region->low.array() <= options.limits.region->high.array()).all(),
+       "region", "a box whose low corner is below its high corner", 0},
+      {!options.limits.tilt || (options.limits.tilt->model_direction.norm() > 0 &&
+                                options.limits.tilt->scene_direction.norm() > 0 &&
+                                options.limits.tilt->max_angle_deg >= 0),
+       "tilt", "two directions of any length above 0 and an angle of at least 0", 0},
       {options.pose.cluster_translation > 0, "cluster translation [diameters]", "above 0",
        options.pose.cluster_translation},
       {options.pose.cluster_rotation_deg > 0, "cluster rotation [deg]", "above 0",

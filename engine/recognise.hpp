@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/pose_limits.hpp"
 #include "engine/progress.hpp"
+#include "engine/recogniser.hpp"
+#include "kernels/pose_score.hpp"
 #include "storage/cloud.hpp"
-#include "storage/library.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
@@ -35,6 +37,9 @@ struct PoseOptions {
   std::uint32_t max_clusters = 600;   ///< kept per model for the first verification
   std::uint32_t max_refined = 80;     ///< candidates per model that are refined
   std::uint32_t max_per_place = 10;   ///< of them within a place of 0.2 diameters
+  std::uint32_t max_examined = 40;    ///< refined candidates per model that are tested by rays
+  /// Of voting, later ones on what is not yet explained; 0 to test expected poses only.
+  std::uint32_t rounds = 2;
   bool operator==(const PoseOptions&) const = default;
 };
 
@@ -56,6 +61,9 @@ struct RecogniseOptions {
   std::optional<float> doubtful_score{};
   std::uint32_t max_instances = 100;  ///< per model
   std::vector<std::string> models{};  ///< names to look for; empty: all
+  PoseLimits limits{};
+  /// Tested before any voting, which is then for what they leave unexplained.
+  std::vector<ExpectedPose> expected{};
   bool operator==(const RecogniseOptions&) const = default;
 };
 
@@ -75,12 +83,13 @@ struct SceneInput {
 
 struct Detection {
   std::string model;
-  float score = 0;             ///< 0..1
-  Pose T_scene_model;          ///< model point -> scene point, in the scene file's unit
-  float visible_fraction = 0;  ///< agreeing share of the samples that should be visible
-  float violation = 0;         ///< share that the sensor looked through
-  float contour = 0;           ///< share of the outline that stands free
-  float rmse = 0;              ///< of agreeing samples, in the scene file's unit
+  float score = 0;              ///< probability that the pose is right, 0..1
+  Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
+  float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
+  float violation = 0;          ///< share of what was measured there that the sensor looked through
+  float contour = 0;            ///< share of the outline that stands free
+  float rmse = 0;               ///< across the agreeing surface, in the scene file's unit
+  kernels::ScoreParts parts{};  ///< what the score is made of
 };
 
 struct SceneStats {
@@ -90,7 +99,7 @@ struct SceneStats {
   std::size_t num_invalid = 0;  ///< dropped when reading
   float noise = 0;              ///< measured standard deviation of the surface [library unit]
   std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0,
-                num_refined = 0;
+                num_refined = 0, num_examined = 0;
 };
 
 struct SceneResult {
@@ -99,15 +108,16 @@ struct SceneResult {
 };
 
 /// Find the models in one scene that is already in memory. Same input, same bytes for any number of
-/// threads. Errors: bad_data (too few points; sizes that cannot match the library's unit), usage
-/// (unknown model name).
-Result<SceneResult> recognise(const Library& library, const Cloud& scene, const SceneInput& input,
-                              const RecogniseOptions& options, std::stop_token stop = {});
+/// threads. With fewer than 50 measurements nothing is found. Errors: bad_data (sizes that cannot
+/// match the library's unit), usage (unknown model name), internal (no memory for ray tracing).
+Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& scene,
+                              const SceneInput& input, const RecogniseOptions& options,
+                              std::stop_token stop = {});
 
 /// Read and recognise many scenes, a few in flight at a time. `emit` gets each result once, in the
 /// order of the inputs, from one thread at a time. Errors: the first one met, in the order of the
 /// inputs; resumable when stopped.
-Result<void> recognise_all(const Library& library, std::span<const SceneInput> scenes,
+Result<void> recognise_all(const Recogniser& recogniser, std::span<const SceneInput> scenes,
                            const RecogniseOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit);
 

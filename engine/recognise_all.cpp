@@ -21,7 +21,7 @@ struct Finished {
   std::shared_ptr<Result<SceneResult>> result;
 };
 
-Result<SceneResult> read_and_recognise(const Library& library, const SceneInput& input,
+Result<SceneResult> read_and_recognise(const Recogniser& recogniser, const SceneInput& input,
                                        const RecogniseOptions& options, std::stop_token stop) {
   const auto start = std::chrono::steady_clock::now();
   ReadOptions read_options;
@@ -30,7 +30,7 @@ Result<SceneResult> read_and_recognise(const Library& library, const SceneInput&
   if (!cloud) return cloud.error();
   const double read_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  Result<SceneResult> result = recognise(library, *cloud, input, options, stop);
+  Result<SceneResult> result = recognise(recogniser, *cloud, input, options, stop);
   if (result) {
     StageTimes times;
     times.add("read", read_seconds);
@@ -44,7 +44,7 @@ Result<SceneResult> read_and_recognise(const Library& library, const SceneInput&
 
 }  // namespace
 
-Result<void> recognise_all(const Library& library, std::span<const SceneInput> scenes,
+Result<void> recognise_all(const Recogniser& recogniser, std::span<const SceneInput> scenes,
                            const RecogniseOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit) {
   if (const Result<void> valid = validate(options); !valid) return valid;
@@ -61,7 +61,7 @@ Result<void> recognise_all(const Library& library, std::span<const SceneInput> s
   flow::limiter_node<std::size_t> gate(graph, kScenesInFlight);
   flow::function_node<std::size_t, Finished> work(graph, flow::unlimited, [&](std::size_t id) {
     return Finished{id, std::make_shared<Result<SceneResult>>(
-                            read_and_recognise(library, scenes[id], options, progress.stop))};
+                            read_and_recognise(recogniser, scenes[id], options, progress.stop))};
   });
   flow::sequencer_node<Finished> in_order(graph,
                                           [](const Finished& finished) { return finished.id; });

@@ -1,6 +1,7 @@
 #include "engine/settle_model.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "engine/parallel.hpp"
@@ -15,123 +16,229 @@ constexpr std::size_t kFirstLookSamples =
     300;  // samples of the cheap verification before refinement
 constexpr std::size_t kRefineSamples = 500;
 constexpr std::size_t kContourShare = 3;  // contours judged per candidate refined
+constexpr float kPlace = 0.2F;            // in diameters
+constexpr std::uint32_t kExaminedAPlace = 5;
+constexpr float kSameTranslation = 0.01F;  // in diameters
+constexpr float kSameRotationRad = 0.035F;
 
 kernels::ModelSamples samples_of(const Model& model) {
   return {model.samples,        model.sample_normals, model.sample_views,
           model.sample_spacing, model.diameter,       model.centre};
 }
 
-/// Indices of candidates by falling score, ties by index, with a limit per place.
-std::vector<std::uint32_t> best_spread(std::span<const Candidate> candidates, const Model& model,
-                                       const PoseOptions& options) {
-  std::vector<std::uint32_t> order(candidates.size()), chosen;
+/// A pose that was looked at by samples of the surface.
+struct Look {
+  Pose T_scene_model = Pose::Identity();
+  kernels::Evidence evidence;
+  float score = 0;
+};
+
+/// Indices by falling score, ties by index.
+std::vector<std::uint32_t> by_score(std::span<const Look> looks) {
+  std::vector<std::uint32_t> order(looks.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return candidates[a].score > candidates[b].score;
+    return looks[a].score > looks[b].score;
   });
-  const float place = 0.2F * model.diameter;
+  return order;
+}
+
+/// The best ones, with a limit in all and per place.
+std::vector<std::uint32_t> best_spread(std::span<const Look> looks, const Model& model,
+                                       std::size_t limit, std::uint32_t limit_a_place) {
+  std::vector<std::uint32_t> chosen;
   std::vector<Eigen::Vector3f> centres;
-  for (const std::uint32_t c : order) {
-    if (chosen.size() == options.max_refined || !(candidates[c].score > 0)) break;
-    const Eigen::Vector3f centre = candidates[c].T_scene_model * model.centre;
-    const auto near = std::count_if(
-        centres.begin(), centres.end(),
-        [&](const Eigen::Vector3f& other) { return (other - centre).norm() < place; });
-    if (near >= static_cast<std::ptrdiff_t>(options.max_per_place)) continue;
+  for (const std::uint32_t c : by_score(looks)) {
+    if (chosen.size() == limit || !(looks[c].score > 0)) break;
+    const Eigen::Vector3f centre = looks[c].T_scene_model * model.centre;
+    const auto near =
+        std::count_if(centres.begin(), centres.end(), [&](const Eigen::Vector3f& other) {
+          return (other - centre).norm() < kPlace * model.diameter;
+        });
+    if (near >= static_cast<std::ptrdiff_t>(limit_a_place)) continue;
     chosen.push_back(c);
     centres.push_back(centre);
   }
   return chosen;
 }
 
-}  // namespace
-
-std::vector<Candidate> settle_model(const Library& library, std::uint32_t model_index,
-                                    const PreparedScene& scene, float step,
-                                    std::span<const kernels::Hypothesis> hypotheses,
-                                    const RecogniseOptions& options, SceneStats& stats) {
-  const Model& model = library.models[model_index];
-  const kernels::ModelSamples samples = samples_of(model);
-  const std::vector<std::uint8_t> background = background_planes(scene, model.diameter);
-
-  std::vector<kernels::Hypothesis> clusters;
-  {
-    const StageTimer timer(stats.times, "cluster");
-    const kernels::ClusterOptions cluster_options{
-        options.pose.cluster_translation * model.diameter,
-        options.pose.cluster_rotation_deg * kRadiansPerDegree, options.pose.max_clusters};
-    clusters = kernels::cluster_poses(hypotheses, model.symmetry, model.centre, cluster_options);
+/// Leave the best of poses that refinement led to one place.
+std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& model) {
+  std::vector<Look> kept;
+  for (const std::uint32_t c : by_score(looks)) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Look& other) {
+      const kernels::PoseDistance distance = kernels::pose_distance(
+          other.T_scene_model, looks[c].T_scene_model, model.symmetry, model.centre);
+      return distance.translation < kSameTranslation * model.diameter &&
+             distance.rotation_rad < kSameRotationRad;
+    });
+    if (!known) kept.push_back(looks[c]);
   }
-  stats.num_hypotheses += clusters.size();
+  return kept;
+}
 
-  // A first look with the tolerance of an unrefined pose, to choose which ones to refine.
-  std::vector<Candidate> looked(clusters.size());
-  {
-    const StageTimer timer(stats.times, "preselect");
+/// One model in one scene: what all its stages look at.
+class Settling {
+ public:
+  Settling(const Model& model, const PreparedScene& scene, float step,
+           const RecogniseOptions& options, SceneStats& stats)
+      : model_(model),
+        scene_(scene),
+        step_(step),
+        options_(options),
+        stats_(stats),
+        samples_(samples_of(model)),
+        background_(background_planes(scene, model.diameter)) {
+    strict_.tolerance = std::max(options.verify.tolerance_sigmas * scene.noise,
+                                 options.verify.tolerance_diameters * model.diameter);
+    strict_.plane_is_background = background_;
+  }
+
+  std::vector<kernels::Hypothesis> cluster(std::span<const kernels::Hypothesis> hypotheses) const {
+    const StageTimer timer(stats_.times, "cluster");
+    const kernels::ClusterOptions limits{options_.pose.cluster_translation * model_.diameter,
+                                         options_.pose.cluster_rotation_deg * kRadiansPerDegree,
+                                         options_.pose.max_clusters};
+    std::vector<kernels::Hypothesis> clusters =
+        kernels::cluster_poses(hypotheses, model_.symmetry, model_.centre, limits);
+    std::erase_if(clusters, [&](const kernels::Hypothesis& cluster) {
+      return !allowed(cluster.T_scene_model);
+    });
+    return clusters;
+  }
+
+  /// A first look with the tolerance of an unrefined pose chooses which ones to refine.
+  std::vector<Look> preselect(std::span<const kernels::Hypothesis> clusters) const {
+    const StageTimer timer(stats_.times, "preselect");
     kernels::VerifyOptions loose;
-    loose.tolerance = std::max(0.75F * step, 3 * scene.noise);
-    loose.plane_is_background = background;
-    for_chunks(clusters.size(), 8, [&](std::size_t first, std::size_t count) {
-      for (std::size_t c = first; c < first + count; ++c) {
-        looked[c].T_scene_model = clusters[c].T_scene_model;
-        looked[c].evidence = kernels::verify_pose(scene.images, samples, kFirstLookSamples,
-                                                  clusters[c].T_scene_model, loose);
-        looked[c].score = looked[c].evidence.score();
-      }
+    loose.tolerance = std::max(0.75F * step_, 3 * scene_.noise);
+    loose.plane_is_background = background_;
+    std::vector<Look> looks(clusters.size());
+    for_each_index(clusters.size(), [&](std::size_t c) {
+      looks[c].T_scene_model = clusters[c].T_scene_model;
+      looks[c].evidence = kernels::verify_pose(scene_.images, samples_, kFirstLookSamples,
+                                               clusters[c].T_scene_model, loose);
+      looks[c].score = looks[c].evidence.score();
     });
     // The contour only lowers a score, and costs more: it is judged for those that are in the
     // running.
-    std::stable_sort(looked.begin(), looked.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-    looked.resize(std::min<std::size_t>(looked.size(), kContourShare * options.pose.max_refined));
-    PerThread<kernels::ContourScratch> scratch;
-    for_chunks(looked.size(), 4, [&](std::size_t first, std::size_t count) {
-      for (std::size_t c = first; c < first + count; ++c) {
-        kernels::judge_contour(scene.images, samples, looked[c].T_scene_model, loose,
-                               scratch.local(), looked[c].evidence);
-        looked[c].score = looked[c].evidence.score();
-      }
-    });
+    std::vector<Look> running;
+    for (const std::uint32_t c : by_score(looks)) {
+      if (running.size() == kContourShare * options_.pose.max_refined) break;
+      running.push_back(looks[c]);
+    }
+    judge_contours(loose, running);
+    std::vector<Look> best;
+    for (const std::uint32_t c :
+         best_spread(running, model_, options_.pose.max_refined, options_.pose.max_per_place)) {
+      best.push_back(running[c]);
+    }
+    return best;
   }
-  const std::vector<std::uint32_t> chosen = best_spread(looked, model, options.pose);
-  stats.num_refined += chosen.size();
 
-  std::vector<Candidate> candidates(chosen.size());
-  kernels::VerifyOptions strict;
-  strict.tolerance = std::max(options.verify.tolerance_sigmas * scene.noise,
-                              options.verify.tolerance_diameters * model.diameter);
-  strict.plane_is_background = background;
-  {
-    const StageTimer timer(stats.times, "refine");
-    kernels::RefineOptions refine;
-    refine.num_samples = kRefineSamples;
-    refine.first_gate = std::max(1.5F * step, 2 * strict.tolerance);
-    refine.last_gate = strict.tolerance;
-    refine.max_translation = 0.1F * model.diameter;
-    for_chunks(chosen.size(), 1, [&](std::size_t first, std::size_t count) {
-      for (std::size_t k = first; k < first + count; ++k) {
-        candidates[k].model = model_index;
-        candidates[k].T_scene_model =
-            kernels::refine_pose(scene.images, samples, looked[chosen[k]].T_scene_model, refine)
+  std::vector<Look> refine(std::vector<Look> looks) const {
+    {
+      const StageTimer timer(stats_.times, "refine");
+      kernels::RefineOptions sparse;
+      sparse.num_samples = kRefineSamples;
+      sparse.first_gate = std::max(1.5F * step_, 2 * strict_.tolerance);
+      sparse.last_gate = strict_.tolerance;
+      sparse.max_translation = 0.1F * model_.diameter;
+      for_each_index(looks.size(), [&](std::size_t k) {
+        looks[k].T_scene_model =
+            kernels::refine_pose(scene_.images, samples_, looks[k].T_scene_model, sparse)
                 .T_scene_model;
-      }
+      });
+    }
+    const StageTimer timer(stats_.times, "verify");
+    for_each_index(looks.size(), [&](std::size_t k) {
+      looks[k].evidence = kernels::verify_pose(scene_.images, samples_, samples_.points.size(),
+                                               looks[k].T_scene_model, strict_);
     });
+    judge_contours(strict_, looks);
+    looks = without_repetitions(looks, model_);
+    std::vector<Look> best;
+    for (const std::uint32_t c :
+         best_spread(looks, model_, options_.pose.max_examined, kExaminedAPlace)) {
+      best.push_back(looks[c]);
+    }
+    return best;
   }
-  {
-    const StageTimer timer(stats.times, "verify");
+
+  /// Refine once more with all samples, and test by rays.
+  std::vector<Candidate> examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                                 std::span<const Look> looks) const {
+    const StageTimer timer(stats_.times, "examine");
+    kernels::RefineOptions dense;
+    dense.num_samples = samples_.points.size();
+    dense.max_iterations = 3;
+    dense.first_gate = dense.last_gate = strict_.tolerance;
+    dense.max_translation = 0.1F * model_.diameter;
+    kernels::ExamineOptions examine;
+    examine.verify = strict_;
+    examine.window = std::round(scene_.window);
+    std::vector<Candidate> candidates(looks.size());
+    PerThread<kernels::ExamineScratch> scratch;
+    for_each_index(looks.size(), [&](std::size_t k) {
+      Candidate& candidate = candidates[k];
+      candidate.T_scene_model =
+          kernels::refine_pose(scene_.images, samples_, looks[k].T_scene_model, dense)
+              .T_scene_model;
+      candidate.tolerance = strict_.tolerance;
+      kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,
+                            candidate.T_scene_model, examine, scratch.local(),
+                            candidate.examination, &candidate.explained);
+      candidate.parts =
+          kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
+      candidate.score = kernels::pose_probability(score, candidate.parts);
+    });
+    std::erase_if(candidates,
+                  [&](const Candidate& candidate) { return !allowed(candidate.T_scene_model); });
+    return candidates;
+  }
+
+ private:
+  bool allowed(const Pose& pose) const {
+    return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
+  }
+
+  void judge_contours(const kernels::VerifyOptions& options, std::span<Look> looks) const {
     PerThread<kernels::ContourScratch> scratch;
-    for_chunks(candidates.size(), 1, [&](std::size_t first, std::size_t count) {
-      for (std::size_t k = first; k < first + count; ++k) {
-        Candidate& candidate = candidates[k];
-        candidate.evidence =
-            kernels::verify_pose(scene.images, samples, samples.points.size(),
-                                 candidate.T_scene_model, strict, &candidate.explained);
-        kernels::judge_contour(scene.images, samples, candidate.T_scene_model, strict,
-                               scratch.local(), candidate.evidence);
-        candidate.score = candidate.evidence.score();
-      }
+    for_each_index(looks.size(), [&](std::size_t k) {
+      kernels::judge_contour(scene_.images, samples_, looks[k].T_scene_model, options,
+                             scratch.local(), looks[k].evidence);
+      looks[k].score = looks[k].evidence.score();
     });
   }
+
+  const Model& model_;
+  const PreparedScene& scene_;
+  float step_;
+  const RecogniseOptions& options_;
+  SceneStats& stats_;
+  kernels::ModelSamples samples_;
+  std::vector<std::uint8_t> background_;
+  kernels::VerifyOptions strict_;
+};
+
+}  // namespace
+
+Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
+                                            const PreparedScene& scene, float step,
+                                            std::span<const kernels::Hypothesis> hypotheses,
+                                            const RecogniseOptions& options, SceneStats& stats) {
+  const Settling settling(recogniser.library().models[model_index], scene, step, options, stats);
+  const std::vector<kernels::Hypothesis> clusters = settling.cluster(hypotheses);
+  stats.num_hypotheses += clusters.size();
+  std::vector<Look> looks = settling.preselect(clusters);
+  stats.num_refined += looks.size();
+  looks = settling.refine(std::move(looks));
+  stats.num_examined += looks.size();
+  if (looks.empty()) return std::vector<Candidate>{};
+  const Result<kernels::RayScene>& surface = recogniser.surface(model_index);
+  if (!surface) return surface.error();
+  std::vector<Candidate> candidates = settling.examine(*surface, recogniser.score(), looks);
+  for (Candidate& candidate : candidates) candidate.model = model_index;
   return candidates;
 }
 

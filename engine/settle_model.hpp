@@ -8,16 +8,18 @@
 #include "engine/candidate.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/recognise.hpp"
+#include "engine/recogniser.hpp"
 #include "kernels/cluster_poses.hpp"
-#include "storage/library.hpp"
+#include "storage/result.hpp"
 
 namespace trivet::engine {
 
-/// Cluster the hypotheses of one model, look at each, refine the best and verify those. `step` is
-/// the sampling step of the points that voted.
-std::vector<Candidate> settle_model(const Library& library, std::uint32_t model_index,
-                                    const PreparedScene& scene, float step,
-                                    std::span<const kernels::Hypothesis> hypotheses,
-                                    const RecogniseOptions& options, SceneStats& stats);
+/// Cluster the hypotheses of one model, look at each, refine the best, test those by rays and score
+/// them. `step` is the sampling step of the points that voted. Errors: internal (no memory for the
+/// model's ray-tracing tree).
+Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
+                                            const PreparedScene& scene, float step,
+                                            std::span<const kernels::Hypothesis> hypotheses,
+                                            const RecogniseOptions& options, SceneStats& stats);
 
 }  // namespace trivet::engine

@@ -38,11 +38,12 @@ TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
   const auto trained =
       train_library(models_of(*manifest), manifest->unit, {}, folder / "library.h5", {});
   ASSERT_TRUE(trained) << trained.error().message;
-  const Result<Library> library = open_library(folder / "library.h5");
+  Result<Library> library = open_library(folder / "library.h5");
   ASSERT_TRUE(library) << library.error().message;
+  const Recogniser recogniser(std::move(*library));
   std::vector<std::optional<SceneResult>> results(manifest->scenes.size());
   const auto done =
-      recognise_all(*library, scenes_of(*manifest, library->header.unit), {}, {},
+      recognise_all(recogniser, scenes_of(*manifest, recogniser.library().header.unit), {}, {},
                     [&](std::size_t index, const SceneResult& result) { results[index] = result; });
   ASSERT_TRUE(done) << done.error().message;
 

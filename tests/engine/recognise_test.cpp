@@ -21,14 +21,15 @@ class Recognise : public testing::Test {
   static void SetUpTestSuite() {
     bracket_ = test::bracket();
     lever_ = test::lever();
-    library_ = Library{};
+    Library library;
     for (const auto& [name, shape] :
          {std::pair{"bracket", &bracket_}, std::pair{"lever", &lever_}}) {
       auto trained =
           train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
       ASSERT_TRUE(trained) << trained.error().message;
-      library_.models.push_back(std::move(trained->model));
+      library.models.push_back(std::move(trained->model));
     }
+    recogniser_ = Recogniser(std::move(library));
   }
 
   /// Two parts in front of a wall, the lever partly behind the bracket.
@@ -55,11 +56,11 @@ class Recognise : public testing::Test {
   }
 
   static inline test::Shape bracket_, lever_;
-  static inline Library library_;
+  static inline Recogniser recogniser_{Library{}};
 };
 
 TEST_F(Recognise, FindsOccludedPartsInClutterAndNothingElse) {
-  const auto result = recognise(library_, clutter(), {}, {});
+  const auto result = recognise(recogniser_, clutter(), {}, {});
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->detections.size(), 2U);
   expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
@@ -73,12 +74,12 @@ TEST_F(Recognise, FindsEachOfSeveralInstances) {
   const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-0.18F, 0, 0.9F});
   const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {0.18F, 0.02F, 0.95F});
   const Cloud scene = test::render_scan({{&bracket_, left}, {&bracket_, right}});
-  const auto result = recognise(library_, scene, {}, {});
+  const auto result = recognise(recogniser_, scene, {}, {});
   ASSERT_TRUE(result);
   EXPECT_EQ(result->detections.size(), 2U);
   RecogniseOptions one;
   one.max_instances = 1;
-  const auto limited = recognise(library_, scene, {}, one);
+  const auto limited = recognise(recogniser_, scene, {}, one);
   ASSERT_TRUE(limited);
   EXPECT_EQ(limited->detections.size(), 1U);
 }
@@ -88,7 +89,7 @@ TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   std::vector<SceneResult> results;
   for (const unsigned threads : {1U, 2U, 3U}) {
     const ThreadLimit limit(threads);
-    auto result = recognise(library_, scene, {}, {.min_score = 0});
+    auto result = recognise(recogniser_, scene, {}, {.min_score = 0});
     ASSERT_TRUE(result);
     results.push_back(std::move(*result));
   }
@@ -105,12 +106,13 @@ TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
 
 TEST_F(Recognise, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
   const Cloud scene = clutter();
-  const auto all = recognise(library_, scene, {}, {.min_score = 0});
+  const auto all = recognise(recogniser_, scene, {}, {.min_score = 0});
   ASSERT_TRUE(all);
   ASSERT_GE(all->detections.size(), 2U);
   const float best = all->detections[0].score, second = all->detections[1].score;
-  const auto sure = recognise(library_, scene, {}, {.min_score = best});
-  const auto more = recognise(library_, scene, {}, {.min_score = best, .doubtful_score = second});
+  const auto sure = recognise(recogniser_, scene, {}, {.min_score = best});
+  const auto more =
+      recognise(recogniser_, scene, {}, {.min_score = best, .doubtful_score = second});
   ASSERT_TRUE(sure && more);
   EXPECT_EQ(sure->detections.size(), 1U);
   ASSERT_EQ(more->detections.size(), 2U);
@@ -119,7 +121,7 @@ TEST_F(Recognise, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
 
 TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
   const test::Shape room = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
-  const auto wall = recognise(library_, test::render_scan({{&room, Pose::Identity()}}), {}, {});
+  const auto wall = recognise(recogniser_, test::render_scan({{&room, Pose::Identity()}}), {}, {});
   ASSERT_TRUE(wall) << wall.error().message;
   EXPECT_TRUE(wall->detections.empty());
 
@@ -129,17 +131,66 @@ TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
     noise.points.push_back(
         {random.uniform(-0.4F, 0.4F), random.uniform(-0.4F, 0.4F), random.uniform(0.8F, 1.2F)});
   }
-  const auto result = recognise(library_, noise, {}, {});
+  const auto result = recognise(recogniser_, noise, {}, {});
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_TRUE(result->detections.empty());
+}
+
+TEST_F(Recognise, FindsNothingWhereNothingWasMeasured) {
+  Cloud few;
+  for (const int n : {0, 1, 10}) {
+    while (few.points.size() < static_cast<std::size_t>(n))
+      few.points.push_back({static_cast<float>(few.points.size()), 0, 1});
+    const auto result = recognise(recogniser_, few, {}, {});
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_TRUE(result->detections.empty());
+    EXPECT_EQ(result->stats.num_points, static_cast<std::size_t>(n));
+  }
 }
 
 TEST_F(Recognise, TakesAMovedMeshAsAClosedSurface) {
   const Pose motion = test::pose_of({0.4F, -1.2F, 2.0F}, {3, -2, 5});
   const Cloud scene = test::cloud_of(test::Shape(lever_).moved(motion));
-  const auto result = recognise(library_, scene, {.closed_surface = true}, {});
+  const auto result = recognise(recogniser_, scene, {.closed_surface = true}, {});
   ASSERT_TRUE(result) << result.error().message;
   expect_pose(find(*result, "lever"), motion, 0.2F);
+}
+
+TEST_F(Recognise, SearchesWithinTheLimitsOnly) {
+  const auto in_box = [](const Eigen::Vector3f& middle) {
+    RecogniseOptions options;
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(0.1F);
+    options.limits.region = PoseLimits::Region{middle - reach, middle + reach};
+    return options;
+  };
+  const auto all = recognise(recogniser_, clutter(), {}, {});
+  const Eigen::Vector3f centre = bracket_pose() * recogniser_.library().models[0].centre;
+  const auto near_bracket = recognise(recogniser_, clutter(), {}, in_box(centre));
+  ASSERT_TRUE(all && near_bracket);
+  EXPECT_NE(find(*near_bracket, "bracket"), nullptr);
+  EXPECT_EQ(find(*near_bracket, "lever"), nullptr) << "its centre is 0.14 away";
+  EXPECT_LT(near_bracket->stats.num_votes, all->stats.num_votes);
+  const auto aside = recognise(recogniser_, clutter(), {}, in_box({0.5F, 0.5F, 1}));
+  ASSERT_TRUE(aside);
+  EXPECT_TRUE(aside->detections.empty());
+}
+
+TEST_F(Recognise, TestsExpectedPosesWithoutVoting) {
+  RecogniseOptions options;
+  options.pose.rounds = 0;
+  Pose off = lever_pose();
+  off.translation() += Eigen::Vector3f(0.003F, -0.002F, 0.004F);
+  options.expected = {{"lever", off}, {"bracket", test::pose_of({1, 1, 1}, {0, 0, 0.9F})}};
+  const auto result = recognise(recogniser_, clutter(), {}, options);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->stats.num_votes, 0U);
+  ASSERT_EQ(result->detections.size(), 1U) << "no bracket is where one was expected";
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+
+  options.pose.rounds = 1;
+  const auto both = recognise(recogniser_, clutter(), {}, options);
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->detections.size(), 2U) << "voting finds what was not expected";
 }
 
 TEST_F(Recognise, ConvertsTheScenesUnit) {
@@ -148,12 +199,12 @@ TEST_F(Recognise, ConvertsTheScenesUnit) {
   for (const std::span<float> column : {span.x, span.y, span.z}) {
     for (float& value : column) value *= 1000;
   }
-  const auto refused = recognise(library_, scene, {}, {});
+  const auto refused = recognise(recogniser_, scene, {}, {});
   ASSERT_FALSE(refused) << "a scene in mm against a library in m";
   EXPECT_EQ(refused.error().code, ErrorCode::bad_data);
   EXPECT_NE(refused.error().message.find("--unit"), std::string::npos);
 
-  const auto converted = recognise(library_, scene, {.scale = 0.001}, {});
+  const auto converted = recognise(recogniser_, scene, {.scale = 0.001}, {});
   ASSERT_TRUE(converted);
   const Detection* const bracket = find(*converted, "bracket");
   ASSERT_NE(bracket, nullptr);
@@ -161,18 +212,12 @@ TEST_F(Recognise, ConvertsTheScenesUnit) {
 }
 
 TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
-  Cloud few;
-  for (int i = 0; i < 10; ++i) few.points.push_back({static_cast<float>(i), 0, 1});
-  const auto too_few = recognise(library_, few, {}, {});
-  ASSERT_FALSE(too_few);
-  EXPECT_EQ(too_few.error().code, ErrorCode::bad_data);
-
-  const auto unknown = recognise(library_, clutter(), {}, {.models = {"spoon"}});
+  const auto unknown = recognise(recogniser_, clutter(), {}, {.models = {"spoon"}});
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::usage);
   EXPECT_NE(unknown.error().message.find("spoon"), std::string::npos);
 
-  const auto wrong = recognise(library_, clutter(), {}, {.min_score = std::nanf("")});
+  const auto wrong = recognise(recogniser_, clutter(), {}, {.min_score = std::nanf("")});
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
 }
@@ -187,7 +232,7 @@ TEST_F(Recognise, SurvivesDegenerateScenes) {
            }}) {  // one ray
     Cloud cloud;
     for (int i = 0; i < 500; ++i) cloud.points.push_back(make(i));
-    const auto result = recognise(library_, cloud, {}, {});
+    const auto result = recognise(recogniser_, cloud, {}, {});
     if (result) {
       EXPECT_TRUE(result->detections.empty());
     }
@@ -197,7 +242,7 @@ TEST_F(Recognise, SurvivesDegenerateScenes) {
 TEST_F(Recognise, StopsOnRequest) {
   std::stop_source stop;
   stop.request_stop();
-  const auto result = recognise(library_, clutter(), {}, {}, stop.get_token());
+  const auto result = recognise(recogniser_, clutter(), {}, {}, stop.get_token());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::resumable);
 }
@@ -214,7 +259,7 @@ TEST_F(Recognise, TakesManyScenesInOrder) {
   }
   std::vector<std::size_t> order;
   const auto done =
-      recognise_all(library_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
+      recognise_all(recogniser_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
         order.push_back(index);
         EXPECT_NE(find(result, "bracket"), nullptr) << index;
       });
@@ -223,7 +268,7 @@ TEST_F(Recognise, TakesManyScenesInOrder) {
 
   inputs[2].file = folder / "absent.ply";
   const auto failed =
-      recognise_all(library_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
+      recognise_all(recogniser_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::missing_input);
 }

@@ -14,7 +14,7 @@ class SelectDetections : public testing::Test {
     for (const char* name : {"large", "small"}) {
       Model model;
       model.name = name;
-      model.sample_spacing = 1e-3F;
+      model.diameter = 1;
       library_.models.push_back(std::move(model));
     }
     kernels::RangeImage image;
@@ -29,16 +29,16 @@ class SelectDetections : public testing::Test {
     Candidate out;
     out.model = model;
     out.score = score;
-    out.evidence.consistent = num_pixels;
-    for (std::uint32_t i = 0; i < num_pixels; ++i) out.explained.push_back(first + i);
+    out.examination.area = static_cast<float>(num_pixels) * 1e-6F;
+    for (std::uint32_t i = 0; i < num_pixels; ++i) out.explained.pixels.push_back(first + i);
     return out;
   }
   std::vector<std::string> names(const std::vector<Candidate>& candidates,
                                  const RecogniseOptions& options) const {
     std::vector<std::string> out;
-    for (const Detection& detection :
-         engine::select_detections(library_, scene_, candidates, options, 1)) {
-      out.push_back(detection.model);
+    for (const std::uint32_t c :
+         engine::select_detections(library_, scene_, candidates, options).chosen) {
+      out.push_back(library_.models[candidates[c].model].name);
     }
     return out;
   }

@@ -1,0 +1,166 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/commands.hpp"
+#include "engine/calibrate_score.hpp"
+#include "kernels/fit_score.hpp"
+#include "storage/file.hpp"
+#include "storage/library.hpp"
+#include "storage/manifest.hpp"
+
+namespace trivet::apps {
+namespace {
+
+constexpr double kRidge = 1;
+
+struct CalibrateArguments {
+  std::vector<std::string> libraries, manifests;
+  std::string output, csv;
+  unsigned rounds = 2;
+};
+
+Result<Outcomes> recognise_with(const kernels::ScoreModel& score,
+                                const CalibrateArguments& arguments, const Context& context) {
+  Outcomes outcomes;
+  for (std::size_t k = 0; k < arguments.manifests.size(); ++k) {
+    Result<Library> library = open_library(arguments.libraries[k]);
+    if (!library) return library.error();
+    const Result<Manifest> manifest = read_manifest(arguments.manifests[k]);
+    if (!manifest) return manifest.error();
+    const Recogniser recogniser(std::move(*library), score);
+    const Result<void> added = add_outcomes(
+        recogniser, *manifest, {}, context.console.progress("recognised", context.stop), outcomes);
+    if (!added) return added.error();
+  }
+  const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
+  if (num_right < 20 || static_cast<std::size_t>(num_right) + 20 > outcomes.right.size()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected scenes with at least 20 right and 20 wrong detections, "
+                             "found {} and {}; scan more scenes, with objects that the library has "
+                             "and others that it has not",
+                             arguments.manifests.front(), num_right,
+                             outcomes.right.size() - static_cast<std::size_t>(num_right))};
+  }
+  return outcomes;
+}
+
+template <std::size_t N>
+std::string row(const std::array<float, N>& values, std::string_view name) {
+  std::string text = "{";
+  for (std::size_t k = 0; k < N; ++k) {
+    std::string number = fmt::format("{:.5g}", values[k]);
+    if (number.find_first_of(".e") == std::string::npos) number += ".0";
+    text += (k ? ", " : "") + number + "F";
+  }
+  return fmt::format("    {}}},  // {}\n", text, name);
+}
+
+/// The source that default_score() is built from.
+std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes,
+                      std::size_t num_scenes) {
+  const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
+  std::string knots, weights;
+  for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
+    knots += row(model.knots[k], kernels::kScoreParts[k].name);
+    weights += row(model.weights[k], kernels::kScoreParts[k].name);
+  }
+  return fmt::format(
+      "// Written by `trivet calibrate` {}, from {} rendered scenes with {} right and\n"
+      "// {} wrong detections; log loss {:.4f}. scripts/calibrate scans the scenes.\n"
+      "#include \"kernels/pose_score.hpp\"\n\n"
+      "namespace trivet::kernels {{\n\n"
+      "// clang-format off\n"
+      "const ScoreModel& default_score() noexcept {{\n"
+      "  static constexpr ScoreModel model{{{:.5g}F, {{{{\n{}  }}}}, {{{{\n{}  }}}}}};\n"
+      "  return model;\n"
+      "}}\n"
+      "// clang-format on\n\n"
+      "}}  // namespace trivet::kernels\n",
+      TRIVET_VERSION, num_scenes, num_right,
+      outcomes.right.size() - static_cast<std::size_t>(num_right),
+      kernels::log_loss(model, outcomes.parts, outcomes.right), model.bias, knots, weights);
+}
+
+Result<void> publish_text(const std::string& file, const std::string& text) {
+  return publish_file(file, std::as_bytes(std::span(text)));
+}
+
+std::string csv_of(const Outcomes& outcomes) {
+  std::string text = "right";
+  for (const kernels::ScorePart& part : kernels::kScoreParts) text += fmt::format(",{}", part.name);
+  text += '\n';
+  for (std::size_t i = 0; i < outcomes.right.size(); ++i) {
+    text += outcomes.right[i] != 0 ? '1' : '0';
+    for (const float value : outcomes.parts[i]) text += fmt::format(",{:.6g}", value);
+    text += '\n';
+  }
+  return text;
+}
+
+Result<void> calibrate_score(const CalibrateArguments& arguments, const Context& context) {
+  if (arguments.libraries.size() != arguments.manifests.size()) {
+    return Error{ErrorCode::usage,
+                 fmt::format("expected one --library for each --scenes, found {} and {}",
+                             arguments.libraries.size(), arguments.manifests.size())};
+  }
+  std::size_t num_scenes = 0;
+  for (const std::string& file : arguments.manifests) {
+    const Result<Manifest> manifest = read_manifest(file);
+    if (!manifest) return manifest.error();
+    num_scenes += manifest->scenes.size();
+  }
+  kernels::ScoreModel model = kernels::default_score();
+  Outcomes outcomes;
+  for (unsigned round = 0; round < arguments.rounds; ++round) {
+    Result<Outcomes> found = recognise_with(model, arguments, context);
+    if (!found) return found.error();
+    outcomes = std::move(*found);
+    const double before = kernels::log_loss(model, outcomes.parts, outcomes.right);
+    model = kernels::fit_score(outcomes.parts, outcomes.right, kRidge);
+    context.console.line(fmt::format("round {}: {} detections, log loss {:.4f} -> {:.4f}",
+                                     round + 1, outcomes.right.size(), before,
+                                     kernels::log_loss(model, outcomes.parts, outcomes.right)));
+  }
+  if (!arguments.csv.empty()) {
+    const Result<void> written = publish_text(arguments.csv, csv_of(outcomes));
+    if (!written) return written;
+  }
+  return publish_text(arguments.output, source_of(model, outcomes, num_scenes));
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Fit the score of detections to scenes of known truth\n\n"
+      "Recognises the scenes, and fits a monotone logistic model to what the examination of each\n"
+      "detection found and whether it was right. The detections depend on their scores, so this\n"
+      "is done in rounds. Objects in the scenes that the library does not have are unknown ones.");
+  command
+      ->add_option("--library", arguments->libraries,
+                   "Library to find in the scenes that follow; as often as --scenes")
+      ->required();
+  command->add_option("--scenes", arguments->manifests, "Manifest of scenes with their truth")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "C++ source of the score, kernels/default_score.cpp")
+      ->required();
+  command->add_option("--csv", arguments->csv,
+                      "Write the parts of every detection's score and the outcome to this file");
+  command->add_option("--rounds", arguments->rounds, "Of recognising and fitting")
+      ->check(CLI::Range(1, 5))
+      ->capture_default_str();
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return calibrate_score(*arguments, context); };
+  });
+}
+
+}  // namespace trivet::apps

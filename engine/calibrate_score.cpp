@@ -1,0 +1,33 @@
+#include "engine/calibrate_score.hpp"
+
+#include <algorithm>
+
+#include "engine/evaluate.hpp"
+#include "engine/evaluation_meshes.hpp"
+#include "engine/manifest_inputs.hpp"
+
+namespace trivet {
+
+Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
+                          RecogniseOptions options, const Progress& progress, Outcomes& outcomes) {
+  options.doubtful_score = 0;
+  std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
+  const Result<void> done = recognise_all(
+      recogniser, scenes_of(manifest, recogniser.library().header.unit), options, progress,
+      [&](std::size_t index, const SceneResult& result) { results[index] = result; });
+  if (!done) return done;
+  const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(manifest);
+  if (!meshes) return meshes.error();
+  const Result<Evaluation> judged = evaluate(manifest, *meshes, results);
+  if (!judged) return judged.error();
+  for (std::size_t s = 0; s < results.size(); ++s) {
+    for (const JudgedDetection& detection : judged->scenes[s].detections) {
+      if (detection.verdict == Verdict::neutral) continue;
+      outcomes.parts.push_back(results[s]->detections[detection.detection].parts);
+      outcomes.right.push_back(detection.verdict == Verdict::right);
+    }
+  }
+  return {};
+}
+
+}  // namespace trivet

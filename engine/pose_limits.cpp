@@ -1,0 +1,25 @@
+#include "engine/pose_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trivet {
+
+bool PoseLimits::allow(const Pose& T_scene_model, const Eigen::Vector3f& model_centre,
+                       double scale) const noexcept {
+  if (region) {
+    const Eigen::Array3f centre =
+        (T_scene_model * model_centre).array() * static_cast<float>(scale);
+    if (!(centre >= region->low.array()).all() || !(centre <= region->high.array()).all())
+      return false;
+  }
+  if (tilt) {
+    const Eigen::Vector3f turned = T_scene_model.linear() * tilt->model_direction;
+    const float angle =
+        std::atan2(turned.cross(tilt->scene_direction).norm(), turned.dot(tilt->scene_direction));
+    if (!(angle <= tilt->max_angle_deg * (3.14159265F / 180))) return false;
+  }
+  return true;
+}
+
+}  // namespace trivet

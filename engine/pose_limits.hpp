@@ -1,0 +1,43 @@
+/// What is known beforehand of where the models lie.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "storage/model.hpp"
+
+namespace trivet {
+
+/// Poses beyond the limits are neither searched for nor reported.
+struct PoseLimits {
+  struct Region {
+    Eigen::Vector3f low{0, 0, 0}, high{0, 0, 0};
+    bool operator==(const Region&) const = default;
+  };
+  struct Tilt {
+    Eigen::Vector3f model_direction{0, 0, 1}, scene_direction{0, 0, 1};  ///< of any length > 0
+    float max_angle_deg = 180;
+    bool operator==(const Tilt&) const = default;
+  };
+  std::optional<Region> region{};  ///< box that holds the models' centres [scene file's unit]
+  std::optional<Tilt> tilt{};      ///< the model's direction is within this angle of the scene's
+  bool operator==(const PoseLimits&) const = default;
+
+  /// Whether a pose with this centre is within the limits. scale: of the given lengths to the
+  /// region's unit.
+  bool allow(const Pose& T_scene_model, const Eigen::Vector3f& model_centre,
+             double scale) const noexcept;
+};
+
+/// A pose that may be expected, as of an earlier scene.
+struct ExpectedPose {
+  std::string model;
+  Pose T_scene_model = Pose::Identity();  ///< in the scene file's unit
+
+  bool operator==(const ExpectedPose& other) const {
+    return model == other.model && T_scene_model.matrix() == other.T_scene_model.matrix();
+  }
+};
+
+}  // namespace trivet

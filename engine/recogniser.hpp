@@ -1,0 +1,36 @@
+/// A library made ready to recognise with.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "kernels/pose_score.hpp"
+#include "kernels/ray_scene.hpp"
+#include "storage/library.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// A library, and the surfaces of its models that rays can be shot at. One serves any number of
+/// scenes and threads at the same time.
+class Recogniser {
+ public:
+  explicit Recogniser(Library library, const kernels::ScoreModel& score = kernels::default_score());
+  Recogniser(Recogniser&&) noexcept;
+  Recogniser& operator=(Recogniser&&) noexcept;
+  ~Recogniser();
+
+  const Library& library() const noexcept { return library_; }
+  const kernels::ScoreModel& score() const noexcept { return score_; }
+  /// The surface of a model, built when it is first asked for: its faces, or discs on its samples
+  /// where it was trained from a cloud. Errors: internal (Embree's message).
+  const Result<kernels::RayScene>& surface(std::uint32_t model) const;
+
+ private:
+  struct Surface;
+  Library library_;
+  kernels::ScoreModel score_;
+  std::unique_ptr<Surface[]> surfaces_;
+};
+
+}  // namespace trivet

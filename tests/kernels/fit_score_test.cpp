@@ -1,0 +1,94 @@
+#include "kernels/fit_score.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "support/random.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+struct Rows {
+  std::vector<ScoreParts> parts;
+  std::vector<std::uint8_t> right;
+};
+
+/// Outcomes drawn with the log odds that two of the parts say; the others say nothing.
+Rows draw(std::size_t n, std::uint64_t seed) {
+  test::Random random(seed);
+  Rows rows;
+  for (std::size_t i = 0; i < n; ++i) {
+    ScoreParts parts;
+    for (float& value : parts) value = random.uniform(-1, 1);
+    const float log_odds = -2 * parts[0] + 3 * parts[5];  // violation, hold
+    rows.parts.push_back(parts);
+    rows.right.push_back(random.uniform(0, 1) < 1 / (1 + std::exp(-log_odds)) ? 1 : 0);
+  }
+  return rows;
+}
+
+double objective(const ScoreModel& model, const Rows& rows, double ridge) {
+  double sum = 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) {
+    double z = static_cast<double>(model.bias);
+    for (std::size_t k = 0; k < kNumScoreParts; ++k)
+      z += static_cast<double>(part_evidence(model, rows.parts[i], k));
+    sum += std::log1p(std::exp(rows.right[i] != 0 ? -z : z));
+  }
+  for (const auto& weights : model.weights) {
+    for (const float weight : weights) sum += ridge / 2 * static_cast<double>(weight * weight);
+  }
+  return sum;
+}
+
+TEST(FitScore, TellsTheProbabilitiesThatTheOutcomesWereDrawnWith) {
+  const Rows rows = draw(8000, 1), fresh = draw(2000, 2);
+  const ScoreModel model = fit_score(rows.parts, rows.right, 1);
+  double error = 0;
+  for (const ScoreParts& parts : fresh.parts) {
+    const float truth = 1 / (1 + std::exp(2 * parts[0] - 3 * parts[5]));
+    error += static_cast<double>(std::abs(pose_probability(model, parts) - truth));
+  }
+  EXPECT_LT(error / 2000, 0.03);
+  EXPECT_NEAR(log_loss(model, rows.parts, rows.right), log_loss(model, fresh.parts, fresh.right),
+              0.03);
+}
+
+TEST(FitScore, FindsTheMinimum) {
+  const Rows rows = draw(1000, 3);
+  const ScoreModel model = fit_score(rows.parts, rows.right, 1);
+  const double least = objective(model, rows, 1);
+  for (std::size_t k = 0; k < kNumScoreParts; ++k) {
+    for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
+      ASSERT_GE(model.weights[k][i], 0);
+      for (const float step : {-0.02F, 0.02F}) {
+        ScoreModel moved = model;
+        moved.weights[k][i] = std::max(0.0F, moved.weights[k][i] + step);
+        EXPECT_GE(objective(moved, rows, 1), least - 1e-4) << kScoreParts[k].name << " " << i;
+      }
+    }
+  }
+}
+
+TEST(FitScore, BoundsWhatDividesAllOutcomes) {
+  Rows rows = draw(400, 4);
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][5] > 0 ? 1 : 0;
+  const ScoreModel model = fit_score(rows.parts, rows.right, 1);
+  EXPECT_TRUE(std::isfinite(log_loss(model, rows.parts, rows.right)));
+  for (const auto& weights : model.weights) {
+    for (const float weight : weights) EXPECT_LT(weight, 50);
+  }
+}
+
+// A part that stands for a right pose but comes with wrong ones is not believed.
+TEST(FitScore, TurnsNoPartAround) {
+  Rows rows = draw(2000, 5);
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][6] < 0 ? 1 : 0;
+  const ScoreModel model = fit_score(rows.parts, rows.right, 1);
+  for (const float weight : model.weights[6]) EXPECT_EQ(weight, 0);
+}
+
+}  // namespace
+}  // namespace trivet::kernels

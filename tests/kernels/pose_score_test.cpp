@@ -1,0 +1,99 @@
+#include "kernels/pose_score.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/random.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+Examination good() {
+  Examination e;
+  e.covered = 1000;
+  e.consistent = 900;
+  e.violation = 10;
+  e.occluded = 50;
+  e.unknown = 40;
+  e.outline_free = 100;
+  e.outline_crossed = 2;
+  e.residual = 0.05F;
+  e.smooth = 0.01F;
+  e.slope = 0.05F;
+  e.area = 0.4F;
+  e.hold = 0.02F;
+  return e;
+}
+
+float probability(const Examination& e) {
+  return pose_probability(default_score(), score_parts(e, 0.016F));
+}
+
+TEST(PoseScore, IsAProbability) {
+  EXPECT_GT(probability(good()), 0.9F);
+  EXPECT_LT(probability(Examination{}), 0.01F) << "nothing was seen";
+}
+
+TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
+  const auto worse = [](auto&& change) {
+    Examination e = good();
+    change(e);
+    return probability(e);
+  };
+  const float best = probability(good());
+  EXPECT_LT(worse([](Examination& e) { e.violation = 300; }), best);
+  EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
+  EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
+  EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
+  EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);
+}
+
+// Whatever the fit: more of a part never speaks against what it stands for.
+TEST(PoseScore, IsMonotoneInEachPart) {
+  const ScoreModel& model = default_score();
+  test::Random random(1);
+  for (int round = 0; round < 200; ++round) {
+    ScoreParts parts;
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      parts[k] = random.uniform(model.knots[k].front() - 1, model.knots[k].back() + 1);
+    const float before = pose_probability(model, parts);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      ScoreParts more = parts;
+      more[k] += kScoreParts[k].favourable ? 0.3F : -0.3F;
+      EXPECT_GE(pose_probability(model, more), before) << kScoreParts[k].name;
+    }
+  }
+}
+
+TEST(PoseScore, AddsWhatItsPartsSay) {
+  const ScoreModel& model = default_score();
+  const ScoreParts parts = score_parts(good(), 0.016F);
+  double log_odds = static_cast<double>(model.bias);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    // A naive reference: walk along the knots.
+    for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
+      const double low = static_cast<double>(model.knots[k][i]),
+                   high = static_cast<double>(model.knots[k][i + 1]);
+      if (high <= low) continue;
+      double share = (static_cast<double>(parts[k]) - low) / (high - low);
+      share = share < 0 ? 0 : share > 1 ? 1 : share;
+      if (!kScoreParts[k].favourable) share = 1 - share;
+      log_odds += share * static_cast<double>(model.weights[k][i]);
+    }
+  }
+  EXPECT_NEAR(pose_probability(model, parts), 1 / (1 + std::exp(-log_odds)), 1e-5);
+}
+
+TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
+  const ScoreModel& model = default_score();
+  for (std::size_t k = 0; k < kNumScoreParts; ++k) {
+    for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
+      EXPECT_LE(model.knots[k][i], model.knots[k][i + 1]);
+      EXPECT_GE(model.weights[k][i], 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace trivet::kernels
