@@ -33,16 +33,16 @@ Result<void> info(const std::string& file) {
       "file        {}\nsize        {} bytes\nformat      {}.{}\nproducer    {}\nunit        "
       "{}\nparameters  {}\n"
       "models      {}\n\n",
-      file, library->file_bytes, kLibraryVersionMajor, kLibraryVersionMinor,
+      file, library->file_bytes, kLibraryVersionMajor, library->version_minor,
       library->header.producer, unit, library->header.parameters, library->models.size());
-  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10}  {}\n", "model",
+  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>5}  {}\n", "model",
              fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs", "step",
-             "symmetry");
+             "near", "symmetry");
   for (const Model& model : library->models) {
-    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g}  {}\n", model.name,
+    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>5}  {}\n", model.name,
                model.diameter, model.vertices.size(), model.samples.size(), model.ppf_points.size(),
                model.ppf.entries.size(), model.ppf.quantisation.distance_step,
-               describe(model.symmetry));
+               model.near_symmetries.size(), describe(model.symmetry));
   }
   return {};
 }

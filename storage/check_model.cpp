@@ -56,18 +56,30 @@ std::string check_scalars(const Model& model) {
   return {};
 }
 
+std::string check_motions(std::string_view name, const std::vector<Pose>& motions) {
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Eigen::Matrix4f pose = motions[i].matrix();
+    const Eigen::Matrix3f turn = pose.topLeftCorner<3, 3>();
+    const bool rigid = pose.allFinite() && (turn * turn.transpose()).isIdentity(kUnitTolerance) &&
+                       turn.determinant() > 0 && pose.row(3) == Eigen::RowVector4f(0, 0, 0, 1);
+    if (!rigid) return fmt::format("{}[{}]: expected a rigid motion", name, i);
+  }
+  return {};
+}
+
 std::string check_symmetry(const Symmetry& symmetry) {
   if (symmetry.axis && (!unit(symmetry.axis->direction) || !finite(symmetry.axis->point))) {
     return "symmetry axis: expected a unit direction and a finite point";
   }
-  for (std::size_t i = 0; i < symmetry.poses.size(); ++i) {
-    const Eigen::Matrix4f pose = symmetry.poses[i].matrix();
-    const Eigen::Matrix3f turn = pose.topLeftCorner<3, 3>();
-    const bool rigid = pose.allFinite() && (turn * turn.transpose()).isIdentity(kUnitTolerance) &&
-                       turn.determinant() > 0 && pose.row(3) == Eigen::RowVector4f(0, 0, 0, 1);
-    if (!rigid) return fmt::format("symmetry_poses[{}]: expected a rigid motion", i);
+  return check_motions("symmetry_poses", symmetry.poses);
+}
+
+std::string check_near_symmetries(const std::vector<Pose>& motions) {
+  if (motions.size() > kMaxNearSymmetries) {
+    return fmt::format("near_symmetries: expected at most {} motions, found {}", kMaxNearSymmetries,
+                       motions.size());
   }
-  return {};
+  return check_motions("near_symmetries", motions);
 }
 
 std::string check_triangles(const Model& model) {
@@ -156,6 +168,7 @@ Result<void> check_model(const Model& model) {
   const auto checks = {
       +[](const Model& m) { return check_scalars(m); },
       +[](const Model& m) { return check_symmetry(m.symmetry); },
+      +[](const Model& m) { return check_near_symmetries(m.near_symmetries); },
       +[](const Model& m) { return check_points("vertices", m.vertices); },
       +[](const Model& m) { return check_triangles(m); },
       +[](const Model& m) { return check_points("samples", m.samples); },

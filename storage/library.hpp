@@ -14,7 +14,7 @@
 namespace trivet {
 
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
-inline constexpr std::uint32_t kLibraryVersionMinor = 0;  ///< a newer minor version is read
+inline constexpr std::uint32_t kLibraryVersionMinor = 1;  ///< a newer minor version is read
 
 enum class LengthUnit { metre, millimetre };
 
@@ -62,6 +62,7 @@ struct DatasetInfo {
 struct Library {
   std::filesystem::path file;
   LibraryHeader header;
+  std::uint32_t version_minor = 0;  ///< of the file's format
   std::uint64_t file_bytes = 0;
   std::vector<Model> models;          ///< sorted by name; the PPF tables lie in the mapped file
   std::vector<DatasetInfo> datasets;  ///< in file order, for `library info`

@@ -25,7 +25,8 @@ struct DatasetSpec {
   std::array<std::uint64_t, 3> shape;  ///< `rank` of them, one of which is kRows
   std::size_t rank;
   std::string_view long_name;
-  std::string_view units;  ///< empty: the library's unit of length
+  std::string_view units;   ///< empty: the library's unit of length
+  std::uint32_t since = 0;  ///< minor version that brought it
 };
 
 // Vectors lie as three columns: row 0 of (3, n) holds every x.
@@ -61,6 +62,16 @@ inline constexpr DatasetSpec kSymmetryPoses{
     "motions that map the model onto itself, 4x4 row-major; "
     "translations in the unit of length",
     "1"};
+inline constexpr DatasetSpec kNearSymmetries{
+    "",
+    "near_symmetries",
+    ElementType::f32,
+    {kRows, 4, 4},
+    3,
+    "motions that map much of the model onto itself, best first, 4x4 row-major; "
+    "translations in the unit of length",
+    "1",
+    1};
 inline constexpr DatasetSpec kPpfPoints{
     "ppf", "points", ElementType::f32, {3, kRows}, 2, "points of the pair table, rows x, y, z", ""};
 inline constexpr DatasetSpec kPpfNormals{
@@ -74,9 +85,9 @@ inline constexpr DatasetSpec kPpfEntries{
     {kRows, 2}, 2,         "reference point and rotation angle, 65536 = a full turn",
     "1"};
 
-inline constexpr std::array kDatasets{kVertices,    kTriangles,     kSamples,   kSampleNormals,
-                                      kSampleViews, kSymmetryPoses, kPpfPoints, kPpfNormals,
-                                      kPpfOffsets,  kPpfEntries};
+inline constexpr std::array kDatasets{kVertices,    kTriangles,     kSamples,        kSampleNormals,
+                                      kSampleViews, kSymmetryPoses, kNearSymmetries, kPpfPoints,
+                                      kPpfNormals,  kPpfOffsets,    kPpfEntries};
 
 /// XXH3-128 over names, types, shapes and attributes of an object and of all below it, as in
 /// docs/format.md; `children` are the digests of the objects in the group by name.

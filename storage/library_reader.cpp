@@ -63,13 +63,14 @@ class Taker {
     return out;
   }
 
-  /// The bytes of a dataset in the mapped file, when its type, shape and checksum are right.
+  /// The bytes of a dataset in the mapped file, when its type, shape and checksum are right; none
+  /// of a dataset that the file's version did not have.
   std::span<const std::byte> data(const StoredGroup& group, const format::DatasetSpec& spec,
                                   const std::string& path);
 
-  /// A newer minor version may have added datasets.
-  void tolerate_unknown() noexcept { tolerant_ = true; }
-  /// Refuse what the format does not name.
+  /// The minor version of the file: older ones have fewer datasets, newer ones may have more.
+  void set_version(std::uint32_t minor) noexcept { minor_ = minor; }
+  /// Refuse what the format of that version does not name.
   void expect_only(const StoredGroup& group, std::string_view spec_group, std::string_view below,
                    const std::string& path);
 
@@ -86,12 +87,13 @@ class Taker {
 
   const fs::path& file_;
   std::span<const std::byte> bytes_;
-  bool tolerant_ = false;
+  std::uint32_t minor_ = kLibraryVersionMinor;
   std::optional<Error> fault_;
 };
 
 std::span<const std::byte> Taker::data(const StoredGroup& group, const format::DatasetSpec& spec,
                                        const std::string& path) {
+  if (spec.since > minor_) return {};
   const std::string place = path + "/" + std::string(spec.name);
   const auto found = group.datasets.find(std::string(spec.name));
   if (found == group.datasets.end()) {
@@ -123,10 +125,10 @@ std::span<const std::byte> Taker::data(const StoredGroup& group, const format::D
 
 void Taker::expect_only(const StoredGroup& group, std::string_view spec_group,
                         std::string_view below, const std::string& path) {
-  if (tolerant_) return;
+  if (minor_ > kLibraryVersionMinor) return;
   for (const auto& [name, dataset] : group.datasets) {
     const bool known = std::ranges::any_of(format::kDatasets, [&](const format::DatasetSpec& spec) {
-      return spec.group == spec_group && spec.name == name;
+      return spec.group == spec_group && spec.name == name && spec.since <= minor_;
     });
     if (!known) refuse(path + "/" + name, "the format has no such dataset");
   }
@@ -203,6 +205,7 @@ Model take_model(Taker& take, const std::string& name, const StoredGroup& group,
   const Eigen::Vector3f point = take.vector(group.attributes, "symmetry_axis_point", path);
   if (direction != Eigen::Vector3f::Zero()) model.symmetry.axis = Symmetry::Axis{direction, point};
   model.symmetry.poses = copy_poses(take.data(group, format::kSymmetryPoses, path));
+  model.near_symmetries = copy_poses(take.data(group, format::kNearSymmetries, path));
 
   model.vertices = copy_points(take.data(group, format::kVertices, path));
   const auto triangles = take.data(group, format::kTriangles, path);
@@ -285,9 +288,9 @@ Result<Library> read_library(const fs::path& file) {
   if (!root) return root.error();
 
   Taker take(file, bytes);
-  if (take.u32(root->attributes, "format_version_minor", "/") > kLibraryVersionMinor)
-    take.tolerate_unknown();
-  Library out{file, {}, bytes.size(), {}, {}};
+  const std::uint32_t minor = take.u32(root->attributes, "format_version_minor", "/");
+  take.set_version(minor);
+  Library out{file, {}, minor, bytes.size(), {}, {}};
   out.header.producer = take.text(root->attributes, "producer", "/");
   out.header.parameters = take.text(root->attributes, "parameters", "/");
   const std::string unit = take.text(root->attributes, "length_unit", "/");

@@ -246,6 +246,7 @@ bool LibraryWriter::State::write(const Model& model) {
       put(format::kSampleNormals, gather(model.sample_normals)) &&
       put(format::kSampleViews, std::as_bytes(std::span(model.sample_views))) &&
       put(format::kSymmetryPoses, gather(model.symmetry.poses)) &&
+      put(format::kNearSymmetries, gather(model.near_symmetries)) &&
       put(format::kPpfPoints, gather(model.ppf_points)) &&
       put(format::kPpfNormals, gather(model.ppf_normals)) &&
       put(format::kPpfOffsets, std::as_bytes(model.ppf.offsets)) &&

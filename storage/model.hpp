@@ -40,6 +40,9 @@ struct Symmetry {
 inline constexpr std::size_t kViewWords = 4;
 using ViewMask = std::array<std::uint64_t, kViewWords>;
 
+/// How many near symmetries a model has at most.
+inline constexpr std::size_t kMaxNearSymmetries = 16;
+
 struct Model {
   std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
   std::string source;       ///< name of the file it was trained from, without folders
@@ -48,6 +51,10 @@ struct Model {
   Eigen::Vector3f centre{0, 0,
                          0};  ///< area centroid, which every symmetry keeps in place [library unit]
   Symmetry symmetry;
+  /// Motions that map much of the surface onto itself but not all of it, best first: where
+  /// T_scene_model fits a scan, T_scene_model * near_symmetries[i] may look alike. The inverse of
+  /// each is one, too; none is the same placement as another or as the identity.
+  std::vector<Pose> near_symmetries;
 
   Points vertices;      ///< the surface as given, scaled to the library's unit
   Triangles triangles;  ///< empty for a model trained from a cloud

@@ -174,6 +174,29 @@ TEST_F(LibraryDamageTest, ReadsANewerMinorVersionAndIgnoresItsAdditions) {
   expect_refused_or_equal("newer minor version");
 }
 
+TEST_F(LibraryDamageTest, ReadsVersion10WithoutNearSymmetriesAndNotWithThem) {
+  const auto make_old = [](hid_t root) {
+    const std::uint32_t version = 0;
+    replace_attribute(root, "/", "format_version_minor", H5T_NATIVE_UINT32, &version);
+  };
+  edit_library(file(), make_old);
+  seal_library(file());
+  expect_refused("/models/a/near_symmetries");
+  edit_library(file(), [](hid_t root) {
+    for (const char* name : {"models/a/near_symmetries", "models/b/near_symmetries"})
+      ASSERT_GE(H5Ldelete(root, name, H5P_DEFAULT), 0);
+  });
+  seal_library(file());
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  EXPECT_EQ(library->version_minor, 0U);
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    Model expected = models_[i];
+    expected.near_symmetries.clear();
+    EXPECT_EQ(difference(library->models[i], expected), "");
+  }
+}
+
 TEST_F(LibraryDamageTest, RefusesSoftAndExternalLinks) {
   const auto whole = read_bytes(file());
   fs::copy_file(file(), folder() / "other.h5");
@@ -281,6 +304,8 @@ TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
   change("expected 2 groups", [&](hid_t root) { return group(root, "models/c"); });
   change("expected 2 groups", [&](hid_t root) { return remove(root, "models/a"); });
   change("/models/a/vertices", [&](hid_t root) { return remove(root, kVertices.c_str()); });
+  change("/models/a/near_symmetries",
+         [&](hid_t root) { return remove(root, "models/a/near_symmetries"); });
   change("/models/a/ppf", [&](hid_t root) { return remove(root, "models/a/ppf"); });
   change("/models", [&](hid_t root) { return remove(root, "models"); });
   change("/models/a@diameter",
@@ -358,6 +383,7 @@ TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
   reseal("ppf/normals[0]", data("models/a/ppf/normals", std::vector<float>(90, 0)));
   reseal("sample_normals[0]", data("models/a/sample_normals", std::vector<float>(120, 1)));
   reseal("symmetry_poses[0]", data("models/a/symmetry_poses", std::vector<float>(48, 1)));
+  reseal("near_symmetries[0]", data("models/a/near_symmetries", std::vector<float>(32, 1)));
 
   const auto number = [](const char* object, const char* name, hid_t type, auto value) {
     return [=](hid_t root) { replace_attribute(root, object, name, type, &value); };

@@ -47,11 +47,12 @@ TEST_F(LibraryTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(library->header.unit, kHeader.unit);
   EXPECT_EQ(library->header.producer, kHeader.producer);
   EXPECT_EQ(library->header.parameters, kHeader.parameters);
+  EXPECT_EQ(library->version_minor, kLibraryVersionMinor);
   EXPECT_EQ(library->file_bytes, fs::file_size(file()));
   ASSERT_EQ(library->models.size(), 2U);
   EXPECT_EQ(difference(library->models[0], models[1]), "");  // sorted by name
   EXPECT_EQ(difference(library->models[1], models[0]), "");
-  EXPECT_EQ(library->datasets.size(), 20U);
+  EXPECT_EQ(library->datasets.size(), 22U);
 }
 
 // Above 4 kB a table begins on a page and is used in the mapped file, which the model keeps alive.
@@ -77,6 +78,7 @@ TEST_F(LibraryTest, KeepsLargeTablesInTheMappedFileAfterTheLibraryAndTheFileAreG
 TEST_F(LibraryTest, HoldsModelsWithoutMeshSymmetryAndTable) {
   Model bare = random_model("bare", 4, {.num_triangles = 0});
   bare.symmetry = {};
+  bare.near_symmetries.clear();
   bare.source.clear();
   bare.ppf = {};
   write(file(), {&bare, 1});
@@ -201,6 +203,9 @@ TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
   refuses("sample_views", [](Model& m) { m.sample_views.pop_back(); });
   refuses("symmetry_poses[0]", [](Model& m) { m.symmetry.poses[0].linear() *= 2; });
   refuses("symmetry axis", [](Model& m) { m.symmetry.axis->direction *= 2; });
+  refuses("near_symmetries[1]", [](Model& m) { m.near_symmetries[1].linear() *= -1; });
+  refuses("near_symmetries: expected at most 16",
+          [](Model& m) { m.near_symmetries.resize(kMaxNearSymmetries + 1, Pose::Identity()); });
   refuses("ppf/normals", [](Model& m) { m.ppf_normals.resize(3); });
   refuses("ppf@distance_step", [](Model& m) { m.ppf.quantisation.distance_step = 0; });
   refuses("ppf@num_angle_bins", [](Model& m) { m.ppf.quantisation.num_angle_bins = 65536; });

@@ -24,6 +24,13 @@ Eigen::Vector3f unit_vector(Random& random) {
   return v.normalized();
 }
 
+Pose motion(Random& random) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::AngleAxisf(uniform(random, 0, 3), unit_vector(random)).toRotationMatrix();
+  pose.translation() = vector(random);
+  return pose;
+}
+
 Points points(Random& random, std::size_t n, Eigen::Vector3f (*draw)(Random&)) {
   Points out(n);
   for (std::size_t i = 0; i < n; ++i) out.set(i, draw(random));
@@ -80,9 +87,13 @@ bool same(const Column<T>& a, const Column<T>& b) {
   return same<T>(std::span<const T>(a), std::span<const T>(b));
 }
 
-bool same(const Symmetry& a, const Symmetry& b) {
+bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   const auto same_pose = [](const Pose& p, const Pose& q) { return p.matrix() == q.matrix(); };
-  return a.declared == b.declared && std::ranges::equal(a.poses, b.poses, same_pose) &&
+  return std::ranges::equal(a, b, same_pose);
+}
+
+bool same(const Symmetry& a, const Symmetry& b) {
+  return a.declared == b.declared && same(a.poses, b.poses) &&
          a.axis.has_value() == b.axis.has_value() &&
          (!a.axis || (a.axis->direction == b.axis->direction && a.axis->point == b.axis->point));
 }
@@ -98,15 +109,10 @@ Model random_model(const std::string& name, std::uint64_t seed, const RandomMode
   model.diameter = uniform(random, 0.1F, 3);
   model.centre = vector(random);
   model.sample_spacing = uniform(random, 0.001F, 0.1F);
-  for (int i = 0; i < 3; ++i) {
-    Pose pose = Pose::Identity();
-    pose.linear() =
-        Eigen::AngleAxisf(uniform(random, 0, 3), unit_vector(random)).toRotationMatrix();
-    pose.translation() = vector(random);
-    model.symmetry.poses.push_back(pose);
-  }
+  for (int i = 0; i < 3; ++i) model.symmetry.poses.push_back(motion(random));
   model.symmetry.axis = Symmetry::Axis{unit_vector(random), vector(random)};
   model.symmetry.declared = seed % 2 == 0;
+  for (int i = 0; i < 2; ++i) model.near_symmetries.push_back(motion(random));
 
   model.vertices = points(random, size.num_vertices, vector);
   const auto corner = [&] { return static_cast<std::uint32_t>(random() % size.num_vertices); };
@@ -128,6 +134,7 @@ std::string difference(const Model& a, const Model& b) {
   if (a.diameter != b.diameter || a.centre != b.centre || a.sample_spacing != b.sample_spacing)
     return "scalars";
   if (!same(a.symmetry, b.symmetry)) return "symmetry";
+  if (!same(a.near_symmetries, b.near_symmetries)) return "near_symmetries";
   if (!same(a.vertices.view(), b.vertices.view())) return "vertices";
   if (!same(a.triangles.a, b.triangles.a) || !same(a.triangles.b, b.triangles.b) ||
       !same(a.triangles.c, b.triangles.c))
