@@ -1,0 +1,58 @@
+/// Decide between two poses of one model that look alike, by the pixels where they do not.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernels/range_image.hpp"
+#include "kernels/ray_crop.hpp"
+#include "kernels/ray_scene.hpp"
+#include "kernels/verify_pose.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::kernels {
+
+/// How much better a first pose explains the scan than a second one.
+struct PoseComparison {
+  /// Decisions are wrong in less than 1 % of the cases beyond this |z|; see docs/architecture.md.
+  static constexpr double kSignificant = 2.5;
+
+  double log_ratio = 0;  ///< of the likelihoods of the votes; above 0: the first pose is better
+  double num_votes = 0;  ///< blocks of pixels in which the poses differ
+  double z = 0;  ///< log_ratio in its standard deviations; at most sqrt(num_votes) in size, about
+
+  bool significant() const noexcept { return z > kSignificant || z < -kSignificant; }
+};
+
+/// Working memory of compare_poses.
+struct CompareScratch {
+  struct Look {
+    Column<float> depth;
+    Normals normals;
+  };
+  Points directions;
+  Look first, second;
+  std::vector<double> votes;
+};
+
+/// Shoot rays at both poses through the pixels that either may cover, at most some 2,500 an image,
+/// and add up log p(measured | first) - log p(measured | second) where the renderings differ: where
+/// depths are half a tolerance apart, or only one of them meets the model.
+///
+/// surface  of the model, in its own frame and unit
+/// noise    standard deviation of the measured surface [scene unit], >= 0
+/// Of a pose that meets the model: with r the perpendicular residual, the likelihood is that of a
+/// normal distribution around 0, as wide as noise and error of model and pose together, mixed with
+/// a uniform one (relative to what a pixel off the model may show). Measured in front is occlusion
+/// and says nothing, unless it is a background plane, which nothing reaches through; nor does a
+/// background plane at the model's depth, a missing measurement or a grazing surface. Neighbouring
+/// pixels err alike: a block of kVote x kVote pixels has one vote.
+/// compare_poses(b, a) is exactly the negative of compare_poses(a, b).
+/// Source: Vuong, Econometrica 1989 (likelihood ratio of models that do not contain each other); z
+/// takes the mean square of the votes for their variance, so that a few cannot be significant.
+PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene& surface,
+                             const ModelSamples& samples, const Pose& T_scene_first,
+                             const Pose& T_scene_second, float noise, const VerifyOptions& options,
+                             CompareScratch& scratch);
+
+}  // namespace trivet::kernels

@@ -1,0 +1,90 @@
+/// The slow, obvious comparison of two poses: in double, ray by ray, votes in a map.
+#pragma once
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "kernels/range_image.hpp"
+#include "kernels/ray_scene.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::reference {
+
+struct Comparison {
+  double log_ratio = 0, num_votes = 0, z = 0;
+};
+
+/// What the words of compare_poses say, for one image whose plane 1 is background, and a crop that
+/// begins at (u0, v0) with one ray in each pixel.
+inline Comparison comparison(const kernels::RangeImage& image, const kernels::RayScene& surface,
+                             double diameter, const Pose& first, const Pose& second, double noise,
+                             double tolerance, int u0, int v0) {
+  const kernels::ImageGeometry& g = image.geometry;
+  const int width = static_cast<int>(g.width), height = static_cast<int>(g.height);
+  const double sigma = std::hypot(noise, 0.004 * diameter);
+
+  struct Sight {
+    double z, scale;  // scale 0: grazing
+  };
+  const auto look = [&](const Pose& pose, const Eigen::Vector3f& ray) -> std::optional<Sight> {
+    const Pose inverse = pose.inverse();
+    const kernels::Hit hit = surface.intersect(inverse.translation(), inverse.linear() * ray, 0,
+                                               std::numeric_limits<float>::infinity());
+    if (!hit) return std::nullopt;
+    const Eigen::Vector3d d = ray.cast<double>();
+    const double scale = std::abs((pose.linear() * hit.normal).cast<double>().dot(d));
+    return Sight{static_cast<double>(hit.distance), scale > 0.17 * d.norm() ? scale : 0};
+  };
+  const auto likelihood = [&](const std::optional<Sight>& sight, int u, int v) {
+    if (!sight) return 1.0;
+    double best = std::numeric_limits<double>::infinity();
+    bool background = false;
+    const int cross[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    for (const auto& [du, dv] : cross) {
+      if (u + du < 0 || v + dv < 0 || u + du >= width || v + dv >= height) continue;
+      const auto pixel = static_cast<std::size_t>((v + dv) * width + u + du);
+      const double depth = static_cast<double>(image.depth[pixel]);
+      if (!(depth > 0)) continue;
+      const double r = (depth - sight->z) * sight->scale;
+      if (std::abs(r) < std::abs(best)) {
+        best = r;
+        background = image.plane[pixel] == 1;
+      }
+      if (du == 0 && dv == 0 && std::abs(r) <= tolerance) break;
+    }
+    if (!std::isfinite(best)) return 1.0;
+    if (background) return std::abs(best) <= tolerance ? 1.0 : 0.03;
+    const double mixture = 0.03 + 9.97 * std::exp(-best * best / (2 * sigma * sigma));
+    return best < 0 ? std::max(1.0, mixture) : mixture;
+  };
+
+  Comparison out;
+  std::map<std::pair<int, int>, double> votes;
+  for (int v = std::max(0, v0); v < height; ++v) {
+    for (int u = std::max(0, u0); u < width; ++u) {
+      const Eigen::Vector3f ray((static_cast<float>(u) - g.cx) / g.fx,
+                                (static_cast<float>(v) - g.cy) / g.fy, 1);
+      const auto a = look(first, ray), b = look(second, ray);
+      if (!a && !b) continue;
+      if ((a && a->scale == 0) || (b && b->scale == 0)) continue;
+      if (a && b && std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2) continue;
+      out.num_votes += 1.0 / 9;
+      votes[{(u - u0) / 3, (v - v0) / 3}] +=
+          std::log(likelihood(a, u, v) / likelihood(b, u, v)) / 9;
+    }
+  }
+  double squares = 0;
+  for (const auto& [at, vote] : votes) {
+    out.log_ratio += vote;
+    squares += vote * vote;
+  }
+  if (squares > 0) out.z = out.log_ratio / std::sqrt(squares);
+  return out;
+}
+
+}  // namespace trivet::reference
