@@ -11,6 +11,7 @@
 #include "engine/scaled_points.hpp"
 #include "kernels/diameter.hpp"
 #include "kernels/estimate_normals.hpp"
+#include "kernels/find_near_symmetries.hpp"
 #include "kernels/find_symmetry.hpp"
 #include "kernels/ppf_table.hpp"
 #include "kernels/ray_scene.hpp"
@@ -315,6 +316,13 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     model.symmetry = source.symmetry ? *source.symmetry
                                      : kernels::find_symmetry(model.samples, model.sample_normals,
                                                               model.diameter);
+  }
+  {
+    const StageTimer timer(stats.times, "near symmetry");
+    const kernels::ModelSamples surface_samples{model.samples,      model.sample_normals,
+                                                model.sample_views, model.sample_spacing,
+                                                model.diameter,     model.centre};
+    model.near_symmetries = kernels::find_near_symmetries(surface_samples, model.symmetry);
   }
 
   // Points of the table: a dense surface, oriented, thinned by voxel and normal.

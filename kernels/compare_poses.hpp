@@ -14,7 +14,8 @@ namespace trivet::kernels {
 
 /// How much better a first pose explains the scan than a second one.
 struct PoseComparison {
-  /// Decisions are wrong in less than 1 % of the cases beyond this |z|; see docs/architecture.md.
+  /// 0.6 % of a normal distribution lie beyond it on one side, and as few of the decisions between
+  /// near-symmetric poses on rendered scans were wrong (docs/architecture.md, "Rivals").
   static constexpr double kSignificant = 2.5;
 
   double log_ratio = 0;  ///< of the likelihoods of the votes; above 0: the first pose is better

@@ -139,6 +139,14 @@ float SampledSurface::misfit(const Pose& motion, float tolerance, float give_up,
   return result;
 }
 
+void SampledSurface::mark_matched(const Pose& motion, float distance,
+                                  std::span<std::uint8_t> out) const noexcept {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Eigen::Vector3f normal = motion.linear() * normals_[i];
+    out[i] = match(motion * points_[i], normal, slacks_[i], kNone).distance <= distance;
+  }
+}
+
 Pose SampledSurface::refine(Pose motion, std::size_t num_queries, int num_steps) const noexcept {
   const std::size_t n = points_.size();
   const std::size_t step = coprime_step(n);

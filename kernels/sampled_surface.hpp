@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 
 #include "kernels/voxel_hash.hpp"
 #include "storage/model.hpp"
@@ -46,6 +47,10 @@ class SampledSurface {
   /// some number above that, found early.
   float misfit(const Pose& motion, float tolerance, float give_up,
                std::size_t num_queries) const noexcept;
+
+  /// Which of the first samples a motion (of this frame) brings within `distance` < kCap of the
+  /// surface, normals agreeing: 1 or 0 for each. Pre: out.size() <= size().
+  void mark_matched(const Pose& motion, float distance, std::span<std::uint8_t> out) const noexcept;
 
   /// Bring a motion that almost maps the surface onto itself closer to doing so; point-to-plane
   /// steps on num_queries samples, damped so that a motion along the surface stays as it is.

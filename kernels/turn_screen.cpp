@@ -57,30 +57,36 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
   }
 }
 
-float TurnScreen::score(const Eigen::Matrix3f& rotation, float limit) const noexcept {
+float TurnScreen::score(const Pose& motion, float limit) const noexcept {
   std::size_t count = 0;
   for (std::size_t i = 0; i < points_.size(); i += stride_) ++count;
   const float stop = limit * static_cast<float>(count);
   float sum = 0;
   for (std::size_t i = 0; i < points_.size() && sum <= stop; i += stride_) {
-    const Eigen::Array3i voxel =
-        ((rotation * points_[i]).array() * scale_ + 0.5F * kSize).cast<int>();
+    const Eigen::Array3i voxel = ((motion * points_[i]).array() * scale_ + 0.5F * kSize)
+                                     .max(0.0F)
+                                     .min(kSize - 1.0F)
+                                     .cast<int>();
     sum += field_[static_cast<std::size_t>((voxel.z() * kSize + voxel.y()) * kSize + voxel.x())];
   }
   return sum / static_cast<float>(count);
 }
 
+Eigen::Matrix3f TurnScreen::principal_axes() const {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(inertia_).eigenvectors();
+}
+
 std::vector<TurnScreen::Candidate> TurnScreen::candidates() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> principal(inertia_);
+  const Eigen::Matrix3f principal = principal_axes();
   std::vector<Candidate> result, rated;
   for (const int order : {31, 29, 23, 19, 17, 13, 11, 7, 5, 3, 2}) {
     const float angle = 2 * kPi / static_cast<float>(order);
     rated.clear();
     const auto rate = [&](const Eigen::Vector3f& direction) {
-      const float s = score(Eigen::AngleAxisf(angle, direction).toRotationMatrix(), kMaxScore);
+      const float s = score(Pose(Eigen::AngleAxisf(angle, direction)), kMaxScore);
       if (s <= kMaxScore) rated.push_back({direction, order, s});
     };
-    for (int k = 0; k < 3; ++k) rate(principal.eigenvectors().col(k));
+    for (int k = 0; k < 3; ++k) rate(principal.col(k));
     for (int k = 0; order <= 5 && k < kNumAxes; ++k) {
       const float z = 1 - (static_cast<float>(k) + 0.5F) / kNumAxes;
       const float r = std::sqrt(1 - z * z), longitude = 2.3999632F * static_cast<float>(k);

@@ -22,11 +22,16 @@ class TurnScreen {
   /// Turns that may be symmetries, higher orders first, then by rising score.
   std::vector<Candidate> candidates() const;
 
+  /// Mean distance of moved samples from the surface [diameters], each capped at 0.06; where it
+  /// exceeds `limit`, some number above that, found early. The motion is one of the surface's own
+  /// frame.
+  float score(const Pose& motion, float limit) const noexcept;
+  /// Columns: the principal axes of inertia, the longest extent last.
+  Eigen::Matrix3f principal_axes() const;
+
  private:
   static constexpr int kSize = 48;      // voxels along a side of the field
   static constexpr float kCap = 0.06F;  // larger distances count as this
-
-  float score(const Eigen::Matrix3f& rotation, float limit) const noexcept;
 
   PointsView points_;
   std::size_t stride_;

@@ -36,6 +36,15 @@ TEST(TrainModel, DescribesTheWholeVisibleSurface) {
   }
 }
 
+TEST(TrainModel, KnowsWhichPosesLookAlike) {
+  test::Shape bolt = test::prism(60, test::circle(0.025), -0.1, 0.08);
+  bolt.join(test::prism(60, test::circle(0.03), 0.08, 0.1));
+  const auto trained = train_model(test::cloud_of(bolt), source_named("bolt"), {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  ASSERT_EQ(trained->model.near_symmetries.size(), 1U);
+  EXPECT_LT(trained->model.near_symmetries[0].linear()(2, 2), -0.99F) << "end for end";
+}
+
 TEST(TrainModel, GivesOutwardNormalsWhateverTheWinding) {
   const test::Shape shape = test::ellipsoid({0.1F, 0.06F, 0.04F}, 40);
   for (const test::Shape& wound : {shape, shape.inside_out()}) {

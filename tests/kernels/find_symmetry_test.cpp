@@ -7,12 +7,11 @@
 #include <set>
 
 #include "kernels/pose_math.hpp"
-#include "kernels/sample_mesh.hpp"
-#include "kernels/visibility.hpp"
 #include "storage/manifest.hpp"
 #include "storage/read_cloud.hpp"
 #include "support/random.hpp"
 #include "support/reference_model.hpp"
+#include "support/sampled_shape.hpp"
 #include "support/shapes.hpp"
 
 namespace trivet::kernels {
@@ -20,45 +19,15 @@ namespace {
 
 using Eigen::Vector3f;
 using test::Random;
+using test::sample_shape;
+using test::SampledShape;
 using test::Shape;
 
-struct Surface {
-  Points points;
-  Normals normals;
-  float diameter = 0;
-};
-
-/// What training gives: area-uniform samples that are visible from outside, with outward normals.
-Surface sample(PointsView vertices, const Triangles& triangles, std::uint64_t seed = 1,
-               std::size_t n = 2048) {
-  std::vector<double> sums(triangles.size());
-  sum_areas(vertices, triangles, sums);
-  Points points(n);
-  Normals normals(n);
-  sample_mesh(vertices, triangles, sums, seed, 0, n, points, normals);
-  Surface surface;
-  Eigen::Array3f low = vertices[0], high = low;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    low = low.min(vertices[i].array());
-    high = high.max(vertices[i].array());
-  }
-  surface.diameter = (high - low).matrix().norm();
-  const auto scene = RayScene::from_mesh(vertices, triangles);
-  std::vector<ViewMask> masks(n);
-  orient_outward(*scene, points, normals, 1e-4F * surface.diameter, masks);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (masks[i] == ViewMask{}) continue;
-    surface.points.push_back(points[i]);
-    surface.normals.push_back(normals[i]);
-  }
-  return surface;
-}
-
-Symmetry find(const Surface& surface) {
+Symmetry find(const SampledShape& surface) {
   return find_symmetry(surface.points, surface.normals, surface.diameter);
 }
 Symmetry find(const Shape& shape, std::uint64_t seed = 1) {
-  return find(sample(shape.vertices, shape.triangles, seed));
+  return find(sample_shape(shape.vertices, shape.triangles, seed));
 }
 
 /// How far a point is from the triangles, by trying all.
@@ -190,8 +159,9 @@ TEST(FindSymmetry, CoversEveryTurnOfASphereWithin12Degrees) {
 }
 
 TEST(FindSymmetry, DoesNotDependOnTheUnit) {
-  const Surface metres = sample(test::tetrahedron().vertices, test::tetrahedron().triangles);
-  Surface millimetres = metres;
+  const SampledShape metres =
+      sample_shape(test::tetrahedron().vertices, test::tetrahedron().triangles);
+  SampledShape millimetres = metres;
   for (std::size_t i = 0; i < metres.points.size(); ++i) {
     millimetres.points.set(i, 1024 * metres.points[i]);
   }
@@ -206,13 +176,13 @@ TEST(FindSymmetry, DoesNotDependOnTheUnit) {
 
 TEST(FindSymmetry, FindsNothingInTooFewSamples) {
   const Shape cube = test::box({0, 0, 0}, {1, 1, 1});
-  EXPECT_TRUE(find(sample(cube.vertices, cube.triangles, 1, 199)).trivial());
+  EXPECT_TRUE(find(sample_shape(cube.vertices, cube.triangles, 1, 199)).trivial());
   EXPECT_TRUE(find_symmetry(PointsView{}, NormalsView{}, 1).trivial());
 }
 
 TEST(FindSymmetry, LeavesOutSamplesWithoutANormal) {
   const Shape cube = test::box({0, 0, 0}, {1, 1, 1});
-  Surface surface = sample(cube.vertices, cube.triangles, 1, 2500);
+  SampledShape surface = sample_shape(cube.vertices, cube.triangles, 1, 2500);
   for (std::size_t i = 0; i < surface.points.size(); i += 10) {
     surface.normals.set(i, Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   }
@@ -248,7 +218,7 @@ TEST(FindSymmetry, AgreesWithWhatIsKnownOfRealMeshes) {
       if (doubtful.contains(model.name)) continue;
       const auto cloud = read_cloud(model.file);
       ASSERT_TRUE(cloud) << cloud.error().message;
-      const Symmetry found = find(sample(cloud->points, cloud->triangles));
+      const Symmetry found = find(sample_shape(cloud->points, cloud->triangles));
       const Known expected = known.contains(model.name) ? known.at(model.name) : Known{0, false};
       EXPECT_EQ(found.poses.size(), expected.num_poses) << model.name;
       EXPECT_EQ(found.axis.has_value(), expected.axis) << model.name;
