@@ -26,11 +26,13 @@ constexpr std::size_t kMaxRefined = 24;
 constexpr float kStartsApart = 30 * kRadiansPerDegree;
 constexpr float kTurned = 20 * kRadiansPerDegree;
 constexpr float kAround = 15 * kRadiansPerDegree;
-constexpr float kBetter = 0.02F;     // what a rating must rise by to count
-constexpr float kOnSurface = 0.02F;  // [diameters]
-constexpr float kMinAlike = 0.65F;
-constexpr float kMinShare = 0.45F;
-constexpr std::size_t kViewsAlike = kNumViews / 4;
+constexpr float kBetter = 0.02F;                    // what a rating must rise by to count
+constexpr float kSameTurn = 6 * kRadiansPerDegree;  // where refinement ends twice
+constexpr float kSameShift = 0.03F;                 // [diameters]
+constexpr float kOnSurface = 0.02F;                 // [diameters]
+constexpr float kMinAlike = 0.65F;                  // of what a view sees
+constexpr float kMinShare = 0.45F;                  // of all samples
+constexpr std::size_t kViewsAlike = kNumViews / 4;  // so many must be as alike
 constexpr std::size_t kMaxFound = 8;
 static_assert(kMaxFound <= kMaxNearSymmetries);
 constexpr std::size_t kQuickQueries = 300;  // samples of the first rating
@@ -56,9 +58,16 @@ class Search {
 
   std::vector<Pose> run() {
     std::vector<Rated> rivals;
+    std::vector<Pose> seen;
     for (const Pose& start : starts()) {
       Pose motion = surface_.refine(start, 120, 4);
-      if (is_identity(surface_.to_model(motion))) continue;
+      const Pose reached = surface_.to_model(motion);
+      const auto same = [&](const Pose& other) {
+        const PoseDistance d = pose_distance(reached, other, symmetry_, samples_.centre);
+        return d.rotation_rad < kSameTurn && d.translation < kSameShift * samples_.diameter;
+      };
+      if (is_identity(reached) || std::ranges::any_of(seen, same)) continue;
+      seen.push_back(reached);
       if (alike(motion, kQuickQueries) < kMinAlike - 0.1F) continue;
       motion = surface_.refine(motion, 200, 3);
       const Pose rival = surface_.to_model(motion);
@@ -168,10 +177,11 @@ class Search {
   /// Whether no turn beside a motion of the surface's frame looks more alike. Flat faces fit under
   /// any turn about their normals, refinement does not see why one should be better.
   bool is_best_around(const Pose& motion) {
+    const Eigen::Matrix3f axes = screen_.principal_axes();
     const float limit = alike(motion, kQuickQueries) + kBetter;
     for (int axis = 0; axis < 3; ++axis) {
       for (const float angle : {-kAround, kAround}) {
-        const Eigen::Vector3f turn = angle * screen_.principal_axes().col(axis);
+        const Eigen::Vector3f turn = angle * axes.col(axis);
         const Pose beside =
             small_motion(turn, Eigen::Vector3f::Zero(), motion.translation()) * motion;
         if (alike(beside, kQuickQueries) > limit) return false;
