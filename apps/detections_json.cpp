@@ -25,6 +25,12 @@ nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
   return json;
 }
 
+nlohmann::ordered_json rivals_json(const std::vector<Pose>& rivals) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Pose& rival : rivals) json.push_back(matrix_json(rival));
+  return json;
+}
+
 struct StoredScene {
   std::filesystem::path file;
   SceneResult result;
@@ -42,6 +48,7 @@ Detection parse_detection(const JsonNode& node) {
           number("violation"),
           number("contour"),
           number("rmse"),
+          {},
           {}};
 }
 
@@ -80,6 +87,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"contour", detection.contour},
                           {"rmse", detection.rmse},
                           {"parts", parts_json(detection.parts)},
+                          {"ambiguous", !detection.rivals.empty()},
+                          {"rivals", rivals_json(detection.rivals)},
                           {"method", "ppf"}});
   }
   const SceneStats& stats = result.stats;

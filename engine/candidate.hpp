@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "kernels/examine_pose.hpp"
 #include "kernels/pose_score.hpp"
@@ -19,6 +20,7 @@ struct Candidate {
   kernels::ScoreParts parts{};
   float score = 0;                     ///< probability of being right, 0..1
   kernels::ExplainedPixels explained;  ///< over all images
+  std::vector<Pose> rivals;            ///< other poses that the scan cannot tell from this one
 };
 
 }  // namespace trivet::engine

@@ -137,9 +137,21 @@ class SceneSearch {
     return {};
   }
 
-  std::vector<const engine::Candidate*> chosen() const {
-    std::vector<const engine::Candidate*> out;
-    for (const std::uint32_t c : selection_.chosen) out.push_back(&candidates_[c]);
+  /// The chosen candidates, sure ones held against their rivals.
+  Result<std::vector<engine::Candidate>> chosen() {
+    std::vector<engine::Candidate> out;
+    for (const std::uint32_t c : selection_.chosen) {
+      out.push_back(candidates_[c]);
+      if (out.back().score < options_.min_score) continue;
+      const std::uint32_t model = candidates_[c].model;
+      std::vector<engine::Candidate> others;
+      std::copy_if(candidates_.begin(), candidates_.end(), std::back_inserter(others),
+                   [&](const engine::Candidate& other) { return other.model == model; });
+      const Result<void> settled = engine::settle_rivals(
+          recogniser_, scene_, library_.models[model].ppf.quantisation.distance_step, others,
+          options_, stats_, out.back());
+      if (!settled) return settled.error();
+    }
     return out;
   }
 
@@ -174,7 +186,7 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   const Model& model = library.models[candidate.model];
   const kernels::Examination& e = candidate.examination;
   const float seen = e.consistent + e.violation + e.background;
-  const float outline = e.outline_free + e.outline_crossed;
+  const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   Detection detection;
   detection.model = model.name;
   detection.score = candidate.score;
@@ -182,9 +194,13 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   detection.T_scene_model.translation() /= static_cast<float>(scene_scale);
   detection.visible_fraction = e.covered > 0 ? e.consistent / e.covered : 0;
   detection.violation = seen > 0 ? e.violation / seen : 0;
-  detection.contour = outline > 0 ? e.outline_free / outline : 1;
+  detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
   detection.rmse = std::sqrt(e.residual) * candidate.tolerance / static_cast<float>(scene_scale);
   detection.parts = candidate.parts;
+  for (Pose rival : candidate.rivals) {
+    rival.translation() /= static_cast<float>(scene_scale);
+    detection.rivals.push_back(rival);
+  }
   return detection;
 }
 
@@ -215,8 +231,10 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
     if (const Result<void> voted = search.vote(*groups); !voted) return voted.error();
   }
-  for (const engine::Candidate* candidate : search.chosen())
-    result.detections.push_back(report(library, *candidate, input.scale));
+  const Result<std::vector<engine::Candidate>> chosen = search.chosen();
+  if (!chosen) return chosen.error();
+  for (const engine::Candidate& candidate : *chosen)
+    result.detections.push_back(report(library, candidate, input.scale));
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   stats.noise = scene->noise;

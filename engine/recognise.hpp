@@ -87,9 +87,12 @@ struct Detection {
   Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
   float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
   float violation = 0;          ///< share of what was measured there that the sensor looked through
-  float contour = 0;            ///< share of the outline that stands free
+  float contour = 0;            ///< share of the outline that the scene does not run on beyond
   float rmse = 0;               ///< across the agreeing surface, in the scene file's unit
   kernels::ScoreParts parts{};  ///< what the score is made of
+  /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
+  /// detection is ambiguous.
+  std::vector<Pose> rivals{};
 };
 
 struct SceneStats {

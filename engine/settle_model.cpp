@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "engine/parallel.hpp"
+#include "kernels/compare_poses.hpp"
 #include "kernels/pose_math.hpp"
 #include "kernels/refine_pose.hpp"
 
@@ -20,6 +22,11 @@ constexpr float kPlace = 0.2F;            // in diameters
 constexpr std::uint32_t kExaminedAPlace = 5;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
+// Within these limits two poses are one placement, not rivals: those of a right detection.
+constexpr float kRivalRotationRad = 12 * kRadiansPerDegree, kRivalTranslation = 0.1F;
+constexpr float kRivalPlace = 0.3F;  // in diameters
+constexpr float kLeastRivalScore = 0.1F;
+constexpr int kMaxHops = 3;  // from rival to better rival
 
 kernels::ModelSamples samples_of(const Model& model) {
   return {model.samples,        model.sample_normals, model.sample_views,
@@ -139,11 +146,7 @@ class Settling {
   std::vector<Look> refine(std::vector<Look> looks) const {
     {
       const StageTimer timer(stats_.times, "refine");
-      kernels::RefineOptions sparse;
-      sparse.num_samples = kRefineSamples;
-      sparse.first_gate = std::max(1.5F * step_, 2 * strict_.tolerance);
-      sparse.last_gate = strict_.tolerance;
-      sparse.max_translation = 0.1F * model_.diameter;
+      const kernels::RefineOptions sparse = sparse_refinement();
       for_each_index(looks.size(), [&](std::size_t k) {
         looks[k].T_scene_model =
             kernels::refine_pose(scene_.images, samples_, looks[k].T_scene_model, sparse)
@@ -166,38 +169,110 @@ class Settling {
   }
 
   /// Refine once more with all samples, and test by rays.
-  std::vector<Candidate> examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                                 std::span<const Look> looks) const {
+  std::vector<Candidate> examine_all(const kernels::RayScene& surface,
+                                     const kernels::ScoreModel& score,
+                                     std::span<const Look> looks) const {
     const StageTimer timer(stats_.times, "examine");
-    kernels::RefineOptions dense;
-    dense.num_samples = samples_.points.size();
-    dense.max_iterations = 3;
-    dense.first_gate = dense.last_gate = strict_.tolerance;
-    dense.max_translation = 0.1F * model_.diameter;
-    kernels::ExamineOptions examine;
-    examine.verify = strict_;
-    examine.window = std::round(scene_.window);
     std::vector<Candidate> candidates(looks.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
-      Candidate& candidate = candidates[k];
-      candidate.T_scene_model =
-          kernels::refine_pose(scene_.images, samples_, looks[k].T_scene_model, dense)
-              .T_scene_model;
-      candidate.tolerance = strict_.tolerance;
-      kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,
-                            candidate.T_scene_model, examine, scratch.local(),
-                            candidate.examination, &candidate.explained);
-      candidate.parts =
-          kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
-      candidate.score = kernels::pose_probability(score, candidate.parts);
+      candidates[k] = examine(surface, score, looks[k].T_scene_model, scratch.local());
     });
     std::erase_if(candidates,
                   [&](const Candidate& candidate) { return !allowed(candidate.T_scene_model); });
     return candidates;
   }
 
+  void settle_rivals(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                     std::span<const Candidate> others, Candidate& candidate) const {
+    const StageTimer timer(stats_.times, "rivals");
+    kernels::ExamineScratch examine_scratch;
+    kernels::CompareScratch compare_scratch;
+    std::vector<Pose> alike;
+    for (int hop = 0; hop <= kMaxHops; ++hop) {
+      alike.clear();
+      std::optional<Pose> better;
+      double most = 0;
+      for (const Pose& rival : rivals_of(candidate.T_scene_model, others)) {
+        const kernels::PoseComparison comparison =
+            kernels::compare_poses(scene_.images, surface, samples_, rival, candidate.T_scene_model,
+                                   scene_.noise, strict_, compare_scratch);
+        if (comparison.log_ratio > most) {
+          most = comparison.log_ratio;
+          better = rival;
+        }
+        if (!comparison.significant()) alike.push_back(rival);
+      }
+      if (!better || hop == kMaxHops) break;
+      Candidate moved = examine(surface, score, *better, examine_scratch);
+      if (moved.score < options_.min_score) break;
+      candidate = std::move(moved);
+    }
+    for (const Pose& pose : alike) {
+      const Candidate rival = examine(surface, score, pose, examine_scratch);
+      if (rival.score >= options_.min_score) candidate.rivals.push_back(rival.T_scene_model);
+    }
+  }
+
  private:
+  /// Other placements of the model that may look like this one, refined.
+  std::vector<Pose> rivals_of(const Pose& pose, std::span<const Candidate> others) const {
+    std::vector<Pose> rivals;
+    const auto add = [&](const Pose& rival) {
+      const auto differs = [&](const Pose& known) {
+        const kernels::PoseDistance distance =
+            kernels::pose_distance(known, rival, model_.symmetry, model_.centre);
+        return distance.rotation_rad > kRivalRotationRad ||
+               distance.translation > kRivalTranslation * model_.diameter;
+      };
+      if (allowed(rival) && differs(pose) && std::all_of(rivals.begin(), rivals.end(), differs))
+        rivals.push_back(rival);
+    };
+    const kernels::RefineOptions sparse = sparse_refinement();
+    for (const Pose& motion : model_.near_symmetries) {
+      add(kernels::refine_pose(scene_.images, samples_, pose * motion, sparse).T_scene_model);
+    }
+    for (const Candidate& other : others) {
+      const float apart = (other.T_scene_model * model_.centre - pose * model_.centre).norm();
+      if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
+        add(other.T_scene_model);
+    }
+    return rivals;
+  }
+
+  kernels::RefineOptions sparse_refinement() const {
+    kernels::RefineOptions sparse;
+    sparse.num_samples = kRefineSamples;
+    sparse.first_gate = std::max(1.5F * step_, 2 * strict_.tolerance);
+    sparse.last_gate = strict_.tolerance;
+    sparse.max_translation = 0.1F * model_.diameter;
+    return sparse;
+  }
+
+  /// Refine once more with all samples, and test by rays.
+  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                    const Pose& pose, kernels::ExamineScratch& scratch) const {
+    kernels::RefineOptions dense;
+    dense.num_samples = samples_.points.size();
+    dense.max_iterations = 3;
+    dense.first_gate = dense.last_gate = strict_.tolerance;
+    dense.max_translation = 0.1F * model_.diameter;
+    kernels::ExamineOptions options;
+    options.verify = strict_;
+    options.window = std::round(scene_.window);
+    Candidate candidate;
+    candidate.T_scene_model =
+        kernels::refine_pose(scene_.images, samples_, pose, dense).T_scene_model;
+    candidate.tolerance = strict_.tolerance;
+    kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,
+                          candidate.T_scene_model, options, scratch, candidate.examination,
+                          &candidate.explained);
+    candidate.parts =
+        kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
+    candidate.score = kernels::pose_probability(score, candidate.parts);
+    return candidate;
+  }
+
   bool allowed(const Pose& pose) const {
     return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
   }
@@ -237,9 +312,22 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
   if (looks.empty()) return std::vector<Candidate>{};
   const Result<kernels::RayScene>& surface = recogniser.surface(model_index);
   if (!surface) return surface.error();
-  std::vector<Candidate> candidates = settling.examine(*surface, recogniser.score(), looks);
+  std::vector<Candidate> candidates = settling.examine_all(*surface, recogniser.score(), looks);
   for (Candidate& candidate : candidates) candidate.model = model_index;
   return candidates;
+}
+
+Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
+                           std::span<const Candidate> others, const RecogniseOptions& options,
+                           SceneStats& stats, Candidate& candidate) {
+  const Result<kernels::RayScene>& surface = recogniser.surface(candidate.model);
+  if (!surface) return surface.error();
+  const Settling settling(recogniser.library().models[candidate.model], scene, step, options,
+                          stats);
+  const std::uint32_t model = candidate.model;
+  settling.settle_rivals(*surface, recogniser.score(), others, candidate);
+  candidate.model = model;
+  return {};
 }
 
 }  // namespace trivet::engine

@@ -3,7 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
+
+#include "kernels/ray_crop.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -11,71 +13,12 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr float kGrazing = 0.17F;  // cosine below which a surface is too oblique to be measured
-constexpr int kMaxSide = 48;       // rays along a side of the crop
-constexpr int kMargin = 2;         // rays around the model's ball, for its outline
-constexpr double kFewest = 6;      // residuals of a window that give a slope
-
-constexpr std::array<std::array<int, 2>, 5> kCross{{{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
+constexpr int kMargin = 2;             // rays around the model's ball, for its outline
+constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
+constexpr double kFewest = 6;          // residuals of a window that give a slope
 
 enum State : std::uint8_t { kMissed, kOutside, kJudged, kConsistent };
-
-/// The rays: one in each `stride` pixels, from (u0, v0) on.
-struct Crop {
-  int u0 = 0, v0 = 0, stride = 1, width = 0, height = 0;
-
-  std::size_t size() const noexcept {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
-  std::size_t at(int i, int j) const noexcept {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(i);
-  }
-  int u(int i) const noexcept { return u0 + stride * i; }
-  int v(int j) const noexcept { return v0 + stride * j; }
-};
-
-/// The crop that a ball in the camera's frame projects into; empty where it is off the image.
-Crop crop_of(const ImageGeometry& g, const Eigen::Vector3f& centre, float radius) noexcept {
-  Crop crop;
-  if (!(centre.z() > 1.05F * radius)) return crop;
-  const float x = centre.x() / centre.z(), y = centre.y() / centre.z();
-  // The tangents of the ball's cone, bounded from above.
-  const float reach = radius / std::sqrt(centre.z() * centre.z() - radius * radius);
-  const float half_u = g.fx * reach * (1 + x * x + std::abs(x) * reach);
-  const float half_v = g.fy * reach * (1 + y * y + std::abs(y) * reach);
-  const float u = g.fx * x + g.cx, v = g.fy * y + g.cy;
-  if (!(u + half_u > 0 && v + half_v > 0 && u - half_u < static_cast<float>(g.width) &&
-        v - half_v < static_cast<float>(g.height))) {
-    return crop;
-  }
-  crop.stride = std::max(1, static_cast<int>(std::ceil(2 * std::max(half_u, half_v) / kMaxSide)));
-  const auto rays = [&](float half) {
-    return static_cast<int>(std::ceil(2 * half / static_cast<float>(crop.stride))) + 2 * kMargin;
-  };
-  crop.width = rays(half_u);
-  crop.height = rays(half_v);
-  crop.u0 = static_cast<int>(std::floor(u)) - crop.stride * (crop.width / 2);
-  crop.v0 = static_cast<int>(std::floor(v)) - crop.stride * (crop.height / 2);
-  return crop;
-}
-
-Eigen::Vector3f ray_through(const ImageGeometry& g, int u, int v) noexcept {
-  return {(static_cast<float>(u) - g.cx) / g.fx, (static_cast<float>(v) - g.cy) / g.fy, 1};
-}
-
-void shoot(const ImageGeometry& g, const Crop& crop, const RayScene& surface,
-           const Pose& T_model_camera, ExamineScratch& s) {
-  s.directions.resize(crop.size());
-  s.normals.resize(crop.size());
-  s.distance.resize(crop.size());
-  const Eigen::Matrix3f R = T_model_camera.linear();
-  for (int j = 0; j < crop.height; ++j) {
-    for (int i = 0; i < crop.width; ++i)
-      s.directions.set(crop.at(i, j), R * ray_through(g, crop.u(i), crop.v(j)));
-  }
-  surface.intersect_many(T_model_camera.translation(), s.directions, s.distance, s.normals);
-}
 
 /// Sums over the consistent pixels of all images.
 struct Sums {
@@ -87,7 +30,7 @@ struct Sums {
 class Examiner {
  public:
   Examiner(const RangeImage& image, const ModelSamples& samples, const Pose& T_scene_model,
-           const ExamineOptions& options, ExamineScratch& scratch)
+           const PixelBox& box, const ExamineOptions& options, ExamineScratch& scratch)
       : image_(image),
         g_(image.geometry),
         options_(options),
@@ -95,14 +38,13 @@ class Examiner {
         T_camera_model_(g_.T_camera_scene * T_scene_model),
         diameter_(samples.diameter),
         centre_(T_camera_model_ * samples.centre),
-        crop_(crop_of(g_, centre_, 0.5F * reach_of(samples))) {}
+        crop_(box, kMargin) {}
 
-  bool sees_nothing() const noexcept { return crop_.width == 0; }
-  const Crop& crop() const noexcept { return crop_; }
+  const RayCrop& crop() const noexcept { return crop_; }
 
   void compare(const RayScene& surface, std::uint32_t first_pixel, Examination& out, Sums& sums,
                ExplainedPixels* explained) {
-    shoot(g_, crop_, surface, T_camera_model_.inverse(), s_);
+    shoot_rays(g_, crop_, surface, T_camera_model_, s_.directions, s_.distance, s_.normals);
     s_.state.assign(crop_.size(), kMissed);
     s_.residual.assign(crop_.size(), 0);
     const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
@@ -128,7 +70,8 @@ class Examiner {
         const float facing = -normal.dot(ray) / length;
         if (!(facing > kGrazing)) continue;
 
-        const auto [r, pixel] = nearest_measurement(u, v, z, length * facing);
+        const auto [r, pixel] =
+            measure_along(image_, u, v, z, length * facing, options_.verify.tolerance);
         if (pixel < 0) {
           out.unknown += square;
           continue;
@@ -213,38 +156,8 @@ class Examiner {
   }
 
  private:
-  /// Twice the distance that samples lie from the centre, which no other point of the surface
-  /// exceeds by more than their spacing.
-  static float reach_of(const ModelSamples& samples) noexcept {
-    float reach = 0;
-    for (std::size_t i = 0; i < samples.points.size(); ++i)
-      reach = std::max(reach, (samples.points[i] - samples.centre).squaredNorm());
-    return 2 * (std::sqrt(reach) + samples.spacing);
-  }
-
   bool inside(int u, int v) const noexcept {
     return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
-  }
-
-  struct Measurement {
-    float r;
-    std::int64_t pixel;  // -1: nothing was measured
-  };
-
-  /// The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a
-  /// hole.
-  Measurement nearest_measurement(int u, int v, float z, float scale) const noexcept {
-    Measurement best{std::numeric_limits<float>::infinity(), -1};
-    for (const auto& [du, dv] : kCross) {
-      if (!inside(u + du, v + dv)) continue;
-      const std::int64_t pixel = static_cast<std::int64_t>(v + dv) * g_.width + (u + du);
-      const float d = image_.depth[static_cast<std::size_t>(pixel)];
-      if (!(d > 0)) continue;
-      const float r = (d - z) * scale;
-      if (std::abs(r) < std::abs(best.r)) best = {r, pixel};
-      if (du == 0 && dv == 0 && std::abs(r) <= options_.verify.tolerance) break;
-    }
-    return best;
   }
 
   /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
@@ -302,8 +215,22 @@ class Examiner {
     if (open) {
       out.outline_free += length;
     } else if (judged) {
-      out.outline_crossed += length;
+      const bool folded = folds(crop_.u(i), crop_.v(j), di, dj);
+      (folded ? out.outline_touching : out.outline_crossed) += length;
     }
+  }
+
+  /// Whether the scene's surface bends between both sides of a pixel, as where two bodies touch;
+  /// false where either side has no normal. The normals lie far enough apart that none is fitted
+  /// to both sides.
+  bool folds(int u, int v, int du, int dv) const noexcept {
+    const int away = static_cast<int>(options_.window) + 1;
+    const int u0 = u - away * du, v0 = v - away * dv, u1 = u + away * du, v1 = v + away * dv;
+    if (!inside(u0, v0) || !inside(u1, v1)) return false;
+    const auto normal = [&](int x, int y) {
+      return image_.normals[static_cast<std::size_t>(y) * g_.width + static_cast<std::size_t>(x)];
+    };
+    return normal(u0, v0).dot(normal(u1, v1)) < kFoldCosine;
   }
 
   const RangeImage& image_;
@@ -313,7 +240,7 @@ class Examiner {
   Pose T_camera_model_;
   float diameter_;
   Eigen::Vector3f centre_;
-  Crop crop_;
+  RayCrop crop_;
 };
 
 /// What turning about the symmetry axis does to J, as a unit vector; zero without an axis.
@@ -336,11 +263,14 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
                   ExplainedPixels* explained) {
   out = {};
   if (explained) *explained = {};
+  const float radius = 0.5F * ball_diameter(samples);
   Sums sums;
   std::uint32_t first_pixel = 0;
   for (const RangeImage& image : images) {
-    Examiner examiner(image, samples, T_scene_model, options, scratch);
-    if (!examiner.sees_nothing()) {
+    const std::optional<PixelBox> box = project_ball(
+        image.geometry, image.geometry.T_camera_scene * (T_scene_model * samples.centre), radius);
+    if (box) {
+      Examiner examiner(image, samples, T_scene_model, *box, options, scratch);
       examiner.compare(surface, first_pixel, out, sums, explained);
       examiner.smooth(sums);
       examiner.follow_outline(out);

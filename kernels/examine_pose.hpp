@@ -24,8 +24,9 @@ struct Examination {
   float unknown = 0;    ///< no measurement
   float background = 0;  ///< agrees only with a background plane
 
-  float outline_free = 0;     ///< outline beyond which the scene falls back or is not measured
-  float outline_crossed = 0;  ///< ... beyond which the scene runs on at the model's depth
+  float outline_free = 0;      ///< outline beyond which the scene falls back or is not measured
+  float outline_touching = 0;  ///< ... beyond which something else touches: the scene has a fold
+  float outline_crossed = 0;   ///< ... beyond which the scene runs on smoothly at the model's depth
 
   // Of the consistent pixels; 0 without any.
   float residual = 0;  ///< mean of (r / tolerance)^2, 0..1

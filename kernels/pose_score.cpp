@@ -8,8 +8,9 @@ namespace trivet::kernels {
 ScoreParts score_parts(const Examination& e, float relative_tolerance) noexcept {
   // The constants keep logarithms finite and stand for what a few pixels cannot tell apart.
   const float seen = e.consistent + e.violation + e.background;
+  const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   return {std::log((e.violation + e.background + 1) / (seen + 10)),
-          std::log((e.outline_crossed + 1) / (e.outline_free + e.outline_crossed + 5)),
+          std::log((e.outline_crossed + 1) / (outline + 5)),
           e.residual,
           std::log(e.smooth + 0.002F),
           std::log(e.slope + 0.01F),

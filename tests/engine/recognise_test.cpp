@@ -159,11 +159,12 @@ TEST_F(Recognise, TakesAMovedMeshAsAClosedSurface) {
 TEST_F(Recognise, SearchesWithinTheLimitsOnly) {
   const auto in_box = [](const Eigen::Vector3f& middle) {
     RecogniseOptions options;
+    options.pose.rounds = 1;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(0.1F);
     options.limits.region = PoseLimits::Region{middle - reach, middle + reach};
     return options;
   };
-  const auto all = recognise(recogniser_, clutter(), {}, {});
+  const auto all = recognise(recogniser_, clutter(), {}, {.pose = {.rounds = 1}});
   const Eigen::Vector3f centre = bracket_pose() * recogniser_.library().models[0].centre;
   const auto near_bracket = recognise(recogniser_, clutter(), {}, in_box(centre));
   ASSERT_TRUE(all && near_bracket);

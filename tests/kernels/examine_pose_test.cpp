@@ -52,6 +52,8 @@ RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float w
   image.plane.assign(n, 0);
   image.near_plane.assign(n, 0);
   image.normals.resize(n);
+  for (std::size_t pixel = 0; pixel < n; ++pixel)
+    image.normals.set(pixel, Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   for (std::size_t pixel = 0; pixel < n; ++pixel) {
     const Vector3f ray = image.geometry.back_project(pixel, 1);
     for (const auto& [body, pose] : bodies) {
@@ -211,6 +213,27 @@ TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
   const Examination table = examine(labelled, brick(), flat);
   EXPECT_EQ(table.outline_crossed, 0) << "things stand on a table";
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";
+}
+
+// The same depths, but the surface beyond the model's outline has another direction.
+TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
+  const Body plate({0.3F, 0.3F, 0.04F});
+  const Pose flat = placed({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = look({{&plate, flat}});
+  const Eigen::Vector3f towards(0, 0, -1), aslant = Eigen::Vector3f(0, -1, -1).normalized();
+  const auto paint = [&](const Eigen::Vector3f& beyond) {
+    for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+      const Eigen::Vector3f p = image.geometry.back_project(pixel, image.depth[pixel]);
+      const bool on_brick = std::abs(p.x()) <= 0.1F && std::abs(p.y()) <= 0.06F;
+      image.normals.set(pixel, on_brick ? towards : beyond);
+    }
+    return examine(image, brick(), flat);
+  };
+  const Examination on = paint(towards), touching = paint(aslant);
+  EXPECT_EQ(on.outline_touching, 0);
+  EXPECT_GT(on.outline_crossed, 100);
+  EXPECT_EQ(touching.outline_crossed, 0);
+  EXPECT_EQ(touching.outline_touching, on.outline_crossed);
 }
 
 TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
