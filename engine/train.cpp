@@ -164,11 +164,12 @@ std::vector<ViewMask> views_of_points(const Model& model) {
   return views;
 }
 
-/// Put the points that pairs start at first: one of each set of symmetric copies. Returns how many
-/// there are.
-std::size_t references_first(float step, Model& model) {
+/// Put the points that pairs start at first: one of each set of symmetric copies, `spacing` apart.
+/// Returns how many there are.
+std::size_t references_first(float step, float spacing, Model& model) {
   std::vector<std::uint8_t> is_reference(model.ppf_points.size(), 1);
   kernels::choose_references(model.ppf_points, model.symmetry, step, is_reference);
+  kernels::spread_references(model.ppf_points, model.ppf_normals, spacing, is_reference);
   std::vector<std::uint32_t> order(is_reference.size());
   std::iota(order.begin(), order.end(), 0U);
   const auto rest = std::stable_partition(order.begin(), order.end(),
@@ -184,7 +185,8 @@ std::size_t references_first(float step, Model& model) {
 
 Result<void> build_table(const ModelSource& source, const TrainOptions& options, float step,
                          Model& model) {
-  const std::size_t num_references = references_first(step, model);
+  const std::size_t num_references =
+      references_first(step, options.reference_spacing * step, model);
   const std::vector<ViewMask> views = views_of_points(model);
   const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views};
   PpfQuantisation quantisation{step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)),
@@ -237,6 +239,8 @@ Result<void> validate(const TrainOptions& options) {
   return engine::check_ranges({
       {options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step",
        "0.01 to 0.2", options.relative_step},
+      {options.reference_spacing >= 0 && options.reference_spacing <= 5,
+       "reference spacing [steps]", "0 to 5", options.reference_spacing},
       {options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60",
        static_cast<double>(options.num_angle_bins)},
       {options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180,

@@ -19,6 +19,9 @@ namespace trivet {
 struct TrainOptions {
   float relative_step =
       0.04F;  ///< tau_d: sampling step / diameter, 0.01..0.2; smaller finds more, slower
+  /// Distance between the model's points that pairs start at, in steps, 0 to 5; 0: every point.
+  /// Larger is faster and finds a little less.
+  float reference_spacing = 1.2F;
   std::uint32_t num_angle_bins = 15;  ///< bins over 180 degrees for the angles of a pair, 6..60
   float normal_cluster_angle_deg =
       30;  ///< points of one voxel whose normals differ more stay apart, > 0

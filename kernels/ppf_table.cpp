@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/voxel_hash.hpp"
+
 namespace trivet::kernels {
 
 PairScratch::PairScratch(std::size_t num_points)
@@ -74,6 +76,22 @@ void choose_references(PointsView points, const Symmetry& symmetry, float margin
       chosen = chosen && std::abs(d.dot(aside)) <= margin && d.dot(across) >= -margin;
     }
     is_reference[i] = chosen;
+  }
+}
+
+void spread_references(PointsView points, NormalsView normals, float distance,
+                       std::span<std::uint8_t> is_reference) {
+  assert(normals.size() == points.size() && is_reference.size() == points.size() &&
+         "one normal and one mark per point");
+  if (!(distance > 0)) return;
+  constexpr float kLikeCosine = 0.7071F;
+  const VoxelHash grid(points, distance);
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    if (is_reference[i] == 0) continue;
+    const Eigen::Vector3f normal = normals[i];
+    grid.visit_within(points[i], distance, [&](std::uint32_t k, float) {
+      if (k > i && normals[k].dot(normal) >= kLikeCosine) is_reference[k] = 0;
+    });
   }
 }
 

@@ -30,7 +30,7 @@ struct PpfQuantisation {
 struct PpfTableView {
   PpfQuantisation quantisation;
   std::uint32_t num_references =
-      0;  ///< pairs start at points below it; the rest are their symmetric copies
+      0;  ///< pairs start at points below it; the rest are near them or their symmetric copies
   std::span<const std::uint32_t> offsets;  ///< num_cells() + 1, non-decreasing
   std::span<const PpfEntry> entries;       ///< offsets.back() of them
 };

@@ -28,7 +28,6 @@ TEST(TrainModel, DescribesTheWholeVisibleSurface) {
   EXPECT_GT(model.samples.size(), 1000U);
   EXPECT_GT(trained->stats.num_hidden_samples, 0U)
       << "the parts overlap: their inner faces cannot be seen";
-  EXPECT_EQ(model.ppf.num_references, model.ppf_points.size());
   EXPECT_EQ(model.ppf.offsets.size(), model.ppf.quantisation.num_cells() + 1U);
   EXPECT_EQ(model.ppf.entries.size(), model.ppf.offsets.back());
   for (std::size_t i = 0; i < model.ppf_points.size(); ++i) {
@@ -43,6 +42,32 @@ TEST(TrainModel, KnowsWhichPosesLookAlike) {
   ASSERT_TRUE(trained) << trained.error().message;
   ASSERT_EQ(trained->model.near_symmetries.size(), 1U);
   EXPECT_LT(trained->model.near_symmetries[0].linear()(2, 2), -0.99F) << "end for end";
+}
+
+TEST(TrainModel, StartsPairsAtPointsThatTheSpacingKeepsApart) {
+  const Cloud surface = test::cloud_of(test::bracket());
+  const auto all = train_model(surface, source_named("bracket"), {.reference_spacing = 0});
+  const auto spread = train_model(surface, source_named("bracket"), {.reference_spacing = 1.5F});
+  ASSERT_TRUE(all && spread);
+  EXPECT_EQ(all->model.ppf.num_references, all->model.ppf_points.size());
+  const Model& model = spread->model;
+  EXPECT_EQ(model.ppf_points.size(), all->model.ppf_points.size());
+  EXPECT_LT(model.ppf.num_references, model.ppf_points.size() / 2);
+  const float distance = 1.5F * model.ppf.quantisation.distance_step;
+  const auto near_and_like = [&](std::size_t i, std::size_t k) {
+    return (model.ppf_points[i] - model.ppf_points[k]).norm() <= distance &&
+           model.ppf_normals[i].dot(model.ppf_normals[k]) > 0.71F;
+  };
+  for (std::size_t i = 0; i < model.ppf_points.size(); ++i) {
+    std::size_t near = 0;
+    for (std::size_t k = 0; k < model.ppf.num_references; ++k)
+      near += k != i && near_and_like(i, k);
+    if (i < model.ppf.num_references) {
+      ASSERT_EQ(near, 0U) << i;
+    } else {
+      ASSERT_GT(near, 0U) << i;
+    }
+  }
 }
 
 TEST(TrainModel, GivesOutwardNormalsWhateverTheWinding) {
@@ -119,6 +144,7 @@ TEST(TrainOptionsCheck, NamesTheOptionThatIsOutOfRange) {
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
   EXPECT_NE(wrong.error().message.find("relative step"), std::string::npos);
   EXPECT_FALSE(validate(TrainOptions{.relative_step = std::nanf("")}));
+  EXPECT_FALSE(validate(TrainOptions{.reference_spacing = -1}));
 }
 
 TEST(SamplingStep, IsSharedByDiametersWithinAnEighthOfAnOctave) {

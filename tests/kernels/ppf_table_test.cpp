@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "support/allocations.hpp"
@@ -301,6 +302,48 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
           << flips << ' ' << h;
     }
   }
+}
+
+/// In order: a marked point stays unless one that stayed is near it and of like direction.
+std::vector<std::uint8_t> naive_spread(const OrientedCloud& cloud, double distance,
+                                       std::vector<std::uint8_t> marked) {
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double apart = (cloud.points[i] - cloud.points[k]).cast<double>().norm();
+      const double cosine = cloud.normals[i].cast<double>().dot(cloud.normals[k].cast<double>());
+      if (marked[k] != 0 && apart <= distance && cosine >= std::sqrt(0.5)) marked[i] = 0;
+    }
+  }
+  return marked;
+}
+
+TEST(SpreadReferences, AgreesWithTheNaiveChoice) {
+  for (const std::size_t n : {0U, 1U, 2U, 50U, 1000U}) {
+    for (const float distance : {0.05F, 0.3F, 5.0F}) {
+      Random random(n);
+      const OrientedCloud cloud = test::random_oriented(random, n);
+      std::vector<std::uint8_t> marked(n);
+      for (auto& mark : marked) mark = random.below(4) != 0;
+      const auto expected = naive_spread(cloud, static_cast<double>(distance), marked);
+      spread_references(cloud.points, cloud.normals, distance, marked);
+      EXPECT_EQ(marked, expected) << n << ' ' << distance;
+    }
+  }
+}
+
+TEST(SpreadReferences, KeepsAllAtNoDistanceAndBothSidesOfAWall) {
+  OrientedCloud wall;
+  for (int i = 0; i < 20; ++i) {
+    wall.points.push_back({static_cast<float>(i / 2), 0, i % 2 == 0 ? 0 : 0.01F});
+    wall.normals.push_back({0, 0, i % 2 == 0 ? -1.0F : 1.0F});
+  }
+  std::vector<std::uint8_t> marked(20, 1);
+  spread_references(wall.points, wall.normals, 0, marked);
+  EXPECT_EQ(std::ranges::count(marked, 1), 20);
+  spread_references(wall.points, wall.normals, 0.5F, marked);
+  EXPECT_EQ(std::ranges::count(marked, 1), 20) << "a thin wall's sides are near each other";
+  spread_references(wall.points, wall.normals, 1.5F, marked);
+  EXPECT_EQ(std::ranges::count(marked, 1), 10);
 }
 
 }  // namespace
