@@ -23,7 +23,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       "--neighbour-share", arguments.neighbour_share,
       "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
   command.add_option("--max-votes", arguments.max_votes,
-                     "Votes of a reference point for a model; fewer is faster (default 60000)");
+                     "Votes of a reference point for a model; fewer is faster (default 40000)");
   command.add_option("--rounds", arguments.rounds,
                      "Of voting, later ones on what is not yet explained; 0 to test expected poses "
                      "only, else 1 to 4 (default 2)");

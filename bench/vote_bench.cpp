@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <unordered_map>
 
@@ -22,11 +23,14 @@ struct Sweep {
 
 Sweep make_sweep() {
   Sweep sweep{trained_parts(kDefaultStep).models[0], {}};
-  const PpfQuantisation& quantisation = sweep.model.ppf.quantisation;
+  const VoteOptions options;
+  PpfQuantisation quantisation = sweep.model.ppf.quantisation;
+  quantisation.num_distance_bins = static_cast<std::uint32_t>(
+      std::ceil(options.radius * static_cast<float>(quantisation.num_distance_bins)));
   const float radius =
       quantisation.distance_step * static_cast<float>(quantisation.num_distance_bins);
-  const engine::SceneLevel level =
-      engine::sample_scene(prepared_scan(), quantisation.distance_step, sweep.model.diameter, {});
+  const engine::SceneLevel level = engine::sample_scene(prepared_scan(), quantisation.distance_step,
+                                                        sweep.model.diameter, options);
   kernels::PairScratch scratch(level.points.size());
   std::vector<std::uint64_t> keys;
   for (const std::uint32_t r : level.references) {

@@ -1,6 +1,7 @@
 #include "engine/find_hypotheses.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/parallel.hpp"
 #include "kernels/scene_pairs.hpp"
@@ -47,12 +48,14 @@ std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& lib
                                                               const VoteOptions& options,
                                                               SceneStats& stats) {
   // The largest table's quantisation serves all: keys of equal step differ only in how far they
-  // reach.
+  // reach, which is cut to the ball.
   PpfQuantisation quantisation;
   for (const std::uint32_t m : models) {
     const PpfQuantisation& own = library.models[m].ppf.quantisation;
     if (own.num_distance_bins > quantisation.num_distance_bins) quantisation = own;
   }
+  quantisation.num_distance_bins = static_cast<std::uint32_t>(
+      std::ceil(options.radius * static_cast<float>(quantisation.num_distance_bins)));
   const float radius =
       quantisation.distance_step * static_cast<float>(quantisation.num_distance_bins);
 

@@ -245,6 +245,8 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
 
 Result<void> validate(const RecogniseOptions& options) {
   return engine::check_ranges({
+      {options.vote.radius > 0 && options.vote.radius <= 1, "radius of pairs [diameters]",
+       "above 0 to 1", options.vote.radius},
       {options.vote.reference_share > 0 && options.vote.reference_share <= 1, "reference share",
        "above 0 to 1", options.vote.reference_share},
       {options.vote.max_references > 0, "maximum references", "at least 1",

@@ -19,14 +19,17 @@
 namespace trivet {
 
 struct VoteOptions {
+  /// Of the ball around a reference point that its pairs end in, in diameters, above 0 to 1.
+  /// Smaller is faster and bears more occlusion, larger bears more noise.
+  float radius = 0.4F;
   float reference_share =
-      0.2F;  ///< share of the sampled scene points that vote as references, 0..1
+      0.1F;  ///< share of the sampled scene points that vote as references, 0..1
   std::uint32_t max_references = 4000;  ///< per size of models; fewer is faster in large scenes
   float neighbour_share =
       0;  ///< outer share of a bin in which the adjoining cell votes too, 0..0.5; slower
   std::uint32_t max_votes =
-      60000;  ///< per reference point and model; the fullest cells are left out; fewer is faster
-  std::uint32_t max_peaks = 3;  ///< poses per reference point, 1..8
+      40000;  ///< per reference point and model; the fullest cells are left out; fewer is faster
+  std::uint32_t max_peaks = 2;  ///< poses per reference point, 1..8
   float peak_share = 0.9F;  ///< lower peaks, relative to the best of a reference point, are dropped
   bool operator==(const VoteOptions&) const = default;
 };
