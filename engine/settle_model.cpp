@@ -20,6 +20,9 @@ constexpr std::size_t kRefineSamples = 500;
 constexpr std::size_t kContourShare = 3;  // contours judged per candidate refined
 constexpr float kPlace = 0.2F;            // in diameters
 constexpr std::uint32_t kExaminedAPlace = 5;
+// Score of a refined pose by samples below which no ray need be shot: of 600 examinations above 0.3
+// on the development scans it lost none, of all examinations it saves two thirds.
+constexpr float kHopeless = 0.05F;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
 // Within these limits two poses are one placement, not rivals: those of a right detection.
@@ -50,13 +53,14 @@ std::vector<std::uint32_t> by_score(std::span<const Look> looks) {
   return order;
 }
 
-/// The best ones, with a limit in all and per place.
+/// The best ones above a score, with a limit in all and per place.
 std::vector<std::uint32_t> best_spread(std::span<const Look> looks, const Model& model,
-                                       std::size_t limit, std::uint32_t limit_a_place) {
+                                       float least_score, std::size_t limit,
+                                       std::uint32_t limit_a_place) {
   std::vector<std::uint32_t> chosen;
   std::vector<Eigen::Vector3f> centres;
   for (const std::uint32_t c : by_score(looks)) {
-    if (chosen.size() == limit || !(looks[c].score > 0)) break;
+    if (chosen.size() == limit || !(looks[c].score > least_score)) break;
     const Eigen::Vector3f centre = looks[c].T_scene_model * model.centre;
     const auto near =
         std::count_if(centres.begin(), centres.end(), [&](const Eigen::Vector3f& other) {
@@ -137,7 +141,7 @@ class Settling {
     judge_contours(loose, running);
     std::vector<Look> best;
     for (const std::uint32_t c :
-         best_spread(running, model_, options_.pose.max_refined, options_.pose.max_per_place)) {
+         best_spread(running, model_, 0, options_.pose.max_refined, options_.pose.max_per_place)) {
       best.push_back(running[c]);
     }
     return best;
@@ -162,7 +166,7 @@ class Settling {
     looks = without_repetitions(looks, model_);
     std::vector<Look> best;
     for (const std::uint32_t c :
-         best_spread(looks, model_, options_.pose.max_examined, kExaminedAPlace)) {
+         best_spread(looks, model_, kHopeless, options_.pose.max_examined, kExaminedAPlace)) {
       best.push_back(looks[c]);
     }
     return best;
