@@ -113,20 +113,28 @@ class SceneSearch {
     return {};
   }
 
-  Result<void> vote(const ModelGroups& groups) {
+  Result<void> vote(const ModelGroups& groups, std::uint32_t round) {
+    VoteOptions options = options_.vote;
+    if (round > 0) {
+      auto e = [](const char* n, double d) { const char* v = getenv(n); return static_cast<float>(v ? atof(v) : d); };
+      options.radius = e("R2", 0.7);
+      options.reference_share = e("S2", 0.2);
+      options.max_peaks = static_cast<unsigned>(e("P2", 2));
+      options.max_votes = static_cast<unsigned>(e("V2", 60000));
+    }
     for (const auto& [step, models] : groups) {
       float largest = 0;
       for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
       SceneLevel level;
       {
         const StageTimer timer(stats_.times, "subsample");
-        level = engine::sample_scene(scene_, step, largest, options_.vote, selection_.explained);
+        level = engine::sample_scene(scene_, step, largest, options, selection_.explained);
         drop_far_references(options_.limits, scene_, largest, level);
       }
       std::vector<std::vector<kernels::Hypothesis>> hypotheses;
       {
         const StageTimer timer(stats_.times, "vote");
-        hypotheses = engine::find_hypotheses(library_, level, models, options_.vote, stats_);
+        hypotheses = engine::find_hypotheses(library_, level, models, options, stats_);
       }
       for (std::size_t m = 0; m < models.size(); ++m) {
         const Result<void> settled = settle(models[m], step, hypotheses[m]);
@@ -229,7 +237,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
     if (const Result<void> tested = search.test_expected(*groups); !tested) return tested.error();
   }
   for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
-    if (const Result<void> voted = search.vote(*groups); !voted) return voted.error();
+    if (const Result<void> voted = search.vote(*groups, round); !voted) return voted.error();
   }
   const Result<std::vector<engine::Candidate>> chosen = search.chosen();
   if (!chosen) return chosen.error();

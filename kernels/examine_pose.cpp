@@ -18,7 +18,7 @@ constexpr int kMargin = 2;             // rays around the model's ball, for its 
 constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
 constexpr double kFewest = 6;          // residuals of a window that give a slope
 
-enum State : std::uint8_t { kMissed, kOutside, kJudged, kConsistent };
+enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 
 /// Sums over the consistent pixels of all images.
 struct Sums {
@@ -83,6 +83,7 @@ class Examiner {
           out.violation += square;
         } else if (r < -tolerance) {
           (background ? out.violation : out.occluded) += square;  // nothing reaches through a table
+          if (!background) s_.state[at] = kHidden;
         } else if (background) {
           out.background += square;
         } else {

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace trivet::kernels {
+namespace {
+
+constexpr float kEnoughPixels = 200;  // more of them say how near the object is, not how right
+
+}  // namespace
 
 ScoreParts score_parts(const Examination& e, float relative_tolerance) noexcept {
   // The constants keep logarithms finite and stand for what a few pixels cannot tell apart.
@@ -18,7 +23,7 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance) noexcept 
           std::log(e.area + 0.01F),
           std::log(e.consistent / (e.covered + 1) + 0.02F),
           e.unknown / (e.covered + 1),
-          std::log(e.consistent + 1),
+          std::log(std::min(e.consistent, kEnoughPixels) + 1),
           std::log(relative_tolerance)};
 }
 

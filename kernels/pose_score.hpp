@@ -25,7 +25,7 @@ inline constexpr std::array<ScorePart, 11> kScoreParts{{
     {"area", true},         // log of the seen area in squared diameters
     {"consistent", true},   // log share of the silhouette that agrees
     {"unknown", false},     // share of the silhouette without measurement
-    {"pixels", true},       // log of the number of pixels that agree
+    {"pixels", true},       // log of the number of pixels that agree, up to 200
     {"coarseness", false},  // log of the tolerance in diameters
 }};
 inline constexpr std::size_t kNumScoreParts = kScoreParts.size();
