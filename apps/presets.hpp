@@ -18,10 +18,13 @@ inline const std::map<std::string, TrainOptions>& train_presets() {
 inline const std::map<std::string, RecogniseOptions>& recognise_presets() {
   static const std::map<std::string, RecogniseOptions> presets{
       {"fast",
-       {.vote = {.reference_share = 0.05F}, .pose = {.max_clusters = 200, .max_refined = 30}}},
+       {.vote = {.reference_share = 0.05F},
+        .pose = {.max_clusters = 200, .max_refined = 30, .max_examined = 20, .rounds = 1}}},
       {"balanced", {}},
       {"accurate",
-       {.vote = {.reference_share = 0.3F, .max_references = 10000}, .pose = {.max_refined = 160}}}};
+       {.vote = {.reference_share = 0.3F, .max_references = 10000},
+        .later = {.radius = 0.7F, .reference_share = 0.4F, .max_references = 10000},
+        .pose = {.max_refined = 160}}}};
   return presets;
 }
 

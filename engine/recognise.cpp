@@ -8,6 +8,7 @@
 
 #include "engine/check_range.hpp"
 #include "engine/find_hypotheses.hpp"
+#include "engine/parallel.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/select_detections.hpp"
 #include "engine/settle_model.hpp"
@@ -45,6 +46,25 @@ Result<ModelGroups> group_models(const Library& library, const std::vector<std::
         static_cast<std::uint32_t>(found - library.models.begin()));
   }
   return groups;
+}
+
+Result<void> validate(const VoteOptions& options) {
+  return engine::check_ranges({
+      {options.radius > 0 && options.radius <= 1, "radius of pairs [diameters]", "above 0 to 1",
+       options.radius},
+      {options.reference_share > 0 && options.reference_share <= 1, "reference share",
+       "above 0 to 1", options.reference_share},
+      {options.max_references > 0, "maximum references", "at least 1",
+       static_cast<double>(options.max_references)},
+      {options.max_votes > 0, "maximum votes", "at least 1",
+       static_cast<double>(options.max_votes)},
+      {options.peak_share > 0 && options.peak_share <= 1, "peak share", "above 0 to 1",
+       options.peak_share},
+      {options.neighbour_share >= 0 && options.neighbour_share <= 0.5F, "neighbour share",
+       "0 to 0.5", options.neighbour_share},
+      {options.max_peaks >= 1 && options.max_peaks <= kernels::kMaxPeaks, "peaks per reference",
+       "1 to 8", static_cast<double>(options.max_peaks)},
+  });
 }
 
 /// Refuse a scene whose size says that its unit is not the library's.
@@ -113,28 +133,29 @@ class SceneSearch {
     return {};
   }
 
+  /// Vote for what is not yet explained.
   Result<void> vote(const ModelGroups& groups, std::uint32_t round) {
-    VoteOptions options = options_.vote;
-    if (round > 0) {
-      auto e = [](const char* n, double d) { const char* v = getenv(n); return static_cast<float>(v ? atof(v) : d); };
-      options.radius = e("R2", 0.7);
-      options.reference_share = e("S2", 0.2);
-      options.max_peaks = static_cast<unsigned>(e("P2", 2));
-      options.max_votes = static_cast<unsigned>(e("V2", 60000));
+    const VoteOptions& options = round == 0 ? options_.vote : options_.later;
+    const std::vector<std::pair<float, std::vector<std::uint32_t>>> sizes(groups.begin(),
+                                                                          groups.end());
+    std::vector<SceneLevel> levels(sizes.size());
+    {
+      const StageTimer timer(stats_.times, "subsample");
+      engine::for_each_index(sizes.size(), [&](std::size_t k) {
+        const auto& [step, models] = sizes[k];
+        float largest = 0;
+        for (const std::uint32_t m : models)
+          largest = std::max(largest, library_.models[m].diameter);
+        levels[k] = engine::sample_scene(scene_, step, largest, options, selection_.explained);
+        drop_far_references(options_.limits, scene_, largest, levels[k]);
+      });
     }
-    for (const auto& [step, models] : groups) {
-      float largest = 0;
-      for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
-      SceneLevel level;
-      {
-        const StageTimer timer(stats_.times, "subsample");
-        level = engine::sample_scene(scene_, step, largest, options, selection_.explained);
-        drop_far_references(options_.limits, scene_, largest, level);
-      }
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+      const auto& [step, models] = sizes[k];
       std::vector<std::vector<kernels::Hypothesis>> hypotheses;
       {
         const StageTimer timer(stats_.times, "vote");
-        hypotheses = engine::find_hypotheses(library_, level, models, options, stats_);
+        hypotheses = engine::find_hypotheses(library_, levels[k], models, options, stats_);
       }
       for (std::size_t m = 0; m < models.size(); ++m) {
         const Result<void> settled = settle(models[m], step, hypotheses[m]);
@@ -252,17 +273,10 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
 }
 
 Result<void> validate(const RecogniseOptions& options) {
+  for (const VoteOptions& vote : {options.vote, options.later}) {
+    if (const Result<void> valid = validate(vote); !valid) return valid;
+  }
   return engine::check_ranges({
-      {options.vote.radius > 0 && options.vote.radius <= 1, "radius of pairs [diameters]",
-       "above 0 to 1", options.vote.radius},
-      {options.vote.reference_share > 0 && options.vote.reference_share <= 1, "reference share",
-       "above 0 to 1", options.vote.reference_share},
-      {options.vote.max_references > 0, "maximum references", "at least 1",
-       static_cast<double>(options.vote.max_references)},
-      {options.vote.max_votes > 0, "maximum votes", "at least 1",
-       static_cast<double>(options.vote.max_votes)},
-      {options.vote.peak_share > 0 && options.vote.peak_share <= 1, "peak share", "above 0 to 1",
-       options.vote.peak_share},
       {options.pose.rounds <= 4, "rounds of voting", "0 to 4",
        static_cast<double>(options.pose.rounds)},
       {!options.limits.region ||
@@ -280,10 +294,6 @@ Result<void> validate(const RecogniseOptions& options) {
        options.verify.tolerance_diameters},
       {options.verify.max_overlap >= 0 && options.verify.max_overlap <= 1, "maximum overlap",
        "0 to 1", options.verify.max_overlap},
-      {options.vote.neighbour_share >= 0 && options.vote.neighbour_share <= 0.5F, "neighbour share",
-       "0 to 0.5", options.vote.neighbour_share},
-      {options.vote.max_peaks >= 1 && options.vote.max_peaks <= kernels::kMaxPeaks,
-       "peaks per reference", "1 to 8", static_cast<double>(options.vote.max_peaks)},
       {options.min_score >= 0 && options.min_score <= 1, "minimum score", "0 to 1",
        options.min_score},
       {options.doubtful_score.value_or(0) >= 0 && options.doubtful_score.value_or(0) <= 1,

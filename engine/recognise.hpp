@@ -56,6 +56,9 @@ struct VerifyStageOptions {
 
 struct RecogniseOptions {
   VoteOptions vote{};
+  /// Of later rounds, which have less to search and the harder ones to find: small objects in
+  /// strong noise need pairs from farther apart, hidden ones more references.
+  VoteOptions later{.radius = 0.7F, .reference_share = 0.2F, .max_votes = 60000};
   PoseOptions pose{};
   VerifyStageOptions verify{};
   float min_score = 0.5F;  ///< detections below are not reported, 0..1

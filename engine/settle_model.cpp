@@ -17,6 +17,7 @@ constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
 constexpr std::size_t kFirstLookSamples =
     300;  // samples of the cheap verification before refinement
 constexpr std::size_t kRefineSamples = 500;
+constexpr std::size_t kContourSamples = 700;
 constexpr std::size_t kContourShare = 3;  // contours judged per candidate refined
 constexpr float kPlace = 0.2F;            // in diameters
 constexpr std::uint32_t kExaminedAPlace = 5;
@@ -284,8 +285,8 @@ class Settling {
   void judge_contours(const kernels::VerifyOptions& options, std::span<Look> looks) const {
     PerThread<kernels::ContourScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
-      kernels::judge_contour(scene_.images, samples_, looks[k].T_scene_model, options,
-                             scratch.local(), looks[k].evidence);
+      kernels::judge_contour(scene_.images, samples_, kContourSamples, looks[k].T_scene_model,
+                             options, scratch.local(), looks[k].evidence);
       looks[k].score = looks[k].evidence.score();
     });
   }

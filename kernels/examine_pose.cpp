@@ -14,7 +14,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
-constexpr int kMargin = 2;             // rays around the model's ball, for its outline
+constexpr int kMargin = 4;             // rays beyond an outline, which no hole of a cloud is wide
 constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
 constexpr double kFewest = 6;          // residuals of a window that give a slope
 
@@ -146,11 +146,7 @@ class Examiner {
       for (int i = kMargin; i < crop_.width - kMargin; ++i) {
         if (s_.state[crop_.at(i, j)] < kJudged) continue;
         for (const auto& [di, dj] : kSteps) {
-          if (s_.state[crop_.at(i + di, j + dj)] != kMissed ||
-              s_.state[crop_.at(i + 2 * di, j + 2 * dj)] != kMissed) {
-            continue;
-          }
-          judge_beyond(i, j, di, dj, jump, out);
+          if (ends_at(i, j, di, dj)) judge_beyond(i, j, di, dj, jump, out);
         }
       }
     }
@@ -192,9 +188,20 @@ class Examiner {
     return sum;
   }
 
+  /// Whether the model ends here: nothing is met by the rays beyond. Clouds have holes a few rays
+  /// wide.
+  bool ends_at(int i, int j, int di, int dj) const noexcept {
+    for (int k = 1; k <= kMargin; ++k) {
+      if (s_.state[crop_.at(i + k * di, j + k * dj)] != kMissed) return false;
+    }
+    return true;
+  }
+
   void judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const noexcept {
     const float z = s_.distance[crop_.at(i, j)];
-    const int reach = std::max({3, crop_.stride, static_cast<int>(0.03F * diameter_ * g_.fx / z)});
+    // The outline is somewhere between this ray and the next one.
+    const int reach =
+        crop_.stride - 1 + std::max(3, static_cast<int>(0.03F * diameter_ * g_.fx / z));
     bool any = false, open = false, judged = true;
     for (int step = 1; step <= reach; ++step) {
       const int u = crop_.u(i) + step * di, v = crop_.v(j) + step * dj;

@@ -11,16 +11,17 @@ constexpr float kEnoughPixels = 200;  // more of them say how near the object is
 }  // namespace
 
 ScoreParts score_parts(const Examination& e, float relative_tolerance) noexcept {
-  // The constants keep logarithms finite and stand for what a few pixels cannot tell apart.
   const float seen = e.consistent + e.violation + e.background;
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
-  return {std::log((e.violation + e.background + 1) / (seen + 10)),
-          std::log((e.outline_crossed + 1) / (outline + 5)),
+  // The constants are what a sensor cannot tell from nothing: without them a part would grow with
+  // the number of pixels, and near objects would score better than far ones.
+  return {std::log((e.violation + e.background) / (seen + 10) + 0.01F),
+          std::log(e.outline_crossed / (outline + 5) + 0.02F),
+          std::log(e.outline_touching / (outline + 5) + 0.02F),
           e.residual,
-          std::log(e.smooth + 0.002F),
-          std::log(e.slope + 0.01F),
+          std::log(e.smooth + 0.005F),
+          std::log(e.slope + 0.02F),
           std::log(e.hold + 0.0003F),
-          std::log(e.area + 0.01F),
           std::log(e.consistent / (e.covered + 1) + 0.02F),
           e.unknown / (e.covered + 1),
           std::log(std::min(e.consistent, kEnoughPixels) + 1),

@@ -17,12 +17,12 @@ struct ScorePart {
 
 inline constexpr std::array<ScorePart, 11> kScoreParts{{
     {"violation", false},   // log share of the seen pixels that the sensor looked through
-    {"crossed", false},     // log share of the judged outline that the scene runs on beyond
+    {"crossed", false},     // log share of the outline beyond which the scene runs on
+    {"touching", false},    // ... beyond which something else touches
     {"residual", false},    // mean squared residual in squared tolerances
     {"smooth", false},      // log of the same, averaged over windows first
     {"slope", false},       // log of the mean angle between both surfaces
     {"hold", true},         // log of how well the seen surface holds the pose
-    {"area", true},         // log of the seen area in squared diameters
     {"consistent", true},   // log share of the silhouette that agrees
     {"unknown", false},     // share of the silhouette without measurement
     {"pixels", true},       // log of the number of pixels that agree, up to 200

@@ -141,8 +141,12 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
 }
 
 void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
-                   const Pose& T_scene_model, const VerifyOptions& options, ContourScratch& scratch,
-                   Evidence& evidence) {
+                   std::size_t num_samples, const Pose& T_scene_model, const VerifyOptions& options,
+                   ContourScratch& scratch, Evidence& evidence) {
+  const std::size_t n = std::min(num_samples, samples.points.size());
+  if (n == 0) return;
+  const float spacing = samples.spacing * std::sqrt(static_cast<float>(samples.points.size()) /
+                                                    static_cast<float>(n));
   for (const RangeImage& image : images) {
     const ImageGeometry& geometry = image.geometry;
     const Posed posed(image, samples, T_scene_model);
@@ -151,20 +155,27 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
 
     // A coarse image of the model alone, around its centre. Each sample covers 3 x 3 cells of 0.8
     // spacings, which leaves no holes inside the outline and widens it by about one cell.
-    const float cell = std::max(1.0F, 0.8F * samples.spacing * geometry.fx / centre.z());
-    const float u0 = geometry.fx * centre.x() / centre.z() + geometry.cx - cell * kOutlineSide / 2;
-    const float v0 = geometry.fy * centre.y() / centre.z() + geometry.cy - cell * kOutlineSide / 2;
-    scratch.depth.assign(kOutlineSide * kOutlineSide, 0);
-    for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    const float cell = std::max(1.0F, 0.8F * spacing * geometry.fx / centre.z());
+    const int side = std::min(
+        kOutlineSide,
+        static_cast<int>(std::ceil(2 * samples.diameter * geometry.fx / (centre.z() * cell))) + 8);
+    const float u0 =
+        geometry.fx * centre.x() / centre.z() + geometry.cx - cell * static_cast<float>(side) / 2;
+    const float v0 =
+        geometry.fy * centre.y() / centre.z() + geometry.cy - cell * static_cast<float>(side) / 2;
+    const auto row_length = static_cast<std::size_t>(side);
+    scratch.depth.assign(row_length * row_length, 0);
+    for (std::size_t i = 0; i < n; ++i) {
       if (!posed.sees(samples.views[i])) continue;
       const Eigen::Vector3f p = posed.T_camera_model * samples.points[i];
       if (!(p.z() > 0)) continue;
       const float u = (geometry.fx * p.x() / p.z() + geometry.cx - u0) / cell;
       const float v = (geometry.fy * p.y() / p.z() + geometry.cy - v0) / cell;
-      if (!(u >= 3 && v >= 3 && u < kOutlineSide - 3 && v < kOutlineSide - 3)) continue;
-      const std::size_t at =
-          static_cast<std::size_t>(v) * kOutlineSide + static_cast<std::size_t>(u);
-      for (const std::size_t row : {at - kOutlineSide, at, at + kOutlineSide}) {
+      if (!(u >= 3 && v >= 3 && u < static_cast<float>(side - 3) &&
+            v < static_cast<float>(side - 3)))
+        continue;
+      const std::size_t at = static_cast<std::size_t>(v) * row_length + static_cast<std::size_t>(u);
+      for (const std::size_t row : {at - row_length, at, at + row_length}) {
         for (const std::size_t k : {row - 1, row, row + 1}) {
           float& depth = scratch.depth[k];
           if (depth == 0 || p.z() < depth) depth = p.z();
@@ -175,15 +186,13 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
     // Beyond each border cell of the outline, one cell out, look at the scene.
     const float jump = std::max(2 * options.tolerance, 0.03F * samples.diameter);
     constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-    for (int v = 2; v < kOutlineSide - 2; ++v) {
-      for (int u = 2; u < kOutlineSide - 2; ++u) {
-        const float z = scratch.depth[static_cast<std::size_t>(v * kOutlineSide + u)];
+    for (int v = 2; v < side - 2; ++v) {
+      for (int u = 2; u < side - 2; ++u) {
+        const float z = scratch.depth[static_cast<std::size_t>(v * side + u)];
         if (z == 0) continue;
         for (const auto& [du, dv] : kSteps) {
           const auto filled = [&](int k) {
-            return scratch
-                       .depth[static_cast<std::size_t>((v + k * dv) * kOutlineSide + u + k * du)] !=
-                   0;
+            return scratch.depth[static_cast<std::size_t>((v + k * dv) * side + u + k * du)] != 0;
           };
           if (filled(1) || filled(2)) continue;
           const float pu = u0 + (static_cast<float>(u + du) + 0.5F) * cell;

@@ -83,12 +83,13 @@ struct ContourScratch {
   std::vector<float> depth;
 };
 
-/// Add the contour's evidence: the posed model's outline is drawn on a coarse grid; just beyond it
-/// a real object's scene falls back or is not measured (sensors fail at depth edges), while a wrong
-/// fit on a larger surface finds that surface running on. Something nearer is neutral, and so are
-/// background planes: things stand on them.
+/// Add the contour's evidence: the posed model's outline is drawn by its first `num_samples`
+/// samples on a grid as coarse as they are; just beyond it a real object's scene falls back or is
+/// not measured (sensors fail at depth edges), while a wrong fit on a larger surface finds that
+/// surface running on. Something nearer is neutral, and so are background planes: things stand on
+/// them.
 void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
-                   const Pose& T_scene_model, const VerifyOptions& options, ContourScratch& scratch,
-                   Evidence& evidence);
+                   std::size_t num_samples, const Pose& T_scene_model, const VerifyOptions& options,
+                   ContourScratch& scratch, Evidence& evidence);
 
 }  // namespace trivet::kernels

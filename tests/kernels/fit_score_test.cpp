@@ -22,7 +22,7 @@ Rows draw(std::size_t n, std::uint64_t seed) {
   for (std::size_t i = 0; i < n; ++i) {
     ScoreParts parts;
     for (float& value : parts) value = random.uniform(-1, 1);
-    const float log_odds = -2 * parts[0] + 3 * parts[5];  // violation, hold
+    const float log_odds = -2 * parts[0] + 3 * parts[6];  // violation, hold
     rows.parts.push_back(parts);
     rows.right.push_back(random.uniform(0, 1) < 1 / (1 + std::exp(-log_odds)) ? 1 : 0);
   }
@@ -48,7 +48,7 @@ TEST(FitScore, TellsTheProbabilitiesThatTheOutcomesWereDrawnWith) {
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   double error = 0;
   for (const ScoreParts& parts : fresh.parts) {
-    const float truth = 1 / (1 + std::exp(2 * parts[0] - 3 * parts[5]));
+    const float truth = 1 / (1 + std::exp(2 * parts[0] - 3 * parts[6]));
     error += static_cast<double>(std::abs(pose_probability(model, parts) - truth));
   }
   EXPECT_LT(error / 2000, 0.03);
@@ -74,7 +74,7 @@ TEST(FitScore, FindsTheMinimum) {
 
 TEST(FitScore, BoundsWhatDividesAllOutcomes) {
   Rows rows = draw(400, 4);
-  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][5] > 0 ? 1 : 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][6] > 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   EXPECT_TRUE(std::isfinite(log_loss(model, rows.parts, rows.right)));
   for (const auto& weights : model.weights) {
@@ -85,9 +85,9 @@ TEST(FitScore, BoundsWhatDividesAllOutcomes) {
 // A part that stands for a right pose but comes with wrong ones is not believed.
 TEST(FitScore, TurnsNoPartAround) {
   Rows rows = draw(2000, 5);
-  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][6] < 0 ? 1 : 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][7] < 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
-  for (const float weight : model.weights[6]) EXPECT_EQ(weight, 0);
+  for (const float weight : model.weights[7]) EXPECT_EQ(weight, 0);
 }
 
 }  // namespace
