@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "support/shapes.hpp"
+#include "support/rendered_scene.hpp"
 
 namespace trivet {
 namespace {
