@@ -23,4 +23,9 @@ struct Candidate {
   std::vector<Pose> rivals;            ///< other poses that the scan cannot tell from this one
 };
 
+/// Whether two poses of a model are one placement of it, up to the limits within which a detection
+/// is right: a tenth of the diameter and 12 degrees, modulo symmetry.
+/// Source: Drost et al., CVPR 2010, section 5.
+bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept;
+
 }  // namespace trivet::engine

@@ -48,6 +48,15 @@ Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manif
   return meshes;
 }
 
+std::vector<EvaluationMesh> meshes_of(const Library& library) {
+  std::vector<EvaluationMesh> meshes;
+  for (const Model& model : library.models) {
+    meshes.push_back({model.name, model.vertices, model.triangles,
+                      static_cast<double>(model.diameter), model.symmetry});
+  }
+  return meshes;
+}
+
 const EvaluationMesh* find_mesh(std::span<const EvaluationMesh> meshes, std::string_view name) {
   const auto found = std::find_if(meshes.begin(), meshes.end(),
                                   [&](const EvaluationMesh& mesh) { return mesh.name == name; });

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/library.hpp"
 #include "storage/manifest.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
@@ -24,6 +25,9 @@ struct EvaluationMesh {
 /// (BOP: models_eval), else the one that it is trained from. Errors: those of read_cloud; bad_data
 /// (a model without extent).
 Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manifest);
+
+/// The surfaces of a library's models as they are stored, in its order and unit.
+std::vector<EvaluationMesh> meshes_of(const Library& library);
 
 /// The mesh of that name; none if there is none.
 const EvaluationMesh* find_mesh(std::span<const EvaluationMesh> meshes, std::string_view name);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "engine/check_range.hpp"
 #include "engine/find_hypotheses.hpp"
@@ -166,7 +167,7 @@ class SceneSearch {
     return {};
   }
 
-  /// The chosen candidates, sure ones held against their rivals.
+  /// The chosen candidates in the order of choice, sure ones held against their rivals.
   Result<std::vector<engine::Candidate>> chosen() {
     std::vector<engine::Candidate> out;
     for (const std::uint32_t c : selection_.chosen) {
@@ -183,6 +184,9 @@ class SceneSearch {
     }
     return out;
   }
+
+  const std::vector<engine::Candidate>& candidates() const noexcept { return candidates_; }
+  const engine::Selection& selection() const noexcept { return selection_; }
 
  private:
   Result<void> settle(std::uint32_t model, float step,
@@ -210,6 +214,11 @@ class SceneSearch {
   engine::Selection selection_;
 };
 
+Pose in_file_unit(Pose pose, double scene_scale) {
+  pose.translation() /= static_cast<float>(scene_scale);
+  return pose;
+}
+
 /// A candidate as its user sees it, in the scene file's unit.
 Detection report(const Library& library, const engine::Candidate& candidate, double scene_scale) {
   const Model& model = library.models[candidate.model];
@@ -219,18 +228,44 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   Detection detection;
   detection.model = model.name;
   detection.score = candidate.score;
-  detection.T_scene_model = candidate.T_scene_model;
-  detection.T_scene_model.translation() /= static_cast<float>(scene_scale);
+  detection.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
   detection.visible_fraction = e.covered > 0 ? e.consistent / e.covered : 0;
   detection.violation = seen > 0 ? e.violation / seen : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
   detection.rmse = std::sqrt(e.residual) * candidate.tolerance / static_cast<float>(scene_scale);
   detection.parts = candidate.parts;
-  for (Pose rival : candidate.rivals) {
-    rival.translation() /= static_cast<float>(scene_scale);
-    detection.rivals.push_back(rival);
-  }
+  for (const Pose& rival : candidate.rivals)
+    detection.rivals.push_back(in_file_unit(rival, scene_scale));
   return detection;
+}
+
+/// What was rejected, as its user sees it.
+///
+/// chosen  as they are reported
+/// order   indices of `chosen`, one a detection
+std::vector<RejectedPose> report_rejected(const Library& library, const SceneSearch& search,
+                                          std::span<const engine::Candidate> chosen,
+                                          std::span<const std::size_t> order,
+                                          std::uint32_t max_rejected, double scene_scale) {
+  const std::vector<std::uint32_t>& taken = search.selection().chosen;
+  std::vector<RejectedPose> out;
+  for (const engine::Refusal& refusal : engine::best_refused(
+           library, search.candidates(), search.selection().refused, chosen, max_rejected)) {
+    const engine::Candidate& candidate = search.candidates()[refusal.candidate];
+    RejectedPose rejected;
+    rejected.model = library.models[candidate.model].name;
+    rejected.score = candidate.score;
+    rejected.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
+    rejected.parts = candidate.parts;
+    rejected.reason = refusal.reason;
+    for (std::size_t d = 0; d < order.size(); ++d) {
+      if (refusal.explained_by != taken[order[d]]) continue;
+      rejected.explained_by = d;
+      rejected.explained_share = refusal.explained_share;
+    }
+    out.push_back(std::move(rejected));
+  }
+  return out;
 }
 
 }  // namespace
@@ -262,10 +297,17 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   }
   const Result<std::vector<engine::Candidate>> chosen = search.chosen();
   if (!chosen) return chosen.error();
-  for (const engine::Candidate& candidate : *chosen)
-    result.detections.push_back(report(library, candidate, input.scale));
-  std::stable_sort(result.detections.begin(), result.detections.end(),
-                   [](const Detection& a, const Detection& b) { return a.score > b.score; });
+  std::vector<std::size_t> order(chosen->size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return (*chosen)[a].score > (*chosen)[b].score;
+  });
+  for (const std::size_t c : order)
+    result.detections.push_back(report(library, (*chosen)[c], input.scale));
+  if (options.max_rejected > 0) {
+    result.rejected =
+        report_rejected(library, search, *chosen, order, options.max_rejected, input.scale);
+  }
   stats.noise = scene->noise;
   stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -66,6 +66,7 @@ struct RecogniseOptions {
   /// They are chosen after the others, which they do not change.
   std::optional<float> doubtful_score{};
   std::uint32_t max_instances = 100;  ///< per model
+  std::uint32_t max_rejected = 0;     ///< poses per model that are told with the reason
   std::vector<std::string> models{};  ///< names to look for; empty: all
   PoseLimits limits{};
   /// Tested before any voting, which is then for what they leave unexplained.
@@ -101,6 +102,26 @@ struct Detection {
   std::vector<Pose> rivals{};
 };
 
+enum class Rejection {
+  too_low,    ///< the score is below min_score
+  explained,  ///< better poses already explain more than max_overlap of its pixels
+  too_many,   ///< max_instances of its model are better
+};
+
+/// A pose that was tested in full but not reported.
+struct RejectedPose {
+  std::string model;
+  float score = 0;              ///< as of a detection
+  Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
+  kernels::ScoreParts parts{};  ///< what the score is made of
+  Rejection reason = Rejection::too_low;
+  /// Index of the detection that explains most of its pixels, and what share of them: with the
+  /// reason `explained`, unless that one itself was one too many; and where one that is too low
+  /// lies in the place of a better one.
+  std::optional<std::size_t> explained_by{};
+  float explained_share = 0;
+};
+
 struct SceneStats {
   StageTimes times;
   double total_seconds = 0;
@@ -112,7 +133,8 @@ struct SceneStats {
 };
 
 struct SceneResult {
-  std::vector<Detection> detections;  ///< by falling score, then model name
+  std::vector<Detection> detections;   ///< by falling score, then model name
+  std::vector<RejectedPose> rejected;  ///< by falling score; no two of one placement
   SceneStats stats;
 };
 

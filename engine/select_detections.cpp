@@ -7,27 +7,48 @@
 namespace trivet::engine {
 namespace {
 
-/// The pixels of all images, marked where an accepted candidate explains them.
+/// How much of a candidate is explained already.
+struct Cover {
+  float share = 0;            // of its pixels, by all accepted candidates
+  std::uint32_t most_by = 0;  // the one that explains most of them; with a share above 0
+  float most_share = 0;
+};
+
+/// The pixels of all images, marked with the accepted candidate that explained them first.
 class PixelMarks {
  public:
-  explicit PixelMarks(std::span<const kernels::RangeImage> images) : images_(images) {
+  PixelMarks(std::span<const kernels::RangeImage> images, std::size_t num_candidates)
+      : images_(images), counts_(num_candidates + 1, 0) {
     std::size_t n = 0;
     for (const kernels::RangeImage& image : images) {
       first_.push_back(n);
       n += image.depth.size();
     }
-    marked_.assign(n, 0);
+    marks_.assign(n, 0);
   }
 
-  float share_marked(const kernels::ExplainedPixels& explained) const {
-    std::size_t count = 0;
-    for (const std::uint32_t pixel : explained.pixels) count += marked_[pixel];
-    return explained.pixels.empty()
-               ? 0
-               : static_cast<float>(count) / static_cast<float>(explained.pixels.size());
+  /// Of several that explain as much, the one that comes first in `pixels` counts.
+  Cover cover_of(const kernels::ExplainedPixels& explained) {
+    std::uint32_t marked = 0, most = 0;
+    Cover cover;
+    for (const std::uint32_t pixel : explained.pixels) {
+      const std::uint32_t by = marks_[pixel];
+      if (by == 0) continue;
+      ++marked;
+      if (++counts_[by] > most) {
+        most = counts_[by];
+        cover.most_by = by - 1;
+      }
+    }
+    for (const std::uint32_t pixel : explained.pixels) counts_[marks_[pixel]] = 0;
+    if (marked == 0) return cover;
+    const auto all = static_cast<float>(explained.pixels.size());
+    cover.share = static_cast<float>(marked) / all;
+    cover.most_share = static_cast<float>(most) / all;
+    return cover;
   }
 
-  void mark(const kernels::ExplainedPixels& explained) {
+  void mark(std::uint32_t candidate, const kernels::ExplainedPixels& explained) {
     const auto side = static_cast<std::ptrdiff_t>(explained.square);
     const std::ptrdiff_t before = (side - 1) / 2, after = side / 2;
     for (const std::uint32_t pixel : explained.pixels) {
@@ -42,18 +63,26 @@ class PixelMarks {
            y <= std::min(height - 1, v + after); ++y) {
         for (std::ptrdiff_t x = std::max<std::ptrdiff_t>(0, u - before);
              x <= std::min(width - 1, u + after); ++x) {
-          marked_[first_[at] + static_cast<std::size_t>(y * width + x)] = 1;
+          std::uint32_t& by = marks_[first_[at] + static_cast<std::size_t>(y * width + x)];
+          if (by == 0) by = candidate + 1;
         }
       }
     }
   }
 
-  const std::vector<std::uint8_t>& marked() const noexcept { return marked_; }
+  /// One a pixel: 1 where it is marked.
+  std::vector<std::uint8_t> marked() const {
+    std::vector<std::uint8_t> out(marks_.size());
+    std::transform(marks_.begin(), marks_.end(), out.begin(),
+                   [](std::uint32_t by) { return by == 0 ? 0 : 1; });
+    return out;
+  }
 
  private:
   std::span<const kernels::RangeImage> images_;
   std::vector<std::size_t> first_;
-  std::vector<std::uint8_t> marked_;
+  std::vector<std::uint32_t> marks_;   // index of the candidate + 1
+  std::vector<std::uint32_t> counts_;  // by mark; all zero between calls
 };
 
 }  // namespace
@@ -75,7 +104,7 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
   });
 
   Selection selection;
-  PixelMarks marks(scene.images);
+  PixelMarks marks(scene.images, candidates.size());
   bool sure = true;
   std::vector<std::uint32_t> instances(library.models.size(), 0);
   for (const std::uint32_t c : order) {
@@ -84,14 +113,61 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
       selection.explained = marks.marked();
       sure = false;
     }
-    if (doubtful(c) && !(candidate.score >= options.doubtful_score.value_or(1))) continue;
-    if (marks.share_marked(candidate.explained) > options.verify.max_overlap) continue;
-    marks.mark(candidate.explained);
-    if (instances[candidate.model]++ >= options.max_instances) continue;  // seen, not asked for
-    selection.chosen.push_back(c);
+    const Cover cover = marks.cover_of(candidate.explained);
+    const bool explained = cover.share > options.verify.max_overlap;
+    const auto refuse = [&](Rejection reason) {
+      Refusal refusal{c, reason};
+      if (explained) {
+        refusal.explained_by = cover.most_by;
+        refusal.explained_share = cover.most_share;
+      }
+      selection.refused.push_back(refusal);
+    };
+    if (doubtful(c) && !(candidate.score >= options.doubtful_score.value_or(1))) {
+      refuse(Rejection::too_low);
+    } else if (explained) {
+      refuse(Rejection::explained);
+    } else {
+      marks.mark(c, candidate.explained);
+      if (instances[candidate.model]++ < options.max_instances) {
+        selection.chosen.push_back(c);
+      } else {
+        refuse(Rejection::too_many);
+      }
+    }
   }
   if (sure) selection.explained = marks.marked();
   return selection;
+}
+
+std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,
+                                  std::span<const Refusal> refused,
+                                  std::span<const Candidate> detections, std::uint32_t limit) {
+  std::vector<Refusal> order(refused.begin(), refused.end());
+  std::stable_sort(order.begin(), order.end(), [&](const Refusal& a, const Refusal& b) {
+    return candidates[a.candidate].score > candidates[b.candidate].score;
+  });
+  std::vector<std::vector<Pose>> known(library.models.size());
+  for (const Candidate& detection : detections) {
+    std::vector<Pose>& poses = known[detection.model];
+    poses.push_back(detection.T_scene_model);
+    poses.insert(poses.end(), detection.rivals.begin(), detection.rivals.end());
+  }
+  std::vector<std::uint32_t> taken(library.models.size(), 0);
+  std::vector<Refusal> out;
+  for (const Refusal& refusal : order) {
+    const Candidate& candidate = candidates[refusal.candidate];
+    if (taken[candidate.model] == limit) continue;
+    std::vector<Pose>& poses = known[candidate.model];
+    const bool repeats = std::any_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+      return same_placement(library.models[candidate.model], pose, candidate.T_scene_model);
+    });
+    if (repeats) continue;
+    poses.push_back(candidate.T_scene_model);
+    ++taken[candidate.model];
+    out.push_back(refusal);
+  }
+  return out;
 }
 
 }  // namespace trivet::engine

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,10 +12,21 @@
 
 namespace trivet::engine {
 
+/// A candidate that was not taken.
+struct Refusal {
+  std::uint32_t candidate = 0;
+  Rejection reason = Rejection::too_low;
+  /// The better candidate that explains most of its pixels, where better ones explain more than
+  /// max_overlap of them; and what share of them that one explains.
+  std::optional<std::uint32_t> explained_by{};
+  float explained_share = 0;
+};
+
 struct Selection {
   std::vector<std::uint32_t> chosen;  ///< indices of the candidates taken, in the order of taking
   std::vector<std::uint8_t>
-      explained;  ///< one a pixel over all images: 1 where a sure one explains it
+      explained;                 ///< one a pixel over all images: 1 where a sure one explains it
+  std::vector<Refusal> refused;  ///< all others, from the best to the worst
 };
 
 /// Take candidates by falling score x area^0.25 (large surfaces prove more), each unless better
@@ -23,5 +35,13 @@ struct Selection {
 /// earlier candidate. Doubtful candidates come after all others.
 Selection select_detections(const Library& library, const PreparedScene& scene,
                             std::span<const Candidate> candidates, const RecogniseOptions& options);
+
+/// Of each model the best refused candidates by score, at most `limit`; those that repeat the
+/// placement of a better one of them, or of a detection or its rivals, are left out.
+/// detections  the chosen candidates as they are reported
+/// Returns them by falling score, ties in the order of refusal.
+std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,
+                                  std::span<const Refusal> refused,
+                                  std::span<const Candidate> detections, std::uint32_t limit);
 
 }  // namespace trivet::engine

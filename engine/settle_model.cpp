@@ -26,8 +26,6 @@ constexpr std::uint32_t kExaminedAPlace = 5;
 constexpr float kHopeless = 0.05F;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
-// Within these limits two poses are one placement, not rivals: those of a right detection.
-constexpr float kRivalRotationRad = 12 * kRadiansPerDegree, kRivalTranslation = 0.1F;
 constexpr float kRivalPlace = 0.3F;  // in diameters
 constexpr float kLeastRivalScore = 0.1F;
 constexpr int kMaxHops = 3;  // from rival to better rival
@@ -224,12 +222,7 @@ class Settling {
   std::vector<Pose> rivals_of(const Pose& pose, std::span<const Candidate> others) const {
     std::vector<Pose> rivals;
     const auto add = [&](const Pose& rival) {
-      const auto differs = [&](const Pose& known) {
-        const kernels::PoseDistance distance =
-            kernels::pose_distance(known, rival, model_.symmetry, model_.centre);
-        return distance.rotation_rad > kRivalRotationRad ||
-               distance.translation > kRivalTranslation * model_.diameter;
-      };
+      const auto differs = [&](const Pose& known) { return !same_placement(model_, known, rival); };
       if (allowed(rival) && differs(pose) && std::all_of(rivals.begin(), rivals.end(), differs))
         rivals.push_back(rival);
     };

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "engine/train.hpp"
 #include "kernels/pose_math.hpp"
@@ -117,6 +118,52 @@ TEST_F(Recognise, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
   EXPECT_EQ(sure->detections.size(), 1U);
   ASSERT_EQ(more->detections.size(), 2U);
   EXPECT_EQ(more->detections[1].score, second);
+}
+
+TEST_F(Recognise, TellsWhatItRejectedWhereItIsAsked) {
+  const auto silent = recognise(recogniser_, clutter(), {}, {});
+  const auto result = recognise(recogniser_, clutter(), {}, {.max_rejected = 3});
+  ASSERT_TRUE(silent && result);
+  EXPECT_TRUE(silent->rejected.empty());
+  ASSERT_EQ(result->detections.size(), silent->detections.size());
+  for (std::size_t i = 0; i < silent->detections.size(); ++i)
+    EXPECT_EQ(result->detections[i].score, silent->detections[i].score);
+  ASSERT_FALSE(result->rejected.empty());
+  std::map<std::string, int> of_model;
+  for (const RejectedPose& rejected : result->rejected) {
+    EXPECT_LE(++of_model[rejected.model], 3);
+    if (const Detection* const found = find(*result, rejected.model)) {
+      const auto apart = kernels::pose_distance(rejected.T_scene_model, found->T_scene_model, {},
+                                                Eigen::Vector3f::Zero());
+      EXPECT_TRUE(apart.translation > 0.01F || apart.rotation_rad > 0.2F) << "the same place again";
+    }
+    EXPECT_EQ(rejected.reason == Rejection::too_low, rejected.score < 0.5F);
+    EXPECT_EQ(rejected.score, kernels::pose_probability(recogniser_.score(), rejected.parts));
+    if (rejected.explained_by) {
+      EXPECT_LT(*rejected.explained_by, result->detections.size());
+      EXPECT_GT(rejected.explained_share, 0);
+    }
+  }
+}
+
+// With a limit of one instance the second one is what was rejected, in the file's unit.
+TEST_F(Recognise, TellsTheInstanceThatIsOneTooMany) {
+  const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-180, 0, 900});
+  const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {180, 20, 950});
+  test::Shape large = bracket_;
+  for (const std::span<float> column :
+       {large.vertices.span().x, large.vertices.span().y, large.vertices.span().z}) {
+    for (float& value : column) value *= 1000;
+  }
+  const Cloud scene = test::render_scan({{&large, left}, {&large, right}});
+  const auto result = recognise(recogniser_, scene, {.scale = 0.001},
+                                {.max_instances = 1, .models = {"bracket"}, .max_rejected = 1});
+  ASSERT_TRUE(result) << result.error().message;
+  ASSERT_EQ(result->detections.size(), 1U);
+  ASSERT_EQ(result->rejected.size(), 1U);
+  EXPECT_EQ(result->rejected[0].reason, Rejection::too_many);
+  const float x = result->detections[0].T_scene_model.translation().x();
+  EXPECT_NEAR(result->rejected[0].T_scene_model.translation().x(), -x, 3);
 }
 
 TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {

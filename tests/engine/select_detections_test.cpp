@@ -68,5 +68,91 @@ TEST_F(SelectDetections, LeavesOutWhatABetterDoubtfulOneExplains) {
   EXPECT_EQ(names(three, {.doubtful_score = 0.1F}), (Names{"large", "large"}));
 }
 
+// A candidate of two that both claim its pixels: the one with more of them is named.
+TEST_F(SelectDetections, TellsWhyACandidateIsNotTaken) {
+  const std::vector<Candidate> all{candidate(0, 0.9F, 0, 40), candidate(1, 0.8F, 40, 40),
+                                   candidate(1, 0.7F, 34, 10), candidate(0, 0.3F, 80, 10),
+                                   candidate(1, 0.2F, 0, 10)};
+  const engine::Selection selection = engine::select_detections(library_, scene_, all, {});
+  EXPECT_EQ(selection.chosen, (std::vector<std::uint32_t>{0, 1}));
+  ASSERT_EQ(selection.refused.size(), 3U);
+  const engine::Refusal& between = selection.refused[0];
+  EXPECT_EQ(between.candidate, 2U);
+  EXPECT_EQ(between.reason, Rejection::explained);
+  EXPECT_EQ(between.explained_by, 0U);
+  EXPECT_FLOAT_EQ(between.explained_share, 0.6F);
+  const engine::Refusal& alone = selection.refused[1];
+  EXPECT_EQ(alone.candidate, 3U);
+  EXPECT_EQ(alone.reason, Rejection::too_low);
+  EXPECT_EQ(alone.explained_by, std::nullopt);
+  const engine::Refusal& beneath = selection.refused[2];
+  EXPECT_EQ(beneath.reason, Rejection::too_low) << "that alone would have refused it";
+  EXPECT_EQ(beneath.explained_by, 0U);
+  EXPECT_FLOAT_EQ(beneath.explained_share, 1);
+}
+
+TEST_F(SelectDetections, CountsAPixelForTheFirstThatExplainsIt) {
+  // The second one covers 10 of the first one's 40 pixels, and then 30 more.
+  const std::vector<Candidate> all{candidate(0, 0.9F, 0, 40), candidate(0, 0.8F, 30, 40),
+                                   candidate(0, 0.7F, 20, 20)};
+  const engine::Selection selection = engine::select_detections(library_, scene_, all, {});
+  ASSERT_EQ(selection.refused.size(), 1U);
+  EXPECT_EQ(selection.refused[0].explained_by, 0U);
+  EXPECT_FLOAT_EQ(selection.refused[0].explained_share, 1);
+}
+
+TEST_F(SelectDetections, TellsWhatIsOneTooMany) {
+  const std::vector<Candidate> three{candidate(0, 0.9F, 0, 10), candidate(0, 0.8F, 20, 10),
+                                     candidate(1, 0.7F, 20, 10)};
+  const engine::Selection selection =
+      engine::select_detections(library_, scene_, three, {.max_instances = 1});
+  EXPECT_EQ(selection.chosen, std::vector<std::uint32_t>{0});
+  ASSERT_EQ(selection.refused.size(), 2U);
+  EXPECT_EQ(selection.refused[0].reason, Rejection::too_many);
+  EXPECT_EQ(selection.refused[1].reason, Rejection::explained);
+  EXPECT_EQ(selection.refused[1].explained_by, 1U) << "what is not asked for explains, too";
+}
+
+class BestRefused : public SelectDetections {
+ protected:
+  /// A candidate whose model lies `x` diameters aside.
+  static Candidate aside(std::uint32_t model, float score, float x) {
+    Candidate out = candidate(model, score, 0, 10);
+    out.T_scene_model.translation().x() = x;
+    return out;
+  }
+  std::vector<std::uint32_t> best(const std::vector<Candidate>& candidates,
+                                  const std::vector<Candidate>& detections,
+                                  std::uint32_t limit) const {
+    std::vector<engine::Refusal> refused;
+    for (std::uint32_t c = 0; c < candidates.size(); ++c) refused.push_back({c});
+    std::vector<std::uint32_t> out;
+    for (const engine::Refusal& refusal :
+         engine::best_refused(library_, candidates, refused, detections, limit)) {
+      out.push_back(refusal.candidate);
+    }
+    return out;
+  }
+};
+
+using Indices = std::vector<std::uint32_t>;
+
+TEST_F(BestRefused, LeavesTheBestOfEachModel) {
+  const std::vector<Candidate> candidates{aside(0, 0.1F, 0), aside(0, 0.3F, 1), aside(0, 0.2F, 2),
+                                          aside(1, 0.25F, 0)};
+  EXPECT_EQ(best(candidates, {}, 2), (Indices{1, 3, 2}));
+  EXPECT_EQ(best(candidates, {}, 9), (Indices{1, 3, 2, 0}));
+}
+
+TEST_F(BestRefused, TellsNoPlacementTwice) {
+  const std::vector<Candidate> candidates{aside(0, 0.4F, 0), aside(0, 0.3F, 0.09F),
+                                          aside(0, 0.2F, 0.11F), aside(1, 0.1F, 0)};
+  EXPECT_EQ(best(candidates, {}, 9), (Indices{0, 2, 3}));
+  EXPECT_EQ(best(candidates, {aside(0, 0.9F, 0)}, 9), (Indices{2, 3})) << "a detection of it";
+  Candidate ambiguous = aside(0, 0.9F, 5);
+  ambiguous.rivals.push_back(candidates[1].T_scene_model);
+  EXPECT_EQ(best(candidates, {ambiguous}, 9), (Indices{3})) << "a rival of one";
+}
+
 }  // namespace
 }  // namespace trivet
