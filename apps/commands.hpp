@@ -15,6 +15,7 @@ namespace trivet::apps {
 struct Context {
   Console console;
   unsigned num_threads = 0;  ///< 0: all cores
+  std::string command;       ///< the whole command line, as a shell takes it
   std::stop_token stop;
   std::function<Result<void>()> run;  ///< set by the subcommand that was chosen
 };

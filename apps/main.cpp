@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <exception>
 #include <optional>
+#include <span>
+#include <string>
 #include <thread>
 
 #include "apps/commands.hpp"
@@ -59,6 +63,27 @@ class InterruptWatch {
   std::stop_source source_;
 };
 
+/// The arguments as one line that a shell splits into them again.
+std::string command_line(std::span<char* const> arguments) {
+  std::string line;
+  for (const std::string_view argument : arguments) {
+    if (!line.empty()) line += ' ';
+    const bool plain =
+        !argument.empty() && std::all_of(argument.begin(), argument.end(), [](char c) {
+          return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                 std::string_view("_-./:,=+@%").find(c) != std::string_view::npos;
+        });
+    if (plain) {
+      line += argument;
+      continue;
+    }
+    line += '\'';
+    for (const char c : argument) line += c == '\'' ? "'\\''" : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -68,6 +93,7 @@ int main(int argc, char** argv) {
   const InterruptWatch interrupt;
   apps::Context context;
   context.stop = interrupt.token();
+  context.command = command_line({argv, static_cast<std::size_t>(argc)});
 
   CLI::App app{
       "Recognise known rigid objects in 3-D scans.\n"

@@ -9,12 +9,13 @@
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
+#include "apps/recognition_report.hpp"
 
 namespace trivet::apps {
 namespace {
 
 struct RecognizeArguments {
-  std::string library, unit, json, bop_csv;
+  std::string library, unit, json, bop_csv, report;
   SceneArguments scenes;
   RecogniseArguments recognise;
 };
@@ -39,8 +40,9 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
   const Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
-  const Result<RecogniseOptions> options = options_of(arguments.recognise);
+  Result<RecogniseOptions> options = options_of(arguments.recognise);
   if (!options) return options.error();
+  if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
   if (!arguments.bop_csv.empty()) {
     const Result<void> checked = check_bop_ids(*scenes, library, options->models);
     if (!checked) return checked;
@@ -49,6 +51,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   nlohmann::ordered_json document{{"library", arguments.library},
                                   {"scenes", nlohmann::ordered_json::array()}};
   std::vector<BopResult> bop_results;
+  std::vector<SceneResult> told;  // for the report
   const Result<void> done = recognise_all(
       recogniser, scenes->sources, *options, context.console.progress("recognised", context.stop),
       [&](std::size_t index, const SceneResult& result) {
@@ -59,14 +62,21 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
           document["scenes"].push_back(scene_json(file, result));
         }
         if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
+        if (!arguments.report.empty()) told.push_back(result);
       });
   if (!done) return done;
   if (!arguments.bop_csv.empty()) {
     const Result<void> written = write_bop_results(arguments.bop_csv, bop_results);
     if (!written) return written;
   }
-  if (arguments.json.empty()) return {};
-  return write_json(arguments.json, document);
+  if (!arguments.json.empty()) {
+    const Result<void> written = write_json(arguments.json, document);
+    if (!written) return written;
+  }
+  if (arguments.report.empty()) return {};
+  return write_recognition_report(arguments.report,
+                                  {recogniser, *options, scenes->sources, told, context.command},
+                                  context.console.progress("drawn", context.stop));
 }
 
 }  // namespace
@@ -99,6 +109,9 @@ void add_recognize(CLI::App& app, Context& context) {
                       "Write the result as JSON to this file, - for standard output");
   command->add_option("--bop-csv", arguments->bop_csv,
                       "Write the poses found in BOP data sets to this file, as BOP takes them");
+  command->add_option("--report", arguments->report,
+                      "Write index.html with pictures of what was found, and of what was rejected "
+                      "and why, into this folder");
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return recognize(*arguments, context); };
   });

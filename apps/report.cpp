@@ -9,19 +9,14 @@
 #include "apps/report_pictures.hpp"
 #include "engine/manifest_inputs.hpp"
 #include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
 namespace {
 
-/// What pictures take within the page, about [byte].
-constexpr std::size_t kSceneBytes = 650'000, kExhibitBytes = 75'000, kMaxPageBytes = 20'000'000;
+/// What a close-up takes within the page, about [byte].
+constexpr std::size_t kExhibitBytes = 75'000;
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
-std::string count(std::size_t n, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", n, n == 1 ? one : many);
-}
 
 // The result in words.
 
@@ -49,11 +44,11 @@ std::string headline(const ReportInput& input) {
   std::string out = fmt::format(
       "<p class=\"headline\">{} of {} found ({}; {:.0f} to {:.0f} % with 95 % confidence), {} in "
       "{}.",
-      total.right, count(total.instances, "instance", "instances"), percent(total.recall()),
+      total.right, counted(total.instances, "instance", "instances"), percent(total.recall()),
       100 * low, 100 * high,
       total.false_positives == 0 ? "no false alarm"
-                                 : count(total.false_positives, "false alarm", "false alarms"),
-      count(evaluation.scenes.size() - evaluation.num_missing, "scene", "scenes"));
+                                 : counted(total.false_positives, "false alarm", "false alarms"),
+      counted(evaluation.scenes.size() - evaluation.num_missing, "scene", "scenes"));
   out += where_missed(input);
   if (evaluation.median_translation_error) {
     out += fmt::format(
@@ -65,16 +60,9 @@ std::string headline(const ReportInput& input) {
   }
   if (evaluation.num_missing > 0) {
     out += fmt::format(" {} without result, counted as not found.",
-                       count(evaluation.num_missing, "scene is", "scenes are"));
+                       counted(evaluation.num_missing, "scene is", "scenes are"));
   }
   return out + "</p>\n";
-}
-
-std::string card(std::string_view title, std::string_view value, std::string_view note) {
-  return fmt::format(
-      "<div class=\"card\"><span class=\"dim\">{}</span><b>{}</b><span "
-      "class=\"dim\">{}</span></div>\n",
-      title, value, note);
 }
 
 std::string cards(const Evaluation& evaluation) {
@@ -83,7 +71,7 @@ std::string cards(const Evaluation& evaluation) {
   out += card("Recall", percent(total.recall()),
               fmt::format("{} of {}", total.right, total.instances));
   out += card("Precision", percent(total.precision()),
-              count(total.false_positives, "false alarm", "false alarms"));
+              counted(total.false_positives, "false alarm", "false alarms"));
   out += card("ADD below 10 %", fmt::format("{}", total.add_right),
               fmt::format("of {}", total.instances));
   out += card("Average precision", fmt::format("{:.3f}", evaluation.curve.average_precision),
@@ -180,7 +168,7 @@ std::string bop_table(const BopScores& bop) {
 std::string tables(const ReportInput& input) {
   std::string models;
   for (const auto& [name, tally] : input.evaluation.by_model)
-    models += tally_row(model_label(input, name), tally, true);
+    models += tally_row(model_label(input.meshes, name), tally, true);
   return "<div class=\"tables\">\n" + tally_table("By model", models, true) +
          group_table("By occlusion", input.evaluation.by_occlusion) +
          group_table("By clutter", input.evaluation.by_clutter) +
@@ -219,21 +207,11 @@ struct Figures {
   std::vector<std::string> problems, right, scenes;
 };
 
-Result<SceneDrawing> open_scene(const SceneInput& scene, float largest_diameter) {
-  ReadOptions options;
-  options.camera = scene.camera;
-  const Result<Cloud> cloud = read_cloud(scene.file, options);
-  if (!cloud) return cloud.error();
-  return SceneDrawing::prepare(*cloud, scene, largest_diameter);
-}
-
 Result<Figures> draw_figures(const ReportInput& input, const Gallery& gallery, PictureStore& store,
                              const Progress& progress) {
   Figures figures;
   figures.problems.resize(gallery.problems.size());
   figures.right.resize(gallery.right.size());
-  double largest = 0;
-  for (const EvaluationMesh& mesh : input.meshes) largest = std::max(largest, mesh.diameter);
   // Meshes and scenes are both in the manifest's unit.
   const std::vector<SceneInput> scenes = scenes_of(input.manifest, input.manifest.unit);
   for (std::size_t s = 0; s < scenes.size(); ++s) {
@@ -241,7 +219,7 @@ Result<Figures> draw_figures(const ReportInput& input, const Gallery& gallery, P
       return Error{ErrorCode::resumable,
                    fmt::format("stopped after drawing {} of {} scenes", s, scenes.size())};
     }
-    Result<SceneDrawing> drawing = open_scene(scenes[s], static_cast<float>(largest));
+    Result<SceneDrawing> drawing = open_scene(scenes[s], input.meshes);
     if (!drawing) return drawing.error();
     Result<std::string> scene = scene_figure(input, s, *drawing, store);
     if (!scene) return scene.error();
@@ -279,17 +257,18 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
                           const Progress& progress) {
   if (const Result<void> made = make_folder(folder); !made) return made;
   const Gallery gallery = choose_exhibits(input);
-  const std::size_t bytes = kSceneBytes * input.manifest.scenes.size() +
+  const std::size_t bytes = 2 * kPictureBytes * input.manifest.scenes.size() +
                             kExhibitBytes * (gallery.problems.size() + gallery.right.size());
-  PictureStore store(bytes > kMaxPageBytes ? std::optional(folder) : std::nullopt);
+  const bool within_page = bytes <= kMaxPageBytes;
+  PictureStore store(folder, {.within_page = within_page, .as_files = !within_page});
   const Result<Figures> figures = draw_figures(input, gallery, store, progress);
   if (!figures) return figures.error();
 
   std::string content =
       fmt::format("<h1>Trivet: what was found</h1>\n<p class=\"dim\">{}, {}, {}</p>\n",
                   escape_html(std::filesystem::path(input.source).filename().string()),
-                  count(input.manifest.models.size(), "model", "models"),
-                  count(input.manifest.scenes.size(), "scene", "scenes"));
+                  counted(input.manifest.models.size(), "model", "models"),
+                  counted(input.manifest.scenes.size(), "scene", "scenes"));
   content += headline(input) + cards(input.evaluation) + tables(input) + charts(input.evaluation);
   if (!figures->problems.empty() || !figures->right.empty()) {
     content +=

@@ -31,12 +31,11 @@ td:first-child{white-space:normal;overflow-wrap:anywhere;min-width:9.5em}tr:last
 .swatch{display:inline-block;width:13px;height:13px;border-radius:3px;flex:none}.label{display:inline-flex;align-items:center;gap:6px}.ring{background:none!important;border:3px solid}
 figure{margin:0 0 18px;padding:12px}figcaption{display:flex;flex-wrap:wrap;gap:2px 16px;align-items:baseline;margin:0 2px 10px}
 figcaption b{font-size:1.02rem}
-.pair{display:grid;grid-template-columns:1fr 1fr;gap:10px}.view{position:relative;overflow:hidden;border-radius:6px;container-type:inline-size}
+.pair{display:grid;grid-template-columns:var(--left,1fr) 1fr;gap:10px;align-items:start}.view{position:relative;overflow:hidden;border-radius:6px;container-type:inline-size}
 .view img{display:block;width:100%;height:auto}
 .tag{position:absolute;transform:translate(-50%,-50%);padding:1px 6px;border-radius:4px;background:#0d1016d9;color:#fff;font-size:max(9px,min(12px,2.1cqw));
 line-height:1.35;white-space:nowrap;border-bottom:2px solid;pointer-events:none}
 .right{color:var(--right)}.wrong{color:var(--wrong)}.missed{color:var(--missed)}.neutral{color:var(--neutral)}
-.tag.right{border-color:#2fd67b;color:#fff}.tag.wrong{border-color:#ff5252;color:#fff}.tag.missed{border-color:#4aa3ff;color:#fff}.tag.neutral{border-color:#b5bcc8;color:#fff}
 .doubtful{color:var(--doubtful)}
 .headline{font-size:1.15rem;max-width:62rem;margin:14px 0}
 .gallery{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,430px),1fr));gap:16px}.exhibit{margin:0}
@@ -49,8 +48,14 @@ line-height:1.35;white-space:nowrap;border-bottom:2px solid;pointer-events:none}
 .chart .best{fill:var(--card);stroke:var(--doubtful);stroke-width:2.5}.chart .reported{fill:var(--right)}
 .dot{width:11px;height:11px;border-radius:50%;flex:none}.dot.best{border:2.5px solid var(--doubtful)}.dot.reported{background:var(--right)}
 p.key{margin:6px 4px 8px;color:var(--dim)}
+figure h3{font-size:1rem;margin:16px 2px 4px;font-weight:600}.wrap{overflow-x:auto}.words{white-space:normal;min-width:15em;overflow-wrap:anywhere}
+figure td:first-child{min-width:0}figure td.id{min-width:2.2em;width:2.2em;white-space:nowrap;color:var(--dim)}.table+figure{margin-top:18px}
+.rejected{display:grid;grid-template-columns:1fr 1fr;gap:10px;margin-top:16px;align-items:start}.rejected h3{margin-top:0}
+.parts td{vertical-align:top}.part{display:block;height:8px;border-radius:4px;background:var(--line);overflow:hidden;margin-top:6px;min-width:8px}
+.part i{display:block;height:100%;background:var(--bar)}.parts .dim{font-size:.75rem}
+pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{color:var(--bar)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
-@media(max-width:760px){.pair{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
+@media(max-width:760px){.pair,.rejected{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
 @media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}}
 @media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
@@ -92,6 +97,17 @@ std::string escape_html(std::string_view text) {
     }
   }
   return out;
+}
+
+std::string counted(std::size_t n, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
+
+std::string card(std::string_view title, std::string_view value, std::string_view note) {
+  return fmt::format(
+      "<div class=\"card\"><span class=\"dim\">{}</span><b>{}</b><span "
+      "class=\"dim\">{}</span></div>\n",
+      title, value, note);
 }
 
 std::string png_address(std::span<const std::byte> png) {

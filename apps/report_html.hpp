@@ -14,6 +14,12 @@ std::string html_page(std::string_view title, std::string_view content);
 /// Text as it may stand between tags and in quoted attributes.
 std::string escape_html(std::string_view text);
 
+/// "1 scene", "3 scenes".
+std::string counted(std::size_t n, std::string_view one, std::string_view many);
+
+/// A number that stands out, with its title and a note. HTML goes in as it is.
+std::string card(std::string_view title, std::string_view value, std::string_view note);
+
 /// Bytes of a PNG as an address that holds them.
 std::string png_address(std::span<const std::byte> png);
 

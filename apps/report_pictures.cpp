@@ -3,30 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "apps/evaluation_json.hpp"
 #include "apps/report_html.hpp"
-#include "storage/file.hpp"
 
 namespace trivet::apps {
 namespace {
 
 constexpr std::size_t kMaxProblems = 80, kMaxRight = 24;
 constexpr double kNear = 1;  // diameters; a wrong detection farther from a truth is no answer to it
-
-/// Told apart by eye, and none like the outlines.
-constexpr std::array<Colour, 10> kModelColours{{{236, 168, 62},
-                                                {158, 118, 226},
-                                                {62, 178, 178},
-                                                {232, 124, 174},
-                                                {178, 178, 74},
-                                                {212, 116, 84},
-                                                {120, 166, 216},
-                                                {196, 150, 110},
-                                                {200, 160, 222},
-                                                {130, 190, 150}}};
 
 struct Style {
   const char* name;
@@ -47,22 +33,6 @@ const Style& style_of(const JudgedDetection& judged) {
       return kNeutral;
   }
   return kNeutral;
-}
-
-std::string css(const Colour& colour) {
-  return fmt::format("rgb({},{},{})", colour.red, colour.green, colour.blue);
-}
-
-/// The palette, then a paler one, and so on.
-Colour colour_of(const ReportInput& input, const EvaluationMesh& mesh) {
-  const auto index = static_cast<std::size_t>(&mesh - input.meshes.data());
-  Colour colour = kModelColours[index % kModelColours.size()];
-  for (std::size_t round = 0; round < index / kModelColours.size() % 3; ++round) {
-    for (std::uint8_t* value : {&colour.red, &colour.green, &colour.blue}) {
-      *value = static_cast<std::uint8_t>(255 - (255 - *value) * 6 / 10);
-    }
-  }
-  return colour;
 }
 
 const Detection& detection_of(const ReportInput& input, std::size_t scene,
@@ -92,7 +62,7 @@ std::string errors(const JudgedDetection& judged) {
 /// same order.
 struct Plan {
   std::vector<Overlay> overlays;
-  std::vector<std::pair<const Style*, std::string>> labels;
+  std::vector<PictureLabel> labels;
 };
 
 Plan plan_scene(const ReportInput& input, std::size_t s) {
@@ -101,8 +71,8 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
                        std::string label) {
     const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
     if (!mesh) return;
-    plan.overlays.push_back({mesh, pose, style.outline, colour_of(input, *mesh), filled});
-    plan.labels.emplace_back(&style, std::move(label));
+    plan.overlays.push_back({mesh, pose, style.outline, model_colour(input.meshes, *mesh), filled});
+    plan.labels.push_back({style.outline, std::move(label)});
   };
   for (const JudgedDetection& judged : input.evaluation.scenes[s].detections) {
     if (!judged.reported) continue;
@@ -117,19 +87,6 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
   return plan;
 }
 
-std::string labels(const Plan& plan, const std::vector<DrawnBox>& boxes) {
-  std::string out;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (boxes[i].left > boxes[i].right) continue;
-    const float x = std::clamp((boxes[i].left + boxes[i].right) / 2, 0.08F, 0.92F);
-    const float y = std::clamp((boxes[i].top + boxes[i].bottom) / 2, 0.03F, 0.97F);
-    out += fmt::format("<span class=\"tag {}\" style=\"left:{:.1f}%;top:{:.1f}%\">{}</span>",
-                       plan.labels[i].first->name, 100 * x, 100 * y,
-                       escape_html(plan.labels[i].second));
-  }
-  return out;
-}
-
 std::string scene_table(const ReportInput& input, std::size_t s) {
   const SceneEvaluation& evaluation = input.evaluation.scenes[s];
   std::string rows;
@@ -137,8 +94,9 @@ std::string scene_table(const ReportInput& input, std::size_t s) {
     if (!judged.reported) continue;
     const Detection& detection = detection_of(input, s, judged);
     const char* const verdict = style_of(judged).name;
-    rows += fmt::format("<tr><td>{}<td class=\"{}\">{}<td class=\"n\">{:.3f}",
-                        model_label(input, detection.model), verdict, verdict, detection.score);
+    rows +=
+        fmt::format("<tr><td>{}<td class=\"{}\">{}<td class=\"n\">{:.3f}",
+                    model_label(input.meshes, detection.model), verdict, verdict, detection.score);
     rows += judged.truth ? fmt::format("<td class=\"n\">{:.2f} %<td class=\"n\">{:.2f}°\n",
                                        100 * judged.translation_error, judged.rotation_error_deg)
                          : "<td><td>\n";
@@ -146,7 +104,7 @@ std::string scene_table(const ReportInput& input, std::size_t s) {
   for (const std::size_t t : evaluation.missed) {
     const TruthInstance& truth = input.manifest.scenes[s].truth[t];
     rows += fmt::format("<tr><td>{}<td class=\"missed\">missed<td colspan=\"3\">{}\n",
-                        model_label(input, truth.model), conditions(truth));
+                        model_label(input.meshes, truth.model), conditions(truth));
   }
   return "<details><summary>Scores and errors</summary><div><table><tr><th>model<th>verdict<th "
          "class=\"n\">score<th class=\"n\">translation<th class=\"n\">rotation\n" +
@@ -225,30 +183,6 @@ Gallery choose_exhibits(const ReportInput& input) {
   return gallery;
 }
 
-Result<std::string> PictureStore::add(const Picture& picture, const std::string& name,
-                                      std::string_view text) {
-  const Result<std::vector<std::byte>> png = encode_png(picture);
-  if (!png) return png.error();
-  std::string address = png_address(*png);
-  if (folder_) {
-    address = "pictures/" + name + ".png";
-    if (const Result<void> made = make_folder(*folder_ / "pictures"); !made) return made.error();
-    if (const Result<void> done = publish_file(*folder_ / address, *png); !done)
-      return done.error();
-  }
-  return fmt::format("<img loading=\"lazy\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">",
-                     picture.width, picture.height, escape_html(text), address);
-}
-
-std::string model_label(const ReportInput& input, const std::string& name) {
-  const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
-  if (!mesh) return escape_html(name);
-  return fmt::format(
-      "<span class=\"label\"><i class=\"swatch\" "
-      "style=\"background:{}\"></i><span>{}</span></span>",
-      css(colour_of(input, *mesh)), escape_html(name));
-}
-
 std::string picture_key() {
   std::string out = "<div class=\"key\">";
   for (const auto& [style, text] : {std::pair{kRight, "right"},
@@ -289,7 +223,8 @@ Result<std::string> scene_figure(const ReportInput& input, std::size_t s, SceneD
   return fmt::format(
       "<figure><figcaption>{}</figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
       "class=\"view\">{}{}</div></div>{}</figure>\n",
-      caption, *scan, *overlaid, labels(plan, pictures->boxes), scene_table(input, s));
+      caption, *scan, *overlaid, picture_labels(plan.labels, pictures->boxes),
+      scene_table(input, s));
 }
 
 Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhibit,
@@ -329,8 +264,8 @@ Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhi
       "<figure class=\"exhibit\"><figcaption><b>{}</b><span class=\"{}\">{}</span><span "
       "class=\"dim\">{}</span></figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
       "class=\"view\">{}</div></div>{}</figure>\n",
-      model_label(input, model), style.name, style.name, escape_html(scene.name), *scan, *drawn,
-      notes);
+      model_label(input.meshes, model), style.name, style.name, escape_html(scene.name), *scan,
+      *drawn, notes);
 }
 
 }  // namespace trivet::apps

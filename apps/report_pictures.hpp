@@ -1,13 +1,12 @@
-/// The pictures of the report: scenes with what was found, and close-ups of single instances.
+/// The pictures of an evaluation: scenes with what was found, and close-ups of single instances.
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "apps/pictures.hpp"
 #include "apps/report.hpp"
 #include "engine/draw_scene.hpp"
 
@@ -27,22 +26,6 @@ struct Gallery {
   std::size_t num_problems = 0, num_right = 0;  ///< without the limit
 };
 Gallery choose_exhibits(const ReportInput& input);
-
-/// Where the pictures of a report go: into the page, or into files beside it.
-class PictureStore {
- public:
-  /// folder  of the report; none: into the page
-  explicit PictureStore(std::optional<std::filesystem::path> folder) : folder_(std::move(folder)) {}
-  /// An <img> of the picture. `name` is that of its file, without extension; `text` describes it.
-  /// Errors: those of writing.
-  Result<std::string> add(const Picture& picture, const std::string& name, std::string_view text);
-
- private:
-  std::optional<std::filesystem::path> folder_;
-};
-
-/// The colour of a model in pictures and tables, as a small square before its name.
-std::string model_label(const ReportInput& input, const std::string& name);
 
 /// What the outlines mean.
 std::string picture_key();

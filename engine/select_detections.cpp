@@ -143,9 +143,14 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
 std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,
                                   std::span<const Refusal> refused,
                                   std::span<const Candidate> detections, std::uint32_t limit) {
+  const auto score = [&](const Refusal& refusal) { return candidates[refusal.candidate].score; };
+  const auto beneath_its_like = [&](const Refusal& refusal) {
+    return refusal.explained_by &&
+           candidates[*refusal.explained_by].model == candidates[refusal.candidate].model;
+  };
   std::vector<Refusal> order(refused.begin(), refused.end());
   std::stable_sort(order.begin(), order.end(), [&](const Refusal& a, const Refusal& b) {
-    return candidates[a.candidate].score > candidates[b.candidate].score;
+    return beneath_its_like(a) != beneath_its_like(b) ? beneath_its_like(b) : score(a) > score(b);
   });
   std::vector<std::vector<Pose>> known(library.models.size());
   for (const Candidate& detection : detections) {
@@ -167,6 +172,8 @@ std::vector<Refusal> best_refused(const Library& library, std::span<const Candid
     ++taken[candidate.model];
     out.push_back(refusal);
   }
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const Refusal& a, const Refusal& b) { return score(a) > score(b); });
   return out;
 }
 

@@ -36,8 +36,9 @@ struct Selection {
 Selection select_detections(const Library& library, const PreparedScene& scene,
                             std::span<const Candidate> candidates, const RecogniseOptions& options);
 
-/// Of each model the best refused candidates by score, at most `limit`; those that repeat the
-/// placement of a better one of them, or of a detection or its rivals, are left out.
+/// Of each model the best refused candidates by score, at most `limit`; first of all those whose
+/// pixels no better one of their own model explains, which may be further instances. Those that
+/// repeat the placement of one taken, or of a detection or its rivals, are left out.
 /// detections  the chosen candidates as they are reported
 /// Returns them by falling score, ties in the order of refusal.
 std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,

@@ -144,6 +144,23 @@ TEST_F(BestRefused, LeavesTheBestOfEachModel) {
   EXPECT_EQ(best(candidates, {}, 9), (Indices{1, 3, 2, 0}));
 }
 
+TEST_F(BestRefused, PrefersWhatMayBeAFurtherInstance) {
+  const std::vector<Candidate> candidates{aside(0, 0.9F, 0), aside(0, 0.4F, 1), aside(0, 0.3F, 2),
+                                          aside(1, 0.2F, 3)};
+  const std::vector<engine::Refusal> refused{
+      {1, Rejection::too_low, 0, 0.8F}, {2, Rejection::too_low}, {3, Rejection::too_low, 0, 0.8F}};
+  const auto best = [&](std::uint32_t limit) {
+    Indices out;
+    for (const engine::Refusal& refusal :
+         engine::best_refused(library_, candidates, refused, {&candidates[0], 1}, limit)) {
+      out.push_back(refusal.candidate);
+    }
+    return out;
+  };
+  EXPECT_EQ(best(1), (Indices{2, 3})) << "the better one lies beneath one of its own model";
+  EXPECT_EQ(best(2), (Indices{1, 2, 3})) << "by falling score";
+}
+
 TEST_F(BestRefused, TellsNoPlacementTwice) {
   const std::vector<Candidate> candidates{aside(0, 0.4F, 0), aside(0, 0.3F, 0.09F),
                                           aside(0, 0.2F, 0.11F), aside(1, 0.1F, 0)};

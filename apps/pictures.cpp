@@ -1,0 +1,106 @@
+#include "apps/pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/report_html.hpp"
+#include "storage/file.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet::apps {
+namespace {
+
+/// Told apart by eye, and none like the outlines.
+constexpr std::array<Colour, 10> kModelColours{{{236, 168, 62},
+                                                {158, 118, 226},
+                                                {62, 178, 178},
+                                                {232, 124, 174},
+                                                {178, 178, 74},
+                                                {212, 116, 84},
+                                                {120, 166, 216},
+                                                {196, 150, 110},
+                                                {200, 160, 222},
+                                                {130, 190, 150}}};
+
+}  // namespace
+
+Result<std::string> PictureStore::add(const Picture& picture, const std::string& name,
+                                      std::string_view text) {
+  const Result<std::vector<std::byte>> png = encode_png(picture);
+  if (!png) return png.error();
+  std::string address = "pictures/" + name + ".png";
+  if (places_.as_files) {
+    if (const Result<void> made = make_folder(folder_ / "pictures"); !made) return made.error();
+    if (const Result<void> done = publish_file(folder_ / address, *png); !done) return done.error();
+  }
+  if (places_.within_page) address = png_address(*png);
+  return fmt::format("<img loading=\"lazy\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">",
+                     picture.width, picture.height, escape_html(text), address);
+}
+
+Result<SceneDrawing> open_scene(const SceneInput& scene, std::span<const EvaluationMesh> models) {
+  double largest = 0;
+  for (const EvaluationMesh& model : models) largest = std::max(largest, model.diameter);
+  ReadOptions options;
+  options.camera = scene.camera;
+  const Result<Cloud> cloud = read_cloud(scene.file, options);
+  if (!cloud) return cloud.error();
+  return SceneDrawing::prepare(*cloud, scene, static_cast<float>(largest));
+}
+
+std::string css(const Colour& colour) {
+  return fmt::format("rgb({},{},{})", colour.red, colour.green, colour.blue);
+}
+
+/// The palette, then a paler one, and so on.
+Colour model_colour(std::span<const EvaluationMesh> meshes, const EvaluationMesh& mesh) {
+  const auto index = static_cast<std::size_t>(&mesh - meshes.data());
+  Colour colour = kModelColours[index % kModelColours.size()];
+  for (std::size_t round = 0; round < index / kModelColours.size() % 3; ++round) {
+    for (std::uint8_t* value : {&colour.red, &colour.green, &colour.blue}) {
+      *value = static_cast<std::uint8_t>(255 - (255 - *value) * 6 / 10);
+    }
+  }
+  return colour;
+}
+
+std::string model_label(std::span<const EvaluationMesh> meshes, const std::string& name) {
+  const EvaluationMesh* const mesh = find_mesh(meshes, name);
+  if (!mesh) return escape_html(name);
+  return fmt::format(
+      "<span class=\"label\"><i class=\"swatch\" "
+      "style=\"background:{}\"></i><span>{}</span></span>",
+      css(model_colour(meshes, *mesh)), escape_html(name));
+}
+
+std::string picture_labels(std::span<const PictureLabel> labels, std::span<const DrawnBox> boxes) {
+  // Of a letter and of a line in a picture of usual size, as shares of it.
+  constexpr float kLetter = 0.0125F, kLine = 0.045F;
+  struct Spot {
+    float x, y, width;
+  };
+  std::vector<Spot> taken;
+  std::string out;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (labels[i].text.empty() || boxes[i].left > boxes[i].right) continue;
+    Spot spot{std::clamp((boxes[i].left + boxes[i].right) / 2, 0.08F, 0.92F),
+              std::clamp((boxes[i].top + boxes[i].bottom) / 2, 0.03F, 0.97F),
+              kLetter * static_cast<float>(labels[i].text.size() + 2)};
+    const auto overlaps = [&](const Spot& other) {
+      return std::abs(spot.x - other.x) < (spot.width + other.width) / 2 &&
+             std::abs(spot.y - other.y) < kLine;
+    };
+    while (spot.y + kLine < 0.97F && std::any_of(taken.begin(), taken.end(), overlaps))
+      spot.y += kLine;
+    taken.push_back(spot);
+    out += fmt::format(
+        "<span class=\"tag\" style=\"left:{:.1f}%;top:{:.1f}%;border-color:{}\">{}</span>",
+        100 * spot.x, 100 * spot.y, css(labels[i].colour), escape_html(labels[i].text));
+  }
+  return out;
+}
+
+}  // namespace trivet::apps

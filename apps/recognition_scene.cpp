@@ -1,0 +1,417 @@
+#include "apps/recognition_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "apps/inputs.hpp"
+#include "apps/report_html.hpp"
+#include "apps/score_words.hpp"
+
+namespace trivet::apps {
+namespace {
+
+constexpr Colour kQuiet{112, 118, 130};  // what was found, in the picture of the rejected
+constexpr float kHopeful = 0.01F;        // rejected poses below are not drawn
+constexpr float kSmall = 0.6F;           // models within such a part of the picture get a close-up
+
+/// One scene, and what its figure is made from.
+struct Subject {
+  const RecognitionReport& report;
+  const SceneInput& input;
+  const SceneResult& result;
+  std::span<const EvaluationMesh> models;
+
+  const kernels::ScoreModel& score() const { return report.recogniser.score(); }
+};
+
+std::string percent(float share) { return fmt::format("{:.0f} %", 100 * share); }
+
+/// A probability of which no digit is made up: never 0 or 100 %.
+std::string probability(float score) {
+  if (score < 0.001F) return "&lt; 0.1 %";
+  if (score > 0.999F) return "&gt; 99.9 %";
+  return fmt::format("{:.{}f} %", 100 * score, score < 0.1F || score > 0.99F ? 1 : 0);
+}
+
+std::string position(const Pose& T_scene_model) {
+  const Eigen::Vector3f t = T_scene_model.translation();
+  return fmt::format("{:.4g}, {:.4g}, {:.4g}", t.x(), t.y(), t.z());
+}
+
+const char* scene_unit(const Subject& subject) {
+  const LengthUnit library = subject.report.recogniser.library().header.unit;
+  const bool same = subject.input.scale == 1;
+  return unit_name(same                           ? library
+                   : library == LengthUnit::metre ? LengthUnit::millimetre
+                                                  : LengthUnit::metre);
+}
+
+Colour brighter(const Colour& colour) {
+  const auto up = [](std::uint8_t value) {
+    return static_cast<std::uint8_t>(255 - (255 - value) * 2 / 5);
+  };
+  return {up(colour.red), up(colour.green), up(colour.blue)};
+}
+
+/// Whether a rejected pose is worth a picture: it has a chance, and is not just a worse guess at a
+/// detection of its own model.
+bool is_hopeful(const Subject& subject, const RejectedPose& rejected) {
+  const bool beneath_its_like =
+      rejected.explained_by &&
+      subject.result.detections[*rejected.explained_by].model == rejected.model;
+  return rejected.score >= kHopeful && !(rejected.reason == Rejection::too_low && beneath_its_like);
+}
+
+/// The rejected poses that are worth a row: hopeful ones, and the best of each model without any
+/// detection.
+std::vector<std::size_t> told(const Subject& subject) {
+  std::vector<std::size_t> out;
+  std::set<std::string_view> seen;
+  for (const Detection& detection : subject.result.detections) seen.insert(detection.model);
+  for (std::size_t r = 0; r < subject.result.rejected.size(); ++r) {
+    const RejectedPose& rejected = subject.result.rejected[r];
+    if (seen.insert(rejected.model).second || is_hopeful(subject, rejected)) out.push_back(r);
+  }
+  return out;
+}
+
+/// What a rejected pose is called in picture and tables; detections are 1, 2, ...
+std::string rejected_id(std::size_t index) { return fmt::format("R{}", index + 1); }
+
+// Why a pose was rejected.
+
+struct Reason {
+  const char* style;  // a class of the page's
+  Colour outline;
+};
+const Reason& reason_of(const RejectedPose& rejected) {
+  static constexpr Reason kTooLow{"doubtful", {255, 196, 61}},
+      kExplained{"neutral", {215, 220, 230}}, kTooMany{"missed", {74, 163, 255}};
+  switch (rejected.reason) {
+    case Rejection::too_low:
+      return kTooLow;
+    case Rejection::explained:
+      return kExplained;
+    case Rejection::too_many:
+      return kTooMany;
+  }
+  return kTooLow;
+}
+
+/// "<below 50 %>: only 60 pixels agree; 83 % of its pixels are explained by gear (2)".
+std::string reason_in_words(const Subject& subject, const RejectedPose& rejected) {
+  const RecogniseOptions& options = subject.report.options;
+  std::string what, why = "by one that was one too many";
+  if (rejected.explained_by) {
+    const std::size_t by = *rejected.explained_by;
+    why =
+        fmt::format("{} of its pixels are explained by {} ({})", percent(rejected.explained_share),
+                    escape_html(subject.result.detections[by].model), by + 1);
+  }
+  switch (rejected.reason) {
+    case Rejection::too_low: {
+      what = "below " + percent(options.min_score);
+      const std::string costs = costliest_findings(subject.score(), rejected.parts);
+      why = !rejected.explained_by ? costs : costs.empty() ? why : costs + "; " + why;
+      break;
+    }
+    case Rejection::explained:
+      what = "place taken";
+      break;
+    case Rejection::too_many:
+      what = "one too many";
+      why = fmt::format("{} of this model were asked for, and better ones found",
+                        options.max_instances);
+      break;
+  }
+  return fmt::format("<span class=\"{}\">{}</span>{}{}", reason_of(rejected).style, what,
+                     why.empty() ? "" : ": ", why);
+}
+
+// Tables.
+
+std::string table(std::string_view title, std::string_view head, const std::string& rows) {
+  return fmt::format(
+      "<h3>{}</h3><div "
+      "class=\"wrap\"><table><thead><tr>{}</thead><tbody>\n{}</tbody></table></div>\n",
+      title, head, rows);
+}
+
+/// With a column for ambiguity and one for doubts only where there are any.
+std::string found_table(const Subject& subject) {
+  const std::vector<Detection>& detections = subject.result.detections;
+  if (detections.empty()) return "<h3>Found</h3><p class=\"dim\">None of the models.</p>\n";
+  const bool ambiguous = std::any_of(detections.begin(), detections.end(),
+                                     [](const Detection& d) { return !d.rivals.empty(); });
+  std::string rows;
+  for (std::size_t d = 0; d < detections.size(); ++d) {
+    const Detection& detection = detections[d];
+    rows += fmt::format(
+        "<tr><td class=\"id\">{}<td>{}<td class=\"n\"><b>{}</b><td class=\"n\">{}<td "
+        "class=\"n\">{:.3g}<td>{}",
+        d + 1, model_label(subject.models, detection.model), probability(detection.score),
+        percent(detection.visible_fraction), detection.rmse, position(detection.T_scene_model));
+    if (ambiguous) rows += "<td>";
+    if (!detection.rivals.empty()) {
+      rows += fmt::format("<span class=\"doubtful\">with {}</span>",
+                          counted(detection.rivals.size(), "other pose", "other poses"));
+    }
+    rows += fmt::format("<td class=\"words\">{}\n",
+                        costliest_findings(subject.score(), detection.parts));
+  }
+  const std::string unit = scene_unit(subject);
+  return table("Found",
+               fmt::format("<th><th>model<th class=\"n\">score<th class=\"n\">visible<th "
+                           "class=\"n\">rmse [{}]<th>position [{}]{}<th>what costs it most",
+                           unit, unit, ambiguous ? "<th>ambiguous" : ""),
+               rows);
+}
+
+std::string rejected_table(const Subject& subject) {
+  const std::vector<std::size_t> shown = told(subject);
+  std::string rows, rest;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const RejectedPose& rejected = subject.result.rejected[shown[i]];
+    rows += fmt::format(
+        "<tr><td class=\"id\">{}<td>{}<td class=\"n\"><b>{}</b><td class=\"words\">{}\n",
+        rejected_id(i), model_label(subject.models, rejected.model), probability(rejected.score),
+        reason_in_words(subject, rejected));
+  }
+  if (const std::size_t more = subject.result.rejected.size() - shown.size(); more > 0) {
+    rest =
+        fmt::format("<p class=\"dim\">{} more {}below {} or a worse guess at what was found.</p>\n",
+                    more, more == 1 ? "is " : "are ", percent(kHopeful));
+  }
+  if (rows.empty()) return "<h3>Rejected</h3><p class=\"dim\">Nothing worth a look.</p>\n" + rest;
+  return table("Rejected", "<th><th>model<th class=\"n\">score<th>why not", rows) + rest;
+}
+
+/// One row of bars: each as long as the part can give, filled as far as it gives.
+std::string parts_row(const Subject& subject, const std::string& id, const std::string& model,
+                      float score, const kernels::ScoreParts& parts) {
+  const auto most = most_evidence(subject.score());
+  const float largest = *std::max_element(most.begin(), most.end());
+  std::string row = fmt::format("<tr><td class=\"id\">{}<td>{}<td class=\"n\">{}", id,
+                                model_label(subject.models, model), probability(score));
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (!(most[k] > 0)) continue;
+    const float gives = kernels::part_evidence(subject.score(), parts, k);
+    row += fmt::format(
+        "<td title=\"{}: {}\"><span class=\"part\" style=\"width:{:.0f}%\"><i "
+        "style=\"width:{:.0f}%\"></i></span><span class=\"dim\">{:.1f}</span>",
+        words_of(k).label, finding_of(k, parts[k]), 100 * most[k] / largest, 100 * gives / most[k],
+        gives);
+  }
+  return row + "\n";
+}
+
+std::string parts_table(const Subject& subject) {
+  const auto most = most_evidence(subject.score());
+  std::string head = "<th><th>model<th class=\"n\">score", rows;
+  for (std::size_t k = 0; k < most.size(); ++k) {
+    if (most[k] > 0)
+      head += fmt::format("<th title=\"{}\">{}<br>of {:.1f}", words_of(k).meaning,
+                          words_of(k).label, most[k]);
+  }
+  for (std::size_t d = 0; d < subject.result.detections.size(); ++d) {
+    const Detection& detection = subject.result.detections[d];
+    rows += parts_row(subject, std::to_string(d + 1), detection.model, detection.score,
+                      detection.parts);
+  }
+  const std::vector<std::size_t> shown = told(subject);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const RejectedPose& rejected = subject.result.rejected[shown[i]];
+    rows += parts_row(subject, rejected_id(i), rejected.model, rejected.score, rejected.parts);
+  }
+  if (rows.empty()) return "";
+  return "<div class=\"parts\">" + table("What spoke for and against", head, rows) + "</div>";
+}
+
+std::string times_and_counts(const Subject& subject) {
+  const SceneStats& stats = subject.result.stats;
+  std::string rows;
+  double longest = 0;
+  for (const auto& [stage, seconds] : stats.times.seconds) longest = std::max(longest, seconds);
+  for (const auto& [stage, seconds] : stats.times.seconds) {
+    rows += fmt::format(
+        "<tr><td>{}<td class=\"n\">{:.3f} s<td><span class=\"bar\"><i "
+        "style=\"width:{:.1f}%\"></i></span>\n",
+        escape_html(stage), seconds, longest > 0 ? 100 * seconds / longest : 0);
+  }
+  std::string counts;
+  for (const auto& [name, value] : {std::pair{"points", std::uint64_t{stats.num_points}},
+                                    {"invalid points", std::uint64_t{stats.num_invalid}},
+                                    {"references", stats.num_references},
+                                    {"pairs", stats.num_pairs},
+                                    {"votes", stats.num_votes},
+                                    {"hypotheses", stats.num_hypotheses},
+                                    {"refined", stats.num_refined},
+                                    {"examined by rays", stats.num_examined}}) {
+    counts += fmt::format("<tr><td>{}<td class=\"n\">{}\n", name, value);
+  }
+  return fmt::format(
+      "<details><summary>Times and counts</summary><div class=\"pair\"><table>{}</table>"
+      "<table>{}</table></div></details>",
+      rows, counts);
+}
+
+std::string caption(const Subject& subject) {
+  const SceneResult& result = subject.result;
+  const auto ambiguous =
+      std::count_if(result.detections.begin(), result.detections.end(),
+                    [](const Detection& detection) { return !detection.rivals.empty(); });
+  std::string out =
+      fmt::format("<b>{}</b><span class=\"{}\">{} found</span>",
+                  escape_html(subject.input.file.filename().string()),
+                  result.detections.empty() ? "neutral" : "right", result.detections.size());
+  if (ambiguous > 0) out += fmt::format("<span class=\"doubtful\">{} ambiguous</span>", ambiguous);
+  return out + fmt::format("<span class=\"dim\">{} points, noise {:.3g} {}, {:.2f} s</span>",
+                           result.stats.num_points, result.stats.noise,
+                           unit_name(subject.report.recogniser.library().header.unit),
+                           result.stats.total_seconds);
+}
+
+// Pictures.
+
+struct Plan {
+  std::vector<Overlay> overlays;
+  std::vector<PictureLabel> labels;
+
+  void add(const EvaluationMesh& mesh, const Pose& pose, const Colour& outline,
+           const Colour& surface, bool filled, std::string label) {
+    overlays.push_back({&mesh, pose, outline, surface, filled});
+    labels.push_back({outline, std::move(label)});
+  }
+};
+
+Plan plan_found(const Subject& subject) {
+  Plan plan;
+  for (std::size_t d = 0; d < subject.result.detections.size(); ++d) {
+    const Detection& detection = subject.result.detections[d];
+    const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
+    const Colour colour = model_colour(subject.models, mesh);
+    plan.add(mesh, detection.T_scene_model, brighter(colour), colour, true,
+             fmt::format("{} {}", d + 1, detection.model));
+  }
+  return plan;
+}
+
+Plan plan_rejected(const Subject& subject) {
+  Plan plan;
+  for (const Detection& detection : subject.result.detections) {
+    const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
+    plan.add(mesh, detection.T_scene_model, kQuiet, kQuiet, true, "");
+  }
+  const std::vector<std::size_t> shown = told(subject);
+  for (std::size_t i = shown.size(); i-- > 0;) {  // the best one drawn last
+    const RejectedPose& rejected = subject.result.rejected[shown[i]];
+    if (!is_hopeful(subject, rejected)) continue;
+    plan.add(*find_mesh(subject.models, rejected.model), rejected.T_scene_model,
+             reason_of(rejected).outline, {}, false, rejected_id(i));
+  }
+  return plan;
+}
+
+/// Whether all that is drawn lies in a small part of the picture.
+bool is_small(std::span<const DrawnBox> boxes) {
+  DrawnBox all;
+  for (const DrawnBox& box : boxes) {
+    all.left = std::min(all.left, box.left);
+    all.right = std::max(all.right, box.right);
+    all.top = std::min(all.top, box.top);
+    all.bottom = std::max(all.bottom, box.bottom);
+  }
+  return all.left < all.right && all.right - all.left < kSmall && all.bottom - all.top < kSmall;
+}
+
+/// Draws one scene and stores the pictures under its name.
+class Painter {
+ public:
+  Painter(SceneDrawing& drawing, PictureStore& store, std::string name, std::string scene)
+      : drawing_(drawing), store_(store), name_(std::move(name)), scene_(std::move(scene)) {}
+
+  /// The scan beside what was found; where that is small, the whole scene beside a close-up.
+  Result<std::string> found(const Plan& plan) {
+    const Result<ScenePictures> whole = drawing_.draw(plan.overlays);
+    if (!whole) return whole.error();
+    Result<std::string> scan = view(whole->scan, "scan", "");
+    if (!scan) return scan.error();
+    if (!is_small(whole->boxes)) {
+      Result<std::string> drawn =
+          view(whole->overlaid, "found", picture_labels(plan.labels, whole->boxes));
+      if (!drawn) return drawn.error();
+      return "<div class=\"pair\">" + *scan + *drawn + "</div>";
+    }
+    const Result<std::string> drawn = view(whole->overlaid, "found", "");
+    if (!drawn) return drawn.error();
+    const Result<std::string> close = close_up(plan, "found_close");
+    if (!close) return close.error();
+    // As high as each other: a close-up is a square.
+    return fmt::format(
+        "<div class=\"pair\" style=\"--left:{:.3f}fr\">{}{}</div><details><summary>The scan "
+        "alone</summary>{}</details>",
+        static_cast<double>(whole->scan.width) / whole->scan.height, *drawn, *close, *scan);
+  }
+
+  /// As large as they are shown: the whole scene, or a close-up.
+  Result<std::string> rejected(const Plan& plan) {
+    const Result<ScenePictures> whole = drawing_.draw(plan.overlays);
+    if (!whole) return whole.error();
+    if (is_small(whole->boxes)) return close_up(plan, "rejected");
+    return view(whole->overlaid, "rejected", picture_labels(plan.labels, whole->boxes));
+  }
+
+ private:
+  Result<std::string> close_up(const Plan& plan, std::string_view kind) {
+    const Result<ScenePictures> close = drawing_.draw_around(plan.overlays);
+    if (!close) return close.error();
+    return view(close->overlaid, kind, picture_labels(plan.labels, close->boxes));
+  }
+  Result<std::string> view(const Picture& picture, std::string_view kind,
+                           const std::string& labels) {
+    const Result<std::string> image =
+        store_.add(picture, fmt::format("{}_{}", name_, kind), fmt::format("{}: {}", scene_, kind));
+    if (!image) return image.error();
+    return "<div class=\"view\">" + *image + labels + "</div>";
+  }
+
+  SceneDrawing& drawing_;
+  PictureStore& store_;
+  std::string name_, scene_;
+};
+
+}  // namespace
+
+Result<std::string> recognition_figure(const RecognitionReport& report, std::size_t s,
+                                       std::span<const EvaluationMesh> models,
+                                       PictureStore& store) {
+  const Subject subject{report, report.scenes[s], report.results[s], models};
+  const std::string name = fmt::format("scene_{:04}", s);
+  Result<std::string> found(""), rejected("");
+  Result<SceneDrawing> drawing = open_scene(subject.input, models);
+  if (drawing) {
+    Painter painter(*drawing, store, name, subject.input.file.filename().string());
+    found = painter.found(plan_found(subject));
+    if (!found) return found.error();
+    const Plan plan = plan_rejected(subject);
+    if (plan.overlays.size() > subject.result.detections.size()) rejected = painter.rejected(plan);
+    if (!rejected) return rejected.error();
+  } else if (drawing.error().code == ErrorCode::bad_data) {
+    found = fmt::format("<p class=\"dim\">Nothing to draw: {}</p>",
+                        escape_html(drawing.error().message));
+  } else {
+    return drawing.error();
+  }
+  return fmt::format(
+      "<figure id=\"{}\"><figcaption>{}</figcaption>{}{}<div "
+      "class=\"rejected\">{}<div>{}</div></div>"
+      "{}{}</figure>\n",
+      name, caption(subject), *found, found_table(subject), *rejected, rejected_table(subject),
+      parts_table(subject), times_and_counts(subject));
+}
+
+}  // namespace trivet::apps
