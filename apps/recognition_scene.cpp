@@ -164,11 +164,13 @@ std::string found_table(const Subject& subject) {
                         costliest_findings(subject.score(), detection.parts));
   }
   const std::string unit = scene_unit(subject);
-  return table("Found",
+  return "<div class=\"found\">" +
+         table("Found",
                fmt::format("<th><th>model<th class=\"n\">score<th class=\"n\">visible<th "
                            "class=\"n\">rmse [{}]<th>position [{}]{}<th>what costs it most",
                            unit, unit, ambiguous ? "<th>ambiguous" : ""),
-               rows);
+               rows) +
+         "</div>";
 }
 
 std::string rejected_table(const Subject& subject) {
@@ -214,7 +216,7 @@ std::string parts_table(const Subject& subject) {
   std::string head = "<th><th>model<th class=\"n\">score", rows;
   for (std::size_t k = 0; k < most.size(); ++k) {
     if (most[k] > 0)
-      head += fmt::format("<th title=\"{}\">{}<br>of {:.1f}", words_of(k).meaning,
+      head += fmt::format("<th title=\"{}\">{}<span><br>of {:.1f}</span>", words_of(k).meaning,
                           words_of(k).label, most[k]);
   }
   for (std::size_t d = 0; d < subject.result.detections.size(); ++d) {
@@ -407,7 +409,7 @@ Result<std::string> recognition_figure(const RecognitionReport& report, std::siz
     return drawing.error();
   }
   return fmt::format(
-      "<figure id=\"{}\"><figcaption>{}</figcaption>{}{}<div "
+      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}<div "
       "class=\"rejected\">{}<div>{}</div></div>"
       "{}{}</figure>\n",
       name, caption(subject), *found, found_table(subject), *rejected, rejected_table(subject),

@@ -28,11 +28,18 @@ struct Entry {
 constexpr std::array<Entry, 11> kEntries{{
     {"violation",
      {"looked through", "share of what is seen that the sensor looked through"},
-     [](float v) { return "the sensor looked through " + percent(std::exp(v)) + " of it"; }},
+     [](float v) {
+       return "the sensor looked through " + percent(std::exp(v) - 0.01F) + " of it";
+     }},
     {"crossed",
      {"outline", "share of its outline beyond which the scene runs on as if it were not there"},
      [](float v) {
-       return "the scene runs on beyond " + percent(std::exp(v)) + " of its outline";
+       return "the scene runs on beyond " + percent(std::exp(v) - 0.02F) + " of its outline";
+     }},
+    {"touching",
+     {"contact", "share of its outline beyond which something else touches"},
+     [](float v) {
+       return "something touches " + percent(std::exp(v) - 0.02F) + " of its outline";
      }},
     {"residual",
      {"distance", "how far the measured surface is from the model's, in tolerances"},
@@ -43,23 +50,17 @@ constexpr std::array<Entry, 11> kEntries{{
      {"shape", "the same with noise averaged out: what is left is a difference in shape"},
      [](float v) {
        return fmt::format("its shape is {:.2f} tolerances off, noise left aside",
-                          std::sqrt(std::max(0.0F, std::exp(v) - 0.002F)));
+                          std::sqrt(std::max(0.0F, std::exp(v) - 0.005F)));
      }},
     {"slope",
      {"slope", "angle between the measured surface and the model's"},
      [](float v) {
        return fmt::format("its surface is inclined by {:.0f}° to the measured one",
-                          kDegreesPerRadian * std::max(0.0F, std::exp(v) - 0.01F));
+                          kDegreesPerRadian * std::max(0.0F, std::exp(v) - 0.02F));
      }},
     {"hold",
      {"hold", "how firmly the seen surface keeps the model from sliding and turning"},
      [](float) { return std::string("what is seen of it would let it slide or turn"); }},
-    {"area",
-     {"seen area", "of the model's surface, in squared diameters"},
-     [](float v) {
-       return fmt::format("{:.2f} squared diameters of it are seen",
-                          std::max(0.0F, std::exp(v) - 0.01F));
-     }},
     {"consistent",
      {"agreement", "share of its silhouette that was measured where the model says"},
      [](float v) {

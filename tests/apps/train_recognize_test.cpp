@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
+#include "storage/write_png.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 
@@ -18,10 +20,10 @@ class TrainRecognize : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<test::TempDir>();
-    const test::Shape bracket = test::bracket();
-    write("bracket.ply", test::cloud_of(bracket));
+    bracket_ = test::bracket();
+    write("bracket.ply", test::cloud_of(bracket_));
     write("lever.ply", test::cloud_of(test::lever()));
-    write("scan.ply", test::render_scan({{&bracket, truth()}}));
+    write("scan.ply", test::render_scan({{&bracket_, truth()}}));
     const test::Outcome outcome =
         run({"train", "bracket.ply", "lever.ply", "-o", "library.h5", "--preset", "fast"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
@@ -57,6 +59,7 @@ class TrainRecognize : public testing::Test {
     return detections(outcome.out);
   }
 
+  static inline test::Shape bracket_;
   static inline std::unique_ptr<test::TempDir> folder_;
 };
 
@@ -105,6 +108,77 @@ TEST_F(TrainRecognize, PrintsNothingButJsonToStandardOutput) {
       run({"recognize", "library.h5", "scan.ply", "--json", "-", "--quiet"});
   EXPECT_TRUE(quiet.error.empty()) << quiet.error;
   EXPECT_EQ(detections(quiet.out), detections(outcome.out));
+}
+
+/// A page that a browser shows without any other file or the network.
+void expect_stands_alone(const std::string& page) {
+  for (const char* text : {"http:", "https:", "<script", "src=\"pictures", "@import", "url("})
+    EXPECT_EQ(page.find(text), std::string::npos) << text;
+  EXPECT_NE(page.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);
+}
+
+TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
+  // Another scene of a name that HTML must not take for a tag, without what one could find.
+  const test::Shape wall = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
+  write("a<b>&\"c\".ply", test::render_scan({{&wall, Pose::Identity()}}));
+  const test::Outcome outcome =
+      run({"recognize", "library.h5", "scan.ply", "a<b>&\"c\".ply", "--report", "report"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("bracket"), std::string::npos) << "it is printed as ever";
+  const std::string page = bytes("report/index.html");
+  expect_stands_alone(page);
+  for (const char* text :
+       {"1 object found in 2 scenes", ">scan.ply<", ">a&lt;b&gt;&amp;&quot;c&quot;.ply<",
+        "1 bracket", "None of the models.", "What spoke for and against", "below 50 %",
+        "prefers-color-scheme",
+        "recognize library.h5 scan.ply 'a&lt;b&gt;&amp;&quot;c&quot;.ply' --report report"}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  }
+  EXPECT_EQ(page.find("<b>&"), std::string::npos);
+  for (const char* name : {"scene_0000_scan", "scene_0000_found", "scene_0001_scan"}) {
+    const std::string png = bytes(std::string("report/pictures/") + name + ".png");
+    EXPECT_EQ(png.substr(1, 3), "PNG") << name;
+  }
+}
+
+// Beside scattered points: a closed mesh, too few points to be drawn, and a depth image.
+TEST_F(TrainRecognize, ReportsScenesOfEveryKind) {
+  write("moved.ply", test::cloud_of(bracket_.moved(truth())));
+  Cloud few;
+  for (int i = 0; i < 10; ++i) few.points.push_back({0, 0.01F * static_cast<float>(i), 1});
+  write("few.ply", few);
+  const test::Outcome clouds =
+      run({"recognize", "library.h5", "moved.ply", "few.ply", "--report", "clouds"});
+  ASSERT_EQ(clouds.exit_code, 0) << clouds.error;
+  const std::string page = bytes("clouds/index.html");
+  expect_stands_alone(page);
+  EXPECT_NE(page.find("Nothing to draw: "), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(*folder_ / "clouds/pictures/scene_0000_found.png"));
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "clouds/pictures/scene_0001_found.png"));
+
+  const Cloud scan = test::render_scan({{&bracket_, truth()}});
+  std::vector<std::uint16_t> depths;
+  for (const std::int32_t i : scan.grid->point_index) {
+    depths.push_back(i == PixelGrid::kNone
+                         ? std::uint16_t{0}
+                         : static_cast<std::uint16_t>(
+                               std::lround(1e4F * scan.points[static_cast<std::size_t>(i)].z())));
+  }
+  ASSERT_TRUE(write_depth_png(*folder_ / "depth.png", depths, scan.grid->width));
+  folder_->write("camera.json",
+                 R"({"fx": 570, "fy": 570, "cx": 319.5, "cy": 239.5, "depth_scale": 0.0001})");
+  const test::Outcome depth = run({"recognize", "library.h5", "depth.png", "--camera",
+                                   "camera.json", "--report", "depth", "--json", "depth.json"});
+  ASSERT_EQ(depth.exit_code, 0) << depth.error;
+  EXPECT_EQ(nlohmann::json::parse(bytes("depth.json"))["scenes"][0]["detections"].size(), 1U);
+  EXPECT_NE(bytes("depth/index.html").find("1 bracket"), std::string::npos);
+}
+
+TEST_F(TrainRecognize, GivesNoReportWhereItCannotBeWritten) {
+  folder_->write("taken", "a file");
+  const test::Outcome outcome = run({"recognize", "library.h5", "scan.ply", "--report", "taken"});
+  EXPECT_EQ(outcome.exit_code, 73) << outcome.error;
+  EXPECT_EQ(bytes("taken"), "a file");
 }
 
 TEST_F(TrainRecognize, GivesTheSameBytesForAnyNumberOfThreads) {

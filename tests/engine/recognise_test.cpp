@@ -157,7 +157,7 @@ TEST_F(Recognise, TellsTheInstanceThatIsOneTooMany) {
   }
   const Cloud scene = test::render_scan({{&large, left}, {&large, right}});
   const auto result = recognise(recogniser_, scene, {.scale = 0.001},
-                                {.max_instances = 1, .models = {"bracket"}, .max_rejected = 1});
+                                {.max_instances = 1, .max_rejected = 1, .models = {"bracket"}});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ(result->detections.size(), 1U);
   ASSERT_EQ(result->rejected.size(), 1U);
