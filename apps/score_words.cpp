@@ -29,17 +29,17 @@ constexpr std::array<Entry, 11> kEntries{{
     {"violation",
      {"looked through", "share of what is seen that the sensor looked through"},
      [](float v) {
-       return "the sensor looked through " + percent(std::exp(v) - 0.01F) + " of it";
+       return "the sensor looked through " + percent(std::exp(v) - 0.03F) + " of it";
      }},
     {"crossed",
      {"outline", "share of its outline beyond which the scene runs on as if it were not there"},
      [](float v) {
-       return "the scene runs on beyond " + percent(std::exp(v) - 0.02F) + " of its outline";
+       return "the scene runs on beyond " + percent(std::exp(v) - 0.05F) + " of its outline";
      }},
     {"touching",
      {"contact", "share of its outline beyond which something else touches"},
      [](float v) {
-       return "something touches " + percent(std::exp(v) - 0.02F) + " of its outline";
+       return "something touches " + percent(std::exp(v) - 0.05F) + " of its outline";
      }},
     {"residual",
      {"distance", "how far the measured surface is from the model's, in tolerances"},

@@ -7,6 +7,13 @@
 #include "engine/manifest_inputs.hpp"
 
 namespace trivet {
+namespace {
+
+/// A wrong pose in the place of an object of its model, in diameters, and turned: near symmetries
+/// look alike, and compare_poses decides between them. What slid from its place is wrong.
+constexpr double kSamePlace = 0.25, kFlippedDeg = 45;
+
+}  // namespace
 
 Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
                           RecogniseOptions options, const Progress& progress, Outcomes& outcomes) {
@@ -22,9 +29,14 @@ Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest
   if (!judged) return judged.error();
   for (std::size_t s = 0; s < results.size(); ++s) {
     for (const JudgedDetection& detection : judged->scenes[s].detections) {
-      if (detection.verdict == Verdict::neutral) continue;
+      const bool right = detection.verdict == Verdict::right;
+      if (detection.verdict == Verdict::neutral ||
+          (!right && detection.translation_error < kSamePlace &&
+           detection.rotation_error_deg > kFlippedDeg)) {
+        continue;
+      }
       outcomes.parts.push_back(results[s]->detections[detection.detection].parts);
-      outcomes.right.push_back(detection.verdict == Verdict::right);
+      outcomes.right.push_back(right ? 1 : 0);
     }
   }
   return {};

@@ -18,8 +18,9 @@ struct Outcomes {
 };
 
 /// Recognise the scenes of a manifest, and add the detections that count to `outcomes`: those that
-/// remain when the best explain their pixels, down to any score. Truths of models that the library
-/// does not have are unknown objects. Errors: of recognise_all and evaluate.
+/// remain when the best explain their pixels, down to any score, but for those that are an object
+/// of their model turned by more than 45 degrees. Truths of models that the library does not have
+/// are unknown objects. Errors: of recognise_all and evaluate.
 Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
                           RecogniseOptions options, const Progress& progress, Outcomes& outcomes);
 

@@ -18,12 +18,13 @@ std::array<float, ScoreModel::kKnots> knots_of(std::span<const ScoreParts> parts
   values.reserve(parts.size());
   for (const ScoreParts& row : parts) values.push_back(row[part]);
   std::sort(values.begin(), values.end());
+  const auto quantile = [&](double share) {
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  };
+  const float low = quantile(kLowestShare), high = quantile(kHighestShare);
   std::array<float, ScoreModel::kKnots> knots;
-  for (std::size_t k = 0; k < knots.size(); ++k) {
-    const double share = kLowestShare + (kHighestShare - kLowestShare) * static_cast<double>(k) /
-                                            static_cast<double>(knots.size() - 1);
-    knots[k] = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-  }
+  for (std::size_t k = 0; k < knots.size(); ++k)
+    knots[k] = low + (high - low) * static_cast<float>(k) / static_cast<float>(knots.size() - 1);
   return knots;
 }
 

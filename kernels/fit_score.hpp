@@ -10,8 +10,8 @@ namespace trivet::kernels {
 
 /// Minimise sum log loss + ridge / 2 sum weight^2 over all weights >= 0.
 ///
-/// parts  n, all finite; their 3 to 97 % quantiles become the outer knots, equal shares of them lie
-///        between the others
+/// parts  n, all finite; their 3 and 97 % quantiles become the outer knots, the others lie at equal
+///        distances between
 /// right  n; 1 where the pose is right, else 0
 /// ridge  > 0: without it a part that divides the poses perfectly would have no bound
 /// The same bits whenever the rows are the same. Source: Zhang and Oles, Information Retrieval 2001
