@@ -24,6 +24,10 @@ constexpr std::uint32_t kExaminedAPlace = 5;
 // Score of a refined pose by samples below which no ray need be shot: of 600 examinations above 0.3
 // on the development scans it lost none, of all examinations it saves two thirds.
 constexpr float kHopeless = 0.05F;
+// The score adds up, so that much agreement could outweigh any violation: of right poses on
+// rendered scenes 99 % are looked through by less than 9 % of what is seen, of wrong ones 43 % by
+// more than 12.
+constexpr float kMostViolation = 0.15F;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
 constexpr float kRivalPlace = 0.3F;  // in diameters
@@ -267,7 +271,10 @@ class Settling {
                           &candidate.explained);
     candidate.parts =
         kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
-    candidate.score = kernels::pose_probability(score, candidate.parts);
+    const float seen = candidate.examination.consistent + candidate.examination.violation +
+                       candidate.examination.background;
+    if (candidate.examination.violation <= kMostViolation * seen)
+      candidate.score = kernels::pose_probability(score, candidate.parts);
     return candidate;
   }
 

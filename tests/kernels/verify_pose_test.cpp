@@ -291,7 +291,8 @@ TEST(VerifyPose, AllocatesNothing) {
   ContourScratch scratch;
   const auto run = [&] {
     Evidence e = verify_pose(images, scene.ball.view(), 3000, scene.truth, options, &explained);
-    judge_contour(images, scene.ball.view(), scene.ball.view().points.size(), scene.truth, options, scratch, e);
+    judge_contour(images, scene.ball.view(), scene.ball.view().points.size(), scene.truth, options,
+                  scratch, e);
     explained.clear();
   };
   run();
