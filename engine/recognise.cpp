@@ -174,11 +174,8 @@ class SceneSearch {
       out.push_back(candidates_[c]);
       if (out.back().score < options_.min_score) continue;
       const std::uint32_t model = candidates_[c].model;
-      std::vector<engine::Candidate> others;
-      std::copy_if(candidates_.begin(), candidates_.end(), std::back_inserter(others),
-                   [&](const engine::Candidate& other) { return other.model == model; });
       const Result<void> settled = engine::settle_rivals(
-          recogniser_, scene_, library_.models[model].ppf.quantisation.distance_step, others,
+          recogniser_, scene_, library_.models[model].ppf.quantisation.distance_step, candidates_,
           options_, stats_, out.back());
       if (!settled) return settled.error();
     }

@@ -191,7 +191,7 @@ class Settling {
   }
 
   void settle_rivals(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                     std::span<const Candidate> others, Candidate& candidate) const {
+                     std::span<const Candidate> candidates, Candidate& candidate) const {
     const StageTimer timer(stats_.times, "rivals");
     kernels::ExamineScratch examine_scratch;
     kernels::CompareScratch compare_scratch;
@@ -200,7 +200,7 @@ class Settling {
       alike.clear();
       std::optional<Pose> better;
       double most = 0;
-      for (const Pose& rival : rivals_of(candidate.T_scene_model, others)) {
+      for (const Pose& rival : rivals_of(candidate, candidates)) {
         const kernels::PoseComparison comparison =
             kernels::compare_poses(scene_.images, surface, samples_, rival, candidate.T_scene_model,
                                    scene_.noise, strict_, compare_scratch);
@@ -213,6 +213,7 @@ class Settling {
       if (!better || hop == kMaxHops) break;
       Candidate moved = examine(surface, score, *better, examine_scratch);
       if (moved.score < options_.min_score) break;
+      moved.model = candidate.model;
       candidate = std::move(moved);
     }
     for (const Pose& pose : alike) {
@@ -223,7 +224,9 @@ class Settling {
 
  private:
   /// Other placements of the model that may look like this one, refined.
-  std::vector<Pose> rivals_of(const Pose& pose, std::span<const Candidate> others) const {
+  std::vector<Pose> rivals_of(const Candidate& candidate,
+                              std::span<const Candidate> candidates) const {
+    const Pose& pose = candidate.T_scene_model;
     std::vector<Pose> rivals;
     const auto add = [&](const Pose& rival) {
       const auto differs = [&](const Pose& known) { return !same_placement(model_, known, rival); };
@@ -234,7 +237,8 @@ class Settling {
     for (const Pose& motion : model_.near_symmetries) {
       add(kernels::refine_pose(scene_.images, samples_, pose * motion, sparse).T_scene_model);
     }
-    for (const Candidate& other : others) {
+    for (const Candidate& other : candidates) {
+      if (other.model != candidate.model) continue;
       const float apart = (other.T_scene_model * model_.centre - pose * model_.centre).norm();
       if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
         add(other.T_scene_model);
@@ -323,15 +327,13 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
 }
 
 Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
-                           std::span<const Candidate> others, const RecogniseOptions& options,
+                           std::span<const Candidate> candidates, const RecogniseOptions& options,
                            SceneStats& stats, Candidate& candidate) {
   const Result<kernels::RayScene>& surface = recogniser.surface(candidate.model);
   if (!surface) return surface.error();
   const Settling settling(recogniser.library().models[candidate.model], scene, step, options,
                           stats);
-  const std::uint32_t model = candidate.model;
-  settling.settle_rivals(*surface, recogniser.score(), others, candidate);
-  candidate.model = model;
+  settling.settle_rivals(*surface, recogniser.score(), candidates, candidate);
   return {};
 }
 

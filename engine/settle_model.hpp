@@ -23,11 +23,11 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
                                             const RecogniseOptions& options, SceneStats& stats);
 
 /// Hold a candidate against its rivals: poses that a near symmetry of the model leads to, and
-/// `others` of the same model in the same place. It takes the pose that the scan speaks for, by the
-/// pixels where the renderings differ (kernels::compare_poses); rivals that are as likely are
+/// `candidates` of the same model in the same place. It takes the pose that the scan speaks for, by
+/// the pixels where the renderings differ (kernels::compare_poses); rivals that are as likely are
 /// noted. Errors: as settle_model.
 Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
-                           std::span<const Candidate> others, const RecogniseOptions& options,
+                           std::span<const Candidate> candidates, const RecogniseOptions& options,
                            SceneStats& stats, Candidate& candidate);
 
 }  // namespace trivet::engine

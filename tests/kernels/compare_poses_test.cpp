@@ -8,6 +8,7 @@
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_comparison.hpp"
+#include "support/rendered_scene.hpp"
 #include "support/sampled_shape.hpp"
 #include "support/shapes.hpp"
 
@@ -34,15 +35,8 @@ const Club& club() {
 
 ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120}; }
 
-Pose placed(const Vector3f& rotation, const Vector3f& translation) {
-  Pose pose = Pose::Identity();
-  if (rotation.norm() > 0)
-    pose.linear() = Eigen::AngleAxisf(rotation.norm(), rotation.normalized()).toRotationMatrix();
-  pose.translation() = translation;
-  return pose;
-}
-const Pose kTruth = placed({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.5F});
-const Pose kFlipped = kTruth * placed({0, 0, 3.1415927F}, {0, 0, 0});
+const Pose kTruth = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.5F});
+const Pose kFlipped = kTruth * test::pose_of({0, 0, 3.1415927F}, {0, 0, 0});
 
 /// What the camera measures of clubs in front of a wall.
 RangeImage look(std::initializer_list<Pose> poses, float wall = 1.5F) {
@@ -113,17 +107,17 @@ Case random_case(test::Random& random) {
     return Vector3f(between(-0.2F, 0.2F), between(-0.15F, 0.15F), between(0.7F, 0.9F));
   };
   Case out;
-  const Pose truth = placed(turn(), place());
-  out.image = look({truth, placed(turn(), place())}, between(0.8F, 1.2F));
+  const Pose truth = test::pose_of(turn(), place());
+  out.image = look({truth, test::pose_of(turn(), place())}, between(0.8F, 1.2F));
   add_noise(random, out.image);
   for (std::size_t pixel = 0; pixel < out.image.depth.size(); ++pixel) {
     if (random.uniform(0, 1) < 0.1F) out.image.depth[pixel] = 0;
     out.image.plane[pixel] = pixel % 160 > 100 ? 1 : 0;
   }
-  out.first = truth * placed({0, 0, 0}, 0.004F * random.direction());
+  out.first = truth * test::pose_of({0, 0, 0}, 0.004F * random.direction());
   out.second = random.below(2) == 0
-                   ? truth * placed({0, 0, 3.1415927F}, 0.004F * random.direction())
-                   : truth * placed(0.2F * turn(), 0.02F * random.direction());
+                   ? truth * test::pose_of({0, 0, 3.1415927F}, 0.004F * random.direction())
+                   : truth * test::pose_of(0.2F * turn(), 0.02F * random.direction());
   return out;
 }
 
@@ -198,12 +192,12 @@ TEST(ComparePoses, SaysNothingWhereTheDifferenceIsHiddenOrNotMeasured) {
 }
 
 TEST(ComparePoses, CountsWhatIsSeenThroughAndWhatReachesThroughATable) {
-  const Pose aside = kTruth * placed({0, 0, 0}, {0, 0.01F, 0});
+  const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.01F, 0});
   const RangeImage image = look({kTruth});
   EXPECT_GT(compare(image, kTruth, aside).z, PoseComparison::kSignificant);
 
   // Both poses are hidden; by a background plane, which neither can be.
-  const Pose away = placed({0, 0, 0}, {0, 0, -1});  // behind the camera: meets nothing
+  const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: meets nothing
   RangeImage table = look({}, 0.3F);
   EXPECT_EQ(compare(table, kTruth, away).z, 0);
   table.plane.assign(table.plane.size(), 1);
@@ -212,8 +206,8 @@ TEST(ComparePoses, CountsWhatIsSeenThroughAndWhatReachesThroughATable) {
 
 // Halfway between two poses neither is better; noise must not decide.
 TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
-  const Pose near = placed({0, 0, 0}, {0, 0, -0.0008F}) * kTruth;
-  const Pose far = placed({0, 0, 0}, {0, 0, 0.0008F}) * kTruth;
+  const Pose near = test::pose_of({0, 0, 0}, {0, 0, -0.0008F}) * kTruth;
+  const Pose far = test::pose_of({0, 0, 0}, {0, 0, 0.0008F}) * kTruth;
   const RangeImage exact = look({kTruth});
   double sum = 0, squares = 0;
   constexpr int kTrials = 100;

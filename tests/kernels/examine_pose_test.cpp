@@ -8,6 +8,7 @@
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_examination.hpp"
+#include "support/rendered_scene.hpp"
 #include "support/shapes.hpp"
 
 namespace trivet::kernels {
@@ -34,14 +35,6 @@ struct Body {
 };
 
 ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120}; }
-
-Pose placed(const Vector3f& rotation, const Vector3f& translation) {
-  Pose pose = Pose::Identity();
-  if (rotation.norm() > 0)
-    pose.linear() = Eigen::AngleAxisf(rotation.norm(), rotation.normalized()).toRotationMatrix();
-  pose.translation() = translation;
-  return pose;
-}
 
 /// What the camera measures of bodies in front of a wall.
 RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float wall = kFar) {
@@ -84,7 +77,7 @@ const Body& brick() {
   static const Body body({0.1F, 0.06F, 0.04F});
   return body;
 }
-const Pose kCorner = placed({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.6F});
+const Pose kCorner = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.6F});
 
 TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   const Examination e = examine(look({{&brick(), kCorner}}), brick(), kCorner);
@@ -110,9 +103,9 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     const auto between = [&](float low, float high) { return random.uniform(low, high); };
     const auto turn = [&] { return Vector3f(between(-2, 2), between(-2, 2), between(-2, 2)); };
     const Pose truth =
-        placed(turn(), {between(-0.1F, 0.1F), between(-0.1F, 0.1F), between(0.4F, 0.9F)});
+        test::pose_of(turn(), {between(-0.1F, 0.1F), between(-0.1F, 0.1F), between(0.4F, 0.9F)});
     const Pose other =
-        placed(turn(), {between(-0.15F, 0.15F), between(-0.15F, 0.15F), between(0.3F, 1)});
+        test::pose_of(turn(), {between(-0.15F, 0.15F), between(-0.15F, 0.15F), between(0.3F, 1)});
     RangeImage image = look({{&body, truth}, {&brick(), other}}, between(0.7F, 1.2F));
     for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
       image.depth[pixel] += random.normal(1e-3F);
@@ -157,17 +150,17 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
 }
 
 TEST(ExaminePose, TellsAWrongTurnByTheSlopeOfWhatIsLeft) {
-  const Pose flat = placed({0, 0, 0}, {0, 0, 0.6F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
   for (const float angle : {0.01F, 0.02F}) {  // at 0.1 m from the axis still within the tolerance
-    const Examination e = examine(image, brick(), placed({0, angle, 0}, {0, 0, 0.6F}));
+    const Examination e = examine(image, brick(), test::pose_of({0, angle, 0}, {0, 0, 0.6F}));
     EXPECT_NEAR(e.slope, angle, 0.15F * angle);
     EXPECT_GT(e.smooth, 0.9F * e.residual) << "no noise to average away";
   }
 }
 
 TEST(ExaminePose, AveragesNoiseAway) {
-  const Pose flat = placed({0, 0, 0}, {0, 0, 0.6F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   RangeImage image = look({{&brick(), flat}});
   test::Random random(7);
   for (float& depth : image.depth) depth += random.normal(1e-3F);
@@ -177,7 +170,7 @@ TEST(ExaminePose, AveragesNoiseAway) {
 }
 
 TEST(ExaminePose, KnowsWhatHoldsAPose) {
-  const Pose flat = placed({0, 0, 0}, {0, 0, 0.6F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Examination face = examine(look({{&brick(), flat}}), brick(), flat);
   EXPECT_LT(face.hold, 1e-4F) << "one face slides";
   const Examination corner = examine(look({{&brick(), kCorner}}), brick(), kCorner);
@@ -191,7 +184,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
   rod.samples.points = rod.shape.vertices;
   Symmetry symmetry;
   symmetry.axis = Symmetry::Axis{};
-  const Pose tilted = placed({0.9F, 0.2F, 0}, {0.01F, 0.02F, 0.5F});
+  const Pose tilted = test::pose_of({0.9F, 0.2F, 0}, {0.01F, 0.02F, 0.5F});
   const RangeImage image = look({{&rod, tilted}});
   const float asked = examine(image, rod, tilted).hold,
               open = examine(image, rod, tilted, symmetry).hold;
@@ -202,7 +195,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
 TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
   // The model is a part of a larger flat thing.
   const Body plate({0.3F, 0.3F, 0.04F});
-  const Pose flat = placed({0, 0, 0}, {0, 0, 0.6F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Examination e = examine(look({{&plate, flat}}), brick(), flat);
   EXPECT_EQ(e.consistent, e.covered);
   EXPECT_EQ(e.outline_free, 0);
@@ -218,7 +211,7 @@ TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
 // The same depths, but the surface beyond the model's outline has another direction.
 TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
   const Body plate({0.3F, 0.3F, 0.04F});
-  const Pose flat = placed({0, 0, 0}, {0, 0, 0.6F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   RangeImage image = look({{&plate, flat}});
   const Eigen::Vector3f towards(0, 0, -1), aslant = Eigen::Vector3f(0, -1, -1).normalized();
   const auto paint = [&](const Eigen::Vector3f& beyond) {
@@ -239,11 +232,11 @@ TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
 TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
   const RangeImage image = look({{&brick(), kCorner}});
   for (const Vector3f& place : {Vector3f(0, 0, -1), Vector3f(3, 0, 0.6F)}) {
-    const Examination e = examine(image, brick(), placed({0, 0, 0}, place));
+    const Examination e = examine(image, brick(), test::pose_of({0, 0, 0}, place));
     EXPECT_EQ(e.covered, 0);
     EXPECT_EQ(e.hold, 0);
   }
-  const Examination cut = examine(image, brick(), placed({0, 0, 0}, {-0.32F, 0, 0.6F}));
+  const Examination cut = examine(image, brick(), test::pose_of({0, 0, 0}, {-0.32F, 0, 0.6F}));
   EXPECT_GT(cut.outside, 100);
   EXPECT_GT(cut.covered, 100);
 }
