@@ -143,6 +143,17 @@ bool set_points(Geometry& geometry, PointsView points, float radius) {
   return true;
 }
 
+/// Rejects what a ray meets from behind: it came through a gap between the discs in front.
+void keep_fronts(const RTCFilterFunctionNArguments* query) {
+  for (unsigned k = 0; k < query->N; ++k) {
+    const float along =
+        RTCRayN_dir_x(query->ray, query->N, k) * RTCHitN_Ng_x(query->hit, query->N, k) +
+        RTCRayN_dir_y(query->ray, query->N, k) * RTCHitN_Ng_y(query->hit, query->N, k) +
+        RTCRayN_dir_z(query->ray, query->N, k) * RTCHitN_Ng_z(query->hit, query->N, k);
+    if (along > 0) query->valid[k] = 0;
+  }
+}
+
 Error no_points() {
   return {ErrorCode::bad_data,
           "at least one point expected for ray tracing, none found; check the input cloud"};
@@ -181,6 +192,8 @@ Result<RayScene> RayScene::from_discs(PointsView points, NormalsView normals, fl
     Eigen::Map<Eigen::Vector3f>(directions + 3 * i) = normals[i];
   }
 
+  rtcSetGeometryIntersectFilterFunction(discs.handle, keep_fronts);
+  rtcSetGeometryOccludedFilterFunction(discs.handle, keep_fronts);
   state->attach(discs);
   if (!state->commit()) return embree_error("building the tree of an oriented cloud");
   return RayScene(std::move(state));

@@ -45,7 +45,8 @@ class RayScene {
   /// internal.
   static Result<RayScene> from_spheres(PointsView centres, float radius);
   /// Discs of one radius > 0 across their unit normals: the surface that oriented points stand for.
-  /// Errors: bad_data (no points), internal.
+  /// Rays pass through them from behind: the discs leave gaps, and a ray that came through one does
+  /// not meet the surface beyond. Errors: bad_data (no points), internal.
   static Result<RayScene> from_discs(PointsView points, NormalsView normals, float radius);
   /// Surfaces placed in one world frame. No instances give a scene that no ray meets. Errors:
   /// internal.
