@@ -25,12 +25,20 @@ struct Entry {
   std::string (*finding)(float value);
 };
 
-constexpr std::array<Entry, 11> kEntries{{
+constexpr std::array<Entry, 14> kEntries{{
     {"violation",
      {"looked through", "share of what is seen that the sensor looked through"},
      [](float v) {
        return "the sensor looked through " + percent(std::exp(v) - 0.03F) + " of it";
      }},
+    {"background",
+     {"background", "share of what is seen that lies on a table, a floor or a wall"},
+     [](float v) {
+       return percent(std::exp(v) - 0.05F) + " of what is seen lies on a table, a floor or a wall";
+     }},
+    {"free",
+     {"free", "share of its outline beyond which the scene falls back"},
+     [](float v) { return "the scene falls back beyond only " + percent(v) + " of its outline"; }},
     {"crossed",
      {"outline", "share of its outline beyond which the scene runs on as if it were not there"},
      [](float v) {
@@ -40,6 +48,12 @@ constexpr std::array<Entry, 11> kEntries{{
      {"contact", "share of its outline beyond which something else touches"},
      [](float v) {
        return "something touches " + percent(std::exp(v) - 0.05F) + " of its outline";
+     }},
+    {"buried",
+     {"buried", "share of the edge of its seen part where it dips beneath a surface that runs on"},
+     [](float v) {
+       return percent(std::exp(v) - 0.05F) +
+              " of the edge of what is seen dips beneath a surface that runs on";
      }},
     {"residual",
      {"distance", "how far the measured surface is from the model's, in tolerances"},

@@ -167,7 +167,8 @@ class SceneSearch {
     return {};
   }
 
-  /// The chosen candidates in the order of choice, sure ones held against their rivals.
+  /// The chosen candidates in the order of choice, sure ones held against their rivals. One that is
+  /// settled where another one lies already is dropped.
   Result<std::vector<engine::Candidate>> chosen() {
     std::vector<engine::Candidate> out;
     for (const std::uint32_t c : selection_.chosen) {
@@ -178,6 +179,13 @@ class SceneSearch {
           recogniser_, scene_, library_.models[model].ppf.quantisation.distance_step, candidates_,
           options_, stats_, out.back());
       if (!settled) return settled.error();
+      const engine::Candidate& moved = out.back();
+      const bool known = std::any_of(out.begin(), out.end() - 1, [&](const auto& other) {
+        return other.model == model &&
+               engine::same_placement(library_.models[model], other.T_scene_model,
+                                      moved.T_scene_model);
+      });
+      if (known) out.pop_back();
     }
     return out;
   }

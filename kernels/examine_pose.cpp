@@ -17,13 +17,24 @@ constexpr float kGrazing = 0.17F;      // cosine below which a surface is too ob
 constexpr int kMargin = 4;             // rays beyond an outline, which no hole of a cloud is wide
 constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
 constexpr double kFewest = 6;          // residuals of a window that give a slope
+constexpr int kAcross = 3;             // rays around an outline's place that tell its direction
+constexpr float kSameCosine = 0.985F;  // 10 degrees: directions of outlines err by less
+// An edge is seen to about a pixel, some twice the noise of depth: squared, a quarter. It weighs
+// the outline's mean, since the outline's share of the pixels falls with the resolution.
+constexpr double kOutlineShare = 0.25;
+// What is buried goes deeper beneath the measured surface than bent depth and the rims of clouds
+// do: by more than so many tolerances, after so many rays at least and at most.
+constexpr float kDeep = 3;
+constexpr int kLeastRays = 3, kMostRays = 16;
 
 enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 
-/// Sums over the consistent pixels of all images.
+/// Sums over the consistent pixels and the outlines of all images.
 struct Sums {
   double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
   Matrix6 covariance = Matrix6::Zero();
+  double outline = 0;  // number of its places
+  Matrix6 outline_covariance = Matrix6::Zero();
 };
 
 /// One image's share of an examination.
@@ -83,7 +94,10 @@ class Examiner {
           out.violation += square;
         } else if (r < -tolerance) {
           (background ? out.violation : out.occluded) += square;  // nothing reaches through a table
-          if (!background) s_.state[at] = kHidden;
+          if (!background) {
+            s_.state[at] = kHidden;
+            s_.residual[at] = r;
+          }
         } else if (background) {
           out.background += square;
         } else {
@@ -94,10 +108,7 @@ class Examiner {
           sums.count += 1;
           sums.squares += share * share;
           sums.area += static_cast<double>(square * z * z / (g_.fx * g_.fy * facing));
-          const Eigen::Vector3f n = R_scene_camera * normal;
-          const Eigen::Vector3f arm = R_scene_camera * (ray * z - centre_) / (0.5F * diameter_);
-          Vector6 J;
-          J << arm.cross(n).cast<double>(), n.cast<double>();
+          const Vector6 J = constraint(R_scene_camera, ray * z, normal);
           sums.covariance.noalias() += J * J.transpose();
           if (explained)
             explained->pixels.push_back(first_pixel + static_cast<std::uint32_t>(v) * g_.width +
@@ -139,14 +150,19 @@ class Examiner {
 
   /// Beyond the outline a real object's scene falls back or is not measured, within the few pixels
   /// that sensors blur edges over; a wrong fit on a larger surface finds that surface running on.
-  void follow_outline(Examination& out) const {
+  void follow_outline(Examination& out, Sums& sums) const {
     const float jump = std::max(2 * options_.verify.tolerance, 0.03F * diameter_);
+    const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
     constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     for (int j = kMargin; j < crop_.height - kMargin; ++j) {
       for (int i = kMargin; i < crop_.width - kMargin; ++i) {
         if (s_.state[crop_.at(i, j)] < kJudged) continue;
         for (const auto& [di, dj] : kSteps) {
-          if (ends_at(i, j, di, dj)) judge_beyond(i, j, di, dj, jump, out);
+          if (ends_at(i, j, di, dj)) {
+            judge_end(R_scene_camera, i, j, di, dj, jump, out, sums);
+          } else if (dips_at(i, j, di, dj) && runs_on(i, j, di, dj, jump)) {
+            out.buried += static_cast<float>(crop_.stride);
+          }
         }
       }
     }
@@ -155,6 +171,10 @@ class Examiner {
  private:
   bool inside(int u, int v) const noexcept {
     return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
+  }
+
+  std::size_t pixel_at(int u, int v) const noexcept {
+    return static_cast<std::size_t>(v) * g_.width + static_cast<std::size_t>(u);
   }
 
   /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
@@ -197,18 +217,68 @@ class Examiner {
     return true;
   }
 
-  void judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const noexcept {
+  /// Whether the seen part ends here, and the model goes on deep beneath what is measured.
+  bool dips_at(int i, int j, int di, int dj) const noexcept {
+    if (s_.state[crop_.at(i, j)] != kConsistent) return false;
+    const float deep = -kDeep * options_.verify.tolerance;
+    for (int k = 1; k <= kMostRays; ++k) {
+      const int x = i + k * di, y = j + k * dj;
+      if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
+      const std::size_t at = crop_.at(x, y);
+      if (s_.state[at] != kHidden) return false;
+      if (k >= kLeastRays && s_.residual[at] < deep) return true;
+    }
+    return false;
+  }
+
+  /// Whether the scene goes on as the plane that it is before this ray: no edge, no fold.
+  bool runs_on(int i, int j, int di, int dj, float jump) const noexcept {
+    const int u = crop_.u(i), v = crop_.v(j);
+    if (folds(u, v, di, dj)) return false;
+    const int away = static_cast<int>(options_.window) + 1;
+    const int u0 = u - away * di, v0 = v - away * dj;
+    if (!inside(u0, v0)) return false;
+    const std::size_t before = pixel_at(u0, v0);
+    const Eigen::Vector3f n = image_.normals[before];
+    if (!(image_.depth[before] > 0) || !std::isfinite(n.x())) return false;
+    const float offset = n.dot(g_.back_project(before, image_.depth[before]));
+    const int last = reach(s_.distance[crop_.at(i, j)]);
+    for (int step = 1; step <= last; ++step) {
+      const int x = u + step * di, y = v + step * dj;
+      if (!inside(x, y)) return false;
+      const float d = image_.depth[pixel_at(x, y)];
+      if (!(d > 0) || std::abs(n.dot(g_.back_project(pixel_at(x, y), d)) - offset) > jump)
+        return false;
+    }
+    return true;
+  }
+
+  /// A place where the model ends: what lies beyond, and how it holds the pose.
+  void judge_end(const Eigen::Matrix3f& R_scene_camera, int i, int j, int di, int dj, float jump,
+                 Examination& out, Sums& sums) const noexcept {
+    const bool free = judge_beyond(i, j, di, dj, jump, out);
+    sums.outline += 1;
+    if (!free || !agrees_within(i, j, di, dj)) return;
+    const Vector6 J = outline_constraint(R_scene_camera, i, j, jump);
+    sums.outline_covariance.noalias() += J * J.transpose();
+  }
+
+  /// Pixels across an outline that sensors blur it over. It is somewhere between the last ray that
+  /// meets the model, and the next one.
+  int reach(float z) const noexcept {
+    return crop_.stride - 1 + std::max(3, static_cast<int>(0.03F * diameter_ * g_.fx / z));
+  }
+
+  /// Add what lies beyond a place of the outline; returns whether that is free.
+  bool judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const noexcept {
     const float z = s_.distance[crop_.at(i, j)];
-    // The outline is somewhere between this ray and the next one.
-    const int reach =
-        crop_.stride - 1 + std::max(3, static_cast<int>(0.03F * diameter_ * g_.fx / z));
+    const int last = reach(z);
     bool any = false, open = false, judged = true;
-    for (int step = 1; step <= reach; ++step) {
+    for (int step = 1; step <= last; ++step) {
       const int u = crop_.u(i) + step * di, v = crop_.v(j) + step * dj;
       if (!inside(u, v)) break;
       any = true;
-      const std::size_t pixel =
-          static_cast<std::size_t>(v) * g_.width + static_cast<std::size_t>(u);
+      const std::size_t pixel = pixel_at(u, v);
       const float d = image_.depth[pixel];
       if (d > 0 && d < z - jump) {
         judged = false;  // hidden by something nearer
@@ -218,14 +288,70 @@ class Examiner {
         judged = false;  // things stand on it
       }
     }
-    if (!any) return;
+    if (!any) return false;
     const auto length = static_cast<float>(crop_.stride);
+    out.outline += length;
     if (open) {
       out.outline_free += length;
     } else if (judged) {
       const bool folded = folds(crop_.u(i), crop_.v(j), di, dj);
       (folded ? out.outline_touching : out.outline_crossed) += length;
     }
+    return open;
+  }
+
+  /// Whether the sensor saw the model up to its end here, but for the rays that graze it or that
+  /// edges are blurred over.
+  bool agrees_within(int i, int j, int di, int dj) const noexcept {
+    const int last = reach(s_.distance[crop_.at(i, j)]) / crop_.stride;
+    for (int k = 0; k <= last; ++k) {
+      const int x = i - k * di, y = j - k * dj;
+      if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
+      if (s_.state[crop_.at(x, y)] == kConsistent) return true;
+    }
+    return false;
+  }
+
+  /// J of the outline, which would be seen to move across itself.
+  Vector6 outline_constraint(const Eigen::Matrix3f& R_scene_camera, int i, int j,
+                             float jump) const noexcept {
+    const float z = s_.distance[crop_.at(i, j)];
+    const Eigen::Vector3f ray = ray_through(g_, crop_.u(i), crop_.v(j));
+    const Eigen::Vector2f across = direction_across(i, j, jump);
+    const Eigen::Vector2f a(across.x() * g_.fx, across.y() * g_.fy);
+    const Eigen::Vector3f n(a.x(), a.y(), -a.dot(ray.head<2>()));
+    return constraint(R_scene_camera, ray * z, n.normalized());
+  }
+
+  /// The direction in the image across the outline, to 4 degrees; a unit vector. Zero where the
+  /// rays around that miss the model lie elsewhere than those of them that met something farther:
+  /// near a corner of the model that hides or runs on, its sides would hold it along themselves, as
+  /// the steps would do where they are slanted.
+  Eigen::Vector2f direction_across(int i, int j, float jump) const noexcept {
+    const float farther = s_.distance[crop_.at(i, j)] + jump;
+    Eigen::Vector2f missed(0, 0), seen(0, 0);
+    for (int dj = -kAcross; dj <= kAcross; ++dj) {
+      for (int di = -kAcross; di <= kAcross; ++di) {
+        if (di * di + dj * dj > kAcross * kAcross + 1) continue;
+        if (s_.state[crop_.at(i + di, j + dj)] != kMissed) continue;
+        const Eigen::Vector2f step(static_cast<float>(di), static_cast<float>(dj));
+        missed += step;
+        const int u = crop_.u(i + di), v = crop_.v(j + dj);
+        if (inside(u, v) && image_.depth[pixel_at(u, v)] > farther) seen += step;
+      }
+    }
+    const bool agree = missed.dot(seen) > kSameCosine * missed.norm() * seen.norm();
+    return agree ? missed.normalized() : Eigen::Vector2f::Zero();
+  }
+
+  /// J of a point and a direction in the camera's frame.
+  Vector6 constraint(const Eigen::Matrix3f& R_scene_camera, const Eigen::Vector3f& point,
+                     const Eigen::Vector3f& normal) const noexcept {
+    const Eigen::Vector3f n = R_scene_camera * normal;
+    const Eigen::Vector3f arm = R_scene_camera * (point - centre_) / (0.5F * diameter_);
+    Vector6 J;
+    J << arm.cross(n).cast<double>(), n.cast<double>();
+    return J;
   }
 
   /// Whether the scene's surface bends between both sides of a pixel, as where two bodies touch;
@@ -235,9 +361,7 @@ class Examiner {
     const int away = static_cast<int>(options_.window) + 1;
     const int u0 = u - away * du, v0 = v - away * dv, u1 = u + away * du, v1 = v + away * dv;
     if (!inside(u0, v0) || !inside(u1, v1)) return false;
-    const auto normal = [&](int x, int y) {
-      return image_.normals[static_cast<std::size_t>(y) * g_.width + static_cast<std::size_t>(x)];
-    };
+    const auto normal = [&](int x, int y) { return image_.normals[pixel_at(x, y)]; };
     return normal(u0, v0).dot(normal(u1, v1)) < kFoldCosine;
   }
 
@@ -281,7 +405,7 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
       Examiner examiner(image, samples, T_scene_model, *box, options, scratch);
       examiner.compare(surface, first_pixel, out, sums, explained);
       examiner.smooth(sums);
-      examiner.follow_outline(out);
+      examiner.follow_outline(out, sums);
       if (explained) explained->square = static_cast<std::uint32_t>(examiner.crop().stride);
     }
     first_pixel += static_cast<std::uint32_t>(image.depth.size());
@@ -292,7 +416,8 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
   out.slope = static_cast<float>(sums.slope / std::max(1.0, sums.num_slopes));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
   const Vector6 turn = free_turn(samples, symmetry, T_scene_model);
-  const Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
+  Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
+  if (sums.outline > 0) held += kOutlineShare / sums.outline * sums.outline_covariance;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(held, Eigen::EigenvaluesOnly);
   out.hold = static_cast<float>(std::max(0.0, solver.eigenvalues()(0)));
 }

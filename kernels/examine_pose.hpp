@@ -24,17 +24,23 @@ struct Examination {
   float unknown = 0;    ///< no measurement
   float background = 0;  ///< agrees only with a background plane
 
+  float outline = 0;           ///< where the model ends, inside the images
   float outline_free = 0;      ///< outline beyond which the scene falls back or is not measured
   float outline_touching = 0;  ///< ... beyond which something else touches: the scene has a fold
   float outline_crossed = 0;   ///< ... beyond which the scene runs on smoothly at the model's depth
+  /// Edge between seen and hidden parts over which the scene runs on smoothly: nothing lies on the
+  /// model, it is buried in what is seen.
+  float buried = 0;
 
   // Of the consistent pixels; 0 without any.
   float residual = 0;  ///< mean of (r / tolerance)^2, 0..1
   float smooth = 0;    ///< the same of residuals that were averaged over their window
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
   float area = 0;      ///< of the model's surface that is seen [squared diameters]
-  /// Smallest eigenvalue of the mean of J J^T with J = (arm x n, n), arms in half diameters: how
-  /// well the seen surface holds the pose. A turn about the model's symmetry axis is not asked for.
+  /// How well what is seen holds the pose: the smallest eigenvalue of the mean of J J^T over the
+  /// surface, J = (arm x n, n), arms in half diameters, and a quarter of the same over the outline,
+  /// whose n points across it, square to the ray. There only places count up to which the model was
+  /// seen and beyond which something farther was. A turn about the symmetry axis is not asked for.
   float hold = 0;
 };
 

@@ -15,9 +15,12 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance) noexcept 
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   // The constants are what a sensor cannot tell from nothing: without them a part would grow with
   // the number of pixels, and near objects would score better than far ones.
-  return {std::log((e.violation + e.background) / (seen + 10) + 0.03F),
+  return {std::log(e.violation / (seen + 10) + 0.03F),
+          std::log(e.background / (seen + 10) + 0.05F),
+          e.outline_free / (e.outline + 5),
           std::log(e.outline_crossed / (outline + 5) + 0.05F),
           std::log(e.outline_touching / (outline + 5) + 0.05F),
+          std::log(e.buried / (outline + e.buried + 5) + 0.05F),
           e.residual,
           std::log(e.smooth + 0.005F),
           std::log(e.slope + 0.02F),

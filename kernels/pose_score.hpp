@@ -15,10 +15,13 @@ struct ScorePart {
   bool favourable;
 };
 
-inline constexpr std::array<ScorePart, 11> kScoreParts{{
+inline constexpr std::array<ScorePart, 14> kScoreParts{{
     {"violation", false},   // log share of the seen pixels that the sensor looked through
-    {"crossed", false},     // log share of the outline beyond which the scene runs on
+    {"background", false},  // ... that agree only with a background plane
+    {"free", true},         // share of the outline beyond which the scene falls back
+    {"crossed", false},     // log share of the judged outline beyond which the scene runs on
     {"touching", false},    // ... beyond which something else touches
+    {"buried", false},      // log share of the edge of the seen part that dips beneath the scene
     {"residual", false},    // mean squared residual in squared tolerances
     {"smooth", false},      // log of the same, averaged over windows first
     {"slope", false},       // log of the mean angle between both surfaces

@@ -3,12 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "support/random.hpp"
 
 namespace trivet::kernels {
 namespace {
+
+constexpr std::size_t part(std::string_view name) {
+  std::size_t k = 0;
+  while (kScoreParts[k].name != name) ++k;
+  return k;
+}
+constexpr std::size_t kViolation = part("violation"), kHold = part("hold");
 
 struct Rows {
   std::vector<ScoreParts> parts;
@@ -22,7 +30,7 @@ Rows draw(std::size_t n, std::uint64_t seed) {
   for (std::size_t i = 0; i < n; ++i) {
     ScoreParts parts;
     for (float& value : parts) value = random.uniform(-1, 1);
-    const float log_odds = -2 * parts[0] + 3 * parts[6];  // violation, hold
+    const float log_odds = -2 * parts[kViolation] + 3 * parts[kHold];
     rows.parts.push_back(parts);
     rows.right.push_back(random.uniform(0, 1) < 1 / (1 + std::exp(-log_odds)) ? 1 : 0);
   }
@@ -48,7 +56,7 @@ TEST(FitScore, TellsTheProbabilitiesThatTheOutcomesWereDrawnWith) {
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   double error = 0;
   for (const ScoreParts& parts : fresh.parts) {
-    const float truth = 1 / (1 + std::exp(2 * parts[0] - 3 * parts[6]));
+    const float truth = 1 / (1 + std::exp(2 * parts[kViolation] - 3 * parts[kHold]));
     error += static_cast<double>(std::abs(pose_probability(model, parts) - truth));
   }
   EXPECT_LT(error / 2000, 0.03);
@@ -74,7 +82,7 @@ TEST(FitScore, FindsTheMinimum) {
 
 TEST(FitScore, BoundsWhatDividesAllOutcomes) {
   Rows rows = draw(400, 4);
-  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][6] > 0 ? 1 : 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][kHold] > 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   EXPECT_TRUE(std::isfinite(log_loss(model, rows.parts, rows.right)));
   for (const auto& weights : model.weights) {

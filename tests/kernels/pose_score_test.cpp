@@ -16,6 +16,7 @@ Examination good() {
   e.violation = 10;
   e.occluded = 50;
   e.unknown = 40;
+  e.outline = 110;
   e.outline_free = 100;
   e.outline_crossed = 2;
   e.residual = 0.05F;
@@ -45,6 +46,7 @@ TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
   EXPECT_LT(worse([](Examination& e) { e.violation = 300; }), best);
   EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
   EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
+  EXPECT_LT(worse([](Examination& e) { e.buried = 100; }), best);
   EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
   EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);
 }

@@ -40,7 +40,10 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   Examination out;
   std::map<std::pair<int, int>, double> residuals;  // by steps from the middle
   std::map<std::pair<int, int>, double> depths;
+  std::map<std::pair<int, int>, double> hits;  // all that the model's image consists of
+  std::map<std::pair<int, int>, bool> edges;   // those inside the image that nothing hides
   Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+  const auto inside = [&](int x, int y) { return x >= 0 && y >= 0 && x < width && y < height; };
   const int reach = 400 / stride;
   for (int j = -reach; j <= reach; ++j) {
     for (int i = -reach; i <= reach; ++i) {
@@ -51,12 +54,13 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
           surface.intersect(T_model_camera.translation(), T_model_camera.linear() * ray_f, 0,
                             std::numeric_limits<float>::infinity());
       if (!hit) continue;
-      const auto inside = [&](int x, int y) { return x >= 0 && y >= 0 && x < width && y < height; };
+      hits[{i, j}] = static_cast<double>(hit.distance);
       if (!inside(u, v)) {
         out.outside += each;
         continue;
       }
       out.covered += each;
+      edges[{i, j}] = true;
       const Eigen::Vector3d ray = ray_f.cast<double>();
       Eigen::Vector3d n = (T_camera_model.linear() * hit.normal).cast<double>();
       if (n.dot(ray) > 0) n = -n;
@@ -83,6 +87,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
         out.violation += each;
       } else if (best < -tau) {
         (background ? out.violation : out.occluded) += each;
+        edges[{i, j}] = background;
       } else if (background) {
         out.background += each;
       } else {
@@ -102,6 +107,60 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   const auto count = static_cast<double>(residuals.size());
   out.residual /= count;
   out.area /= static_cast<double>(diameter) * static_cast<double>(diameter);
+
+  // The outline: where the model was seen up to its end, and all around beyond it something
+  // farther.
+  Eigen::Matrix<double, 6, 6> B = Eigen::Matrix<double, 6, 6>::Zero();
+  double outline = 0;
+  const double size = static_cast<double>(diameter), fx = static_cast<double>(g.fx);
+  const double jump = std::max(2 * tau, 0.03 * size);
+  for (const auto& [at, shown] : edges) {
+    if (!shown) continue;
+    const auto [i, j] = at;
+    const double z = hits[at];
+    const int blur = stride - 1 + std::max(3, static_cast<int>(0.03 * size * fx / z));
+    Eigen::Vector2d across(0, 0), farther(0, 0);
+    for (int dj = -3; dj <= 3; ++dj) {
+      for (int di = -3; di <= 3; ++di) {
+        const int u = u_middle + stride * (i + di), v = v_middle + stride * (j + dj);
+        if (di * di + dj * dj > 10 || hits.contains({i + di, j + dj})) continue;
+        across += Eigen::Vector2d(di, dj);
+        if (!inside(u, v)) continue;
+        if (static_cast<double>(image.depth[static_cast<std::size_t>(v * width + u)]) > z + jump)
+          farther += Eigen::Vector2d(di, dj);
+      }
+    }
+    const bool told =
+        across.norm() * farther.norm() > 0 && across.normalized().dot(farther.normalized()) > 0.985;
+    if (told) across.normalize();
+    const int steps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    for (const auto& [di, dj] : steps) {
+      bool ends = true, free = false, agrees = false;
+      for (int k = 1; k <= 4; ++k) ends = ends && !hits.contains({i + k * di, j + k * dj});
+      if (!ends) continue;
+      outline += 1;
+      for (int k = 1; k <= blur; ++k) {
+        const int u = u_middle + stride * i + k * di, v = v_middle + stride * j + k * dj;
+        if (!inside(u, v)) break;
+        const double d = static_cast<double>(image.depth[static_cast<std::size_t>(v * width + u)]);
+        free = free || !(d > 0) || d > z + jump;
+      }
+      for (int k = 0; k * stride <= blur; ++k)
+        agrees = agrees || residuals.contains({i - k * di, j - k * dj});
+      if (!told || !free || !agrees) continue;
+      // The plane through the camera that the outline lies in.
+      const Eigen::Vector3d ray(
+          (u_middle + stride * i - static_cast<double>(g.cx)) / fx,
+          (v_middle + stride * j - static_cast<double>(g.cy)) / static_cast<double>(g.fy), 1);
+      const Eigen::Vector3d along(-across.y() / fx, across.x() / static_cast<double>(g.fy), 0);
+      const Eigen::Vector3d n = along.cross(ray).normalized();
+      const Eigen::Vector3d arm = (ray * z - centre) / (size / 2);
+      Eigen::Matrix<double, 6, 1> J;
+      J << arm.cross(n), n;
+      B += J * J.transpose();
+    }
+  }
+  if (outline > 0) A += 0.25 * count / outline * B;
   out.hold = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(A / count).eigenvalues()(0);
 
   const int half = std::max(1, static_cast<int>(std::lround(2.0 / stride)));
