@@ -47,6 +47,18 @@ void dot_views(const Eigen::Vector3f& v, Cosines& out) {
   dot_all(table.x.data(), table.y.data(), table.z.data(), v.x(), v.y(), v.z(), out.data());
 }
 
+/// In lanes, since the order of a maximum is of no account and the compiler may not assume it.
+TRIVET_SIMD_CLONES
+float largest_of(const Cosines& cosines) {
+  std::array<float, 16> lanes;
+  lanes.fill(-std::numeric_limits<float>::infinity());
+  for (std::size_t d = 0; d < kNumViews; d += lanes.size()) {
+    for (std::size_t k = 0; k < lanes.size(); ++k)
+      lanes[k] = lanes[k] < cosines[d + k] ? cosines[d + k] : lanes[k];
+  }
+  return *std::max_element(lanes.begin(), lanes.end());
+}
+
 /// Views of one side of a point; cosines times `side` are those with that side's normal.
 ViewMask free_views(const RayScene& scene, const Eigen::Vector3f& origin, const Cosines& cosines,
                     float side) {
@@ -77,11 +89,9 @@ Eigen::Vector3f view_direction(std::size_t d) noexcept {
 std::size_t nearest_view(const Eigen::Vector3f& direction) noexcept {
   Cosines cosines;
   dot_views(direction, cosines);
-  std::size_t best = 0;
-  for (std::size_t d = 1; d < kNumViews; ++d) {
-    if (cosines[d] > cosines[best]) best = d;
-  }
-  return best;
+  const float largest = largest_of(cosines);
+  const auto first = std::find(cosines.begin(), cosines.end(), largest);
+  return first == cosines.end() ? 0 : static_cast<std::size_t>(first - cosines.begin());
 }
 
 void compute_views(const RayScene& scene, PointsView points, NormalsView normals, float offset,
