@@ -29,8 +29,10 @@ Sweep make_sweep() {
       std::ceil(options.radius * static_cast<float>(quantisation.num_distance_bins)));
   const float radius =
       quantisation.distance_step * static_cast<float>(quantisation.num_distance_bins);
-  const engine::SceneLevel level = engine::sample_scene(prepared_scan(), quantisation.distance_step,
-                                                        sweep.model.diameter, options);
+  const engine::SceneLevel level = engine::choose_voters(
+      prepared_scan(),
+      engine::sample_scene(prepared_scan(), quantisation.distance_step, sweep.model.diameter),
+      options);
   kernels::PairScratch scratch(level.points.size());
   std::vector<std::uint64_t> keys;
   for (const std::uint32_t r : level.references) {

@@ -377,10 +377,10 @@ std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float di
   return background;
 }
 
-SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                        const VoteOptions& options, std::span<const std::uint8_t> explained) {
-  SceneLevel level;
-  level.step = step;
+SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter) {
+  SceneSample sample;
+  sample.step = step;
+  sample.largest_diameter = largest_diameter;
   Points points;
   Normals normals;
   kernels::SubsampleScratch scratch;
@@ -393,9 +393,21 @@ SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_di
   const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
-    if (!explained.empty() && is_explained(scene, explained, points[i], step)) continue;
-    level.points.push_back(points[i]);
-    level.normals.push_back(normals[i]);
+    sample.points.push_back(points[i]);
+    sample.normals.push_back(normals[i]);
+  }
+  return sample;
+}
+
+SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
+                         const VoteOptions& options, std::span<const std::uint8_t> explained) {
+  SceneLevel level;
+  level.step = sample.step;
+  for (std::size_t i = 0; i < sample.points.size(); ++i) {
+    if (!explained.empty() && is_explained(scene, explained, sample.points[i], sample.step))
+      continue;
+    level.points.push_back(sample.points[i]);
+    level.normals.push_back(sample.normals[i]);
   }
 
   const auto wanted = static_cast<std::size_t>(
@@ -405,7 +417,8 @@ SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_di
     level.references.push_back(
         static_cast<std::uint32_t>(k * level.points.size() / num_references));
   }
-  level.grid = kernels::VoxelHash(level.points, std::max(step, 0.25F * largest_diameter));
+  level.grid =
+      kernels::VoxelHash(level.points, std::max(sample.step, 0.25F * sample.largest_diameter));
   return level;
 }
 

@@ -33,7 +33,18 @@ inline constexpr float kPlaneAngleRad = 0.35F;
 /// Errors: bad_data (too few points, no surface).
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times);
 
-/// The scene sampled for models of one step.
+/// The scene sampled for models of one step; the same in all rounds of voting.
+struct SceneSample {
+  float step = 0;
+  float largest_diameter = 0;  ///< of the models
+  Points points;
+  Normals normals;
+};
+
+/// Sample a scene at `step`. Points on planes larger than the largest model stay out.
+SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter);
+
+/// What votes for models of one step in one round.
 struct SceneLevel {
   float step = 0;
   Points points;
@@ -42,12 +53,12 @@ struct SceneLevel {
   kernels::VoxelHash grid;
 };
 
-/// Sample a scene at `step` and choose references. Points on planes larger than the largest model
-/// stay out, and so do those within `step` of what a marked pixel measured.
+/// Choose the points that vote and the references among them. Points within a step of what a
+/// marked pixel measured stay out.
 ///
 /// explained  nonzero for marked pixels, of all images one after the other; empty: none
-SceneLevel sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                        const VoteOptions& options, std::span<const std::uint8_t> explained = {});
+SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
+                         const VoteOptions& options, std::span<const std::uint8_t> explained = {});
 
 /// By plane number: whether it is too large to be part of a model of this diameter.
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter);

@@ -142,13 +142,11 @@ class SceneSearch {
     std::vector<SceneLevel> levels(sizes.size());
     {
       const StageTimer timer(stats_.times, "subsample");
+      samples_.resize(sizes.size());
       engine::for_each_index(sizes.size(), [&](std::size_t k) {
-        const auto& [step, models] = sizes[k];
-        float largest = 0;
-        for (const std::uint32_t m : models)
-          largest = std::max(largest, library_.models[m].diameter);
-        levels[k] = engine::sample_scene(scene_, step, largest, options, selection_.explained);
-        drop_far_references(options_.limits, scene_, largest, levels[k]);
+        if (round == 0) samples_[k] = sample(sizes[k].first, sizes[k].second);
+        levels[k] = engine::choose_voters(scene_, samples_[k], options, selection_.explained);
+        drop_far_references(options_.limits, scene_, samples_[k].largest_diameter, levels[k]);
       });
     }
     for (std::size_t k = 0; k < sizes.size(); ++k) {
@@ -194,6 +192,12 @@ class SceneSearch {
   const engine::Selection& selection() const noexcept { return selection_; }
 
  private:
+  engine::SceneSample sample(float step, std::span<const std::uint32_t> models) const {
+    float largest = 0;
+    for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
+    return engine::sample_scene(scene_, step, largest);
+  }
+
   Result<void> settle(std::uint32_t model, float step,
                       std::span<const kernels::Hypothesis> hypotheses) {
     if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
@@ -215,6 +219,7 @@ class SceneSearch {
   const RecogniseOptions& options_;
   const std::stop_token& stop_;
   SceneStats& stats_;
+  std::vector<engine::SceneSample> samples_;  // one a group of models, from the first round on
   std::vector<engine::Candidate> candidates_;
   engine::Selection selection_;
 };

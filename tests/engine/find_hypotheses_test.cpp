@@ -31,7 +31,8 @@ class FindHypotheses : public testing::Test {
     StageTimes times;
     auto scene = engine::prepare_scene(scan, {}, times);
     ASSERT_TRUE(scene) << scene.error().message;
-    level_ = engine::sample_scene(*scene, step(), library_.models[0].diameter, {});
+    level_ = engine::choose_voters(
+        *scene, engine::sample_scene(*scene, step(), library_.models[0].diameter), {});
   }
   static float step() { return library_.models[0].ppf.quantisation.distance_step; }
 

@@ -70,10 +70,15 @@ std::vector<std::size_t> missing(PointsView whole, PointsView part) {
   return lacking;
 }
 
+engine::SceneLevel choose_voters(const engine::PreparedScene& scene,
+                                 std::span<const std::uint8_t> marked) {
+  return engine::choose_voters(scene, engine::sample_scene(scene, kStep, kDiameter), {}, marked);
+}
+
 void expect_unexplained_points_only(const engine::PreparedScene& scene,
                                     std::span<const std::uint8_t> marked) {
-  const engine::SceneLevel whole = engine::sample_scene(scene, kStep, kDiameter, {});
-  const engine::SceneLevel rest = engine::sample_scene(scene, kStep, kDiameter, {}, marked);
+  const engine::SceneLevel whole = choose_voters(scene, {});
+  const engine::SceneLevel rest = choose_voters(scene, marked);
   std::vector<std::size_t> expected;
   for (std::size_t i = 0; i < whole.points.size(); ++i) {
     const std::vector<float> differences = depth_differences(scene, marked, whole.points[i]);
@@ -87,7 +92,7 @@ void expect_unexplained_points_only(const engine::PreparedScene& scene,
   EXPECT_LT(rest.references.size(), whole.references.size());
 }
 
-TEST(SampleScene, LeavesOutWhatTheMarkedPixelsMeasured) {
+TEST(ChooseVoters, LeavesOutWhatTheMarkedPixelsMeasured) {
   const engine::PreparedScene scene = prepare(two_parts(), {});
   ASSERT_EQ(scene.images.size(), 1U);
   const kernels::RangeImage& image = scene.images[0];
@@ -100,7 +105,7 @@ TEST(SampleScene, LeavesOutWhatTheMarkedPixelsMeasured) {
   expect_unexplained_points_only(scene, marked);
 }
 
-TEST(SampleScene, TakesMarksOfSeveralImagesOneAfterTheOther) {
+TEST(ChooseVoters, TakesMarksOfSeveralImagesOneAfterTheOther) {
   const engine::PreparedScene scene =
       prepare(test::cloud_of(test::lever()), {.closed_surface = true});
   ASSERT_EQ(scene.images.size(), 6U);
@@ -115,20 +120,21 @@ TEST(SampleScene, TakesMarksOfSeveralImagesOneAfterTheOther) {
 }
 
 // What stands before or behind an explained surface is not explained by it.
-TEST(SampleScene, KeepsPointsAtOtherDepthsThanTheMarkedPixels) {
+TEST(ChooseVoters, KeepsPointsAtOtherDepthsThanTheMarkedPixels) {
   engine::PreparedScene scene = prepare(two_parts(), {});
-  const engine::SceneLevel whole = engine::sample_scene(scene, kStep, kDiameter, {});
+  const engine::SceneLevel whole = choose_voters(scene, {});
   for (float& depth : scene.images[0].depth) depth += 2 * kStep;
   const std::vector<std::uint8_t> marked(num_pixels(scene), 1);
-  const engine::SceneLevel rest = engine::sample_scene(scene, kStep, kDiameter, {}, marked);
+  const engine::SceneLevel rest = choose_voters(scene, marked);
   EXPECT_GT(rest.points.size(), whole.points.size() * 9 / 10);
 }
 
-TEST(SampleScene, IsLeftNothingWhereAllIsExplained) {
+TEST(ChooseVoters, IsLeftNothingWhereAllIsExplained) {
   const engine::PreparedScene scene =
       prepare(test::cloud_of(test::lever()), {.closed_surface = true});
   const std::vector<std::uint8_t> marked(num_pixels(scene), 1);
-  const engine::SceneLevel rest = engine::sample_scene(scene, 0.05F, kDiameter, {}, marked);
+  const engine::SceneLevel rest =
+      engine::choose_voters(scene, engine::sample_scene(scene, 0.05F, kDiameter), {}, marked);
   EXPECT_EQ(rest.points.size(), 0U);
   EXPECT_TRUE(rest.references.empty());
 }
