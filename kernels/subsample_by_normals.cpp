@@ -31,7 +31,7 @@ void subsample_by_normals(PointsView points, NormalsView normals, float cell, fl
   // From pi on every direction agrees, whatever rounding does to a dot product near -1.
   const float min_cosine = max_angle_rad < std::numbers::pi_v<float> ? std::cos(max_angle_rad) : -2;
   Voxels& voxels = scratch.voxels;
-  group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.sort);
+  group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.grouping);
   out_points.resize(0);
   out_normals.resize(0);
   for (std::size_t v = 0; v < voxels.size(); ++v) {

@@ -8,7 +8,7 @@ void subsample_grid_minimum(PointsView points, float cell, Column<std::uint32_t>
                             SubsampleScratch& scratch) {
   const PointsView flat = flatten(points, scratch);
   Voxels& squares = scratch.voxels;
-  group_by_voxel(flat, fit_lattice(flat, cell), squares, scratch.sort);
+  group_by_voxel(flat, fit_lattice(flat, cell), squares, scratch.grouping);
   indices.resize(squares.size());
   for (std::size_t s = 0; s < squares.size(); ++s) {
     indices[s] = *std::ranges::min_element(squares.points_of(s), {},

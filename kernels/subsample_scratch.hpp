@@ -17,7 +17,7 @@ struct OrientedGroup {
 
 struct SubsampleScratch {
   Voxels voxels;
-  RadixScratch sort;
+  VoxelScratch grouping;
   Column<float> flat_z;          ///< 0 for each point, NaN where its z is not finite
   Column<OrientedGroup> groups;  ///< of one voxel
 };

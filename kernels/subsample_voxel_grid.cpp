@@ -4,7 +4,7 @@ namespace trivet::kernels {
 
 void subsample_voxel_grid(PointsView points, float cell, Points& out, SubsampleScratch& scratch) {
   Voxels& voxels = scratch.voxels;
-  group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.sort);
+  group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.grouping);
   out.resize(voxels.size());
   for (std::size_t v = 0; v < voxels.size(); ++v) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -9,7 +9,7 @@ namespace trivet::kernels {
 VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(points, cell)) {
   while (!lattice_.fits_64_bits()) lattice_ = fit_lattice(points, 2 * lattice_.cell);
   Voxels voxels;
-  RadixScratch scratch;
+  VoxelScratch scratch;
   group_by_voxel(points, lattice_, voxels, scratch);
 
   sorted_.resize(voxels.order.size());

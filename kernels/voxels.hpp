@@ -44,13 +44,20 @@ struct Voxels {
   }
 };
 
+/// Working memory of group_by_voxel.
+struct VoxelScratch {
+  Column<std::uint32_t> first, end;  ///< of each run of points in one voxel
+  RadixScratch sort;
+};
+
 /// Group points by the voxels of a lattice.
 ///
 /// points   n positions, n < 2^32; those with a non-finite coordinate are left out
 /// lattice  fit_lattice(points, cell). Where it does not fit 64 bits, keys keep their order but not
 ///          their formula, and an axis of more than 2^32 voxels ends in one that takes all the rest
-/// Cost: O(n), one counting pass per 11 bits of the number of voxels in the box.
+/// Cost: O(n), and for each 11 bits of the number of voxels in the box a counting pass over the
+/// runs: consecutive points in one voxel, as an image has them, are sorted as one.
 void group_by_voxel(PointsView points, const VoxelLattice& lattice, Voxels& out,
-                    RadixScratch& scratch);
+                    VoxelScratch& scratch);
 
 }  // namespace trivet::kernels

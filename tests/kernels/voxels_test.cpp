@@ -40,7 +40,7 @@ TEST(RadixSort, SortsByKeyAndKeepsTheOrderOfEqualKeys) {
 
 void expect_reference_groups(PointsView points, float cell) {
   Voxels voxels;
-  RadixScratch scratch;
+  VoxelScratch scratch;
   group_by_voxel(points, fit_lattice(points, cell), voxels, scratch);
   const auto expected = reference::voxels(points, cell);
   ASSERT_EQ(voxels.size(), expected.size());
@@ -57,6 +57,19 @@ TEST(GroupByVoxel, AgreesWithReferenceInContentAndOrder) {
     Random random(n);
     expect_reference_groups(random.dyadic_cloud(n), 0.5F);
     expect_reference_groups(random.dyadic_cloud(n), 0.0625F);
+  }
+}
+
+// Along a row of pixels, several points follow each other in a voxel, and some return to it.
+TEST(GroupByVoxel, KeepsTheOrderOfPointsThatFollowEachOtherInAVoxel) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  for (const std::size_t n : {255U, 256U, 257U, 2000U}) {
+    Points points;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto at = static_cast<float>(i % 300);
+      points.push_back({0.125F * at, i % 64 == 40 ? kNaN : 1.0F, 0.0625F * at});
+    }
+    expect_reference_groups(points, 0.5F);
   }
 }
 
@@ -84,7 +97,7 @@ TEST(GroupByVoxel, SurvivesExtentsBeyondAllCounting) {
   points.push_back({-3e38F, 3e38F, 1e-30F});
   points.push_back({0, 0, 0});
   Voxels voxels;
-  RadixScratch scratch;
+  VoxelScratch scratch;
   group_by_voxel(points, fit_lattice(points, 1e-30F), voxels, scratch);
   EXPECT_EQ(voxels.order.size(), 3U);
 }
@@ -99,7 +112,7 @@ TEST(GroupByVoxel, LeavesOutPointsThatAreNotFinite) {
   points.push_back({0, 0, kInfinity});
   expect_reference_groups(points, 0.25F);
   Voxels voxels;
-  RadixScratch scratch;
+  VoxelScratch scratch;
   group_by_voxel(points, fit_lattice(points, 0.25F), voxels, scratch);
   EXPECT_EQ(voxels.order, Column<std::uint32_t>{1});
 }
@@ -107,7 +120,7 @@ TEST(GroupByVoxel, LeavesOutPointsThatAreNotFinite) {
 TEST(GroupByVoxel, AllocatesNothingTheSecondTime) {
   const Points points = Random().dyadic_cloud(500);
   Voxels voxels;
-  RadixScratch scratch;
+  VoxelScratch scratch;
   const auto group = [&] { group_by_voxel(points, fit_lattice(points, 0.5F), voxels, scratch); };
   group();
   group();  // both buffers of the sort have grown by now
