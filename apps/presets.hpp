@@ -19,7 +19,8 @@ inline const std::map<std::string, RecogniseOptions>& recognise_presets() {
   static const std::map<std::string, RecogniseOptions> presets{
       {"fast",
        {.vote = {.reference_share = 0.05F},
-        .pose = {.max_clusters = 200, .max_refined = 30, .max_examined = 20, .rounds = 1}}},
+        .later = {.radius = 0.7F, .reference_share = 0.1F, .max_votes = 60000},
+        .pose = {.max_clusters = 200, .max_refined = 20, .max_examined = 10}}},
       {"balanced", {}},
       {"accurate",
        {.vote = {.reference_share = 0.3F, .max_references = 10000},
