@@ -24,8 +24,9 @@ inline const std::map<std::string, RecogniseOptions>& recognise_presets() {
       {"balanced", {}},
       {"accurate",
        {.vote = {.reference_share = 0.3F, .max_references = 10000},
-        .later = {.radius = 0.7F, .reference_share = 0.4F, .max_references = 10000},
-        .pose = {.max_refined = 160}}}};
+        .later =
+            {.radius = 0.7F, .reference_share = 0.4F, .max_references = 10000, .max_votes = 60000},
+        .pose = {.max_clusters = 600, .max_refined = 160, .max_examined = 40}}}};
   return presets;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "engine/check_range.hpp"
 #include "engine/find_hypotheses.hpp"
@@ -165,25 +166,27 @@ class SceneSearch {
     return {};
   }
 
-  /// The chosen candidates in the order of choice, sure ones held against their rivals. One that is
-  /// settled where another one lies already is dropped.
+  /// The chosen candidates in the order of choice, sure ones held against their rivals. Those that
+  /// are no longer sure then, or that move to where another one lies, are refused.
   Result<std::vector<engine::Candidate>> chosen() {
     std::vector<engine::Candidate> out;
-    for (const std::uint32_t c : selection_.chosen) {
-      out.push_back(candidates_[c]);
-      if (out.back().score < options_.min_score) continue;
-      const std::uint32_t model = candidates_[c].model;
-      const Result<void> settled = engine::settle_rivals(
-          recogniser_, scene_, library_.models[model].ppf.quantisation.distance_step, candidates_,
-          options_, stats_, out.back());
-      if (!settled) return settled.error();
-      const engine::Candidate& moved = out.back();
-      const bool known = std::any_of(out.begin(), out.end() - 1, [&](const auto& other) {
-        return other.model == model &&
-               engine::same_placement(library_.models[model], other.T_scene_model,
-                                      moved.T_scene_model);
-      });
-      if (known) out.pop_back();
+    const std::vector<std::uint32_t> before = std::exchange(selection_.chosen, {});
+    for (const std::uint32_t c : before) {
+      engine::Candidate candidate = candidates_[c];
+      if (candidate.score >= options_.min_score) {
+        const Model& model = library_.models[candidate.model];
+        const Result<void> settled =
+            engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
+                                  candidates_, options_, stats_, candidate);
+        if (!settled) return settled.error();
+        if (const std::optional<Rejection> reason = refuse_beside(out, candidate)) {
+          selection_.refused.push_back({c, *reason});
+          candidates_[c] = std::move(candidate);
+          continue;
+        }
+      }
+      selection_.chosen.push_back(c);
+      out.push_back(std::move(candidate));
     }
     return out;
   }
@@ -196,6 +199,19 @@ class SceneSearch {
     float largest = 0;
     for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
     return engine::sample_scene(scene_, step, largest);
+  }
+
+  /// Why a settled candidate is not reported beside better ones, if so.
+  std::optional<Rejection> refuse_beside(std::span<const engine::Candidate> better,
+                                         const engine::Candidate& candidate) const {
+    if (candidate.score < std::min(options_.min_score, options_.doubtful_score.value_or(1)))
+      return Rejection::ambiguous;
+    const bool known = std::any_of(better.begin(), better.end(), [&](const auto& other) {
+      return other.model == candidate.model &&
+             engine::same_placement(library_.models[other.model], other.T_scene_model,
+                                    candidate.T_scene_model);
+    });
+    return known ? std::optional(Rejection::explained) : std::nullopt;
   }
 
   Result<void> settle(std::uint32_t model, float step,

@@ -37,10 +37,10 @@ struct VoteOptions {
 struct PoseOptions {
   float cluster_translation = 0.07F;  ///< limit between poses of a cluster, in diameters
   float cluster_rotation_deg = 15;    ///< ... and in degrees
-  std::uint32_t max_clusters = 600;   ///< kept per model for the first verification
-  std::uint32_t max_refined = 80;     ///< candidates per model that are refined
+  std::uint32_t max_clusters = 300;   ///< kept per model for the first verification
+  std::uint32_t max_refined = 40;     ///< candidates per model that are refined
   std::uint32_t max_per_place = 10;   ///< of them within a place of 0.2 diameters
-  std::uint32_t max_examined = 40;    ///< refined candidates per model that are tested by rays
+  std::uint32_t max_examined = 20;    ///< refined candidates per model that are tested by rays
   /// Of voting, later ones on what is not yet explained; 0 to test expected poses only.
   std::uint32_t rounds = 2;
   bool operator==(const PoseOptions&) const = default;
@@ -105,6 +105,7 @@ struct Detection {
 enum class Rejection {
   too_low,    ///< the score is below min_score
   explained,  ///< better poses already explain more than max_overlap of its pixels
+  ambiguous,  ///< rivals fit so well that the score is below min_score
   too_many,   ///< max_instances of its model are better
 };
 

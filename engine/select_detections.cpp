@@ -7,6 +7,10 @@
 namespace trivet::engine {
 namespace {
 
+// What is explained is not searched again. One in ten detections below this is wrong, and hides the
+// right one.
+constexpr float kSure = 0.9F;
+
 /// How much of a candidate is explained already.
 struct Cover {
   float share = 0;            // of its pixels, by all accepted candidates
@@ -70,11 +74,12 @@ class PixelMarks {
     }
   }
 
-  /// One a pixel: 1 where it is marked.
-  std::vector<std::uint8_t> marked() const {
+  /// One a pixel: 1 where a candidate explained it of which `holds` is true.
+  template <class Holds>
+  std::vector<std::uint8_t> marked(Holds&& holds) const {
     std::vector<std::uint8_t> out(marks_.size());
     std::transform(marks_.begin(), marks_.end(), out.begin(),
-                   [](std::uint32_t by) { return by == 0 ? 0 : 1; });
+                   [&](std::uint32_t by) { return by != 0 && holds(by - 1) ? 1 : 0; });
     return out;
   }
 
@@ -105,14 +110,9 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
 
   Selection selection;
   PixelMarks marks(scene.images, candidates.size());
-  bool sure = true;
   std::vector<std::uint32_t> instances(library.models.size(), 0);
   for (const std::uint32_t c : order) {
     const Candidate& candidate = candidates[c];
-    if (doubtful(c) && sure) {
-      selection.explained = marks.marked();
-      sure = false;
-    }
     const Cover cover = marks.cover_of(candidate.explained);
     const bool explained = cover.share > options.verify.max_overlap;
     const auto refuse = [&](Rejection reason) {
@@ -136,7 +136,8 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
       }
     }
   }
-  if (sure) selection.explained = marks.marked();
+  const float sure = std::max(options.min_score, kSure);
+  selection.explained = marks.marked([&](std::uint32_t c) { return candidates[c].score >= sure; });
   return selection;
 }
 

@@ -25,7 +25,7 @@ struct Refusal {
 struct Selection {
   std::vector<std::uint32_t> chosen;  ///< indices of the candidates taken, in the order of taking
   std::vector<std::uint8_t>
-      explained;                 ///< one a pixel over all images: 1 where a sure one explains it
+      explained;  ///< one a pixel over all images: 1 where a quite sure one explains it
   std::vector<Refusal> refused;  ///< all others, from the best to the worst
 };
 

@@ -39,6 +39,9 @@ kernels::ModelSamples samples_of(const Model& model) {
           model.sample_spacing, model.diameter,       model.centre};
 }
 
+/// Odds of a normal deviate to be below z.
+double odds_of(double z) { return std::erfc(-z / std::sqrt(2.0)) / std::erfc(z / std::sqrt(2.0)); }
+
 /// A pose that was looked at by samples of the surface.
 struct Look {
   Pose T_scene_model = Pose::Identity();
@@ -195,7 +198,11 @@ class Settling {
     const StageTimer timer(stats_.times, "rivals");
     kernels::ExamineScratch examine_scratch;
     kernels::CompareScratch compare_scratch;
-    std::vector<Pose> alike;
+    struct Alike {
+      Pose T_scene_model;
+      double odds;  // that it, not the candidate, is the better one
+    };
+    std::vector<Alike> alike;
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
       std::optional<Pose> better;
@@ -208,7 +215,7 @@ class Settling {
           most = comparison.log_ratio;
           better = rival;
         }
-        if (!comparison.significant()) alike.push_back(rival);
+        if (!comparison.significant()) alike.push_back({rival, odds_of(comparison.z)});
       }
       if (!better || hop == kMaxHops) break;
       Candidate moved = examine(surface, score, *better, examine_scratch);
@@ -216,10 +223,14 @@ class Settling {
       moved.model = candidate.model;
       candidate = std::move(moved);
     }
-    for (const Pose& pose : alike) {
-      const Candidate rival = examine(surface, score, pose, examine_scratch);
-      if (rival.score >= options_.min_score) candidate.rivals.push_back(rival.T_scene_model);
+    double odds = 0;
+    for (const Alike& other : alike) {
+      const Candidate rival = examine(surface, score, other.T_scene_model, examine_scratch);
+      if (rival.score < options_.min_score) continue;
+      candidate.rivals.push_back(rival.T_scene_model);
+      odds += other.odds;
     }
+    candidate.score /= static_cast<float>(1 + odds);  // one of them is right, at most
   }
 
  private:

@@ -85,6 +85,38 @@ TEST_F(Recognise, FindsEachOfSeveralInstances) {
   EXPECT_EQ(limited->detections.size(), 1U);
 }
 
+// A block with a knob at one end, which something hides: it may as well lie the other way round.
+TEST_F(Recognise, SharesTheProbabilityAmongPosesThatFitAlike) {
+  test::Shape key = test::box({-0.1F, -0.03F, -0.02F}, {0.1F, 0.03F, 0.02F});
+  key.join(test::box({0.07F, -0.02F, 0.02F}, {0.09F, 0.02F, 0.04F}));
+  auto trained = train_model(test::cloud_of(key), {"key", "key.ply", 1, {}}, {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  ASSERT_FALSE(trained->model.near_symmetries.empty());
+  Library library;
+  library.models.push_back(std::move(trained->model));
+  const Recogniser recogniser(std::move(library));
+  const Pose pose = test::pose_of({2.6F, 0.2F, 0.1F}, {0, 0, 0.8F});
+  const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
+  const auto open = recognise(
+      recogniser, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}}), {}, {});
+  ASSERT_TRUE(open);
+  ASSERT_EQ(open->detections.size(), 1U);
+  EXPECT_TRUE(open->detections[0].rivals.empty()) << "the knob is seen";
+
+  const Eigen::Vector3f knob = pose * Eigen::Vector3f(0.08F, 0, 0.03F);
+  const test::Shape cover = test::box({-0.05F, -0.1F, -0.005F}, {0.05F, 0.1F, 0.005F});
+  const Pose before = test::pose_of({0, 0, 0}, 0.8F * knob);
+  const auto hidden =
+      recognise(recogniser,
+                test::render_scan({{&wall, Pose::Identity()}, {&key, pose}, {&cover, before}}), {},
+                {.min_score = 0.05F, .max_rejected = 2});
+  ASSERT_TRUE(hidden);
+  ASSERT_GE(hidden->detections.size(), 1U);
+  const Detection& found = hidden->detections[0];
+  EXPECT_FALSE(found.rivals.empty());
+  EXPECT_LT(found.score, 0.9F * kernels::pose_probability(recogniser.score(), found.parts));
+}
+
 TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud scene = clutter();
   std::vector<SceneResult> results;

@@ -93,9 +93,9 @@ TEST(FitScore, BoundsWhatDividesAllOutcomes) {
 // A part that stands for a right pose but comes with wrong ones is not believed.
 TEST(FitScore, TurnsNoPartAround) {
   Rows rows = draw(2000, 5);
-  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][7] < 0 ? 1 : 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][kHold] < 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
-  for (const float weight : model.weights[7]) EXPECT_EQ(weight, 0);
+  for (const float weight : model.weights[kHold]) EXPECT_EQ(weight, 0);
 }
 
 }  // namespace
