@@ -13,10 +13,12 @@
 #include "kernels/estimate_normals.hpp"
 #include "kernels/find_near_symmetries.hpp"
 #include "kernels/find_symmetry.hpp"
+#include "kernels/nearest_neighbours.hpp"
 #include "kernels/ppf_table.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/sample_mesh.hpp"
 #include "kernels/subsample_by_normals.hpp"
+#include "kernels/triangulate_cloud.hpp"
 #include "kernels/visibility.hpp"
 #include "kernels/voxel_hash.hpp"
 
@@ -30,7 +32,8 @@ constexpr std::size_t kViewGrain = 16;  // a sample shoots some 300 rays
 constexpr std::size_t kPairGrain = 16;  // references a task; each pairs with all points
 constexpr std::size_t kTableChunks =
     8;  // fixed, so that the table does not depend on the number of threads
-constexpr std::size_t kMaxPpfPoints = 65536;  // what a 16-bit reference can name
+constexpr std::size_t kNormalNeighbours = 16;  // of a cloud's point, for the plane through it
+constexpr std::size_t kMaxPpfPoints = 65536;   // what a 16-bit reference can name
 constexpr std::size_t kDensePerVoxel = 10;  // surface samples averaged into one point of the table
 
 /// Points with outward normals, spread over the surface, before subsampling.
@@ -81,6 +84,31 @@ DenseSurface surface_of_cloud(PointsView points, float cell) {
   kernels::estimate_normals(points, rows, surface.normals);
   surface.spacing = cell;
   return surface;
+}
+
+/// The faces of a surface that came as points: normals from the nearest points, turned to the
+/// outside. Parts of the surface may stay open. Errors: internal (out of memory).
+Result<Triangles> faces_of_cloud(PointsView points) {
+  const std::size_t num_near = std::min(kNormalNeighbours, points.size());
+  const Result<kernels::NearestNeighbours> tree = kernels::NearestNeighbours::build(points);
+  if (!tree) return tree.error();
+  Neighbourhoods near;
+  near.offsets.resize(points.size() + 1);
+  for (std::size_t i = 0; i <= points.size(); ++i)
+    near.offsets[i] = static_cast<std::uint32_t>(i * num_near);
+  near.indices.resize(points.size() * num_near);
+  std::vector<float> squared(near.indices.size());
+  if (const Result<void> found = tree->k_nearest(points, num_near, near.indices, squared); !found)
+    return found.error();
+  Normals normals(points.size());
+  kernels::estimate_normals(points, near, normals);
+
+  const kernels::Delaunay delaunay = kernels::find_delaunay(points);
+  const kernels::TriangulateOptions options;
+  const Result<void> oriented =
+      kernels::orient_by_empty_space(points, delaunay, options.max_radius, normals);
+  if (!oriented) return oriented.error();
+  return kernels::triangulate_cloud(points, delaunay, normals, options);
 }
 
 /// A fixed shuffle, so that every prefix of the samples covers the surface evenly.
@@ -266,6 +294,14 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
   if (!(model.diameter > 0) || !std::isfinite(model.diameter)) {
     return bad_surface(source,
                        fmt::format("{} points within {}", model.vertices.size(), model.diameter));
+  }
+
+  if (model.triangles.empty()) {
+    const StageTimer timer(stats.times, "triangulate");
+    Result<Triangles> faces = faces_of_cloud(model.vertices);
+    if (!faces) return faces.error();
+    // A surface has two triangles a point; what has less than one is none, or torn.
+    if (faces->size() >= model.vertices.size()) model.triangles = std::move(*faces);
   }
 
   // Surface samples, which side is outside, and from where each can be seen.
