@@ -23,7 +23,7 @@ using Corners = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t kNone = Tetrahedron::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSpacingNeighbours = 8;
-// Of the mean direction to empty space along a normal that is sure of its sign; 1: half of all.
+// How much more of the outside lies on one side of a point than on the other; 1: half a ball.
 constexpr double kMinOutward = 0.25;
 
 double cosine_of_deg(float angle) { return std::cos(angle * std::numbers::pi / 180); }
@@ -165,9 +165,16 @@ std::vector<std::uint8_t> find_outside(const Faces& faces) {
   return is_outside;
 }
 
-/// The solid angle that three unit vectors span. Van Oosterom and Strackee, IEEE TBME 1983.
-double solid_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  return 2 * std::atan2(std::abs(a.dot(b.cross(c))), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+/// The sum of all directions between three unit vectors: the integral over their solid angle, by
+/// Stokes' theorem half the sum of its sides' angles times their normals.
+Vector3d sum_of_directions(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const auto side = [](const Vector3d& u, const Vector3d& v) -> Vector3d {
+    const Vector3d normal = u.cross(v);
+    const double sine = normal.norm();
+    return sine > 0 ? Vector3d(std::atan2(sine, u.dot(v)) / sine * normal) : Vector3d::Zero();
+  };
+  const double turn = a.dot(b.cross(c)) > 0 ? 0.5 : -0.5;
+  return turn * (side(a, b) + side(b, c) + side(c, a));
 }
 
 /// A surface that grows by faces of the Delaunay tetrahedra. Vertices are places of the latter.
@@ -228,16 +235,24 @@ class Front {
     Facet facet;
   };
 
-  /// The least cosine between a triangle and the normals of its corners.
-  double normal_cosine(const Corners& c) const {
+  /// Cosines between a triangle and the normals of its corners; 1 for those unknown.
+  std::array<double, 3> normal_cosines(const Corners& c) const {
     const Vector3d n = (place(c[1]) - place(c[0])).cross(place(c[2]) - place(c[0])).normalized();
-    double least = 1;
-    for (const std::uint32_t v : c) {
-      const double cosine = n.dot(normals_[v]);
-      if (cosine < least) least = cosine;  // NaN agrees with everything
+    std::array<double, 3> cosines;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double cosine = n.dot(normals_[c[k]]);
+      cosines[k] = std::isnan(cosine) ? 1 : cosine;
     }
-    return least;
+    return cosines;
   }
+
+  /// Whether every corner's normal is within this angle of the triangle's.
+  bool agrees(const Corners& c, double min_cosine) const {
+    return std::ranges::min(normal_cosines(c)) > min_cosine;
+  }
+
+  /// Whether a triangle is the back of the surface at all of its corners.
+  bool is_back(const Corners& c) const { return std::ranges::max(normal_cosines(c)) < 0; }
 
   /// Triangles to start from, the smallest first: those that their normals agree with best.
   std::vector<Candidate> find_seeds() const {
@@ -247,8 +262,8 @@ class Front {
         if (tetrahedra_[t].across[k] == kNone || tetrahedra_[t].across[k] < t) continue;
         Corners c = faces_.corners({t, k});
         if (!std::ranges::all_of(c, [&](auto v) { return faces_.is_place(v); })) continue;
-        if (normal_cosine(c) < min_flat_) std::swap(c[1], c[2]);
-        if (normal_cosine(c) < min_flat_) continue;
+        if (!agrees(c, min_flat_)) std::swap(c[1], c[2]);
+        if (!agrees(c, min_flat_)) continue;
         const double radius = faces_.empty_radius(c, {t, k});
         if (radius < kInfinity) seeds.push_back({1 / radius, c, {t, k}});
       }
@@ -296,7 +311,7 @@ class Front {
         const Corners c{to, from, apex};
         const Facet facet{at, static_cast<std::uint32_t>(leave)};
         const double fold = may_add(c) ? worst_fold(c) : -1;
-        const double radius = fold > min_fold_ && normal_cosine(c) > min_normal_
+        const double radius = fold > min_fold_ && agrees(c, min_normal_) && !is_back(c)
                                   ? faces_.empty_radius(c, facet)
                                   : kInfinity;
         if (radius < best_radius) {
@@ -404,7 +419,7 @@ void Front::fill(const std::vector<std::uint32_t>& hole) {
                                                 faces_.max_edge(hole[i], hole[j])))
         continue;
       for (std::size_t k = i + 1; k < j; ++k) {
-        if (normal_cosine({hole[i], hole[k], hole[j]}) < min_normal_) continue;
+        if (is_back({hole[i], hole[k], hole[j]})) continue;
         const Vector3d& a = place(hole[i]);
         const double area = (place(hole[k]) - a).cross(place(hole[j]) - a).norm() / 2;
         const double sum = cost[i * n + k] + cost[k * n + j] + area;
@@ -450,7 +465,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
   if (const Result<void> measured = faces.measure(points, delaunay); !measured)
     return measured.error();
 
-  // The mean direction to the outside: pi times the normal where half of all directions are.
+  // All directions to the outside: pi times the normal where it is half of them.
   const std::vector<std::uint8_t> is_outside = find_outside(faces);
   std::vector<Vector3d> outward(n, Vector3d::Zero());
   for (std::size_t t = 0; t < is_outside.size(); ++t) {
@@ -461,7 +476,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
       std::array<Vector3d, 3> to;
       for (std::size_t i = 0; i < 3; ++i)
         to[i] = (faces.position(c[(k + i + 1) % 4]) - faces.position(c[k])).normalized();
-      outward[c[k]] += solid_angle(to[0], to[1], to[2]) * (to[0] + to[1] + to[2]).normalized();
+      outward[c[k]] += sum_of_directions(to[0], to[1], to[2]);
     }
   }
   Column<float> signs(points.size(), std::numeric_limits<float>::quiet_NaN());
