@@ -199,17 +199,18 @@ class Front {
       advance();
     }
     // Where normals are wrong, as at edges, the shape decides.
-    min_normal_ = -2;
+    min_normal_ = -1;
     const std::size_t num_grown = triangles_.size();
     for (std::size_t t = 0; t < num_grown; ++t) propose_all(triangles_[t]);
     advance();
+    fill_holes();
   }
-
-  void fill_holes();
 
   const std::vector<Corners>& triangles() const { return triangles_; }
 
  private:
+  void fill_holes();
+
   /// Take the best candidates until no boundary edge has one.
   void advance() {
     while (!queue_.empty()) {
@@ -248,11 +249,14 @@ class Front {
 
   /// Whether every corner's normal is within this angle of the triangle's.
   bool agrees(const Corners& c, double min_cosine) const {
-    return std::ranges::min(normal_cosines(c)) > min_cosine;
+    return std::ranges::min(normal_cosines(c)) >= min_cosine;
   }
 
-  /// Whether a triangle is the back of the surface at all of its corners.
-  bool is_back(const Corners& c) const { return std::ranges::max(normal_cosines(c)) < 0; }
+  /// Whether normals allow a triangle: never is it the back of the surface at all its corners.
+  bool fits(const Corners& c) const {
+    const auto [least, greatest] = std::ranges::minmax(normal_cosines(c));
+    return least >= min_normal_ && greatest >= 0;
+  }
 
   /// Triangles to start from, the smallest first: those that their normals agree with best.
   std::vector<Candidate> find_seeds() const {
@@ -296,6 +300,7 @@ class Front {
   /// Offer the best face that the surface may grow by at its boundary edge from -> to.
   void propose(std::uint32_t from, std::uint32_t to) {
     const Facet start = edges_.find(edge_key(from, to))->second.facet;
+    if (start.tetrahedron == kNone) return;  // the edge may be in no tetrahedron
     Candidate best{-kInfinity, {}, {}};
     double best_radius = kInfinity;
     // Turn about the edge through all tetrahedra. The surface's own face comes last.
@@ -311,9 +316,8 @@ class Front {
         const Corners c{to, from, apex};
         const Facet facet{at, static_cast<std::uint32_t>(leave)};
         const double fold = may_add(c) ? worst_fold(c) : -1;
-        const double radius = fold > min_fold_ && agrees(c, min_normal_) && !is_back(c)
-                                  ? faces_.empty_radius(c, facet)
-                                  : kInfinity;
+        const double radius =
+            fold > min_fold_ && fits(c) ? faces_.empty_radius(c, facet) : kInfinity;
         if (radius < best_radius) {
           best_radius = radius;
           best = {fold > min_flat_ ? 1 / radius : fold - 2, c, facet};
@@ -346,7 +350,7 @@ class Front {
       const bool closed = edges_.contains(edge_key(to, from));
       for (const std::uint32_t v : {from, to}) num_open_[v] += closed ? -1 : 1;
     }
-    if (facet.tetrahedron != kNone) propose_all(c);
+    propose_all(c);
   }
 
   std::uint32_t before(std::uint32_t from, std::uint32_t to) const;
@@ -419,7 +423,7 @@ void Front::fill(const std::vector<std::uint32_t>& hole) {
                                                 faces_.max_edge(hole[i], hole[j])))
         continue;
       for (std::size_t k = i + 1; k < j; ++k) {
-        if (is_back({hole[i], hole[k], hole[j]})) continue;
+        if (!fits({hole[i], hole[k], hole[j]})) continue;
         const Vector3d& a = place(hole[i]);
         const double area = (place(hole[k]) - a).cross(place(hole[j]) - a).norm() / 2;
         const double sum = cost[i * n + k] + cost[k * n + j] + area;
@@ -503,7 +507,6 @@ Result<Triangles> triangulate_cloud(PointsView points, const Delaunay& delaunay,
   for (const std::uint32_t i : delaunay.places) directions.push_back(normals[i].cast<double>());
   Front front(faces, std::move(directions), options);
   front.grow();
-  front.fill_holes();
   for (const Corners& c : front.triangles())
     triangles.push_back(delaunay.places[c[0]], delaunay.places[c[1]], delaunay.places[c[2]]);
   return triangles;

@@ -20,7 +20,7 @@ struct TriangulateOptions {
   float max_fold_angle_deg = 150;
   /// Between a triangle and the normals of its corners, 0 to 180: at edges these are of either
   /// side.
-  float max_normal_angle_deg = 110;
+  float max_normal_angle_deg = 90;
   /// Holes of at most this many edges are filled, if none of their diagonals is longer than
   /// twice `max_radius`.
   std::uint32_t max_hole_edges = 20;
