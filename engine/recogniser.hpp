@@ -23,7 +23,8 @@ class Recogniser {
   const Library& library() const noexcept { return library_; }
   const kernels::ScoreModel& score() const noexcept { return score_; }
   /// The surface of a model, built when it is first asked for: its faces, or discs on its samples
-  /// where it was trained from a cloud. Errors: internal (Embree's message).
+  /// where it was trained from a cloud that no surface could be laid through. Errors: internal
+  /// (Embree's message).
   const Result<kernels::RayScene>& surface(std::uint32_t model) const;
 
  private:

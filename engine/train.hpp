@@ -53,8 +53,9 @@ struct TrainedModel {
   TrainStats stats;
 };
 
-/// Train one model from a mesh, or from a cloud without faces. Same input, same bytes for any
-/// number of threads. Errors: bad_data (too few distinct points, no extent).
+/// Train one model from a mesh, or from a cloud, which gets faces if it lies on a surface. Same
+/// input, same bytes for any number of threads. Errors: bad_data (too few distinct points, no
+/// extent).
 Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source,
                                  const TrainOptions& options);
 

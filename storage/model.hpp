@@ -57,7 +57,7 @@ struct Model {
   std::vector<Pose> near_symmetries;
 
   Points vertices;      ///< the surface as given, scaled to the library's unit
-  Triangles triangles;  ///< empty for a model trained from a cloud
+  Triangles triangles;  ///< empty if trained from a cloud without a surface
 
   Points samples;  ///< about uniform over the visible surface, for refinement and verification
   Normals sample_normals;  ///< outward

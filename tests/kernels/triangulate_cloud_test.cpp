@@ -220,6 +220,14 @@ TEST(TriangulateCloud, LeavesAWideGapOpen) {
   EXPECT_LT(longest_edge(mesh_of(patch)), 3);
 }
 
+TEST(TriangulateCloud, FillsHolesOfFewEdges) {
+  // Thinner than its points are apart: balls through one side hold points of the other.
+  const Samples lens = sample(test::ellipsoid({1, 1, 0.04F}), 1500);
+  const std::size_t left = count_open_edges(triangulate(lens, {.max_hole_edges = 0}));
+  EXPECT_GT(left, 20U);
+  EXPECT_LT(count_open_edges(triangulate(lens)), 3 * left / 4);
+}
+
 TEST(TriangulateCloud, DoesNotDependOnTheOrderOfThePoints) {
   const Samples samples = sample(test::ellipsoid({1, 0.7F, 0.4F}), 800);
   const auto expected = by_coordinates(mesh_of(samples));
