@@ -87,28 +87,36 @@ DenseSurface surface_of_cloud(PointsView points, float cell) {
 }
 
 /// The faces of a surface that came as points: normals from the nearest points, turned to the
-/// outside. Parts of the surface may stay open. Errors: internal (out of memory).
+/// outside. None if the points lie on no surface; parts of it may stay open.
+/// Errors: internal (out of memory).
 Result<Triangles> faces_of_cloud(PointsView points) {
-  const std::size_t num_near = std::min(kNormalNeighbours, points.size());
-  const Result<kernels::NearestNeighbours> tree = kernels::NearestNeighbours::build(points);
+  const kernels::Delaunay delaunay = kernels::find_delaunay(points);
+  const std::size_t n = delaunay.places.size();
+  Points places(n);  // points that coincide would crowd out neighbours
+  for (std::size_t i = 0; i < n; ++i) places.set(i, points[delaunay.places[i]]);
+
+  const std::size_t num_near = std::min(kNormalNeighbours, n);
+  const Result<kernels::NearestNeighbours> tree = kernels::NearestNeighbours::build(places);
   if (!tree) return tree.error();
   Neighbourhoods near;
-  near.offsets.resize(points.size() + 1);
-  for (std::size_t i = 0; i <= points.size(); ++i)
-    near.offsets[i] = static_cast<std::uint32_t>(i * num_near);
-  near.indices.resize(points.size() * num_near);
+  for (std::size_t i = 0; i <= n; ++i)
+    near.offsets.push_back(static_cast<std::uint32_t>(i * num_near));
+  near.indices.resize(n * num_near);
   std::vector<float> squared(near.indices.size());
-  if (const Result<void> found = tree->k_nearest(points, num_near, near.indices, squared); !found)
+  if (const Result<void> found = tree->k_nearest(places, num_near, near.indices, squared); !found)
     return found.error();
-  Normals normals(points.size());
-  kernels::estimate_normals(points, near, normals);
+  Normals normals_of_places(n), normals(points.size());
+  kernels::estimate_normals(places, near, normals_of_places);
+  for (std::size_t i = 0; i < n; ++i) normals.set(delaunay.places[i], normals_of_places[i]);
 
-  const kernels::Delaunay delaunay = kernels::find_delaunay(points);
   const kernels::TriangulateOptions options;
   const Result<void> oriented =
       kernels::orient_by_empty_space(points, delaunay, options.max_radius, normals);
   if (!oriented) return oriented.error();
-  return kernels::triangulate_cloud(points, delaunay, normals, options);
+  Result<Triangles> faces = kernels::triangulate_cloud(points, delaunay, normals, options);
+  // A closed surface has two triangles a point; what has less than one is none, or torn.
+  if (faces && faces->size() < n) *faces = {};
+  return faces;
 }
 
 /// A fixed shuffle, so that every prefix of the samples covers the surface evenly.
@@ -300,8 +308,7 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     const StageTimer timer(stats.times, "triangulate");
     Result<Triangles> faces = faces_of_cloud(model.vertices);
     if (!faces) return faces.error();
-    // A surface has two triangles a point; what has less than one is none, or torn.
-    if (faces->size() >= model.vertices.size()) model.triangles = std::move(*faces);
+    model.triangles = std::move(*faces);
   }
 
   // Surface samples, which side is outside, and from where each can be seen.
