@@ -19,9 +19,9 @@ namespace {
 
 constexpr double kRidge = 1;
 /// Share of right ones among the detections that scores are given for. In the calibration scenes it
-/// is lower, as half of their objects and a third of the scenes are unknown to the library. With one
-/// in five, scores below 0.5 leave out no right pose of the clean development scans.
-constexpr double kRightShare = 0.2;
+/// is lower, as half of their objects and a third of the scenes are unknown to the library; on the
+/// development scans, one in three makes 0.5 the score that best divides right from wrong.
+constexpr double kRightShare = 1.0 / 3;
 
 struct CalibrateArguments {
   std::vector<std::string> libraries, manifests;
@@ -84,7 +84,8 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
   }
   return fmt::format(
       "// Written by `trivet calibrate` {}, from {} rendered scenes with {} right and\n"
-      "// {} wrong detections; prior share of right ones {}. scripts/calibrate scans the scenes.\n"
+      "// {} wrong detections; prior share of right ones {:.3f}. scripts/calibrate scans the "
+      "scenes.\n"
       "#include \"kernels/pose_score.hpp\"\n\n"
       "namespace trivet::kernels {{\n\n"
       "// clang-format off\n"

@@ -7,9 +7,9 @@
 namespace trivet::engine {
 namespace {
 
-// What is explained is not searched again. One in ten detections below this is wrong, and hides the
-// right one.
-constexpr float kSure = 0.9F;
+// What is explained is not searched again. Of the detections below this too many are wrong, and
+// hide the right ones.
+constexpr float kSure = 0.95F;
 
 /// How much of a candidate is explained already.
 struct Cover {

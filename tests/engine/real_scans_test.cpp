@@ -64,9 +64,9 @@ INSTANTIATE_TEST_SUITE_P(
                     DataSet{"stanford_bunny", "stanford_bunny_scans/manifest.json", 10, 10, 0},
                     DataSet{"bologna", "bologna_retrieval/manifest.json", 15, 15, 0},
                     DataSet{"kinect_bunny", "kinect_bunny/manifest.json", 18, 18, 0},
-                    DataSet{"linemod", "linemod/manifest.json", 1, 0, 0},
-                    DataSet{"ycbv", "ycbv/manifest.json", 3, 1, 0},
-                    DataSet{"clutter_bin", "clutter_bin/manifest.json", 90, 86, 2},
+                    DataSet{"linemod", "linemod/manifest.json", 1, 1, 0},
+                    DataSet{"ycbv", "ycbv/manifest.json", 3, 2, 1},
+                    DataSet{"clutter_bin", "clutter_bin/manifest.json", 90, 87, 1},
                     DataSet{"clutter_table", "clutter_table/manifest.json", 67, 63, 1}),
     [](const testing::TestParamInfo<DataSet>& set) { return set.param.name; });
 

@@ -97,8 +97,8 @@ TEST_F(Recognise, SharesTheProbabilityAmongPosesThatFitAlike) {
   const Recogniser recogniser(std::move(library));
   const Pose pose = test::pose_of({2.6F, 0.2F, 0.1F}, {0, 0, 0.8F});
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
-  const auto open = recognise(
-      recogniser, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}}), {}, {});
+  const auto open =
+      recognise(recogniser, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}}), {}, {});
   ASSERT_TRUE(open);
   ASSERT_EQ(open->detections.size(), 1U);
   EXPECT_TRUE(open->detections[0].rivals.empty()) << "the knob is seen";
@@ -106,10 +106,9 @@ TEST_F(Recognise, SharesTheProbabilityAmongPosesThatFitAlike) {
   const Eigen::Vector3f knob = pose * Eigen::Vector3f(0.08F, 0, 0.03F);
   const test::Shape cover = test::box({-0.05F, -0.1F, -0.005F}, {0.05F, 0.1F, 0.005F});
   const Pose before = test::pose_of({0, 0, 0}, 0.8F * knob);
-  const auto hidden =
-      recognise(recogniser,
-                test::render_scan({{&wall, Pose::Identity()}, {&key, pose}, {&cover, before}}), {},
-                {.min_score = 0.05F, .max_rejected = 2});
+  const auto hidden = recognise(
+      recogniser, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}, {&cover, before}}),
+      {}, {.min_score = 0.05F, .max_rejected = 2});
   ASSERT_TRUE(hidden);
   ASSERT_GE(hidden->detections.size(), 1U);
   const Detection& found = hidden->detections[0];

@@ -82,7 +82,8 @@ TEST(FitScore, FindsTheMinimum) {
 
 TEST(FitScore, BoundsWhatDividesAllOutcomes) {
   Rows rows = draw(400, 4);
-  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][kHold] > 0 ? 1 : 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i)
+    rows.right[i] = rows.parts[i][kHold] > 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   EXPECT_TRUE(std::isfinite(log_loss(model, rows.parts, rows.right)));
   for (const auto& weights : model.weights) {
@@ -93,7 +94,8 @@ TEST(FitScore, BoundsWhatDividesAllOutcomes) {
 // A part that stands for a right pose but comes with wrong ones is not believed.
 TEST(FitScore, TurnsNoPartAround) {
   Rows rows = draw(2000, 5);
-  for (std::size_t i = 0; i < rows.parts.size(); ++i) rows.right[i] = rows.parts[i][kHold] < 0 ? 1 : 0;
+  for (std::size_t i = 0; i < rows.parts.size(); ++i)
+    rows.right[i] = rows.parts[i][kHold] < 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   for (const float weight : model.weights[kHold]) EXPECT_EQ(weight, 0);
 }
