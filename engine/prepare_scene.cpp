@@ -148,8 +148,8 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
   scene.plane_tolerance = std::max(4 * scene.noise, 3 * scene.spacing);
   kernels::PlaneOptions options;
   options.tolerance = scene.plane_tolerance;
-  options.min_area = 0.01F * total;
-  options.max_planes = 8;
+  options.min_area = 0.01F * total;  // the walls of a bin on a large table
+  options.max_planes = 8;            // table, floor and four walls of a bin, and two more
   scene.planes = kernels::find_planes(points, normals, areas, options);
 
   // The images hold planes in the camera's frame, the scene in its own.
