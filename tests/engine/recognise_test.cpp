@@ -246,6 +246,44 @@ TEST_F(Recognise, FindsNothingWhereNothingWasMeasured) {
   }
 }
 
+/// The scan without the columns of pixels right of that one up to which a share of it was measured.
+Cloud left_part(const Cloud& scan, double share) {
+  const PixelGrid& grid = *scan.grid;
+  const auto wanted = static_cast<std::size_t>(share * static_cast<double>(scan.points.size()));
+  std::size_t measured = 0;
+  std::uint32_t end = 0;
+  for (; measured < wanted; ++end) {
+    for (std::uint32_t v = 0; v < grid.height; ++v)
+      measured += grid.point_index[v * grid.width + end] >= 0;
+  }
+  Cloud out;
+  out.camera = scan.camera;
+  out.viewpoint = scan.viewpoint;
+  out.grid = PixelGrid{grid.width, grid.height, grid.point_index};
+  for (std::size_t pixel = 0; pixel < grid.point_index.size(); ++pixel) {
+    std::int32_t& index = out.grid->point_index[pixel];
+    if (index < 0) continue;
+    const Eigen::Vector3f point = scan.points[static_cast<std::size_t>(index)];
+    index =
+        pixel % grid.width < end ? static_cast<std::int32_t>(out.points.size()) : PixelGrid::kNone;
+    if (index >= 0) out.points.push_back(point);
+  }
+  return out;
+}
+
+TEST_F(Recognise, ConfirmsNoPoseThatWasMostlyNotMeasured) {
+  const Cloud scan = test::render_scan({{&bracket_, bracket_pose()}});
+  RecogniseOptions options;
+  options.pose.rounds = 0;
+  options.expected = {{"bracket", bracket_pose()}};
+  const auto more = recognise(recogniser_, left_part(scan, 0.6), {}, options);
+  ASSERT_TRUE(more) << more.error().message;
+  EXPECT_EQ(more->detections.size(), 1U);
+  const auto less = recognise(recogniser_, left_part(scan, 0.4), {}, options);
+  ASSERT_TRUE(less) << less.error().message;
+  EXPECT_TRUE(less->detections.empty());
+}
+
 TEST_F(Recognise, TakesAMovedMeshAsAClosedSurface) {
   const Pose motion = test::pose_of({0.4F, -1.2F, 2.0F}, {3, -2, 5});
   const Cloud scene = test::cloud_of(test::Shape(lever_).moved(motion));
