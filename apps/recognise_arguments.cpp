@@ -1,9 +1,29 @@
 #include "apps/recognise_arguments.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "apps/detections_json.hpp"
 #include "apps/presets.hpp"
 
 namespace trivet::apps {
+namespace {
+
+std::vector<std::string> improvement_names() {
+  std::vector<std::string> names;
+  for (const ImprovementName& known : kImprovements) names.emplace_back(known.name);
+  return names;
+}
+
+std::string describe_improvements() {
+  std::string text = "Leave improvements out, as a,b,c, to measure what each is worth:";
+  for (const ImprovementName& known : kImprovements)
+    text += fmt::format("\n{}: {}", known.name, known.sentence);
+  return text;
+}
+
+}  // namespace
 
 void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
   command.add_option("--method", arguments.method, "ppf: point-pair features")
@@ -43,6 +63,10 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
   command.add_option("--expected", arguments.expected,
                      "Result of an earlier recognition (--json): its poses are tested first, and "
                      "voting is for what they leave unexplained");
+  command.add_option("--without", arguments.without, describe_improvements())
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(improvement_names()).description(""));
 }
 
 Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
@@ -62,6 +86,10 @@ Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
     Result<std::vector<ExpectedPose>> expected = read_expected_poses(arguments.expected);
     if (!expected) return expected.error();
     options.expected = std::move(*expected);
+  }
+  for (const ImprovementName& known : kImprovements) {
+    if (std::ranges::find(arguments.without, known.name) != arguments.without.end())
+      options.without.insert(known.improvement);
   }
   return options;
 }

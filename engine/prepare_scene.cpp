@@ -25,7 +25,8 @@ constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched
 /// Half-width of the window for normals, in pixels or spacings: wide enough that noise of this size
 /// turns them by about as much as the quantisation of the pair's angles, no wider, since corners
 /// round off.
-float normal_window(float noise, float spacing) {
+float normal_window(float noise, float spacing, ImprovementSet without) {
+  if (without.contains(Improvement::normals)) return 2;
   return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
 }
 
@@ -176,7 +177,7 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
 }
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
-                                  PreparedScene& scene) {
+                                  ImprovementSet without, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
       : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
@@ -214,7 +215,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   estimate(2);
   Column<float> scratch;
   scene.noise = kernels::estimate_scan_noise(residuals, scratch);
-  scene.window = normal_window(scene.noise, scene.spacing);
+  scene.window = normal_window(scene.noise, scene.spacing, without);
   const auto window = static_cast<std::uint32_t>(std::lround(scene.window));
   if (window != 2) estimate(window);
 
@@ -263,7 +264,7 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   return normals;
 }
 
-void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
+void prepare_closed_scene(const Cloud& cloud, ImprovementSet without, PreparedScene& scene) {
   const Normals outward = cover_surface(cloud.triangles, scene);
   const std::size_t n = scene.points.size();
   scene.normals.resize(n);
@@ -292,7 +293,7 @@ void prepare_closed_scene(const Cloud& cloud, PreparedScene& scene) {
     if (std::isfinite(r)) finite.push_back(r);
   }
   scene.noise = median(finite);
-  scene.window = normal_window(scene.noise, scene.spacing);
+  scene.window = normal_window(scene.noise, scene.spacing, without);
   if (scene.window > 2.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {
     if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
@@ -343,8 +344,8 @@ bool is_closed(const Cloud& cloud, const SceneInput& input) {
 
 }  // namespace
 
-Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
-                                    StageTimes& times) {
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
+                                    ImprovementSet without) {
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
   scene.points = cloud.points;
@@ -363,8 +364,9 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), cloud.points.size())};
   }
   if (closed) {
-    prepare_closed_scene(cloud, scene);
-  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, scene); !prepared) {
+    prepare_closed_scene(cloud, without, scene);
+  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, without, scene);
+             !prepared) {
     return prepared.error();
   }
   return scene;
@@ -377,7 +379,8 @@ std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float di
   return background;
 }
 
-SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter) {
+SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
+                         ImprovementSet without) {
   SceneSample sample;
   sample.step = step;
   sample.largest_diameter = largest_diameter;
@@ -386,6 +389,11 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   kernels::SubsampleScratch scratch;
   kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
                                 normals, scratch);
+  if (without.contains(Improvement::planes)) {
+    sample.points = std::move(points);
+    sample.normals = std::move(normals);
+    return sample;
+  }
 
   std::vector<std::uint8_t> labels(points.size(), 0);
   kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,

@@ -31,7 +31,8 @@ struct PreparedScene {
 inline constexpr float kPlaneAngleRad = 0.35F;
 
 /// Errors: bad_data (too few points, no surface).
-Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times);
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
+                                    ImprovementSet without = {});
 
 /// The scene sampled for models of one step; the same in all rounds of voting.
 struct SceneSample {
@@ -42,7 +43,8 @@ struct SceneSample {
 };
 
 /// Sample a scene at `step`. Points on planes larger than the largest model stay out.
-SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter);
+SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
+                         ImprovementSet without = {});
 
 /// What votes for models of one step in one round.
 struct SceneLevel {

@@ -10,6 +10,7 @@
 
 #include "engine/check_range.hpp"
 #include "engine/find_hypotheses.hpp"
+#include "engine/leave_out.hpp"
 #include "engine/parallel.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/select_detections.hpp"
@@ -173,7 +174,8 @@ class SceneSearch {
     const std::vector<std::uint32_t> before = std::exchange(selection_.chosen, {});
     for (const std::uint32_t c : before) {
       engine::Candidate candidate = candidates_[c];
-      if (candidate.score >= options_.min_score) {
+      if (candidate.score >= options_.min_score &&
+          !options_.without.contains(Improvement::rivals)) {
         const Model& model = library_.models[candidate.model];
         const Result<void> settled =
             engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
@@ -198,7 +200,7 @@ class SceneSearch {
   engine::SceneSample sample(float step, std::span<const std::uint32_t> models) const {
     float largest = 0;
     for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
-    return engine::sample_scene(scene_, step, largest);
+    return engine::sample_scene(scene_, step, largest, options_.without);
   }
 
   /// Why a settled candidate is not reported beside better ones, if so.
@@ -297,9 +299,10 @@ std::vector<RejectedPose> report_rejected(const Library& library, const SceneSea
 }  // namespace
 
 Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
-                              const SceneInput& input, const RecogniseOptions& options,
+                              const SceneInput& input, const RecogniseOptions& asked,
                               std::stop_token stop) {
-  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  if (const Result<void> valid = validate(asked); !valid) return valid.error();
+  const RecogniseOptions options = engine::leave_out(asked);
   const Library& library = recogniser.library();
   Result<ModelGroups> groups = group_models(library, options.models);
   if (!groups) return groups.error();
@@ -310,7 +313,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   stats.num_invalid = cloud.num_invalid;
   if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) return result;
   const auto start = std::chrono::steady_clock::now();
-  Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times);
+  Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times, options.without);
   if (!scene) return scene.error();
   if (const Result<void> sizes = check_sizes(library, *scene, input); !sizes) return sizes.error();
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/improvements.hpp"
 #include "engine/pose_limits.hpp"
 #include "engine/progress.hpp"
 #include "engine/recogniser.hpp"
@@ -71,6 +72,7 @@ struct RecogniseOptions {
   PoseLimits limits{};
   /// Tested before any voting, which is then for what they leave unexplained.
   std::vector<ExpectedPose> expected{};
+  ImprovementSet without{};  ///< left out, to measure what they are worth
   bool operator==(const RecogniseOptions&) const = default;
 };
 

@@ -95,11 +95,12 @@ class PixelMarks {
 Selection select_detections(const Library& library, const PreparedScene& scene,
                             std::span<const Candidate> candidates,
                             const RecogniseOptions& options) {
+  const bool by_pixels = !options.without.contains(Improvement::explained);
   std::vector<float> rank(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const float diameter = library.models[candidates[c].model].diameter;
     const float area = candidates[c].examination.area * diameter * diameter;
-    rank[c] = candidates[c].score * std::pow(area, 0.25F);
+    rank[c] = candidates[c].score * (by_pixels ? std::pow(area, 0.25F) : 1);
   }
   std::vector<std::uint32_t> order(candidates.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -111,13 +112,21 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
   Selection selection;
   PixelMarks marks(scene.images, candidates.size());
   std::vector<std::uint32_t> instances(library.models.size(), 0);
+  const auto repeats = [&](const Candidate& candidate) {
+    return std::any_of(selection.chosen.begin(), selection.chosen.end(), [&](std::uint32_t taken) {
+      return candidates[taken].model == candidate.model &&
+             same_placement(library.models[candidate.model], candidates[taken].T_scene_model,
+                            candidate.T_scene_model);
+    });
+  };
   for (const std::uint32_t c : order) {
     const Candidate& candidate = candidates[c];
     const Cover cover = marks.cover_of(candidate.explained);
-    const bool explained = cover.share > options.verify.max_overlap;
+    const bool explained =
+        by_pixels ? cover.share > options.verify.max_overlap : repeats(candidate);
     const auto refuse = [&](Rejection reason) {
       Refusal refusal{c, reason};
-      if (explained) {
+      if (explained && by_pixels) {
         refusal.explained_by = cover.most_by;
         refusal.explained_share = cover.most_share;
       }

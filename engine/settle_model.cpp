@@ -45,6 +45,7 @@ double odds_of(double z) { return std::erfc(-z / std::sqrt(2.0)) / std::erfc(z /
 /// A pose that was looked at by samples of the surface.
 struct Look {
   Pose T_scene_model = Pose::Identity();
+  float votes = 0;  // share of the votes for the model
   kernels::Evidence evidence;
   float score = 0;
 };
@@ -105,7 +106,8 @@ class Settling {
         options_(options),
         stats_(stats),
         samples_(samples_of(model)),
-        background_(background_planes(scene, model.diameter)) {
+        background_(left_out(Improvement::background) ? std::vector<std::uint8_t>{}
+                                                      : background_planes(scene, model.diameter)) {
     strict_.tolerance = std::max(options.verify.tolerance_sigmas * scene.noise,
                                  options.verify.tolerance_diameters * model.diameter);
     strict_.plane_is_background = background_;
@@ -125,7 +127,10 @@ class Settling {
   }
 
   /// A first look with the tolerance of an unrefined pose chooses which ones to refine.
-  std::vector<Look> preselect(std::span<const kernels::Hypothesis> clusters) const {
+  ///
+  /// num_votes  of all hypotheses of the model
+  std::vector<Look> preselect(std::span<const kernels::Hypothesis> clusters,
+                              float num_votes) const {
     const StageTimer timer(stats_.times, "preselect");
     kernels::VerifyOptions loose;
     loose.tolerance = std::max(0.75F * step_, 3 * scene_.noise);
@@ -133,9 +138,8 @@ class Settling {
     std::vector<Look> looks(clusters.size());
     for_each_index(clusters.size(), [&](std::size_t c) {
       looks[c].T_scene_model = clusters[c].T_scene_model;
-      looks[c].evidence = kernels::verify_pose(scene_.images, samples_, kFirstLookSamples,
-                                               clusters[c].T_scene_model, loose);
-      looks[c].score = looks[c].evidence.score();
+      looks[c].votes = clusters[c].votes / num_votes;
+      look_at(kFirstLookSamples, loose, looks[c]);
     });
     // The contour only lowers a score, and costs more: it is judged for those that are in the
     // running.
@@ -158,21 +162,18 @@ class Settling {
       const StageTimer timer(stats_.times, "refine");
       const kernels::RefineOptions sparse = sparse_refinement();
       for_each_index(looks.size(), [&](std::size_t k) {
-        looks[k].T_scene_model =
-            kernels::refine_pose(scene_.images, samples_, looks[k].T_scene_model, sparse)
-                .T_scene_model;
+        looks[k].T_scene_model = refined(looks[k].T_scene_model, sparse);
       });
     }
     const StageTimer timer(stats_.times, "verify");
-    for_each_index(looks.size(), [&](std::size_t k) {
-      looks[k].evidence = kernels::verify_pose(scene_.images, samples_, samples_.points.size(),
-                                               looks[k].T_scene_model, strict_);
-    });
+    for_each_index(looks.size(),
+                   [&](std::size_t k) { look_at(samples_.points.size(), strict_, looks[k]); });
     judge_contours(strict_, looks);
     looks = without_repetitions(looks, model_);
     std::vector<Look> best;
+    const float hopeless = left_out(Improvement::visibility) ? 0 : kHopeless;
     for (const std::uint32_t c :
-         best_spread(looks, model_, kHopeless, options_.pose.max_examined, kExaminedAPlace)) {
+         best_spread(looks, model_, hopeless, options_.pose.max_examined, kExaminedAPlace)) {
       best.push_back(looks[c]);
     }
     return best;
@@ -186,7 +187,9 @@ class Settling {
     std::vector<Candidate> candidates(looks.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
-      candidates[k] = examine(surface, score, looks[k].T_scene_model, scratch.local());
+      candidates[k] = left_out(Improvement::rays)
+                          ? judged_by_samples(looks[k])
+                          : examine(surface, score, looks[k].T_scene_model, scratch.local());
     });
     std::erase_if(candidates,
                   [&](const Candidate& candidate) { return !allowed(candidate.T_scene_model); });
@@ -246,7 +249,7 @@ class Settling {
     };
     const kernels::RefineOptions sparse = sparse_refinement();
     for (const Pose& motion : model_.near_symmetries) {
-      add(kernels::refine_pose(scene_.images, samples_, pose * motion, sparse).T_scene_model);
+      add(refined(pose * motion, sparse));
     }
     for (const Candidate& other : candidates) {
       if (other.model != candidate.model) continue;
@@ -278,8 +281,7 @@ class Settling {
     options.verify = strict_;
     options.window = std::round(scene_.window);
     Candidate candidate;
-    candidate.T_scene_model =
-        kernels::refine_pose(scene_.images, samples_, pose, dense).T_scene_model;
+    candidate.T_scene_model = refined(pose, dense);
     candidate.tolerance = strict_.tolerance;
     kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,
                           candidate.T_scene_model, options, scratch, candidate.examination,
@@ -297,11 +299,61 @@ class Settling {
     return candidate;
   }
 
+  /// What stands for the test by rays where that is left out: the samples that meet the scene.
+  Candidate judged_by_samples(const Look& look) const {
+    Candidate candidate;
+    candidate.T_scene_model = look.T_scene_model;
+    candidate.tolerance = strict_.tolerance;
+    candidate.score = look.score;
+    std::vector<std::uint32_t>& pixels = candidate.explained.pixels;
+    const kernels::Evidence e = kernels::verify_pose(
+        scene_.images, samples_, samples_.points.size(), look.T_scene_model, strict_, &pixels);
+    kernels::Examination& examination = candidate.examination;
+    examination.covered = static_cast<float>(e.visible);
+    examination.consistent = static_cast<float>(e.consistent);
+    examination.violation = static_cast<float>(e.violation);
+    examination.background = static_cast<float>(e.background);
+    const float residual = e.rmse() / strict_.tolerance;
+    const float side = model_.sample_spacing / model_.diameter;
+    examination.residual = residual * residual;
+    examination.area = examination.consistent * side * side;
+
+    // A sample stands for the square of pixels between it and its neighbours.
+    std::sort(pixels.begin(), pixels.end());
+    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+    const kernels::ImageGeometry& camera = scene_.images.front().geometry;
+    const float depth = (camera.T_camera_scene * (look.T_scene_model * model_.centre)).z();
+    if (depth > 0) {
+      const float square = std::round(model_.sample_spacing * camera.fx / depth);
+      candidate.explained.square = static_cast<std::uint32_t>(std::clamp(square, 1.0F, 32.0F));
+    }
+    return candidate;
+  }
+
+  /// Score a look by what the first samples that the camera should see meet.
+  void look_at(std::size_t num_samples, const kernels::VerifyOptions& options, Look& look) const {
+    if (left_out(Improvement::visibility)) {
+      look.score = look.votes;
+      return;
+    }
+    look.evidence =
+        kernels::verify_pose(scene_.images, samples_, num_samples, look.T_scene_model, options);
+    look.score = look.evidence.score();
+  }
+
+  Pose refined(const Pose& pose, const kernels::RefineOptions& options) const {
+    if (left_out(Improvement::refinement)) return pose;
+    return kernels::refine_pose(scene_.images, samples_, pose, options).T_scene_model;
+  }
+
+  bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
+
   bool allowed(const Pose& pose) const {
     return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
   }
 
   void judge_contours(const kernels::VerifyOptions& options, std::span<Look> looks) const {
+    if (left_out(Improvement::contour)) return;
     PerThread<kernels::ContourScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
       kernels::judge_contour(scene_.images, samples_, kContourSamples, looks[k].T_scene_model,
@@ -329,7 +381,10 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
   const Settling settling(recogniser.library().models[model_index], scene, step, options, stats);
   const std::vector<kernels::Hypothesis> clusters = settling.cluster(hypotheses);
   stats.num_hypotheses += clusters.size();
-  std::vector<Look> looks = settling.preselect(clusters);
+  const float num_votes = std::accumulate(
+      hypotheses.begin(), hypotheses.end(), 0.0F,
+      [](float sum, const kernels::Hypothesis& hypothesis) { return sum + hypothesis.votes; });
+  std::vector<Look> looks = settling.preselect(clusters, num_votes);
   stats.num_refined += looks.size();
   looks = settling.refine(std::move(looks));
   stats.num_examined += looks.size();

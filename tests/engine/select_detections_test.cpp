@@ -62,6 +62,16 @@ TEST_F(SelectDetections, LetsNoDoubtfulCandidateHideAnother) {
   EXPECT_EQ(names(both, {.doubtful_score = 0.46F}), Names{"small"});
 }
 
+// What one place holds is then told by the poses alone, each model for itself, by plain score.
+TEST_F(SelectDetections, TellsCopiesByTheirPosesWhereExplainedPixelsAreLeftOut) {
+  std::vector<Candidate> three{candidate(0, 0.55F, 0, 80), candidate(1, 0.6F, 0, 8),
+                               candidate(0, 0.52F, 90, 5)};
+  const RecogniseOptions options{.without = {Improvement::explained}};
+  EXPECT_EQ(names(three, options), (Names{"small", "large"}));
+  three[2].T_scene_model.translation().x() = 0.3F;  // of a diameter of 1
+  EXPECT_EQ(names(three, options), (Names{"small", "large", "large"}));
+}
+
 TEST_F(SelectDetections, LeavesOutWhatABetterDoubtfulOneExplains) {
   const std::vector<Candidate> three{candidate(0, 0.3F, 0, 10), candidate(0, 0.2F, 0, 10),
                                      candidate(0, 0.2F, 50, 10)};

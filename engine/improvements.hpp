@@ -1,0 +1,85 @@
+/// What recognition does beyond voting and clustering, by name, so that each part can be left out
+/// and its worth measured: `scripts/ladder` climbs from nothing of it to all of it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string_view>
+
+namespace trivet {
+
+enum class Improvement : std::uint8_t {
+  clusters,
+  planes,
+  references,
+  ball,
+  full_cells,
+  normals,
+  visibility,
+  refinement,
+  contour,
+  background,
+  places,
+  explained,
+  rays,
+  second_round,
+  rivals,
+};
+
+struct ImprovementName {
+  Improvement improvement;
+  std::string_view name, sentence;
+};
+
+/// In the order of the ladder, which is that of the enumeration.
+inline constexpr std::array<ImprovementName, 15> kImprovements{{
+    {Improvement::clusters, "clusters",
+     "every cluster of votes may be an instance, not each model's strongest alone"},
+    {Improvement::planes, "planes", "points on planes larger than every model do not vote"},
+    {Improvement::references, "references",
+     "a tenth of the sampled points are reference points, not a fifth"},
+    {Improvement::ball, "ball",
+     "pairs end within 0.4 diameters, in the second round 0.7, not a whole one"},
+    {Improvement::full_cells, "full-cells",
+     "the fullest cells of a pair table, which tell least, do not vote"},
+    {Improvement::normals, "normals",
+     "normals are fitted to windows as wide as the scene's noise asks for"},
+    {Improvement::visibility, "visibility",
+     "poses are scored by the surface that the sensor should see, not by votes"},
+    {Improvement::refinement, "refinement", "poses are refined by point-to-plane ICP"},
+    {Improvement::contour, "contour",
+     "a scene that runs on beyond the outline counts against a pose, before any ray is shot"},
+    {Improvement::background, "background", "planes larger than a model support no pose of it"},
+    {Improvement::places, "places", "of the poses in one place at most ten are refined"},
+    {Improvement::explained, "explained",
+     "a detection must explain pixels that no better one does, not just lie apart from its like"},
+    {Improvement::rays, "rays",
+     "the last poses are tested ray by ray, and scored by their probability of being right"},
+    {Improvement::second_round, "second-round",
+     "a second round votes on what no sure detection explains"},
+    {Improvement::rivals, "rivals",
+     "a detection is held against its near-symmetric rivals where their renderings differ"},
+}};
+
+class ImprovementSet {
+ public:
+  constexpr ImprovementSet() = default;
+  constexpr ImprovementSet(std::initializer_list<Improvement> improvements) {
+    for (const Improvement improvement : improvements) insert(improvement);
+  }
+  constexpr void insert(Improvement improvement) noexcept { bits_ |= bit(improvement); }
+  constexpr bool contains(Improvement improvement) const noexcept {
+    return (bits_ & bit(improvement)) != 0;
+  }
+  constexpr bool operator==(const ImprovementSet&) const = default;
+
+ private:
+  static constexpr std::uint32_t bit(Improvement improvement) noexcept {
+    return std::uint32_t{1} << static_cast<std::uint32_t>(improvement);
+  }
+  std::uint32_t bits_ = 0;
+};
+
+}  // namespace trivet
