@@ -120,7 +120,8 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   return SensorView{*geometry, kernels::rasterise(*geometry, points), true};
 }
 
-void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
+void find_dominant_planes(kernels::RangeImage& image, ImprovementSet without,
+                          PreparedScene& scene) {
   const kernels::ImageGeometry& geometry = image.geometry;
   std::size_t measured = 0;
   for (const float d : image.depth) measured += d > 0;
@@ -168,6 +169,9 @@ void find_dominant_planes(kernels::RangeImage& image, PreparedScene& scene) {
     kernels::label_planes(at, scene.planes, scene.plane_tolerance,
                           std::span(image.near_plane).subspan(row, geometry.width));
   }
+  if (!without.contains(Improvement::waves))
+    scene.waviness = kernels::measure_waviness(
+        image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
   for (kernels::Plane& plane : scene.planes) {
     const Eigen::Vector3f n = T_scene_camera.linear() * plane.normal;
@@ -221,7 +225,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
   if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
-  find_dominant_planes(scene.images.back(), scene);
+  find_dominant_planes(scene.images.back(), without, scene);
   return {};
 }
 

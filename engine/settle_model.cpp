@@ -39,8 +39,13 @@ kernels::ModelSamples samples_of(const Model& model) {
           model.sample_spacing, model.diameter,       model.centre};
 }
 
-/// Odds of a normal deviate to be below z.
-double odds_of(double z) { return std::erfc(-z / std::sqrt(2.0)) / std::erfc(z / std::sqrt(2.0)); }
+/// In waves, half a patch of the windows that they are measured in errs alike.
+kernels::MeasurementErrors errors_of(const PreparedScene& scene) {
+  const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
+  const bool wavy = scene.waviness.height > kWavy * scene.noise;
+  return {std::hypot(scene.noise, scene.waviness.height),
+          wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
+}
 
 /// A pose that was looked at by samples of the surface.
 struct Look {
@@ -213,8 +218,8 @@ class Settling {
       for (const Pose& rival : rivals_of(candidate, candidates)) {
         const kernels::PoseComparison comparison =
             kernels::compare_poses(scene_.images, surface, samples_, rival, candidate.T_scene_model,
-                                   scene_.noise, strict_, compare_scratch);
-        if (comparison.log_ratio > most) {
+                                   errors_of(scene_), strict_, compare_scratch);
+        if (comparison.log_ratio > most && comparison.z > kTelling) {
           most = comparison.log_ratio;
           better = rival;
         }
@@ -281,6 +286,7 @@ class Settling {
     options.verify = strict_;
     options.window = std::round(scene_.window);
     Candidate candidate;
+    options.waviness = scene_.waviness;
     candidate.T_scene_model = refined(pose, dense);
     candidate.tolerance = strict_.tolerance;
     kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,

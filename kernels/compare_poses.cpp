@@ -9,7 +9,6 @@ namespace trivet::kernels {
 namespace {
 
 constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
-constexpr int kVote = 3;               // side of a block [pixel]
 constexpr float kFitError = 0.004F;    // of model and pose, as a share of the diameter
 constexpr double kAgreement = 10;      // likelihood of r = 0 over that of a pixel off the model
 constexpr double kSeenThrough = 0.03;  // ... of a measurement anywhere behind the surface
@@ -66,9 +65,9 @@ class Comparer {
 
 PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene& surface,
                              const ModelSamples& samples, const Pose& T_scene_first,
-                             const Pose& T_scene_second, float noise, const VerifyOptions& options,
-                             CompareScratch& scratch) {
-  const float sigma = std::hypot(noise, kFitError * samples.diameter);
+                             const Pose& T_scene_second, const MeasurementErrors& errors,
+                             const VerifyOptions& options, CompareScratch& scratch) {
+  const float sigma = std::hypot(errors.deviation, kFitError * samples.diameter);
   const float radius = 0.5F * ball_diameter(samples);
   PoseComparison out;
   double squares = 0;
@@ -86,7 +85,8 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene&
                scratch.second.normals);
 
     const Comparer comparer(image, sigma, options);
-    const int side = std::max(1, kVote / crop.stride);  // of a block [rays]
+    const int side =
+        std::max(1, (errors.together + crop.stride / 2) / crop.stride);  // of a block [rays]
     const double share = 1.0 / (side * side);
     const int columns = (crop.width + side - 1) / side, rows = (crop.height + side - 1) / side;
     scratch.votes.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);

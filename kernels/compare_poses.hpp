@@ -25,6 +25,12 @@ struct PoseComparison {
   bool significant() const noexcept { return z > kSignificant || z < -kSignificant; }
 };
 
+/// How measurements err across the surface.
+struct MeasurementErrors {
+  float deviation = 0;  ///< standard deviation [scene unit], >= 0
+  int together = 3;     ///< side of a block of pixels that err alike [pixel], >= 1
+};
+
 /// Working memory of compare_poses.
 struct CompareScratch {
   struct Look {
@@ -41,19 +47,18 @@ struct CompareScratch {
 /// depths are half a tolerance apart, or only one of them meets the model.
 ///
 /// surface  of the model, in its own frame and unit
-/// noise    standard deviation of the measured surface [scene unit], >= 0
 /// Of a pose that meets the model: with r the perpendicular residual, the likelihood is that of a
 /// normal distribution around 0, as wide as noise and error of model and pose together, mixed with
 /// a uniform one (relative to what a pixel off the model may show). Measured in front is occlusion
 /// and says nothing, unless it is a background plane, which nothing reaches through; nor does a
-/// background plane at the model's depth, a missing measurement or a grazing surface. Neighbouring
-/// pixels err alike: a block of kVote x kVote pixels has one vote.
+/// background plane at the model's depth, a missing measurement or a grazing surface. A block of
+/// pixels that err alike has one vote.
 /// compare_poses(b, a) is exactly the negative of compare_poses(a, b).
 /// Source: Vuong, Econometrica 1989 (likelihood ratio of models that do not contain each other); z
 /// takes the mean square of the votes for their variance, so that a few cannot be significant.
 PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene& surface,
                              const ModelSamples& samples, const Pose& T_scene_first,
-                             const Pose& T_scene_second, float noise, const VerifyOptions& options,
-                             CompareScratch& scratch);
+                             const Pose& T_scene_second, const MeasurementErrors& errors,
+                             const VerifyOptions& options, CompareScratch& scratch);
 
 }  // namespace trivet::kernels

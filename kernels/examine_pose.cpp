@@ -411,9 +411,14 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
     first_pixel += static_cast<std::uint32_t>(image.depth.size());
   }
   if (sums.count == 0) return;
-  out.residual = static_cast<float>(sums.squares / sums.count);
-  out.smooth = static_cast<float>(sums.smooth / sums.count);
-  out.slope = static_cast<float>(sums.slope / std::max(1.0, sums.num_slopes));
+  const float wave = options.waviness.height / options.verify.tolerance;
+  const auto beyond = [](double squares, float expected) {
+    return std::max(0.0F, static_cast<float>(squares) - expected * expected);
+  };
+  out.residual = beyond(sums.squares / sums.count, wave);
+  out.smooth = beyond(sums.smooth / sums.count, wave);
+  const double slope = sums.slope / std::max(1.0, sums.num_slopes);
+  out.slope = std::sqrt(beyond(slope * slope, options.waviness.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
   const Vector6 turn = free_turn(samples, symmetry, T_scene_model);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();

@@ -9,6 +9,7 @@
 #include "kernels/range_image.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/verify_pose.hpp"
+#include "kernels/waviness.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::kernels {
@@ -32,7 +33,7 @@ struct Examination {
   /// model, it is buried in what is seen.
   float buried = 0;
 
-  // Of the consistent pixels; 0 without any.
+  // Of the consistent pixels, less what the waves of the scan make of them; 0 without any.
   float residual = 0;  ///< mean of (r / tolerance)^2, 0..1
   float smooth = 0;    ///< the same of residuals that were averaged over their window
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
@@ -46,7 +47,8 @@ struct Examination {
 
 struct ExamineOptions {
   VerifyOptions verify{};
-  float window = 2;  ///< half-width of the window that residuals are averaged over [pixel]
+  float window = 2;     ///< half-width of the window that residuals are averaged over [pixel]
+  Waviness waviness{};  ///< of the scan, which counts against no pose
 };
 
 /// Working memory of examine_pose.

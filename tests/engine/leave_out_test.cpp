@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "engine/train.hpp"
@@ -43,7 +44,7 @@ TEST(LeaveOut, NeverAddsARoundOfVoting) {
             0U);
 }
 
-/// Two brackets and a lever before a wall, the depth noisy, and what is found in all.
+/// Two brackets and a lever before a wall, the depth noisy and wavy, and what is found in all.
 class WithoutImprovement : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -63,7 +64,13 @@ class WithoutImprovement : public testing::Test {
                            {&bracket, test::pose_of({-1.0F, 0.2F, 1.2F}, {0.05F, -0.1F, 0.95F})},
                            {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.14F, 0.02F, 0.95F})}});
     kernels::CounterRandom random(7, 0, 0);
-    for (float& z : scene_.points.span().z) z += static_cast<float>(0.001 * random.normal());
+    const std::span<float> z = scene_.points.span().z;
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      const auto u = static_cast<double>(i % scene_.grid->width);
+      const auto v = static_cast<double>(i / scene_.grid->width);
+      const double wave = 0.0008 * std::sin(0.3 * u) * std::sin(0.3 * v);
+      z[i] += static_cast<float>(wave + 0.0007 * random.normal());
+    }
     whole_ = recognised({});
   }
   static SceneResult recognised(ImprovementSet without) {

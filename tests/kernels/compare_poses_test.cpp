@@ -19,6 +19,7 @@ using Eigen::Vector3f;
 
 constexpr float kTolerance = 0.003F;
 constexpr float kNoise = 0.001F;
+constexpr MeasurementErrors kErrors{kNoise, 3};
 
 /// A rod with a slightly thicker end.
 struct Club {
@@ -72,7 +73,7 @@ VerifyOptions options() {
 
 PoseComparison compare(const RangeImage& image, const Pose& a, const Pose& b) {
   CompareScratch scratch;
-  return compare_poses({&image, 1}, club().surface, club().samples, a, b, kNoise, options(),
+  return compare_poses({&image, 1}, club().surface, club().samples, a, b, kErrors, options(),
                        scratch);
 }
 
@@ -174,7 +175,7 @@ TEST(ComparePoses, AddsUpOverImages) {
   const std::array<RangeImage, 2> images{look({kTruth}), look({kTruth})};
   CompareScratch scratch;
   const PoseComparison both = compare_poses(images, club().surface, club().samples, kTruth,
-                                            kFlipped, kNoise, options(), scratch);
+                                            kFlipped, kErrors, options(), scratch);
   const PoseComparison one = compare(images[0], kTruth, kFlipped);
   EXPECT_NEAR(both.log_ratio, 2 * one.log_ratio, 1e-9);
   EXPECT_NEAR(both.num_votes, 2 * one.num_votes, 1e-9);
@@ -219,7 +220,7 @@ TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
     // The outline, where only one pose meets the model, is left out.
     CompareScratch scratch;
     const PoseComparison c =
-        compare_poses({&image, 1}, club().surface, club().samples, near, far, kNoise,
+        compare_poses({&image, 1}, club().surface, club().samples, near, far, kErrors,
                       {.tolerance = 0.0015F, .plane_is_background = {}}, scratch);
     ASSERT_GT(c.num_votes, 20);
     sum += c.z;
@@ -229,12 +230,27 @@ TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
   EXPECT_NEAR(sum / kTrials, 0, 0.8);
 }
 
+// Waves that go on over many pixels are one error, not many.
+TEST(ComparePoses, IsNoSurerOfErrorsThatPixelsShare) {
+  const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.004F, 0});
+  const RangeImage image = look({kTruth});
+  CompareScratch scratch;
+  const auto decide = [&](int together) {
+    return compare_poses({&image, 1}, club().surface, club().samples, kTruth, aside,
+                         {kNoise, together}, options(), scratch);
+  };
+  const PoseComparison alone = decide(1), blocks = decide(12);
+  EXPECT_GT(blocks.z, 0);
+  EXPECT_LT(blocks.z, 0.5 * alone.z);
+  EXPECT_LT(blocks.num_votes, 0.1 * alone.num_votes);
+}
+
 TEST(ComparePoses, AllocatesNothingOnceItsMemoryIsThere) {
   const RangeImage image = look({kTruth});
   CompareScratch scratch;
   const VerifyOptions verify = options();
   const auto run = [&] {
-    compare_poses({&image, 1}, club().surface, club().samples, kTruth, kFlipped, kNoise, verify,
+    compare_poses({&image, 1}, club().surface, club().samples, kTruth, kFlipped, kErrors, verify,
                   scratch);
   };
   run();

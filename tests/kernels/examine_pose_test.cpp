@@ -73,8 +73,10 @@ RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float w
 }
 
 Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
-                    const Symmetry& symmetry = {}, ExplainedPixels* explained = nullptr) {
+                    const Symmetry& symmetry = {}, ExplainedPixels* explained = nullptr,
+                    const Waviness& waviness = {}) {
   ExamineOptions options;
+  options.waviness = waviness;
   options.verify.tolerance = kTolerance;
   static const std::array<std::uint8_t, 1> kBackground{1};
   options.verify.plane_is_background = kBackground;
