@@ -16,6 +16,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
 constexpr int kMargin = 4;             // rays beyond an outline, which no hole of a cloud is wide
 constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
+constexpr int kRounded = 3;            // windows that sensors round a crease over, at most
 constexpr double kFewest = 6;          // residuals of a window that give a slope
 constexpr int kAcross = 3;             // rays around an outline's place that tell its direction
 constexpr float kSameCosine = 0.985F;  // 10 degrees: directions of outlines err by less
@@ -234,8 +235,8 @@ class Examiner {
   /// Whether the scene goes on as the plane that it is before this ray: no edge, no fold.
   bool runs_on(int i, int j, int di, int dj, float jump) const noexcept {
     const int u = crop_.u(i), v = crop_.v(j);
-    if (folds(u, v, di, dj)) return false;
-    const int away = static_cast<int>(options_.window) + 1;
+    const int away = static_cast<int>(options_.window) + 1;  // no normal is fitted to both sides
+    if (folds(u, v, away * di, away * dj)) return false;
     const int u0 = u - away * di, v0 = v - away * dj;
     if (!inside(u0, v0)) return false;
     const std::size_t before = pixel_at(u0, v0);
@@ -294,8 +295,8 @@ class Examiner {
     if (open) {
       out.outline_free += length;
     } else if (judged) {
-      const bool folded = folds(crop_.u(i), crop_.v(j), di, dj);
-      (folded ? out.outline_touching : out.outline_crossed) += length;
+      const bool touches = creases(crop_.u(i), crop_.v(j), di, dj);
+      (touches ? out.outline_touching : out.outline_crossed) += length;
     }
     return open;
   }
@@ -354,12 +355,26 @@ class Examiner {
     return J;
   }
 
-  /// Whether the scene's surface bends between both sides of a pixel, as where two bodies touch;
-  /// false where either side has no normal. The normals lie far enough apart that none is fitted
-  /// to both sides.
-  bool folds(int u, int v, int du, int dv) const noexcept {
+  /// Whether the scene's surface bends towards the sensor as where two bodies touch: sharply, or
+  /// over the pixels that sensors which match windows round a crease over. The far side of a body's
+  /// own edge bends away.
+  bool creases(int u, int v, int du, int dv) const noexcept {
     const int away = static_cast<int>(options_.window) + 1;
-    const int u0 = u - away * du, v0 = v - away * dv, u1 = u + away * du, v1 = v + away * dv;
+    for (int k = away; k <= kRounded * away; k += away) {
+      if (!folds(u, v, k * du, k * dv)) continue;
+      const std::size_t from = pixel_at(u - k * du, v - k * dv);
+      const std::size_t to = pixel_at(u + k * du, v + k * dv);
+      const Eigen::Vector3f across =
+          g_.back_project(to, image_.depth[to]) - g_.back_project(from, image_.depth[from]);
+      if (image_.normals[from].dot(across) > 0 && image_.normals[to].dot(across) < 0) return true;
+    }
+    return false;
+  }
+
+  /// Whether the scene's surface bends between both sides of a pixel, (du, dv) away from it; false
+  /// where either side has no normal.
+  bool folds(int u, int v, int du, int dv) const noexcept {
+    const int u0 = u - du, v0 = v - dv, u1 = u + du, v1 = v + dv;
     if (!inside(u0, v0) || !inside(u1, v1)) return false;
     const auto normal = [&](int x, int y) { return image_.normals[pixel_at(x, y)]; };
     return normal(u0, v0).dot(normal(u1, v1)) < kFoldCosine;

@@ -27,7 +27,7 @@ struct Examination {
 
   float outline = 0;           ///< where the model ends, inside the images
   float outline_free = 0;      ///< outline beyond which the scene falls back or is not measured
-  float outline_touching = 0;  ///< ... beyond which something else touches: the scene has a fold
+  float outline_touching = 0;  ///< ... beyond which something else touches: the scene has a crease
   float outline_crossed = 0;   ///< ... beyond which the scene runs on smoothly at the model's depth
   /// Edge between seen and hidden parts over which the scene runs on smoothly: nothing lies on the
   /// model, it is buried in what is seen.

@@ -309,25 +309,61 @@ TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";
 }
 
-// The same depths, but the surface beyond the model's outline has another direction.
+/// A brick's face in a wall that rises from it towards the camera by `slope`, turning over so many
+/// metres: a sensor's rounded crease. A negative slope falls away.
+RangeImage face_in_wall(float slope, float rounded) {
+  RangeImage image = look({});
+  constexpr float kFace = 0.56F;
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const Vector3f p = image.geometry.back_project(pixel, kFace);
+    const Vector3f beyond(std::max(std::abs(p.x()) - 0.1F, 0.0F) * (p.x() > 0 ? 1.0F : -1.0F),
+                          std::max(std::abs(p.y()) - 0.06F, 0.0F) * (p.y() > 0 ? 1.0F : -1.0F), 0);
+    const float far = beyond.norm(), turned = std::min(far, rounded);
+    const float steep = rounded > 0 ? slope * turned / rounded : far > 0 ? slope : 0;
+    image.depth[pixel] = kFace - (0.5F * steep * turned + slope * (far - turned));
+    const Vector3f outwards = far > 0 ? Vector3f(beyond / far) : Vector3f::Zero();
+    image.normals.set(pixel, (Vector3f(0, 0, -1) - steep * outwards).normalized());
+  }
+  return image;
+}
+
 TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
-  const Body plate({0.3F, 0.3F, 0.04F});
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  RangeImage image = look({{&plate, flat}});
-  const Eigen::Vector3f towards(0, 0, -1), aslant = Eigen::Vector3f(0, -1, -1).normalized();
-  const auto paint = [&](const Eigen::Vector3f& beyond) {
-    for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
-      const Eigen::Vector3f p = image.geometry.back_project(pixel, image.depth[pixel]);
-      const bool on_brick = std::abs(p.x()) <= 0.1F && std::abs(p.y()) <= 0.06F;
-      image.normals.set(pixel, on_brick ? towards : beyond);
-    }
-    return examine(image, brick(), flat);
+  const auto seen = [&](float slope, float rounded) {
+    return examine(face_in_wall(slope, rounded), brick(), flat);
   };
-  const Examination on = paint(towards), touching = paint(aslant);
+  const Examination on = seen(0, 0);
   EXPECT_EQ(on.outline_touching, 0);
   EXPECT_GT(on.outline_crossed, 100);
+  const Examination touching = seen(0.63F, 0);
   EXPECT_EQ(touching.outline_crossed, 0);
-  EXPECT_EQ(touching.outline_touching, on.outline_crossed);
+  EXPECT_GT(touching.outline_touching, 0.4F * on.outline_crossed)
+      << "the rest lies before the brick";
+  const Examination rounded = seen(0.8F, 0.02F);
+  EXPECT_GT(rounded.outline_touching, 0.9F * on.outline_crossed) << "over five pixels";
+  const Examination edge = seen(-0.63F, 0);
+  EXPECT_EQ(edge.outline_touching, 0) << "a body's own edge bends away";
+  EXPECT_GT(edge.outline_crossed, 0.4F * on.outline_crossed);
+}
+
+// What the scan errs over many pixels anywhere does not speak against a pose.
+TEST(ExaminePose, SparesTheWavesOfTheScan) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = look({{&brick(), flat}});
+  constexpr float kHeight = 0.001F, kLength = 24;  // [pixel]
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const auto u = static_cast<float>(pixel % 160), v = static_cast<float>(pixel / 160);
+    const float turn = 2 * 3.14159265F / kLength;
+    image.depth[pixel] += kHeight * std::sin(turn * u) * std::sin(turn * v);
+  }
+  const Examination unknown = examine(image, brick(), flat);
+  const Examination known = examine(image, brick(), flat, {}, nullptr, {0.5F * kHeight, 0.1F});
+  const float squares = 0.25F * kHeight * kHeight / (kTolerance * kTolerance);
+  EXPECT_NEAR(unknown.residual, squares, 0.2F * squares);
+  EXPECT_LT(known.residual, 0.2F * squares);
+  EXPECT_LT(known.smooth, 0.1F * unknown.smooth);
+  EXPECT_LT(known.slope, 0.5F * unknown.slope);
+  EXPECT_EQ(known.consistent, unknown.consistent);
 }
 
 // The brick sticks out of a slanted wall that hides the rest of it.
