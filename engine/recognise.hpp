@@ -40,7 +40,6 @@ struct PoseOptions {
   float cluster_rotation_deg = 15;    ///< ... and in degrees
   std::uint32_t max_clusters = 300;   ///< kept per model for the first verification
   std::uint32_t max_refined = 40;     ///< candidates per model that are refined
-  std::uint32_t max_per_place = 10;   ///< of them within a place of 0.2 diameters
   std::uint32_t max_examined = 20;    ///< refined candidates per model that are tested by rays
   /// Of voting, later ones on what is not yet explained; 0 to test expected poses only.
   std::uint32_t rounds = 2;

@@ -155,8 +155,8 @@ class Settling {
     }
     judge_contours(loose, running);
     std::vector<Look> best;
-    for (const std::uint32_t c :
-         best_spread(running, model_, 0, options_.pose.max_refined, options_.pose.max_per_place)) {
+    for (const std::uint32_t c : by_score(running)) {
+      if (best.size() == options_.pose.max_refined || !(running[c].score > 0)) break;
       best.push_back(running[c]);
     }
     return best;
