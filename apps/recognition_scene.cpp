@@ -94,8 +94,6 @@ const Reason& reason_of(const RejectedPose& rejected) {
   switch (rejected.reason) {
     case Rejection::too_low:
       return kTooLow;
-    case Rejection::ambiguous:
-      return kTooLow;
     case Rejection::explained:
       return kExplained;
     case Rejection::too_many:
@@ -121,10 +119,6 @@ std::string reason_in_words(const Subject& subject, const RejectedPose& rejected
       why = !rejected.explained_by ? costs : costs.empty() ? why : costs + "; " + why;
       break;
     }
-    case Rejection::ambiguous:
-      what = "below " + percent(options.min_score);
-      why = "other poses fit as well";
-      break;
     case Rejection::explained:
       what = "place taken";
       break;

@@ -167,25 +167,29 @@ class SceneSearch {
     return {};
   }
 
-  /// The chosen candidates in the order of choice, sure ones held against their rivals. Those that
-  /// are no longer sure then, or that move to where another one lies, are refused.
+  /// The chosen candidates in the order of choice, held against their rivals. Those that move to
+  /// where another one lies are refused, and those below the scores that are asked for.
   Result<std::vector<engine::Candidate>> chosen() {
     std::vector<engine::Candidate> out;
     const std::vector<std::uint32_t> before = std::exchange(selection_.chosen, {});
     for (const std::uint32_t c : before) {
       engine::Candidate candidate = candidates_[c];
-      if (candidate.score >= options_.min_score &&
-          !options_.without.contains(Improvement::rivals)) {
+      if (!options_.without.contains(Improvement::rivals)) {
         const Model& model = library_.models[candidate.model];
         const Result<void> settled =
             engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
                                   candidates_, options_, stats_, candidate);
         if (!settled) return settled.error();
-        if (const std::optional<Rejection> reason = refuse_beside(out, candidate)) {
-          selection_.refused.push_back({c, *reason});
+        if (lies_at_one_of(out, candidate)) {
+          selection_.refused.push_back({c, Rejection::explained});
           candidates_[c] = std::move(candidate);
           continue;
         }
+      }
+      if (candidate.score < options_.doubtful_score.value_or(options_.min_score)) {
+        selection_.refused.push_back({c, Rejection::too_low});
+        candidates_[c] = std::move(candidate);
+        continue;
       }
       selection_.chosen.push_back(c);
       out.push_back(std::move(candidate));
@@ -203,17 +207,14 @@ class SceneSearch {
     return engine::sample_scene(scene_, step, largest, options_.without);
   }
 
-  /// Why a settled candidate is not reported beside better ones, if so.
-  std::optional<Rejection> refuse_beside(std::span<const engine::Candidate> better,
-                                         const engine::Candidate& candidate) const {
-    if (candidate.score < std::min(options_.min_score, options_.doubtful_score.value_or(1)))
-      return Rejection::ambiguous;
-    const bool known = std::any_of(better.begin(), better.end(), [&](const auto& other) {
+  /// Whether a settled candidate moved to where a better one lies.
+  bool lies_at_one_of(std::span<const engine::Candidate> better,
+                      const engine::Candidate& candidate) const {
+    return std::any_of(better.begin(), better.end(), [&](const engine::Candidate& other) {
       return other.model == candidate.model &&
              engine::same_placement(library_.models[other.model], other.T_scene_model,
                                     candidate.T_scene_model);
     });
-    return known ? std::optional(Rejection::explained) : std::nullopt;
   }
 
   Result<void> settle(std::uint32_t model, float step,

@@ -61,7 +61,7 @@ struct RecogniseOptions {
   VoteOptions later{.radius = 0.7F, .reference_share = 0.2F, .max_votes = 60000};
   PoseOptions pose{};
   VerifyStageOptions verify{};
-  float min_score = 0.5F;  ///< detections below are not reported, 0..1
+  float min_score = 0.8F;  ///< detections below are not reported, 0..1
   /// Detections from this score to min_score are reported too, 0..1: for curves over the score.
   /// They are chosen after the others, which they do not change.
   std::optional<float> doubtful_score{};
@@ -91,7 +91,7 @@ struct SceneInput {
 
 struct Detection {
   std::string model;
-  float score = 0;              ///< probability that the pose is right, 0..1
+  float score = 0;              ///< probability that the pose, or one of its rivals, is right, 0..1
   Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
   float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
   float violation = 0;          ///< share of what was measured there that the sensor looked through
@@ -106,7 +106,6 @@ struct Detection {
 enum class Rejection {
   too_low,    ///< the score is below min_score
   explained,  ///< better poses already explain more than max_overlap of its pixels
-  ambiguous,  ///< rivals fit so well that the score is below min_score
   too_many,   ///< max_instances of its model are better
 };
 

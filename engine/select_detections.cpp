@@ -7,6 +7,9 @@
 namespace trivet::engine {
 namespace {
 
+// Below it a candidate is wrong rather than right: those above have the choice of the scene's
+// pixels, whatever score is asked for.
+constexpr float kLikely = 0.5F;
 // What is explained is not searched again. Of the detections below this too many are wrong, and
 // hide the right ones.
 constexpr float kSure = 0.95F;
@@ -104,7 +107,8 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
   }
   std::vector<std::uint32_t> order(candidates.size());
   std::iota(order.begin(), order.end(), 0U);
-  const auto doubtful = [&](std::uint32_t c) { return candidates[c].score < options.min_score; };
+  const float likely = std::min(options.min_score, kLikely);
+  const auto doubtful = [&](std::uint32_t c) { return candidates[c].score < likely; };
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return doubtful(a) != doubtful(b) ? doubtful(b) : rank[a] > rank[b];
   });

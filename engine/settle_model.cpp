@@ -32,7 +32,12 @@ constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
 constexpr float kRivalPlace = 0.3F;  // in diameters
 constexpr float kLeastRivalScore = 0.1F;
-constexpr int kMaxHops = 3;  // from rival to better rival
+constexpr float kRivalShare = 0.5F;  // of the score of the pose that is rivalled
+constexpr int kMaxHops = 3;          // from rival to better rival
+constexpr double kTelling = 0.7;     // in standard deviations; three to one
+// Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
+// noise is a twentieth.
+constexpr float kWavy = 0.25F;
 
 kernels::ModelSamples samples_of(const Model& model) {
   return {model.samples,        model.sample_normals, model.sample_views,
@@ -206,11 +211,7 @@ class Settling {
     const StageTimer timer(stats_.times, "rivals");
     kernels::ExamineScratch examine_scratch;
     kernels::CompareScratch compare_scratch;
-    struct Alike {
-      Pose T_scene_model;
-      double odds;  // that it, not the candidate, is the better one
-    };
-    std::vector<Alike> alike;
+    std::vector<Pose> alike;
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
       std::optional<Pose> better;
@@ -223,22 +224,19 @@ class Settling {
           most = comparison.log_ratio;
           better = rival;
         }
-        if (!comparison.significant()) alike.push_back({rival, odds_of(comparison.z)});
+        if (!comparison.significant()) alike.push_back(rival);
       }
       if (!better || hop == kMaxHops) break;
       Candidate moved = examine(surface, score, *better, examine_scratch);
-      if (moved.score < options_.min_score) break;
+      if (moved.score < kRivalShare * candidate.score) break;
       moved.model = candidate.model;
       candidate = std::move(moved);
     }
-    double odds = 0;
-    for (const Alike& other : alike) {
-      const Candidate rival = examine(surface, score, other.T_scene_model, examine_scratch);
-      if (rival.score < options_.min_score) continue;
-      candidate.rivals.push_back(rival.T_scene_model);
-      odds += other.odds;
+    for (const Pose& other : alike) {
+      const Candidate rival = examine(surface, score, other, examine_scratch);
+      if (rival.score >= kRivalShare * candidate.score)
+        candidate.rivals.push_back(rival.T_scene_model);
     }
-    candidate.score /= static_cast<float>(1 + odds);  // one of them is right, at most
   }
 
  private:
@@ -252,16 +250,15 @@ class Settling {
       if (allowed(rival) && differs(pose) && std::all_of(rivals.begin(), rivals.end(), differs))
         rivals.push_back(rival);
     };
-    const kernels::RefineOptions sparse = sparse_refinement();
-    for (const Pose& motion : model_.near_symmetries) {
-      add(refined(pose * motion, sparse));
-    }
     for (const Candidate& other : candidates) {
       if (other.model != candidate.model) continue;
       const float apart = (other.T_scene_model * model_.centre - pose * model_.centre).norm();
       if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
         add(other.T_scene_model);
     }
+    const kernels::RefineOptions sparse = sparse_refinement(), dense = dense_refinement();
+    for (const Pose& motion : model_.near_symmetries)
+      add(refined(refined(pose * motion, sparse), dense));
     return rivals;
   }
 
@@ -274,20 +271,24 @@ class Settling {
     return sparse;
   }
 
-  /// Refine once more with all samples, and test by rays.
-  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                    const Pose& pose, kernels::ExamineScratch& scratch) const {
+  kernels::RefineOptions dense_refinement() const {
     kernels::RefineOptions dense;
     dense.num_samples = samples_.points.size();
     dense.max_iterations = 3;
     dense.first_gate = dense.last_gate = strict_.tolerance;
     dense.max_translation = 0.1F * model_.diameter;
+    return dense;
+  }
+
+  /// Refine once more with all samples, and test by rays.
+  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                    const Pose& pose, kernels::ExamineScratch& scratch) const {
     kernels::ExamineOptions options;
     options.verify = strict_;
     options.window = std::round(scene_.window);
-    Candidate candidate;
     options.waviness = scene_.waviness;
-    candidate.T_scene_model = refined(pose, dense);
+    Candidate candidate;
+    candidate.T_scene_model = refined(pose, dense_refinement());
     candidate.tolerance = strict_.tolerance;
     kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,
                           candidate.T_scene_model, options, scratch, candidate.examination,

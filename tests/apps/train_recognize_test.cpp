@@ -129,7 +129,7 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
   expect_stands_alone(page);
   for (const char* text :
        {"1 object found in 2 scenes", ">scan.ply<", ">a&lt;b&gt;&amp;&quot;c&quot;.ply<",
-        "1 bracket", "None of the models.", "What spoke for and against", "below 50 %",
+        "1 bracket", "None of the models.", "What spoke for and against", "below 80 %",
         "prefers-color-scheme",
         "recognize library.h5 scan.ply 'a&lt;b&gt;&amp;&quot;c&quot;.ply' --report report"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
