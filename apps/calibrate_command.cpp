@@ -19,8 +19,7 @@ namespace {
 
 constexpr double kRidge = 1;
 /// Share of right ones among the detections that scores are given for. In the calibration scenes it
-/// is lower, as half of their objects and a third of the scenes are unknown to the library; on the
-/// development scans, one in three makes 0.5 the score that best divides right from wrong.
+/// is lower, as half of their objects and a third of the scenes are unknown to the library.
 constexpr double kRightShare = 1.0 / 3;
 
 struct CalibrateArguments {

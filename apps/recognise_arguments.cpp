@@ -33,7 +33,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
       ->capture_default_str();
   command.add_option("--min-score", arguments.min_score,
-                     "Detections below are not reported, 0 to 1 (default 0.5)");
+                     "Detections below are not reported, 0 to 1 (default 0.8)");
   command.add_option("--max-instances", arguments.max_instances,
                      "Per model and scene (default 100)");
   command.add_option(
