@@ -11,6 +11,7 @@
 #include "kernels/boundary_share.hpp"
 #include "kernels/estimate_normals.hpp"
 #include "kernels/estimate_normals_grid.hpp"
+#include "kernels/median.hpp"
 #include "kernels/sample_mesh.hpp"
 #include "kernels/subsample_by_normals.hpp"
 
@@ -41,13 +42,6 @@ Bounds bounds(PointsView points) {
     box.high = box.high.cwiseMax(points[i]);
   }
   return box;
-}
-
-float median(Column<float>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Depth and normals of each pixel from the points that the grid names.
@@ -201,7 +195,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   for (std::size_t i = 0; i < scene.points.size(); i += 1 + scene.points.size() / 20000) {
     footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
   }
-  scene.spacing = median(footprints);
+  scene.spacing = kernels::median(std::span(footprints));
 
   kernels::PixelPoints pixels;
   kernels::arrange_pixels(view->grid, scene.points, pixels);
@@ -296,7 +290,7 @@ void prepare_closed_scene(const Cloud& cloud, ImprovementSet without, PreparedSc
   for (const float r : residuals) {
     if (std::isfinite(r)) finite.push_back(r);
   }
-  scene.noise = median(finite);
+  scene.noise = kernels::median(std::span(finite));
   scene.window = normal_window(scene.noise, scene.spacing, without);
   if (scene.window > 2.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {

@@ -211,6 +211,7 @@ class Settling {
     const StageTimer timer(stats_.times, "rivals");
     kernels::ExamineScratch examine_scratch;
     kernels::CompareScratch compare_scratch;
+    const kernels::MeasurementErrors errors = errors_of(scene_);
     std::vector<Pose> alike;
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
@@ -219,7 +220,7 @@ class Settling {
       for (const Pose& rival : rivals_of(candidate, candidates)) {
         const kernels::PoseComparison comparison =
             kernels::compare_poses(scene_.images, surface, samples_, rival, candidate.T_scene_model,
-                                   errors_of(scene_), strict_, compare_scratch);
+                                   errors, strict_, compare_scratch);
         if (comparison.log_ratio > most && comparison.z > kTelling) {
           most = comparison.log_ratio;
           better = rival;

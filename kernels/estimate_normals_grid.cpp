@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "kernels/median.hpp"
 #include "kernels/plane_fit.hpp"
 #include "storage/simd.hpp"
 
@@ -187,10 +188,7 @@ float estimate_scan_noise(std::span<const float> residuals, Column<float>& scrat
   for (const float residual : residuals) {
     if (!std::isnan(residual)) scratch.push_back(residual);
   }
-  if (scratch.empty()) return 0;
-  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-  std::ranges::nth_element(scratch, middle);
-  return *middle * std::sqrt(kNumPoints / (kNumPoints - 3));
+  return median(std::span(scratch)) * std::sqrt(kNumPoints / (kNumPoints - 3));
 }
 
 }  // namespace trivet::kernels

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "kernels/ray_crop.hpp"
+#include "kernels/slope_fit.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -135,15 +136,11 @@ class Examiner {
         const double n = w[0], mean = w[1] / n;
         sums.smooth += mean * mean / (tolerance * tolerance);
         if (n < kFewest) continue;
-        const double xx = w[4] - w[2] * w[2] / n, yy = w[5] - w[3] * w[3] / n;
-        const double xy = w[6] - w[2] * w[3] / n;
-        const double rx = w[7] - w[1] * w[2] / n, ry = w[8] - w[1] * w[3] / n;
-        const double determinant = xx * yy - xy * xy;
-        if (!(determinant > 1e-3 * n * n)) continue;
-        const double gx = (rx * yy - ry * xy) / determinant, gy = (ry * xx - rx * xy) / determinant;
+        const SlopeFit fit = fit_slope({n, w[2], w[3], w[4], w[6], w[5], w[1], w[7], w[8]});
+        if (!(fit.determinant > 1e-3 * n * n)) continue;
         const double step =
             static_cast<double>(s_.distance[at] / g_.fx * static_cast<float>(crop_.stride));
-        sums.slope += std::atan(std::sqrt(gx * gx + gy * gy) / step);
+        sums.slope += std::atan(std::sqrt(fit.gx * fit.gx + fit.gy * fit.gy) / step);
         sums.num_slopes += 1;
       }
     }

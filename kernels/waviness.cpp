@@ -6,15 +6,18 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/median.hpp"
+#include "kernels/slope_fit.hpp"
+
 namespace trivet::kernels {
 namespace {
 
 // Mean length of normal 2-vectors over its root mean square, sqrt(pi) / 2.
 constexpr double kMeanLength = 0.886;
 
-/// Sums over the pixels of a window or patch, x and y about its middle, r across the plane.
-struct Sums {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, rx = 0, ry = 0, rr = 0;
+/// Of the pixels of a window or patch, r across the plane.
+struct Sums : SlopeSums {
+  double rr = 0;
 
   void add(double at_x, double at_y, double across) noexcept {
     n += 1;
@@ -43,20 +46,6 @@ struct Sums {
   }
 };
 
-/// r = mean + gx (x - mean x) + gy (y - mean y), and what is left.
-struct Fit {
-  double gx, gy, mean, left, spread;  // left: sum of squares; spread: of x and y, per pixel
-};
-
-Fit fit(const Sums& s) noexcept {
-  const double xx = s.xx - s.x * s.x / s.n, yy = s.yy - s.y * s.y / s.n;
-  const double xy = s.xy - s.x * s.y / s.n;
-  const double rx = s.rx - s.r * s.x / s.n, ry = s.ry - s.r * s.y / s.n;
-  const double determinant = xx * yy - xy * xy;
-  const double gx = (rx * yy - ry * xy) / determinant, gy = (ry * xx - rx * xy) / determinant;
-  return {gx, gy, s.r / s.n, s.rr - s.r * s.r / s.n - gx * rx - gy * ry, (xx + yy) / (2 * s.n)};
-}
-
 /// Variances beyond independent noise; the slope per pixel.
 struct Patch {
   double height, slope, footprint;
@@ -80,21 +69,21 @@ class Patches {
       all += windows[k];
     }
     if (all.n < 0.8 * static_cast<double>(side * side)) return std::nullopt;
-    const Fit plane = fit(all);
+    const SlopeFit plane = fit_slope(all);
     const auto full = static_cast<double>(window_ * window_);
     double count = 0, means = 0, slopes = 0, within = 0, spread = 0;
     for (const Sums& window : windows) {
       if (window.n < full) continue;
-      const Fit own = fit(window);
+      const SlopeFit own = fit_slope(window);
       const double dx = window.x / window.n - all.x / all.n,
                    dy = window.y / window.n - all.y / all.n;
-      const double mean = own.mean - plane.mean - plane.gx * dx - plane.gy * dy;
+      const double mean = window.r / full - all.r / all.n - plane.gx * dx - plane.gy * dy;
       const double gx = own.gx - plane.gx, gy = own.gy - plane.gy;
       count += 1;
       means += mean * mean;
       slopes += gx * gx + gy * gy;
-      within += own.left / (full - 3);
-      spread = own.spread;
+      within += (window.rr - window.r * window.r / full - own.explained) / (full - 3);
+      spread = (own.xx + own.yy) / (2 * full);
     }
     if (count < 0.5 * static_cast<double>(windows.size())) return std::nullopt;
     const double noise = within / count;
@@ -125,12 +114,6 @@ class Patches {
   std::size_t window_;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 Waviness measure_waviness(const RangeImage& image, std::span<const Plane> planes,
@@ -147,9 +130,9 @@ Waviness measure_waviness(const RangeImage& image, std::span<const Plane> planes
     }
   }
   if (heights.size() < kFewestPatches) return {};
-  return {static_cast<float>(std::sqrt(std::max(0.0, median(std::move(heights))))),
+  return {static_cast<float>(std::sqrt(std::max(0.0, median(std::span(heights))))),
           static_cast<float>(
-              std::atan(kMeanLength * std::sqrt(std::max(0.0, median(std::move(slopes))))))};
+              std::atan(kMeanLength * std::sqrt(std::max(0.0, median(std::span(slopes))))))};
 }
 
 }  // namespace trivet::kernels
