@@ -18,6 +18,10 @@ std::string describe(const Symmetry& symmetry) {
   return text + (symmetry.declared ? " (declared)" : " (found)");
 }
 
+std::string describe_near(const Model& model) {
+  return fmt::format("{}{}", model.near_axis ? "axis + " : "", model.near_symmetries.size());
+}
+
 Result<void> list(const std::string& file) {
   const Result<Library> library = open_library(file);
   if (!library) return library.error();
@@ -35,14 +39,14 @@ Result<void> info(const std::string& file) {
       "models      {}\n\n",
       file, library->file_bytes, kLibraryVersionMajor, library->version_minor,
       library->header.producer, unit, library->header.parameters, library->models.size());
-  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>5}  {}\n", "model",
+  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>9}  {}\n", "model",
              fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs", "step",
              "near", "symmetry");
   for (const Model& model : library->models) {
-    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>5}  {}\n", model.name,
+    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9}  {}\n", model.name,
                model.diameter, model.vertices.size(), model.samples.size(), model.ppf_points.size(),
-               model.ppf.entries.size(), model.ppf.quantisation.distance_step,
-               model.near_symmetries.size(), describe(model.symmetry));
+               model.ppf.entries.size(), model.ppf.quantisation.distance_step, describe_near(model),
+               describe(model.symmetry));
   }
   return {};
 }

@@ -369,7 +369,9 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     const kernels::ModelSamples surface_samples{model.samples,      model.sample_normals,
                                                 model.sample_views, model.sample_spacing,
                                                 model.diameter,     model.centre};
-    model.near_symmetries = kernels::find_near_symmetries(surface_samples, model.symmetry);
+    kernels::NearSymmetries near = kernels::find_near_symmetries(surface_samples, model.symmetry);
+    model.near_symmetries = std::move(near.motions);
+    model.near_axis = near.axis;
   }
 
   // Points of the table: a dense surface, oriented, thinned by voxel and normal.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "kernels/sampled_surface.hpp"
+#include "kernels/turn_axis.hpp"
 #include "kernels/turn_screen.hpp"
 
 namespace trivet::kernels {
@@ -32,47 +33,12 @@ constexpr float kContrast = 8;   // misfit of the worst turn about an axis over 
 constexpr float kSameRotation = 0.05F;  // [rad]; half the step of the finest group
 constexpr float kSameAxis = 0.09F;      // [rad]
 
-/// A line about which a turn maps the surface onto itself.
-struct Axis {
-  Vector3f direction;  // unit
-  Vector3f point;
-};
-
-Pose turn(const Axis& axis, float angle) {
-  Pose result = Pose::Identity();
-  result.linear() = Eigen::AngleAxisf(angle, axis.direction).toRotationMatrix();
-  result.translation() = axis.point - result.linear() * axis.point;
-  return result;
-}
+using Axis = Symmetry::Axis;
 
 /// The angle of the turn from one rotation to the other [rad], exact where it is small: up to half
 /// a turn, |A - B| = 2 sqrt(2) sin(angle / 2).
 float turn_between(const Pose& a, const Pose& b) {
   return (a.linear() - b.linear()).norm() / 1.4142136F;
-}
-
-/// The line that a motion turns about; its shift along the line is left out.
-Axis axis_of(const Pose& motion) {
-  const Eigen::AngleAxisf rotation(Eigen::Matrix3f(motion.linear()));
-  const Vector3f a = rotation.axis();
-  const Vector3f t = motion.translation();
-  const Vector3f across = t - a * a.dot(t);
-  // The fixed point of the turn in the plane across: p = (t + cot(angle / 2) a x t) / 2.
-  return {a, 0.5F * (across + a.cross(across) / std::tan(0.5F * rotation.angle()))};
-}
-
-/// An axis through the same centre, as seen by several turns about it: their mean.
-Axis refine_axis(const SampledSurface& surface, Axis axis, std::span<const float> angles) {
-  Vector3f direction = Vector3f::Zero(), point = Vector3f::Zero();
-  float weights = 0;
-  for (const float angle : angles) {
-    const Axis seen = axis_of(surface.refine(turn(axis, angle), kRefineQueries, 2));
-    const float weight = std::abs(std::sin(0.5F * angle));
-    direction += seen.direction * (seen.direction.dot(axis.direction) < 0 ? -weight : weight);
-    point += weight * seen.point;
-    weights += weight;
-  }
-  return {direction.normalized(), point / weights};
 }
 
 class Search {
@@ -117,13 +83,13 @@ class Search {
   /// The axis of a candidate after refinement, if its turn is a symmetry that is not known yet.
   std::optional<Axis> verify(const TurnScreen::Candidate& candidate) const {
     const float angle = 2 * kPi / static_cast<float>(candidate.order);
-    const Pose start = turn({candidate.direction, Vector3f::Zero()}, angle);
+    const Pose start = turn_about({candidate.direction, Vector3f::Zero()}, angle);
     if (known(start, kSameAxis)) return {};
 
     const Pose refined = surface_.refine(start, kRefineQueries, 4);
     if (turn_between(start, refined) > std::min(0.15F, angle / 4)) return {};
     const Axis axis = axis_of(refined);
-    if (!may_hold(turn(axis, angle))) return {};
+    if (!may_hold(turn_about(axis, angle))) return {};
     return axis;
   }
 
@@ -132,7 +98,7 @@ class Search {
   float worst_turn(const Axis& axis) const {
     float worst = 0;
     for (int k = 1; k <= 8 && worst < kContrast; ++k) {
-      const Pose motion = turn(axis, kGoldenAngle * static_cast<float>(k));
+      const Pose motion = turn_about(axis, kGoldenAngle * static_cast<float>(k));
       worst = std::max(worst, surface_.misfit(motion, tolerance_, kContrast, kQuickQueries));
     }
     return worst;
@@ -148,7 +114,7 @@ class Search {
     }
     const Axis better = refine_axis(surface_, axis, angles);
     for (const float angle : angles) {
-      if (!holds(turn(better, angle))) return {};
+      if (!holds(turn_about(better, angle))) return {};
     }
     return better;
   }
@@ -182,16 +148,16 @@ class Search {
 
   /// Half a turn about a line across the axis, at the height along it that fits best.
   Pose flip_about(const Axis& axis, const Vector3f& across) const {
-    const Pose refined = surface_.refine(turn({across, axis.point}, kPi), kRefineQueries, 5);
+    const Pose refined = surface_.refine(turn_about({across, axis.point}, kPi), kRefineQueries, 5);
     const float along = 0.5F * axis.direction.dot(refined * axis.point - axis.point);
-    return turn({across, axis.point + along * axis.direction}, kPi);
+    return turn_about({across, axis.point + along * axis.direction}, kPi);
   }
 
   bool is_sphere(const Axis& axis, const Vector3f& across) const {
     for (int k = 1; k <= 8; ++k) {
       const Vector3f direction =
           Eigen::AngleAxisf(kGoldenAngle * static_cast<float>(k), axis.direction) * across;
-      if (!holds(turn({direction, axis.point}, static_cast<float>(k)))) return false;
+      if (!holds(turn_about({direction, axis.point}, static_cast<float>(k)))) return false;
     }
     return true;
   }
@@ -199,7 +165,7 @@ class Search {
   /// Whether all powers of a turn of some order may be symmetries: a small turn alone always is.
   bool powers_may_hold(const Axis& axis, int order, float limit) const {
     for (int k = 1; k <= order / 2; ++k) {
-      if (!may_hold(turn(axis, 2 * kPi * static_cast<float>(k) / static_cast<float>(order)),
+      if (!may_hold(turn_about(axis, 2 * kPi * static_cast<float>(k) / static_cast<float>(order)),
                     limit)) {
         return false;
       }
@@ -232,7 +198,7 @@ class Search {
     const std::vector<Pose> before = group_;
     bool good = true;
     for (int k = 1; k < order && good; ++k) {
-      const Pose power = turn(better, angle(k));
+      const Pose power = turn_about(better, angle(k));
       if (known(power)) continue;
       // Turns by k and order - k are inverse to each other: one of them is looked at.
       good = k > order / 2 || holds(power, limit);

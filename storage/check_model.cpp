@@ -67,11 +67,9 @@ std::string check_motions(std::string_view name, const std::vector<Pose>& motion
   return {};
 }
 
-std::string check_symmetry(const Symmetry& symmetry) {
-  if (symmetry.axis && (!unit(symmetry.axis->direction) || !finite(symmetry.axis->point))) {
-    return "symmetry axis: expected a unit direction and a finite point";
-  }
-  return check_motions("symmetry_poses", symmetry.poses);
+std::string check_axis(std::string_view name, const std::optional<Symmetry::Axis>& axis) {
+  if (!axis || (unit(axis->direction) && finite(axis->point))) return {};
+  return fmt::format("{}: expected a unit direction and a finite point", name);
 }
 
 std::string check_near_symmetries(const std::vector<Pose>& motions) {
@@ -167,8 +165,10 @@ Result<void> check_model(const Model& model) {
   }
   const auto checks = {
       +[](const Model& m) { return check_scalars(m); },
-      +[](const Model& m) { return check_symmetry(m.symmetry); },
+      +[](const Model& m) { return check_axis("symmetry axis", m.symmetry.axis); },
+      +[](const Model& m) { return check_motions("symmetry_poses", m.symmetry.poses); },
       +[](const Model& m) { return check_near_symmetries(m.near_symmetries); },
+      +[](const Model& m) { return check_axis("near_axis", m.near_axis); },
       +[](const Model& m) { return check_points("vertices", m.vertices); },
       +[](const Model& m) { return check_triangles(m); },
       +[](const Model& m) { return check_points("samples", m.samples); },

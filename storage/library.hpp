@@ -14,7 +14,7 @@
 namespace trivet {
 
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
-inline constexpr std::uint32_t kLibraryVersionMinor = 1;  ///< a newer minor version is read
+inline constexpr std::uint32_t kLibraryVersionMinor = 2;  ///< a newer minor version is read
 
 enum class LengthUnit { metre, millimetre };
 

@@ -72,6 +72,15 @@ inline constexpr DatasetSpec kNearSymmetries{
     "translations in the unit of length",
     "1",
     1};
+inline constexpr DatasetSpec kNearAxis{
+    "",
+    "near_axis",
+    ElementType::f32,
+    {kRows, 2, 3},
+    3,
+    "unit direction and a point of the axis about which any turn looks alike, if there is one",
+    "",
+    2};
 inline constexpr DatasetSpec kPpfPoints{
     "ppf", "points", ElementType::f32, {3, kRows}, 2, "points of the pair table, rows x, y, z", ""};
 inline constexpr DatasetSpec kPpfNormals{
@@ -86,8 +95,8 @@ inline constexpr DatasetSpec kPpfEntries{
     "1"};
 
 inline constexpr std::array kDatasets{kVertices,    kTriangles,     kSamples,        kSampleNormals,
-                                      kSampleViews, kSymmetryPoses, kNearSymmetries, kPpfPoints,
-                                      kPpfNormals,  kPpfOffsets,    kPpfEntries};
+                                      kSampleViews, kSymmetryPoses, kNearSymmetries, kNearAxis,
+                                      kPpfPoints,   kPpfNormals,    kPpfOffsets,     kPpfEntries};
 
 /// XXH3-128 over names, types, shapes and attributes of an object and of all below it, as in
 /// docs/format.md; `children` are the digests of the objects in the group by name.

@@ -171,6 +171,12 @@ std::vector<Pose> copy_poses(std::span<const std::byte> bytes) {
   return out;
 }
 
+std::optional<Symmetry::Axis> copy_axis(std::span<const std::byte> bytes) {
+  const Column<float> values = copy<float>(bytes);
+  if (values.size() < 6) return {};
+  return Symmetry::Axis{Eigen::Vector3f(values.data()), Eigen::Vector3f(values.data() + 3)};
+}
+
 /// Keeps a table alive: the mapped file, and copies of columns that lie in it at odd addresses
 /// (small ones: the writer begins large datasets on a page).
 struct TableStorage {
@@ -206,6 +212,10 @@ Model take_model(Taker& take, const std::string& name, const StoredGroup& group,
   if (direction != Eigen::Vector3f::Zero()) model.symmetry.axis = Symmetry::Axis{direction, point};
   model.symmetry.poses = copy_poses(take.data(group, format::kSymmetryPoses, path));
   model.near_symmetries = copy_poses(take.data(group, format::kNearSymmetries, path));
+  const auto near_axes = take.data(group, format::kNearAxis, path);
+  if (near_axes.size() > 6 * sizeof(float))
+    take.refuse(path + "/near_axis", "expected one axis at most");
+  model.near_axis = copy_axis(near_axes);
 
   model.vertices = copy_points(take.data(group, format::kVertices, path));
   const auto triangles = take.data(group, format::kTriangles, path);

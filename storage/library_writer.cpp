@@ -150,6 +150,12 @@ Column<std::byte> gather(const std::vector<Pose>& poses) {
   return out;
 }
 
+Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis) {
+  if (!axis) return {};
+  const Eigen::Vector3f direction = axis->direction, point = axis->point;
+  return gather<float>({std::span(direction.data(), 3), std::span(point.data(), 3)});
+}
+
 StoredDataset describe(const format::DatasetSpec& spec, std::span<const std::byte> bytes,
                        std::string_view unit) {
   StoredDataset out{
@@ -247,6 +253,7 @@ bool LibraryWriter::State::write(const Model& model) {
       put(format::kSampleViews, std::as_bytes(std::span(model.sample_views))) &&
       put(format::kSymmetryPoses, gather(model.symmetry.poses)) &&
       put(format::kNearSymmetries, gather(model.near_symmetries)) &&
+      put(format::kNearAxis, gather(model.near_axis)) &&
       put(format::kPpfPoints, gather(model.ppf_points)) &&
       put(format::kPpfNormals, gather(model.ppf_normals)) &&
       put(format::kPpfOffsets, std::as_bytes(model.ppf.offsets)) &&

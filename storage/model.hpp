@@ -55,6 +55,8 @@ struct Model {
   /// T_scene_model fits a scan, T_scene_model * near_symmetries[i] may look alike. The inverse of
   /// each is one, too; none is the same placement as another or as the identity.
   std::vector<Pose> near_symmetries;
+  /// Any turn about it looks alike: of a mug, a flange, a gear. Absent where it is a symmetry.
+  std::optional<Symmetry::Axis> near_axis;
 
   Points vertices;      ///< the surface as given, scaled to the library's unit
   Triangles triangles;  ///< empty if trained from a cloud without a surface

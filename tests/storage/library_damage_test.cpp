@@ -174,27 +174,29 @@ TEST_F(LibraryDamageTest, ReadsANewerMinorVersionAndIgnoresItsAdditions) {
   expect_refused_or_equal("newer minor version");
 }
 
-TEST_F(LibraryDamageTest, ReadsVersion10WithoutNearSymmetriesAndNotWithThem) {
-  const auto make_old = [](hid_t root) {
-    const std::uint32_t version = 0;
-    replace_attribute(root, "/", "format_version_minor", H5T_NATIVE_UINT32, &version);
+TEST_F(LibraryDamageTest, ReadsOlderMinorVersionsWithoutWhatCameLaterAndNotWithIt) {
+  std::vector<Model> expected = models_;
+  const auto expect_older = [&](std::uint32_t version, const std::string& dataset) {
+    edit_library(file(), [&](hid_t root) {
+      replace_attribute(root, "/", "format_version_minor", H5T_NATIVE_UINT32, &version);
+    });
+    seal_library(file());
+    expect_refused("/models/a/" + dataset);
+    edit_library(file(), [&](hid_t root) {
+      for (const char* model : {"models/a/", "models/b/"})
+        ASSERT_GE(H5Ldelete(root, (model + dataset).c_str(), H5P_DEFAULT), 0);
+    });
+    seal_library(file());
+    const auto library = open_library(file());
+    ASSERT_TRUE(library) << library.error().message;
+    EXPECT_EQ(library->version_minor, version);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(difference(library->models[i], expected[i]), "");
   };
-  edit_library(file(), make_old);
-  seal_library(file());
-  expect_refused("/models/a/near_symmetries");
-  edit_library(file(), [](hid_t root) {
-    for (const char* name : {"models/a/near_symmetries", "models/b/near_symmetries"})
-      ASSERT_GE(H5Ldelete(root, name, H5P_DEFAULT), 0);
-  });
-  seal_library(file());
-  const auto library = open_library(file());
-  ASSERT_TRUE(library) << library.error().message;
-  EXPECT_EQ(library->version_minor, 0U);
-  for (std::size_t i = 0; i < models_.size(); ++i) {
-    Model expected = models_[i];
-    expected.near_symmetries.clear();
-    EXPECT_EQ(difference(library->models[i], expected), "");
-  }
+  for (Model& model : expected) model.near_axis.reset();
+  expect_older(1, "near_axis");
+  for (Model& model : expected) model.near_symmetries.clear();
+  expect_older(0, "near_symmetries");
 }
 
 TEST_F(LibraryDamageTest, RefusesSoftAndExternalLinks) {
@@ -383,6 +385,8 @@ TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
   reseal("ppf/normals[0]", data("models/a/ppf/normals", std::vector<float>(90, 0)));
   reseal("sample_normals[0]", data("models/a/sample_normals", std::vector<float>(120, 1)));
   reseal("symmetry_poses[0]", data("models/a/symmetry_poses", std::vector<float>(48, 1)));
+  reseal("near_axis: expected a unit direction",
+         data("models/a/near_axis", std::vector<float>(6, 2)));
   reseal("near_symmetries[0]", data("models/a/near_symmetries", std::vector<float>(32, 1)));
 
   const auto number = [](const char* object, const char* name, hid_t type, auto value) {

@@ -79,6 +79,7 @@ TEST_F(LibraryTest, HoldsModelsWithoutMeshSymmetryAndTable) {
   Model bare = random_model("bare", 4, {.num_triangles = 0});
   bare.symmetry = {};
   bare.near_symmetries.clear();
+  bare.near_axis.reset();
   bare.source.clear();
   bare.ppf = {};
   write(file(), {&bare, 1});

@@ -92,10 +92,12 @@ bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   return std::ranges::equal(a, b, same_pose);
 }
 
+bool same(const std::optional<Symmetry::Axis>& a, const std::optional<Symmetry::Axis>& b) {
+  return a.has_value() == b.has_value() &&
+         (!a || (a->direction == b->direction && a->point == b->point));
+}
 bool same(const Symmetry& a, const Symmetry& b) {
-  return a.declared == b.declared && same(a.poses, b.poses) &&
-         a.axis.has_value() == b.axis.has_value() &&
-         (!a.axis || (a.axis->direction == b.axis->direction && a.axis->point == b.axis->point));
+  return a.declared == b.declared && same(a.poses, b.poses) && same(a.axis, b.axis);
 }
 
 }  // namespace
@@ -113,6 +115,7 @@ Model random_model(const std::string& name, std::uint64_t seed, const RandomMode
   model.symmetry.axis = Symmetry::Axis{unit_vector(random), vector(random)};
   model.symmetry.declared = seed % 2 == 0;
   for (int i = 0; i < 2; ++i) model.near_symmetries.push_back(motion(random));
+  model.near_axis = Symmetry::Axis{unit_vector(random), vector(random)};
 
   model.vertices = points(random, size.num_vertices, vector);
   const auto corner = [&] { return static_cast<std::uint32_t>(random() % size.num_vertices); };
@@ -135,6 +138,7 @@ std::string difference(const Model& a, const Model& b) {
     return "scalars";
   if (!same(a.symmetry, b.symmetry)) return "symmetry";
   if (!same(a.near_symmetries, b.near_symmetries)) return "near_symmetries";
+  if (!same(a.near_axis, b.near_axis)) return "near_axis";
   if (!same(a.vertices.view(), b.vertices.view())) return "vertices";
   if (!same(a.triangles.a, b.triangles.a) || !same(a.triangles.b, b.triangles.b) ||
       !same(a.triangles.c, b.triangles.c))

@@ -1,8 +1,11 @@
 /// What training makes of a mesh's surface.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <random>
 #include <vector>
 
 #include "kernels/ray_scene.hpp"
@@ -14,7 +17,7 @@
 
 namespace trivet::test {
 
-/// Area-uniform samples that are visible from outside, with outward normals.
+/// Area-uniform samples that are visible from outside, with outward normals, in random order.
 struct SampledShape {
   Points points;
   Normals normals;
@@ -47,7 +50,10 @@ inline SampledShape sample_shape(PointsView vertices, const Triangles& triangles
   const auto scene = kernels::RayScene::from_mesh(vertices, triangles);
   std::vector<ViewMask> views(n);
   kernels::orient_outward(*scene, points, normals, 1e-4F * surface.diameter, views);
-  for (std::size_t i = 0; i < n; ++i) {
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::shuffle(order.begin(), order.end(), std::mt19937(1));
+  for (const std::size_t i : order) {
     if (views[i] == ViewMask{}) continue;
     surface.points.push_back(points[i]);
     surface.normals.push_back(normals[i]);
