@@ -23,8 +23,12 @@ struct Candidate {
   std::vector<Pose> rivals;            ///< other poses that the scan cannot tell from this one
 };
 
+/// Limits within which a pose is right [diameters], [rad].
+inline constexpr float kRightTranslation = 0.1F;
+inline constexpr float kRightRotationRad = 12 * 3.14159265F / 180;
+
 /// Whether two poses of a model are one placement of it, up to the limits within which a detection
-/// is right: a tenth of the diameter and 12 degrees, modulo symmetry.
+/// is right, modulo symmetry.
 /// Source: Drost et al., CVPR 2010, section 5.
 bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "engine/check_range.hpp"
@@ -15,6 +16,7 @@
 #include "engine/prepare_scene.hpp"
 #include "engine/select_detections.hpp"
 #include "engine/settle_model.hpp"
+#include "engine/settle_rivals.hpp"
 #include "kernels/vote.hpp"
 
 namespace trivet {
@@ -170,21 +172,17 @@ class SceneSearch {
   /// The chosen candidates in the order of choice, held against their rivals. Those that move to
   /// where another one lies are refused, and those below the scores that are asked for.
   Result<std::vector<engine::Candidate>> chosen() {
-    std::vector<engine::Candidate> out;
     const std::vector<std::uint32_t> before = std::exchange(selection_.chosen, {});
-    for (const std::uint32_t c : before) {
-      engine::Candidate candidate = candidates_[c];
-      if (!options_.without.contains(Improvement::rivals)) {
-        const Model& model = library_.models[candidate.model];
-        const Result<void> settled =
-            engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
-                                  candidates_, options_, stats_, candidate);
-        if (!settled) return settled.error();
-        if (lies_at_one_of(out, candidate)) {
-          selection_.refused.push_back({c, Rejection::explained});
-          candidates_[c] = std::move(candidate);
-          continue;
-        }
+    Result<std::vector<engine::Candidate>> settled = settle_rivals(before);
+    if (!settled) return settled.error();
+    std::vector<engine::Candidate> out;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const std::uint32_t c = before[k];
+      engine::Candidate& candidate = (*settled)[k];
+      if (lies_at_one_of(out, candidate)) {
+        selection_.refused.push_back({c, Rejection::explained});
+        candidates_[c] = std::move(candidate);
+        continue;
       }
       if (candidate.score < options_.doubtful_score.value_or(options_.min_score)) {
         selection_.refused.push_back({c, Rejection::too_low});
@@ -205,6 +203,24 @@ class SceneSearch {
     float largest = 0;
     for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
     return engine::sample_scene(scene_, step, largest, options_.without);
+  }
+
+  /// Candidates, each held against its rivals.
+  Result<std::vector<engine::Candidate>> settle_rivals(std::span<const std::uint32_t> chosen) {
+    const StageTimer timer(stats_.times, "rivals");
+    std::vector<engine::Candidate> settled(chosen.size());
+    std::vector<Result<void>> results(chosen.size());
+    engine::for_each_index(chosen.size(), [&](std::size_t k) {
+      settled[k] = candidates_[chosen[k]];
+      if (options_.without.contains(Improvement::rivals)) return;
+      const Model& model = library_.models[settled[k].model];
+      results[k] = engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
+                                         candidates_, options_, settled[k]);
+    });
+    for (const Result<void>& result : results) {
+      if (!result) return result.error();
+    }
+    return settled;
   }
 
   /// Whether a settled candidate moved to where a better one lies.

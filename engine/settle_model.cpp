@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "engine/parallel.hpp"
-#include "kernels/compare_poses.hpp"
+#include "engine/pose_tester.hpp"
 #include "kernels/pose_math.hpp"
-#include "kernels/refine_pose.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -16,7 +14,6 @@ namespace {
 constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
 constexpr std::size_t kFirstLookSamples =
     300;  // samples of the cheap verification before refinement
-constexpr std::size_t kRefineSamples = 500;
 constexpr std::size_t kContourSamples = 700;
 constexpr std::size_t kContourShare = 3;  // contours judged per candidate refined
 constexpr float kPlace = 0.2F;            // in diameters
@@ -24,34 +21,8 @@ constexpr std::uint32_t kExaminedAPlace = 5;
 // Score of a refined pose by samples below which no ray need be shot: of 600 examinations above 0.3
 // on the development scans it lost none, of all examinations it saves two thirds.
 constexpr float kHopeless = 0.05F;
-// The score adds up, so that much agreement could outweigh any violation: of right poses on
-// rendered scenes 99 % are looked through by less than 9 % of what is seen, of wrong ones 43 % by
-// more than 12.
-constexpr float kMostViolation = 0.15F;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
-constexpr float kRivalPlace = 0.3F;  // in diameters
-constexpr float kLeastRivalScore = 0.1F;
-constexpr float kRivalShare = 0.5F;  // of the score of the pose that is rivalled
-constexpr int kMaxHops = 3;          // from rival to better rival
-constexpr double kTelling = 0.7;     // in standard deviations; three to one
-// Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
-// noise is a twentieth.
-constexpr float kWavy = 0.25F;
-
-kernels::ModelSamples samples_of(const Model& model) {
-  return {model.samples,        model.sample_normals, model.sample_views,
-          model.sample_spacing, model.diameter,       model.centre};
-}
-
-/// In waves, half a patch of the windows that they are measured in errs alike.
-kernels::MeasurementErrors errors_of(const PreparedScene& scene) {
-  const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
-  const bool wavy = scene.waviness.height > kWavy * scene.noise;
-  return {std::hypot(scene.noise, scene.waviness.height),
-          wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
-}
-
 /// A pose that was looked at by samples of the surface.
 struct Look {
   Pose T_scene_model = Pose::Identity();
@@ -108,20 +79,13 @@ std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& 
 /// One model in one scene: what all its stages look at.
 class Settling {
  public:
-  Settling(const Model& model, const PreparedScene& scene, float step,
-           const RecogniseOptions& options, SceneStats& stats)
-      : model_(model),
-        scene_(scene),
-        step_(step),
+  Settling(const PoseTester& tester, const RecogniseOptions& options, SceneStats& stats)
+      : tester_(tester),
+        model_(tester.model()),
+        scene_(tester.scene()),
+        samples_(tester.samples()),
         options_(options),
-        stats_(stats),
-        samples_(samples_of(model)),
-        background_(left_out(Improvement::background) ? std::vector<std::uint8_t>{}
-                                                      : background_planes(scene, model.diameter)) {
-    strict_.tolerance = std::max(options.verify.tolerance_sigmas * scene.noise,
-                                 options.verify.tolerance_diameters * model.diameter);
-    strict_.plane_is_background = background_;
-  }
+        stats_(stats) {}
 
   std::vector<kernels::Hypothesis> cluster(std::span<const kernels::Hypothesis> hypotheses) const {
     const StageTimer timer(stats_.times, "cluster");
@@ -131,7 +95,7 @@ class Settling {
     std::vector<kernels::Hypothesis> clusters =
         kernels::cluster_poses(hypotheses, model_.symmetry, model_.centre, limits);
     std::erase_if(clusters, [&](const kernels::Hypothesis& cluster) {
-      return !allowed(cluster.T_scene_model);
+      return !tester_.allowed(cluster.T_scene_model);
     });
     return clusters;
   }
@@ -142,9 +106,7 @@ class Settling {
   std::vector<Look> preselect(std::span<const kernels::Hypothesis> clusters,
                               float num_votes) const {
     const StageTimer timer(stats_.times, "preselect");
-    kernels::VerifyOptions loose;
-    loose.tolerance = std::max(0.75F * step_, 3 * scene_.noise);
-    loose.plane_is_background = background_;
+    const kernels::VerifyOptions loose = tester_.loose();
     std::vector<Look> looks(clusters.size());
     for_each_index(clusters.size(), [&](std::size_t c) {
       looks[c].T_scene_model = clusters[c].T_scene_model;
@@ -170,18 +132,18 @@ class Settling {
   std::vector<Look> refine(std::vector<Look> looks) const {
     {
       const StageTimer timer(stats_.times, "refine");
-      const kernels::RefineOptions sparse = sparse_refinement();
       for_each_index(looks.size(), [&](std::size_t k) {
-        looks[k].T_scene_model = refined(looks[k].T_scene_model, sparse);
+        looks[k].T_scene_model = tester_.refined(looks[k].T_scene_model);
       });
     }
     const StageTimer timer(stats_.times, "verify");
-    for_each_index(looks.size(),
-                   [&](std::size_t k) { look_at(samples_.points.size(), strict_, looks[k]); });
-    judge_contours(strict_, looks);
+    for_each_index(looks.size(), [&](std::size_t k) {
+      look_at(samples_.points.size(), tester_.strict(), looks[k]);
+    });
+    judge_contours(tester_.strict(), looks);
     looks = without_repetitions(looks, model_);
     std::vector<Look> best;
-    const float hopeless = left_out(Improvement::visibility) ? 0 : kHopeless;
+    const float hopeless = tester_.left_out(Improvement::visibility) ? 0 : kHopeless;
     for (const std::uint32_t c :
          best_spread(looks, model_, hopeless, options_.pose.max_examined, kExaminedAPlace)) {
       best.push_back(looks[c]);
@@ -197,131 +159,35 @@ class Settling {
     std::vector<Candidate> candidates(looks.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
-      candidates[k] = left_out(Improvement::rays)
-                          ? judged_by_samples(looks[k])
-                          : examine(surface, score, looks[k].T_scene_model, scratch.local());
+      candidates[k] =
+          tester_.left_out(Improvement::rays)
+              ? judged_by_samples(looks[k])
+              : tester_.examine(surface, score, tester_.polished(looks[k].T_scene_model),
+                                scratch.local());
     });
-    std::erase_if(candidates,
-                  [&](const Candidate& candidate) { return !allowed(candidate.T_scene_model); });
+    std::erase_if(candidates, [&](const Candidate& candidate) {
+      return !tester_.allowed(candidate.T_scene_model);
+    });
     return candidates;
   }
 
-  void settle_rivals(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                     std::span<const Candidate> candidates, Candidate& candidate) const {
-    const StageTimer timer(stats_.times, "rivals");
-    kernels::ExamineScratch examine_scratch;
-    kernels::CompareScratch compare_scratch;
-    const kernels::MeasurementErrors errors = errors_of(scene_);
-    std::vector<Pose> alike;
-    for (int hop = 0; hop <= kMaxHops; ++hop) {
-      alike.clear();
-      std::optional<Pose> better;
-      double most = 0;
-      for (const Pose& rival : rivals_of(candidate, candidates)) {
-        const kernels::PoseComparison comparison =
-            kernels::compare_poses(scene_.images, surface, samples_, rival, candidate.T_scene_model,
-                                   errors, strict_, compare_scratch);
-        if (comparison.log_ratio > most && comparison.z > kTelling) {
-          most = comparison.log_ratio;
-          better = rival;
-        }
-        if (!comparison.significant()) alike.push_back(rival);
-      }
-      if (!better || hop == kMaxHops) break;
-      Candidate moved = examine(surface, score, *better, examine_scratch);
-      if (moved.score < kRivalShare * candidate.score) break;
-      moved.model = candidate.model;
-      candidate = std::move(moved);
-    }
-    for (const Pose& other : alike) {
-      const Candidate rival = examine(surface, score, other, examine_scratch);
-      if (rival.score >= kRivalShare * candidate.score)
-        candidate.rivals.push_back(rival.T_scene_model);
-    }
-  }
-
  private:
-  /// Other placements of the model that may look like this one, refined.
-  std::vector<Pose> rivals_of(const Candidate& candidate,
-                              std::span<const Candidate> candidates) const {
-    const Pose& pose = candidate.T_scene_model;
-    std::vector<Pose> rivals;
-    const auto add = [&](const Pose& rival) {
-      const auto differs = [&](const Pose& known) { return !same_placement(model_, known, rival); };
-      if (allowed(rival) && differs(pose) && std::all_of(rivals.begin(), rivals.end(), differs))
-        rivals.push_back(rival);
-    };
-    for (const Candidate& other : candidates) {
-      if (other.model != candidate.model) continue;
-      const float apart = (other.T_scene_model * model_.centre - pose * model_.centre).norm();
-      if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
-        add(other.T_scene_model);
-    }
-    const kernels::RefineOptions sparse = sparse_refinement(), dense = dense_refinement();
-    for (const Pose& motion : model_.near_symmetries)
-      add(refined(refined(pose * motion, sparse), dense));
-    return rivals;
-  }
-
-  kernels::RefineOptions sparse_refinement() const {
-    kernels::RefineOptions sparse;
-    sparse.num_samples = kRefineSamples;
-    sparse.first_gate = std::max(1.5F * step_, 2 * strict_.tolerance);
-    sparse.last_gate = strict_.tolerance;
-    sparse.max_translation = 0.1F * model_.diameter;
-    return sparse;
-  }
-
-  kernels::RefineOptions dense_refinement() const {
-    kernels::RefineOptions dense;
-    dense.num_samples = samples_.points.size();
-    dense.max_iterations = 3;
-    dense.first_gate = dense.last_gate = strict_.tolerance;
-    dense.max_translation = 0.1F * model_.diameter;
-    return dense;
-  }
-
-  /// Refine once more with all samples, and test by rays.
-  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                    const Pose& pose, kernels::ExamineScratch& scratch) const {
-    kernels::ExamineOptions options;
-    options.verify = strict_;
-    options.window = std::round(scene_.window);
-    options.waviness = scene_.waviness;
-    Candidate candidate;
-    candidate.T_scene_model = refined(pose, dense_refinement());
-    candidate.tolerance = strict_.tolerance;
-    kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry,
-                          candidate.T_scene_model, options, scratch, candidate.examination,
-                          &candidate.explained);
-    candidate.parts =
-        kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
-    const float seen = candidate.examination.consistent + candidate.examination.violation +
-                       candidate.examination.background;
-    const bool looked_through = candidate.examination.violation > kMostViolation * seen;
-    // In scans without background nothing beside the object is measured, and small models would
-    // find a place on anything. Of right poses on rendered scenes 99.4 % pass.
-    const bool mostly_unknown = candidate.examination.unknown > candidate.examination.consistent;
-    if (!looked_through && !mostly_unknown)
-      candidate.score = kernels::pose_probability(score, candidate.parts);
-    return candidate;
-  }
-
   /// What stands for the test by rays where that is left out: the samples that meet the scene.
   Candidate judged_by_samples(const Look& look) const {
     Candidate candidate;
     candidate.T_scene_model = look.T_scene_model;
-    candidate.tolerance = strict_.tolerance;
+    candidate.tolerance = tester_.strict().tolerance;
     candidate.score = look.score;
     std::vector<std::uint32_t>& pixels = candidate.explained.pixels;
-    const kernels::Evidence e = kernels::verify_pose(
-        scene_.images, samples_, samples_.points.size(), look.T_scene_model, strict_, &pixels);
+    const kernels::Evidence e =
+        kernels::verify_pose(scene_.images, samples_, samples_.points.size(), look.T_scene_model,
+                             tester_.strict(), &pixels);
     kernels::Examination& examination = candidate.examination;
     examination.covered = static_cast<float>(e.visible);
     examination.consistent = static_cast<float>(e.consistent);
     examination.violation = static_cast<float>(e.violation);
     examination.background = static_cast<float>(e.background);
-    const float residual = e.rmse() / strict_.tolerance;
+    const float residual = e.rmse() / tester_.strict().tolerance;
     const float side = model_.sample_spacing / model_.diameter;
     examination.residual = residual * residual;
     examination.area = examination.consistent * side * side;
@@ -340,7 +206,7 @@ class Settling {
 
   /// Score a look by what the first samples that the camera should see meet.
   void look_at(std::size_t num_samples, const kernels::VerifyOptions& options, Look& look) const {
-    if (left_out(Improvement::visibility)) {
+    if (tester_.left_out(Improvement::visibility)) {
       look.score = look.votes;
       return;
     }
@@ -349,19 +215,8 @@ class Settling {
     look.score = look.evidence.score();
   }
 
-  Pose refined(const Pose& pose, const kernels::RefineOptions& options) const {
-    if (left_out(Improvement::refinement)) return pose;
-    return kernels::refine_pose(scene_.images, samples_, pose, options).T_scene_model;
-  }
-
-  bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
-
-  bool allowed(const Pose& pose) const {
-    return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
-  }
-
   void judge_contours(const kernels::VerifyOptions& options, std::span<Look> looks) const {
-    if (left_out(Improvement::contour)) return;
+    if (tester_.left_out(Improvement::contour)) return;
     PerThread<kernels::ContourScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
       kernels::judge_contour(scene_.images, samples_, kContourSamples, looks[k].T_scene_model,
@@ -370,14 +225,12 @@ class Settling {
     });
   }
 
+  const PoseTester& tester_;
   const Model& model_;
   const PreparedScene& scene_;
-  float step_;
+  const kernels::ModelSamples& samples_;
   const RecogniseOptions& options_;
   SceneStats& stats_;
-  kernels::ModelSamples samples_;
-  std::vector<std::uint8_t> background_;
-  kernels::VerifyOptions strict_;
 };
 
 }  // namespace
@@ -386,7 +239,8 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
                                             const PreparedScene& scene, float step,
                                             std::span<const kernels::Hypothesis> hypotheses,
                                             const RecogniseOptions& options, SceneStats& stats) {
-  const Settling settling(recogniser.library().models[model_index], scene, step, options, stats);
+  const PoseTester tester(recogniser.library().models[model_index], scene, step, options);
+  const Settling settling(tester, options, stats);
   const std::vector<kernels::Hypothesis> clusters = settling.cluster(hypotheses);
   stats.num_hypotheses += clusters.size();
   const float num_votes = std::accumulate(
@@ -402,17 +256,6 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
   std::vector<Candidate> candidates = settling.examine_all(*surface, recogniser.score(), looks);
   for (Candidate& candidate : candidates) candidate.model = model_index;
   return candidates;
-}
-
-Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
-                           std::span<const Candidate> candidates, const RecogniseOptions& options,
-                           SceneStats& stats, Candidate& candidate) {
-  const Result<kernels::RayScene>& surface = recogniser.surface(candidate.model);
-  if (!surface) return surface.error();
-  const Settling settling(recogniser.library().models[candidate.model], scene, step, options,
-                          stats);
-  settling.settle_rivals(*surface, recogniser.score(), candidates, candidate);
-  return {};
 }
 
 }  // namespace trivet::engine

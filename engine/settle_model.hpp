@@ -22,12 +22,4 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
                                             std::span<const kernels::Hypothesis> hypotheses,
                                             const RecogniseOptions& options, SceneStats& stats);
 
-/// Hold a candidate against its rivals: poses that a near symmetry of the model leads to, and
-/// `candidates` of the same model in the same place. It moves to a rival that the scan speaks
-/// for, by the pixels where the renderings differ (kernels::compare_poses); rivals that are not
-/// significantly worse are noted. Errors: as settle_model.
-Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
-                           std::span<const Candidate> candidates, const RecogniseOptions& options,
-                           SceneStats& stats, Candidate& candidate);
-
 }  // namespace trivet::engine

@@ -117,6 +117,42 @@ TEST_F(Recognise, NamesThePosesThatFitAlike) {
       << "that the key is there is as sure as it looks";
 }
 
+// A mug looks alike under any turn but for its handle.
+TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
+  test::Shape mug = test::prism(60, test::circle(0.04), -0.05, 0.05, 0.035, 0.9);
+  mug.join(test::box({0.036F, -0.006F, -0.025F}, {0.065F, 0.006F, 0.025F}));
+  auto trained = train_model(test::cloud_of(mug), {"mug", "mug.ply", 1, {}}, {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  ASSERT_TRUE(trained->model.near_axis);
+  Library library;
+  library.models.push_back(std::move(trained->model));
+  const Recogniser recogniser(std::move(library));
+  const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
+  const auto look_at = [&](float turn, ImprovementSet without = {}) {
+    const Pose pose =
+        test::pose_of({1.9F, 0, 0}, {0, 0, 0.6F}) * test::pose_of({0, 0, turn}, {0, 0, 0});
+    const auto result =
+        recognise(recogniser, test::render_scan({{&wall, Pose::Identity()}, {&mug, pose}}), {},
+                  {.min_score = 0, .without = without});
+    EXPECT_TRUE(result && !result->detections.empty());
+    return std::pair{pose, result->detections.at(0)};
+  };
+  for (const float turn : {-1.2F, -0.3F, 0.4F, 2.9F}) {
+    const auto [pose, found] = look_at(turn);
+    EXPECT_LT(kernels::rotation_angle(pose.linear(), found.T_scene_model.linear()), 0.04F) << turn;
+    EXPECT_GT(found.score, 0.8F) << turn;
+    EXPECT_TRUE(found.rivals.empty()) << turn;
+  }
+  constexpr float kBehind = 1.57F;
+  const Detection hidden = look_at(kBehind).second;
+  EXPECT_GT(kernels::pose_probability(recogniser.score(), hidden.parts), 0.8F) << "it is a mug";
+  EXPECT_LT(hidden.score, 0.5F) << "its turn is open";
+  EXPECT_FALSE(hidden.rivals.empty());
+  const Detection unrivalled = look_at(kBehind, {Improvement::rivals}).second;
+  EXPECT_EQ(unrivalled.score, kernels::pose_probability(recogniser.score(), unrivalled.parts));
+  EXPECT_TRUE(unrivalled.rivals.empty());
+}
+
 TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud scene = clutter();
   std::vector<SceneResult> results;

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <limits>
 
 #include "support/allocations.hpp"
 #include "support/random.hpp"
+#include "support/ray_image.hpp"
 #include "support/reference_comparison.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/sampled_shape.hpp"
@@ -41,22 +41,7 @@ const Pose kFlipped = kTruth * test::pose_of({0, 0, 3.1415927F}, {0, 0, 0});
 
 /// What the camera measures of clubs in front of a wall.
 RangeImage look(std::initializer_list<Pose> poses, float wall = 1.5F) {
-  RangeImage image;
-  image.geometry = camera();
-  const std::size_t n = std::size_t{image.geometry.width} * image.geometry.height;
-  image.depth.assign(n, wall);
-  image.plane.assign(n, 0);
-  image.normals.resize(n);
-  for (std::size_t pixel = 0; pixel < n; ++pixel) {
-    const Vector3f ray = image.geometry.back_project(pixel, 1);
-    for (const Pose& pose : poses) {
-      const Pose inverse = pose.inverse();
-      const Hit hit = club().surface.intersect(inverse.translation(), inverse.linear() * ray, 0,
-                                               std::numeric_limits<float>::infinity());
-      if (hit) image.depth[pixel] = std::min(image.depth[pixel], hit.distance);
-    }
-  }
-  return image;
+  return test::measure(camera(), club().surface, poses, wall);
 }
 
 void add_noise(test::Random& random, RangeImage& image) {

@@ -1,0 +1,60 @@
+/// One model in one scene: refine its poses and test them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/candidate.hpp"
+#include "engine/prepare_scene.hpp"
+#include "engine/recognise.hpp"
+#include "kernels/examine_pose.hpp"
+#include "kernels/pose_score.hpp"
+#include "kernels/ray_scene.hpp"
+#include "kernels/refine_pose.hpp"
+
+namespace trivet::engine {
+
+/// All its arguments must outlive it. Its methods may be called from many threads.
+class PoseTester {
+ public:
+  /// step  of the points that voted [library unit]
+  PoseTester(const Model& model, const PreparedScene& scene, float step,
+             const RecogniseOptions& options);
+  PoseTester(const PoseTester&) = delete;
+  PoseTester& operator=(const PoseTester&) = delete;
+
+  const Model& model() const noexcept { return model_; }
+  const PreparedScene& scene() const noexcept { return scene_; }
+  const kernels::ModelSamples& samples() const noexcept { return samples_; }
+  /// How a refined pose is verified.
+  const kernels::VerifyOptions& strict() const noexcept { return strict_; }
+  /// How one as the votes left it is looked at: with the tolerance of an unrefined pose.
+  kernels::VerifyOptions loose() const;
+
+  bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
+  bool allowed(const Pose& pose) const {
+    return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
+  }
+
+  /// Refined from where the votes left it, with some of the samples.
+  Pose refined(const Pose& pose) const;
+  /// Refined once more with all samples.
+  Pose polished(const Pose& pose) const;
+
+  /// Test by rays.
+  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                    const Pose& pose, kernels::ExamineScratch& scratch) const;
+
+ private:
+  Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
+
+  const Model& model_;
+  const PreparedScene& scene_;
+  float step_;
+  const RecogniseOptions& options_;
+  kernels::ModelSamples samples_;
+  std::vector<std::uint8_t> background_;
+  kernels::VerifyOptions strict_;
+};
+
+}  // namespace trivet::engine

@@ -1,0 +1,183 @@
+#include "engine/settle_rivals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/pose_tester.hpp"
+#include "kernels/compare_poses.hpp"
+#include "kernels/compare_turns.hpp"
+#include "kernels/turn_axis.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kRivalPlace = 0.3F;  // in diameters
+constexpr float kLeastRivalScore = 0.1F;
+constexpr float kRivalShare = 0.5F;  // of the score of the pose that is rivalled
+constexpr int kMaxHops = 3;          // from rival to better rival
+constexpr double kTelling = 0.7;     // in standard deviations; three to one
+// Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
+// noise is a twentieth.
+constexpr float kWavy = 0.25F;
+constexpr float kSameAxis = 0.99F;  // cosine
+
+/// In waves, half a patch of the windows that they are measured in errs alike.
+kernels::MeasurementErrors errors_of(const PreparedScene& scene) {
+  const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
+  const bool wavy = scene.waviness.height > kWavy * scene.noise;
+  return {std::hypot(scene.noise, scene.waviness.height),
+          wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
+}
+
+class Rivalry {
+ public:
+  Rivalry(const PoseTester& tester, const kernels::RayScene& surface,
+          const kernels::ScoreModel& score, std::span<const Candidate> candidates)
+      : tester_(tester),
+        model_(tester.model()),
+        surface_(surface),
+        score_(score),
+        candidates_(candidates),
+        errors_(errors_of(tester.scene())) {}
+
+  void settle(Candidate& candidate) {
+    kernels::TurnComparison turns = settle_turn(candidate);
+    std::vector<Alike> alike;
+    for (int hop = 0; hop <= kMaxHops; ++hop) {
+      alike.clear();
+      std::optional<Pose> better;
+      double most = 0;
+      for (const Pose& rival : rivals_of(candidate)) {
+        const kernels::PoseComparison comparison = kernels::compare_poses(
+            tester_.scene().images, surface_, tester_.samples(), rival, candidate.T_scene_model,
+            errors_, tester_.strict(), compare_scratch_);
+        if (comparison.log_ratio > most && comparison.z > kTelling) {
+          most = comparison.log_ratio;
+          better = rival;
+        }
+        if (!comparison.significant()) alike.push_back({rival, comparison.log_ratio});
+      }
+      if (!better || hop == kMaxHops) break;
+      Candidate moved = examine(*better, candidate);
+      if (moved.score < kRivalShare * candidate.score) break;
+      candidate = std::move(moved);
+      turns = settle_turn(candidate);
+    }
+    double elsewhere = 0;  // likelihood of rivals that no symmetry leads to, over that of the pose
+    for (const Alike& rival : alike) {
+      if (!is_rival(rival.T_scene_model, candidate)) continue;
+      if (!by_near_symmetry(candidate.T_scene_model, rival.T_scene_model))
+        elsewhere += std::exp(rival.log_ratio);
+      candidate.rivals.push_back(rival.T_scene_model);
+    }
+    for (const float angle : turns.others) {
+      const Pose turned = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
+      if (is_rival(turned, candidate)) candidate.rivals.push_back(turned);
+    }
+    candidate.score *= turns.share * static_cast<float>(1 / std::max(1.0, elsewhere));
+  }
+
+ private:
+  /// A pose that the scan cannot tell from another one.
+  struct Alike {
+    Pose T_scene_model;
+    double log_ratio;  ///< of its likelihood over that of the other one
+  };
+
+  bool is_rival(const Pose& pose, const Candidate& candidate) {
+    return examine(pose, candidate).score >= kRivalShare * candidate.score;
+  }
+
+  bool by_near_symmetry(const Pose& pose, const Pose& rival) const {
+    return std::any_of(
+        model_.near_symmetries.begin(), model_.near_symmetries.end(),
+        [&](const Pose& motion) { return same_placement(model_, pose * motion, rival); });
+  }
+
+  Candidate examine(const Pose& pose, const Candidate& instead_of) {
+    Candidate candidate = tester_.examine(surface_, score_, pose, examine_scratch_);
+    candidate.model = instead_of.model;
+    return candidate;
+  }
+
+  /// Move to the turn about the near axis that the scan speaks for. Returns how the others compare
+  /// with that one.
+  kernels::TurnComparison settle_turn(Candidate& candidate) {
+    if (!model_.near_axis) return {};
+    kernels::TurnComparison turns =
+        kernels::compare_turns(tester_.scene().images, surface_, tester_.samples(),
+                               candidate.T_scene_model, *model_.near_axis, turn_period(),
+                               kRightRotationRad, errors_, tester_.strict(), compare_scratch_);
+    const float best = std::exchange(turns.best, 0);
+    for (float& other : turns.others) other -= best;
+    candidate =
+        examine(candidate.T_scene_model * kernels::turn_about(*model_.near_axis, best), candidate);
+    return turns;
+  }
+
+  /// Turns by it about the near axis are symmetries [rad].
+  float turn_period() const {
+    const Eigen::Vector3f axis = model_.near_axis->direction;
+    const auto turns = std::count_if(
+        model_.symmetry.poses.begin(), model_.symmetry.poses.end(),
+        [&](const Pose& motion) { return axis.dot(motion.linear() * axis) > kSameAxis; });
+    return 2 * std::numbers::pi_v<float> / static_cast<float>(turns + 1);
+  }
+
+  /// Whether a rival is the pose turned about the near axis.
+  bool is_turn(const Pose& pose, const Pose& rival) const {
+    if (!model_.near_axis) return false;
+    const Eigen::Vector3f axis = model_.near_axis->direction;
+    const float apart = (rival * model_.centre - pose * model_.centre).norm();
+    return (pose.linear() * axis).dot(rival.linear() * axis) > std::cos(kRightRotationRad) &&
+           apart <= kRightTranslation * model_.diameter;
+  }
+
+  /// Other placements of the model that may look like this one, but turns about the near axis.
+  std::vector<Pose> rivals_of(const Candidate& candidate) const {
+    const Pose& pose = candidate.T_scene_model;
+    std::vector<Pose> rivals;
+    const auto add = [&](const Pose& rival) {
+      const auto differs = [&](const Pose& known) { return !same_placement(model_, known, rival); };
+      if (tester_.allowed(rival) && differs(pose) && !is_turn(pose, rival) &&
+          std::all_of(rivals.begin(), rivals.end(), differs))
+        rivals.push_back(rival);
+    };
+    for (const Candidate& other : candidates_) {
+      if (other.model != candidate.model) continue;
+      const float apart = (other.T_scene_model * model_.centre - pose * model_.centre).norm();
+      if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
+        add(other.T_scene_model);
+    }
+    for (const Pose& motion : model_.near_symmetries)
+      add(tester_.polished(tester_.refined(pose * motion)));
+    return rivals;
+  }
+
+  const PoseTester& tester_;
+  const Model& model_;
+  const kernels::RayScene& surface_;
+  const kernels::ScoreModel& score_;
+  std::span<const Candidate> candidates_;
+  kernels::MeasurementErrors errors_;
+  kernels::ExamineScratch examine_scratch_;
+  kernels::CompareScratch compare_scratch_;
+};
+
+}  // namespace
+
+Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
+                           std::span<const Candidate> candidates, const RecogniseOptions& options,
+                           Candidate& candidate) {
+  const Result<kernels::RayScene>& surface = recogniser.surface(candidate.model);
+  if (!surface) return surface.error();
+  const PoseTester tester(recogniser.library().models[candidate.model], scene, step, options);
+  Rivalry(tester, *surface, recogniser.score(), candidates).settle(candidate);
+  return {};
+}
+
+}  // namespace trivet::engine
