@@ -54,6 +54,16 @@ class VoxelHash {
     });
   }
 
+  /// Call visit(points, indices) for runs of points that together hold all within radius of a
+  /// query, and others: indices[i] is that of points[i] in the input.
+  template <class Visit>
+  void visit_runs_within(const Eigen::Vector3f& query, float radius, Visit&& visit) const {
+    const PointsView sorted = sorted_;
+    visit_runs(query, radius, [&](std::size_t first, std::size_t last) {
+      visit(sorted.slice(first, last - first), indices_.data() + first);
+    });
+  }
+
   /// Number of points within radius of a query.
   std::uint32_t count_within(const Eigen::Vector3f& query, float radius) const noexcept;
 

@@ -1,0 +1,30 @@
+/// The surface around a keypoint.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+
+#include "kernels/voxel_hash.hpp"
+#include "storage/columns.hpp"
+
+namespace trivet::kernels {
+
+/// Points within a radius of a keypoint, relative to it. The columns are longer than that: they are
+/// filled with points of no area at the keypoint to a multiple of kLanes.
+struct Support {
+  static constexpr std::size_t kLanes = 16;
+
+  Column<float> x, y, z;  ///< position less the keypoint's
+  Column<float> area;     ///< of the surface that each point stands for, >= 0
+  std::size_t size = 0;   ///< without the filling
+};
+
+/// Gather the points of a grid within `radius` of a keypoint, in the grid's order.
+///
+/// areas    one a point of the cloud that the grid was built from; empty: each point stands for 1
+/// support  grows to what it needs once; later calls allocate nothing
+void gather_support(const VoxelHash& grid, std::span<const float> areas,
+                    const Eigen::Vector3f& keypoint, float radius, Support& support);
+
+}  // namespace trivet::kernels

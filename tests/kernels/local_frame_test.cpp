@@ -1,0 +1,194 @@
+#include "kernels/local_frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "support/allocations.hpp"
+#include "support/random.hpp"
+#include "support/reference_descriptor.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Vector3f;
+
+constexpr float kRadius = 0.7F;
+const Vector3f kUp(0.1F, 0, 1);
+
+/// A bent sheet without symmetry, around its origin.
+Points sheet(test::Random& random, std::size_t n, float noise = 0) {
+  Points points(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = random.uniform(-0.2F, 0.8F), y = random.uniform(-0.25F, 0.3F);
+    points.set(i, {x, y, 0.3F * x * x + 0.2F * x * y - 0.4F * y * y * y + random.normal(noise)});
+  }
+  return points;
+}
+
+Support support_of(PointsView points, const Vector3f& keypoint = {0, 0, 0}, float radius = kRadius,
+                   std::span<const float> areas = {}) {
+  Support support;
+  gather_support(VoxelHash(points, 0.5F * radius), areas, keypoint, radius, support);
+  return support;
+}
+
+TEST(LocalFrame, AgreesWithANaiveReference) {
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    test::Random random(trial);
+    const Points points = sheet(random, 5 + 40 * trial);
+    std::vector<float> areas(points.size());
+    for (float& area : areas) area = random.uniform(0.2F, 1);
+    const Support support = support_of(points, {0, 0, 0}, kRadius, areas);
+    const LocalFrame frame = local_frame(support, kRadius, kUp);
+    const Eigen::Matrix3d expected =
+        reference::local_frame(reference::points_of(support), kRadius, kUp.cast<double>());
+    EXPECT_LT((frame.axes.cast<double>() - expected).norm(), 2e-4) << trial;
+  }
+}
+
+TEST(LocalFrame, TurnsAndScalesWithTheSurface) {
+  test::Random random;
+  const Points points = sheet(random, 400);
+  const LocalFrame here = local_frame(support_of(points), kRadius, kUp);
+  EXPECT_NEAR(here.axes.determinant(), 1, 1e-5F);
+  for (const float scale : {1.0F, 0.01F, 300.0F}) {
+    const Pose motion = random.motion();
+    const Points moved =
+        test::transformed(points, scale * motion.linear(), scale * motion.translation());
+    const LocalFrame there =
+        local_frame(support_of(moved, scale * motion.translation(), scale * kRadius),
+                    scale * kRadius, motion.linear() * kUp);
+    EXPECT_LT((there.axes - here.axes * motion.linear().transpose()).norm(), 1e-3F);
+    EXPECT_NEAR(there.first_ratio, here.first_ratio, 0.01F * here.first_ratio);
+    EXPECT_NEAR(there.second_ratio, here.second_ratio, 0.01F * here.second_ratio);
+    EXPECT_NEAR(there.lean, here.lean, 1e-3F);
+  }
+}
+
+TEST(LocalFrame, LeavesNoDirectionOpenToTheOrderOfThePoints) {
+  test::Random random;
+  const Points points = sheet(random, 300);
+  const LocalFrame here = local_frame(support_of(points), kRadius, kUp);
+  const LocalFrame there =
+      local_frame(support_of(test::permuted(points, random.permutation(300))), kRadius, kUp);
+  EXPECT_LT((here.axes - there.axes).norm(), 1e-4F);
+}
+
+TEST(LocalFrame, PutsTheFirstAxisWhereThereIsMoreAndTheLastOnTheSideOfTheNormal) {
+  test::Random random;
+  const Points points = sheet(random, 500);
+  const LocalFrame up = local_frame(support_of(points), kRadius, kUp);
+  EXPECT_GT(up.axes(0, 0), 0.9F) << "the sheet reaches farther along x";
+  EXPECT_GT(up.axes(2, 2), 0.8F);
+  const LocalFrame down = local_frame(support_of(points), kRadius, -kUp);
+  EXPECT_LT((down.axes.row(0) - up.axes.row(0)).norm(), 1e-6F);
+  EXPECT_LT((down.axes.row(2) + up.axes.row(2)).norm(), 1e-6F);
+  EXPECT_NEAR(down.axes.determinant(), 1, 1e-5F);
+}
+
+TEST(LocalFrame, SaysHowSurelyTheSurfaceHoldsIt) {
+  test::Random random;
+  Points disc, rod;
+  for (int k = 0; k < 2000; ++k) {
+    const float a = random.uniform(0, 6.2831853F), r = kRadius * std::sqrt(random.uniform(0, 1));
+    disc.push_back({r * std::cos(a), r * std::sin(a), 0});
+    rod.push_back(
+        {random.uniform(-kRadius, kRadius), 0.01F * random.normal(1), 0.005F * random.normal(1)});
+  }
+  const LocalFrame flat = local_frame(support_of(disc), kRadius, kUp);
+  EXPECT_LT(flat.first_ratio, 1.15F) << "any turn about the normal fits";
+  EXPECT_GT(flat.second_ratio, 1000);
+  EXPECT_LT(flat.lean, 0.02F);
+  EXPECT_GT(local_frame(support_of(rod), kRadius, kUp).first_ratio, 100);
+}
+
+TEST(LocalFrame, IsNoneWhereNothingIsSpread) {
+  EXPECT_TRUE(local_frame(Support{}, kRadius, kUp).axes.isZero());
+  Points four(4), same(20);
+  for (std::size_t i = 0; i < 4; ++i) four.set(i, {0.1F * static_cast<float>(i), 0, 0});
+  for (std::size_t i = 0; i < 20; ++i) same.set(i, {0, 0, 0});
+  EXPECT_TRUE(local_frame(support_of(four), kRadius, kUp).axes.isZero());
+  EXPECT_TRUE(local_frame(support_of(same), kRadius, kUp).axes.isZero());
+}
+
+/// A regular mesh of the sheet's surface.
+struct Mesh {
+  Points vertices;
+  Triangles triangles;
+  std::vector<std::uint32_t> all;
+
+  explicit Mesh(std::uint32_t side) {
+    for (std::uint32_t j = 0; j <= side; ++j) {
+      for (std::uint32_t i = 0; i <= side; ++i) {
+        const float x = -0.2F + static_cast<float>(i) / static_cast<float>(side);
+        const float y = -0.25F + 0.55F * static_cast<float>(j) / static_cast<float>(side);
+        vertices.push_back({x, y, 0.3F * x * x + 0.2F * x * y - 0.4F * y * y * y});
+        if (i == side || j == side) continue;
+        const std::uint32_t k = j * (side + 1) + i;
+        triangles.push_back(k, k + 1, k + side + 1);
+        triangles.push_back(k + 1, k + side + 2, k + side + 1);
+      }
+    }
+    all.resize(triangles.size());
+    std::iota(all.begin(), all.end(), 0U);
+  }
+  LocalFrame frame(float max_edge = 1) const {
+    return local_frame(vertices, triangles, all, {0, 0, 0}, kRadius, max_edge, kUp);
+  }
+};
+
+TEST(LocalFrame, IsTheSameOfTrianglesCoarseOrFineAndOfPointsOnThem) {
+  const Matrix3f fine = Mesh(80).frame().axes;
+  EXPECT_LT((Mesh(12).frame().axes - fine).norm(), 0.05F);
+  test::Random random;
+  EXPECT_LT((local_frame(support_of(sheet(random, 20000)), kRadius, kUp).axes - fine).norm(),
+            0.05F);
+}
+
+TEST(LocalFrame, GivesTrianglesOfLongEdgesNoWeight) {
+  Mesh mesh(40);
+  const Matrix3f clean = mesh.frame().axes;
+  mesh.vertices.push_back({0.2F, 0.1F, 5});  // a stray measurement, joined to its neighbours
+  const auto stray = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+  for (std::uint32_t k = 800; k < 840; ++k) {
+    mesh.all.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
+    mesh.triangles.push_back(k, k + 1, stray);
+  }
+  mesh.vertices.set(stray, {0.2F, 0.1F, 0.6F});
+  EXPECT_GT((mesh.frame(10).axes - clean).norm(), 0.05F);
+  EXPECT_LT((mesh.frame(0.2F).axes - clean).norm(), 1e-6F);
+}
+
+// Noise and density move the axes by little: in degrees, at noise in shares of the point spacing.
+TEST(LocalFrame, IsRepeatableUnderNoiseAndAtOtherResolutions) {
+  test::Random random;
+  const Matrix3f clean = local_frame(support_of(sheet(random, 4000)), kRadius, kUp).axes;
+  const auto off = [&](std::size_t n, float noise) {
+    const float spacing = std::sqrt(0.55F / static_cast<float>(n));
+    double sum = 0;
+    for (int k = 0; k < 20; ++k) {
+      const Matrix3f axes =
+          local_frame(support_of(sheet(random, n, noise * spacing)), kRadius, kUp).axes;
+      sum += std::acos(
+          std::min(1.0, 0.5 * (static_cast<double>((axes * clean.transpose()).trace()) - 1)));
+    }
+    return sum / 20 * 57.3;
+  };
+  EXPECT_LT(off(1000, 0), 3);
+  EXPECT_LT(off(1000, 0.1F), 3);
+  EXPECT_LT(off(1000, 0.5F), 4);
+  EXPECT_LT(off(250, 0), 6);
+  EXPECT_LT(off(250, 0.5F), 8);
+}
+
+TEST(LocalFrame, AllocatesNothing) {
+  test::Random random;
+  const Support support = support_of(sheet(random, 500));
+  EXPECT_EQ(test::allocations_in([&] { local_frame(support, kRadius, kUp); }), 0U);
+}
+
+}  // namespace
+}  // namespace trivet::kernels
