@@ -1,0 +1,41 @@
+/// Principal components of many vectors, and vectors in them.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "storage/columns.hpp"
+
+namespace trivet::kernels {
+
+/// The directions of largest spread, which take vectors of `dimension` numbers to fewer.
+struct PcaBasis {
+  std::size_t dimension = 0;
+  Column<float> mean;        ///< dimension numbers
+  Column<float> components;  ///< unit vectors one after the other, by falling energy, orthogonal
+  Column<float> energies;    ///< variance along each
+  double all_energy = 0;     ///< the variance along all directions together
+
+  std::size_t size() const noexcept { return energies.size(); }
+};
+
+/// Find mean and principal components.
+///
+/// vectors         n of `dimension` > 0 finite numbers, one after the other; n >= 1
+/// max_components  > 0; less than that where there are fewer dimensions, or where
+/// energy          0..1: components that together keep this share of the variance are enough
+/// The largest number of each component is positive. Deterministic. Takes dimension^2 doubles.
+/// Cost: n dimension^2.
+/// Source: Pearson 1901; eigenvectors of the covariance.
+PcaBasis find_components(std::span<const float> vectors, std::size_t dimension,
+                         std::size_t max_components, double energy = 1);
+
+/// Write vectors less the mean in terms of the components.
+///
+/// vectors  n of basis.dimension numbers
+/// out      n of basis.size() numbers
+/// No allocation, lock or throw. Vectors are independent: any split into chunks gives the same
+/// bits, on any processor.
+void project(const PcaBasis& basis, std::span<const float> vectors, std::span<float> out) noexcept;
+
+}  // namespace trivet::kernels
