@@ -8,12 +8,14 @@
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_descriptor.hpp"
+#include "support/support_of.hpp"
 
 namespace trivet::kernels {
 namespace {
 
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
+using test::support_of;
 
 constexpr float kRadius = 0.7F;
 const Vector3f kUp(0.1F, 0, 1);
@@ -28,20 +30,13 @@ Points sheet(test::Random& random, std::size_t n, float noise = 0) {
   return points;
 }
 
-Support support_of(PointsView points, const Vector3f& keypoint = {0, 0, 0}, float radius = kRadius,
-                   std::span<const float> areas = {}) {
-  Support support;
-  gather_support(VoxelHash(points, 0.5F * radius), areas, keypoint, radius, support);
-  return support;
-}
-
 TEST(LocalFrame, AgreesWithANaiveReference) {
   for (std::uint64_t trial = 0; trial < 20; ++trial) {
     test::Random random(trial);
     const Points points = sheet(random, 5 + 40 * trial);
     std::vector<float> areas(points.size());
     for (float& area : areas) area = random.uniform(0.2F, 1);
-    const Support support = support_of(points, {0, 0, 0}, kRadius, areas);
+    const Support support = support_of(points, kRadius, {0, 0, 0}, areas);
     const LocalFrame frame = local_frame(support, kRadius, kUp);
     const Eigen::Matrix3d expected =
         reference::local_frame(reference::points_of(support), kRadius, kUp.cast<double>());
@@ -52,14 +47,14 @@ TEST(LocalFrame, AgreesWithANaiveReference) {
 TEST(LocalFrame, TurnsAndScalesWithTheSurface) {
   test::Random random;
   const Points points = sheet(random, 400);
-  const LocalFrame here = local_frame(support_of(points), kRadius, kUp);
+  const LocalFrame here = local_frame(support_of(points, kRadius), kRadius, kUp);
   EXPECT_NEAR(here.axes.determinant(), 1, 1e-5F);
   for (const float scale : {1.0F, 0.01F, 300.0F}) {
     const Pose motion = random.motion();
     const Points moved =
         test::transformed(points, scale * motion.linear(), scale * motion.translation());
     const LocalFrame there =
-        local_frame(support_of(moved, scale * motion.translation(), scale * kRadius),
+        local_frame(support_of(moved, scale * kRadius, scale * motion.translation()),
                     scale * kRadius, motion.linear() * kUp);
     EXPECT_LT((there.axes - here.axes * motion.linear().transpose()).norm(), 1e-3F);
     EXPECT_NEAR(there.first_ratio, here.first_ratio, 0.01F * here.first_ratio);
@@ -71,19 +66,19 @@ TEST(LocalFrame, TurnsAndScalesWithTheSurface) {
 TEST(LocalFrame, LeavesNoDirectionOpenToTheOrderOfThePoints) {
   test::Random random;
   const Points points = sheet(random, 300);
-  const LocalFrame here = local_frame(support_of(points), kRadius, kUp);
-  const LocalFrame there =
-      local_frame(support_of(test::permuted(points, random.permutation(300))), kRadius, kUp);
+  const LocalFrame here = local_frame(support_of(points, kRadius), kRadius, kUp);
+  const LocalFrame there = local_frame(
+      support_of(test::permuted(points, random.permutation(300)), kRadius), kRadius, kUp);
   EXPECT_LT((here.axes - there.axes).norm(), 1e-4F);
 }
 
 TEST(LocalFrame, PutsTheFirstAxisWhereThereIsMoreAndTheLastOnTheSideOfTheNormal) {
   test::Random random;
   const Points points = sheet(random, 500);
-  const LocalFrame up = local_frame(support_of(points), kRadius, kUp);
+  const LocalFrame up = local_frame(support_of(points, kRadius), kRadius, kUp);
   EXPECT_GT(up.axes(0, 0), 0.9F) << "the sheet reaches farther along x";
   EXPECT_GT(up.axes(2, 2), 0.8F);
-  const LocalFrame down = local_frame(support_of(points), kRadius, -kUp);
+  const LocalFrame down = local_frame(support_of(points, kRadius), kRadius, -kUp);
   EXPECT_LT((down.axes.row(0) - up.axes.row(0)).norm(), 1e-6F);
   EXPECT_LT((down.axes.row(2) + up.axes.row(2)).norm(), 1e-6F);
   EXPECT_NEAR(down.axes.determinant(), 1, 1e-5F);
@@ -98,11 +93,11 @@ TEST(LocalFrame, SaysHowSurelyTheSurfaceHoldsIt) {
     rod.push_back(
         {random.uniform(-kRadius, kRadius), 0.01F * random.normal(1), 0.005F * random.normal(1)});
   }
-  const LocalFrame flat = local_frame(support_of(disc), kRadius, kUp);
+  const LocalFrame flat = local_frame(support_of(disc, kRadius), kRadius, kUp);
   EXPECT_LT(flat.first_ratio, 1.15F) << "any turn about the normal fits";
   EXPECT_GT(flat.second_ratio, 1000);
   EXPECT_LT(flat.lean, 0.02F);
-  EXPECT_GT(local_frame(support_of(rod), kRadius, kUp).first_ratio, 100);
+  EXPECT_GT(local_frame(support_of(rod, kRadius), kRadius, kUp).first_ratio, 100);
 }
 
 TEST(LocalFrame, IsNoneWhereNothingIsSpread) {
@@ -110,8 +105,8 @@ TEST(LocalFrame, IsNoneWhereNothingIsSpread) {
   Points four(4), same(20);
   for (std::size_t i = 0; i < 4; ++i) four.set(i, {0.1F * static_cast<float>(i), 0, 0});
   for (std::size_t i = 0; i < 20; ++i) same.set(i, {0, 0, 0});
-  EXPECT_TRUE(local_frame(support_of(four), kRadius, kUp).axes.isZero());
-  EXPECT_TRUE(local_frame(support_of(same), kRadius, kUp).axes.isZero());
+  EXPECT_TRUE(local_frame(support_of(four, kRadius), kRadius, kUp).axes.isZero());
+  EXPECT_TRUE(local_frame(support_of(same, kRadius), kRadius, kUp).axes.isZero());
 }
 
 /// A regular mesh of the sheet's surface.
@@ -144,8 +139,9 @@ TEST(LocalFrame, IsTheSameOfTrianglesCoarseOrFineAndOfPointsOnThem) {
   const Matrix3f fine = Mesh(80).frame().axes;
   EXPECT_LT((Mesh(12).frame().axes - fine).norm(), 0.05F);
   test::Random random;
-  EXPECT_LT((local_frame(support_of(sheet(random, 20000)), kRadius, kUp).axes - fine).norm(),
-            0.05F);
+  EXPECT_LT(
+      (local_frame(support_of(sheet(random, 20000), kRadius), kRadius, kUp).axes - fine).norm(),
+      0.05F);
 }
 
 TEST(LocalFrame, GivesTrianglesOfLongEdgesNoWeight) {
@@ -165,13 +161,13 @@ TEST(LocalFrame, GivesTrianglesOfLongEdgesNoWeight) {
 // Noise and density move the axes by little: in degrees, at noise in shares of the point spacing.
 TEST(LocalFrame, IsRepeatableUnderNoiseAndAtOtherResolutions) {
   test::Random random;
-  const Matrix3f clean = local_frame(support_of(sheet(random, 4000)), kRadius, kUp).axes;
+  const Matrix3f clean = local_frame(support_of(sheet(random, 4000), kRadius), kRadius, kUp).axes;
   const auto off = [&](std::size_t n, float noise) {
     const float spacing = std::sqrt(0.55F / static_cast<float>(n));
     double sum = 0;
     for (int k = 0; k < 20; ++k) {
       const Matrix3f axes =
-          local_frame(support_of(sheet(random, n, noise * spacing)), kRadius, kUp).axes;
+          local_frame(support_of(sheet(random, n, noise * spacing), kRadius), kRadius, kUp).axes;
       sum += std::acos(
           std::min(1.0, 0.5 * (static_cast<double>((axes * clean.transpose()).trace()) - 1)));
     }
@@ -186,7 +182,7 @@ TEST(LocalFrame, IsRepeatableUnderNoiseAndAtOtherResolutions) {
 
 TEST(LocalFrame, AllocatesNothing) {
   test::Random random;
-  const Support support = support_of(sheet(random, 500));
+  const Support support = support_of(sheet(random, 500), kRadius);
   EXPECT_EQ(test::allocations_in([&] { local_frame(support, kRadius, kUp); }), 0U);
 }
 

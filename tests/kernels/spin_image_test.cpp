@@ -8,21 +8,16 @@
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_descriptor.hpp"
+#include "support/support_of.hpp"
 
 namespace trivet::kernels {
 namespace {
 
 using Eigen::Vector3f;
+using test::support_of;
 using Image = std::array<float, kSpinImageSize>;
 
 constexpr float kRadius = 0.6F;
-
-Support support_of(PointsView points, const Vector3f& keypoint = {0, 0, 0}, float radius = kRadius,
-                   std::span<const float> areas = {}) {
-  Support support;
-  gather_support(VoxelHash(points, 0.5F * radius), areas, keypoint, radius, support);
-  return support;
-}
 
 Image image_of(const Support& support, const Vector3f& axis, float radius = kRadius) {
   Image image;
@@ -43,7 +38,7 @@ TEST(SpinImage, AgreesWithANaiveReference) {
     const Points points = random.surface(n);
     std::vector<float> areas(n);
     for (float& area : areas) area = random.uniform(0, 2);
-    const Support support = support_of(points, {0.1F, 0, 0}, kRadius, areas);
+    const Support support = support_of(points, kRadius, {0.1F, 0, 0}, areas);
     const Vector3f axis = random.direction();
     const Image image = image_of(support, axis);
     const auto expected =
@@ -55,7 +50,7 @@ TEST(SpinImage, AgreesWithANaiveReference) {
 
 TEST(SpinImage, HoldsTheAreaOfTheSupport) {
   test::Random random;
-  const Support support = support_of(random.surface(700));
+  const Support support = support_of(random.surface(700), kRadius);
   const Image image = image_of(support, {0, 0, 1});
   EXPECT_NEAR(std::accumulate(image.begin(), image.end(), 0.0), static_cast<double>(support.size),
               0.01);
@@ -67,7 +62,7 @@ TEST(SpinImage, HoldsPointsOnTheBorder) {
   for (const Vector3f& p : {Vector3f(0, 0, kRadius), Vector3f(0, 0, -kRadius),
                             Vector3f(kRadius, 0, 0), Vector3f(0, 0, 0)})
     points.push_back(p);
-  const Image image = image_of(support_of(points), {0, 0, 1});
+  const Image image = image_of(support_of(points, kRadius), {0, 0, 1});
   EXPECT_NEAR(image[0], 1, 1e-5F);
   EXPECT_NEAR(image[(kSpinBins - 1) * kSpinBins], 1, 1e-5F);
   EXPECT_NEAR(image[kSpinBins / 2 * kSpinBins + kSpinBins - 1], 1, 1e-5F);
@@ -78,25 +73,25 @@ TEST(SpinImage, IsTheSameAfterMotionsTurnsAboutTheAxisAndScaling) {
   test::Random random;
   const Points points = random.surface(400);
   const Vector3f keypoint(0.2F, -0.1F, 0), axis = random.direction();
-  const Image here = image_of(support_of(points, keypoint), axis);
+  const Image here = image_of(support_of(points, kRadius, keypoint), axis);
   const Pose motion = random.motion();
   const float scale = 50;
   const Points moved =
       test::transformed(points, scale * motion.linear(), scale * motion.translation());
-  const Image there = image_of(support_of(moved, scale * (motion * keypoint), scale * kRadius),
+  const Image there = image_of(support_of(moved, scale * kRadius, scale * (motion * keypoint)),
                                motion.linear() * axis, scale * kRadius);
   EXPECT_LT(distance(here, there), 0.05);
   const Eigen::Matrix3f turn = Eigen::AngleAxisf(1.1F, axis).toRotationMatrix();
   const Points turned = test::transformed(points, turn, keypoint - turn * keypoint);
-  EXPECT_LT(distance(here, image_of(support_of(turned, keypoint), axis)), 0.05);
+  EXPECT_LT(distance(here, image_of(support_of(turned, kRadius, keypoint), axis)), 0.05);
   const Vector3f other = axis.unitOrthogonal();
-  EXPECT_GT(distance(here, image_of(support_of(points, keypoint), other)), 10);
+  EXPECT_GT(distance(here, image_of(support_of(points, kRadius, keypoint), other)), 10);
 }
 
 TEST(SpinImage, NormalisedDoesNotDependOnTheDensity) {
   test::Random random;
   const auto image = [&](std::size_t n) {
-    Image out = image_of(support_of(random.surface(n)), {0, 0, 1});
+    Image out = image_of(support_of(random.surface(n), kRadius), {0, 0, 1});
     normalise_spin_image(out);
     double squares = 0;
     for (const float value : out)
@@ -112,7 +107,7 @@ TEST(SpinImage, NormalisedDoesNotDependOnTheDensity) {
 
 TEST(SpinImage, AllocatesOnce) {
   test::Random random;
-  const Support support = support_of(random.surface(500));
+  const Support support = support_of(random.surface(500), kRadius);
   SpinScratch scratch;
   Image image;
   spin_image(support, {0, 0, 1}, kRadius, image, scratch);
