@@ -9,6 +9,7 @@
 #include <csignal>
 #include <limits>
 
+#include "support/craft_library.hpp"
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::difference;
+using test::edit_library;
 using test::LibraryTest;
 using test::random_model;
 using test::read_bytes;
@@ -52,7 +54,7 @@ TEST_F(LibraryTest, GivesBackWhatWasWritten) {
   ASSERT_EQ(library->models.size(), 2U);
   EXPECT_EQ(difference(library->models[0], models[1]), "");  // sorted by name
   EXPECT_EQ(difference(library->models[1], models[0]), "");
-  EXPECT_EQ(library->datasets.size(), 22U);
+  EXPECT_EQ(library->datasets.size(), 24U);
 }
 
 // Above 4 kB a table begins on a page and is used in the mapped file, which the model keeps alive.
@@ -93,6 +95,21 @@ TEST_F(LibraryTest, HoldsNoModelAtAll) {
   const auto library = open_library(file());
   ASSERT_TRUE(library) << library.error().message;
   EXPECT_TRUE(library->models.empty());
+}
+
+// HDF5 crashes when it lists a damaged group of the dense kind.
+TEST_F(LibraryTest, KeepsTheLinksOfGroupsInTheirHeaders) {
+  std::vector<Model> models;
+  for (std::uint64_t i = 0; i < 20; ++i)
+    models.push_back(random_model("model_" + std::to_string(i), 10 + i));
+  write(file(), models);
+  edit_library(file(), [](hid_t root) {
+    for (const char* path : {"models", "models/model_0", "models/model_0/ppf"}) {
+      H5G_info_t info;
+      ASSERT_GE(H5Gget_info_by_name(root, path, &info, H5P_DEFAULT), 0);
+      EXPECT_EQ(info.storage_type, H5G_STORAGE_TYPE_COMPACT) << path;
+    }
+  });
 }
 
 TEST_F(LibraryTest, HoldsManyModels) {
