@@ -1,0 +1,48 @@
+#include "engine/describe_surface.hpp"
+
+#include <algorithm>
+
+#include "engine/parallel.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kGrain = 64;
+constexpr float kCell = 0.5F;  // edge of the grid's voxels [radii]
+
+}  // namespace
+
+void describe_surface(PointsView points, NormalsView normals,
+                      std::span<const std::uint32_t> keypoints, float radius,
+                      const kernels::FrameLimits& limits, Descriptions& out) {
+  const kernels::VoxelHash grid(points, kCell * radius);
+  const std::size_t n = keypoints.size(), first_image = out.images.size();
+  std::vector<Eigen::Matrix3f> frames(n);
+  out.images.resize(first_image + n * kernels::kTriSpinSize);
+  const auto image = [&](std::size_t k) {
+    return std::span(out.images)
+        .subspan(first_image + k * kernels::kTriSpinSize)
+        .first<kernels::kTriSpinSize>();
+  };
+  PerThread<kernels::TriSpinScratch> scratch;
+  for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
+      const std::uint32_t i = keypoints[k];
+      frames[k] = kernels::describe_keypoint(grid, points[i], normals[i], radius, limits, image(k),
+                                             scratch.local())
+                      .axes;
+    }
+  });
+
+  std::size_t kept = 0;  // those without a frame go
+  for (std::size_t k = 0; k < n; ++k) {
+    if (frames[k].isZero()) continue;
+    if (kept < k) std::ranges::copy(image(k), image(kept).begin());
+    out.keypoints.push_back(points[keypoints[k]]);
+    out.frames.push_back(frames[k]);
+    ++kept;
+  }
+  out.images.resize(first_image + kept * kernels::kTriSpinSize);
+}
+
+}  // namespace trivet::engine

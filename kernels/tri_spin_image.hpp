@@ -1,0 +1,44 @@
+/// The Tri-Spin-Image: what a keypoint's surface looks like from its own frame.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+
+#include "kernels/local_frame.hpp"
+#include "kernels/spin_image.hpp"
+#include "kernels/support.hpp"
+#include "kernels/voxel_hash.hpp"
+
+namespace trivet::kernels {
+
+inline constexpr std::size_t kTriSpinSize = 3 * kSpinImageSize;
+
+/// Below these a frame is too uncertain to match by: it would turn with the noise.
+struct FrameLimits {
+  std::size_t min_points = 40;     ///< in the support
+  float min_first_ratio = 1.03F;   ///< of the largest eigenvalue over the second
+  float min_second_ratio = 1.03F;  ///< of the second over the smallest
+};
+
+/// Working memory of describe_keypoint.
+struct TriSpinScratch {
+  Support support;
+  SpinScratch spin;
+};
+
+/// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalised.
+///
+/// surface  points sampled evenly: each stands for the same area
+/// normal   of the keypoint, outward or towards the sensor
+/// radius   of the support, > 0
+/// image    kTriSpinSize numbers; not written where the frame is too uncertain
+/// Returns the frame; its axes are 0 where it is too uncertain, or the normal is NaN.
+/// Same bits on any processor. The scratch grows once.
+/// Source: Guo et al., "Trisi: a distinctive local surface descriptor for 3D modeling and object
+/// recognition", GRAPP 2013.
+LocalFrame describe_keypoint(const VoxelHash& surface, const Eigen::Vector3f& keypoint,
+                             const Eigen::Vector3f& normal, float radius, const FrameLimits& limits,
+                             std::span<float, kTriSpinSize> image, TriSpinScratch& scratch);
+
+}  // namespace trivet::kernels
