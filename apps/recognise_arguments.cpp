@@ -16,6 +16,19 @@ std::vector<std::string> improvement_names() {
   return names;
 }
 
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const MethodName& known : kMethods) names.emplace_back(known.name);
+  return names;
+}
+
+std::string describe_methods() {
+  std::string text = "Where hypotheses come from:";
+  for (const MethodName& known : kMethods)
+    text += fmt::format("\n{}: {}", known.name, known.sentence);
+  return text;
+}
+
 std::string describe_improvements() {
   std::string text = "Leave improvements out, as a,b,c, to measure what each is worth:";
   for (const ImprovementName& known : kImprovements)
@@ -26,8 +39,8 @@ std::string describe_improvements() {
 }  // namespace
 
 void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
-  command.add_option("--method", arguments.method, "ppf: point-pair features")
-      ->check(CLI::IsMember({"ppf"}))
+  command.add_option("--method", arguments.method, describe_methods())
+      ->check(CLI::IsMember(method_names()).description(""))
       ->capture_default_str();
   command.add_option("--preset", arguments.preset, "fast, balanced or accurate")
       ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
@@ -71,6 +84,9 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
 
 Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
   RecogniseOptions options = recognise_presets().at(arguments.preset);
+  for (const MethodName& known : kMethods) {
+    if (known.name == arguments.method) options.method = known.method;
+  }
   if (arguments.min_score) options.min_score = *arguments.min_score;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/method.hpp"
 #include "kernels/examine_pose.hpp"
 #include "kernels/pose_score.hpp"
 #include "kernels/verify_pose.hpp"
@@ -13,6 +14,7 @@ namespace trivet::engine {
 
 struct Candidate {
   std::uint32_t model = 0;
+  Method method = Method::ppf;  ///< that found it
   Pose T_scene_model = Pose::Identity();
   float tolerance = 0;  ///< that it was examined with [library unit]
   // Of the full test, by rays.

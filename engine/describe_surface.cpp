@@ -12,9 +12,9 @@ constexpr float kCell = 0.5F;  // edge of the grid's voxels [radii]
 
 }  // namespace
 
-void describe_surface(PointsView points, NormalsView normals,
-                      std::span<const std::uint32_t> keypoints, float radius,
-                      const kernels::FrameLimits& limits, Descriptions& out) {
+std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView normals,
+                                            std::span<const std::uint32_t> keypoints, float radius,
+                                            const kernels::FrameLimits& limits, Descriptions& out) {
   const kernels::VoxelHash grid(points, kCell * radius);
   const std::size_t n = keypoints.size(), first_image = out.images.size();
   std::vector<Eigen::Matrix3f> frames(n);
@@ -34,15 +34,16 @@ void describe_surface(PointsView points, NormalsView normals,
     }
   });
 
-  std::size_t kept = 0;  // those without a frame go
+  std::vector<std::uint32_t> kept;  // those without a frame go
   for (std::size_t k = 0; k < n; ++k) {
     if (frames[k].isZero()) continue;
-    if (kept < k) std::ranges::copy(image(k), image(kept).begin());
+    if (kept.size() < k) std::ranges::copy(image(k), image(kept.size()).begin());
     out.keypoints.push_back(points[keypoints[k]]);
     out.frames.push_back(frames[k]);
-    ++kept;
+    kept.push_back(static_cast<std::uint32_t>(k));
   }
-  out.images.resize(first_image + kept * kernels::kTriSpinSize);
+  out.images.resize(first_image + kept.size() * kernels::kTriSpinSize);
+  return kept;
 }
 
 }  // namespace trivet::engine

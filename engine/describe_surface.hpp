@@ -26,9 +26,9 @@ struct Descriptions {
 /// normals    n, outward or towards the sensor
 /// keypoints  indices < n
 /// radius     of the supports, > 0
-/// Same bytes for any number of threads.
-void describe_surface(PointsView points, NormalsView normals,
-                      std::span<const std::uint32_t> keypoints, float radius,
-                      const kernels::FrameLimits& limits, Descriptions& out);
+/// Returns which of `keypoints` were described, rising. Same bytes for any number of threads.
+std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView normals,
+                                            std::span<const std::uint32_t> keypoints, float radius,
+                                            const kernels::FrameLimits& limits, Descriptions& out);
 
 }  // namespace trivet::engine

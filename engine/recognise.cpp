@@ -12,6 +12,7 @@
 #include "engine/check_range.hpp"
 #include "engine/find_hypotheses.hpp"
 #include "engine/leave_out.hpp"
+#include "engine/match_features.hpp"
 #include "engine/parallel.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/select_detections.hpp"
@@ -169,6 +170,31 @@ class SceneSearch {
     return {};
   }
 
+  /// Match the scene's features with those of the models.
+  Result<void> match() {
+    const Result<engine::FeatureLibrary>& features = recogniser_.features();
+    if (!features) return features.error();
+    float largest = 0;
+    for (const Model& model : library_.models) largest = std::max(largest, model.diameter);
+    for (const engine::FeatureLevel& level : features->levels) {
+      std::vector<std::vector<kernels::Hypothesis>> hypotheses;
+      {
+        const StageTimer timer(stats_.times, "match");
+        const engine::SceneSample sample =
+            engine::sample_scene(scene_, level.resolution, largest, options_.without);
+        hypotheses = engine::match_features(*features, level, sample, library_.models.size(), {});
+      }
+      for (std::uint32_t m = 0; m < hypotheses.size(); ++m) {
+        const Model& model = library_.models[m];
+        if (hypotheses[m].empty() || !wanted(model.name)) continue;
+        const Result<void> settled = settle(m, model.ppf.quantisation.distance_step, hypotheses[m]);
+        if (!settled) return settled;
+      }
+    }
+    select();
+    return {};
+  }
+
   /// The chosen candidates in the order of choice, held against their rivals. Those that move to
   /// where another one lies are refused, and those below the scores that are asked for.
   Result<std::vector<engine::Candidate>> chosen() {
@@ -199,6 +225,11 @@ class SceneSearch {
   const engine::Selection& selection() const noexcept { return selection_; }
 
  private:
+  bool wanted(const std::string& name) const {
+    return options_.models.empty() ||
+           std::ranges::find(options_.models, name) != options_.models.end();
+  }
+
   engine::SceneSample sample(float step, std::span<const std::uint32_t> models) const {
     float largest = 0;
     for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
@@ -239,7 +270,10 @@ class SceneSearch {
     Result<std::vector<engine::Candidate>> settled =
         engine::settle_model(recogniser_, model, scene_, step, hypotheses, options_, stats_);
     if (!settled) return settled.error();
-    std::move(settled->begin(), settled->end(), std::back_inserter(candidates_));
+    for (engine::Candidate& candidate : *settled) {
+      candidate.method = options_.method;
+      candidates_.push_back(std::move(candidate));
+    }
     return {};
   }
 
@@ -272,6 +306,7 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   Detection detection;
   detection.model = model.name;
+  detection.method = candidate.method;
   detection.score = candidate.score;
   detection.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
   detection.visible_fraction = e.covered > 0 ? e.consistent / e.covered : 0;
@@ -338,8 +373,12 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   if (!options.expected.empty()) {
     if (const Result<void> tested = search.test_expected(*groups); !tested) return tested.error();
   }
-  for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
+  for (std::uint32_t round = 0; options.method == Method::ppf && round < options.pose.rounds;
+       ++round) {
     if (const Result<void> voted = search.vote(*groups, round); !voted) return voted.error();
+  }
+  if (options.method == Method::trisi) {
+    if (const Result<void> matched = search.match(); !matched) return matched.error();
   }
   const Result<std::vector<engine::Candidate>> chosen = search.chosen();
   if (!chosen) return chosen.error();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/improvements.hpp"
+#include "engine/method.hpp"
 #include "engine/pose_limits.hpp"
 #include "engine/progress.hpp"
 #include "engine/recogniser.hpp"
@@ -55,6 +56,7 @@ struct VerifyStageOptions {
 };
 
 struct RecogniseOptions {
+  Method method = Method::ppf;
   VoteOptions vote{};
   /// Of later rounds, which have less to search and the harder ones to find: small objects in
   /// strong noise need pairs from farther apart, hidden ones more references.
@@ -101,6 +103,7 @@ struct Detection {
   /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
   /// detection is ambiguous.
   std::vector<Pose> rivals{};
+  Method method = Method::ppf;  ///< that found it
 };
 
 enum class Rejection {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/feature_library.hpp"
 #include "kernels/visibility.hpp"
 
 namespace trivet {
@@ -14,8 +15,16 @@ struct Recogniser::Surface {
   std::optional<Result<kernels::RayScene>> rays;
 };
 
+struct Recogniser::Features {
+  tbb::collaborative_once_flag once;
+  std::optional<Result<engine::FeatureLibrary>> library;
+};
+
 Recogniser::Recogniser(Library library, const kernels::ScoreModel& score)
-    : library_(std::move(library)), score_(score), surfaces_(new Surface[library_.models.size()]) {}
+    : library_(std::move(library)),
+      score_(score),
+      surfaces_(new Surface[library_.models.size()]),
+      features_(new Features) {}
 Recogniser::Recogniser(Recogniser&&) noexcept = default;
 Recogniser& Recogniser::operator=(Recogniser&&) noexcept = default;
 Recogniser::~Recogniser() = default;
@@ -32,6 +41,12 @@ const Result<kernels::RayScene>& Recogniser::surface(std::uint32_t model) const 
                        : kernels::RayScene::from_mesh(m.vertices, m.triangles);
   });
   return *surface.rays;
+}
+
+const Result<engine::FeatureLibrary>& Recogniser::features() const {
+  tbb::collaborative_call_once(features_->once,
+                               [&] { features_->library = engine::build_features(*this, {}); });
+  return *features_->library;
 }
 
 }  // namespace trivet

@@ -11,6 +11,10 @@
 
 namespace trivet {
 
+namespace engine {
+struct FeatureLibrary;
+}
+
 /// A library, and the surfaces of its models that rays can be shot at. One serves any number of
 /// scenes and threads at the same time.
 class Recogniser {
@@ -26,12 +30,16 @@ class Recogniser {
   /// where it was trained from a cloud that no surface could be laid through. Errors: internal
   /// (Embree's message).
   const Result<kernels::RayScene>& surface(std::uint32_t model) const;
+  /// The Tri-Spin-Images of all models, made when they are first asked for. Errors: as surface().
+  const Result<engine::FeatureLibrary>& features() const;
 
  private:
   struct Surface;
+  struct Features;
   Library library_;
   kernels::ScoreModel score_;
   std::unique_ptr<Surface[]> surfaces_;
+  std::unique_ptr<Features> features_;
 };
 
 }  // namespace trivet

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "engine/check_range.hpp"
+#include "engine/orient_by_samples.hpp"
 #include "engine/parallel.hpp"
 #include "engine/scaled_points.hpp"
 #include "kernels/diameter.hpp"
@@ -144,36 +145,6 @@ std::size_t keep_visible_samples(const DenseSurface& surface, std::span<const Vi
     model.sample_views[k] = views[kept[k]];
   }
   return views.size() - kept.size();
-}
-
-/// Give dense points the outward side of the nearest visible sample; those nearer to a hidden one
-/// are dropped.
-void orient_by_samples(const DenseSurface& samples, std::span<const ViewMask> views,
-                       DenseSurface& dense) {
-  const kernels::VoxelHash grid(samples.points, 2 * samples.spacing);
-  Normals& normals = dense.normals;
-  for_chunks(dense.points.size(), 1024, [&](std::size_t first, std::size_t count) {
-    for (std::size_t i = first; i < first + count; ++i) {
-      // The nearest sample of the same sheet: thin walls have another one just behind.
-      float best = std::numeric_limits<float>::infinity();
-      std::uint32_t nearest = 0;
-      float cosine = 0;
-      grid.visit_within(dense.points[i], 4 * samples.spacing, [&](std::uint32_t s, float squared) {
-        const float c = samples.normals[s].dot(normals[i]);
-        const float cost = squared * (std::abs(c) > 0.5F ? 1.0F : 16.0F);
-        if (cost < best || (cost == best && s < nearest)) {
-          best = cost;
-          nearest = s;
-          cosine = c;
-        }
-      });
-      if (!(best < std::numeric_limits<float>::infinity()) || views[nearest] == ViewMask{}) {
-        normals.set(i, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-      } else if (cosine < 0) {
-        normals.set(i, -normals[i]);
-      }
-    }
-  });
 }
 
 struct PpfTable {
@@ -386,7 +357,8 @@ Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source
     } else {
       dense = surface_of_cloud(model.vertices, std::min(samples.spacing, 0.5F * step));
     }
-    orient_by_samples(samples, views, dense);
+    engine::orient_by_samples(samples.points, samples.normals, views, samples.spacing, dense.points,
+                              dense.normals);
     kernels::SubsampleScratch scratch;
     kernels::subsample_by_normals(dense.points, dense.normals, step,
                                   options.normal_cluster_angle_deg * kRadiansPerDegree,

@@ -63,6 +63,17 @@ class TrainRecognize : public testing::Test {
   static inline std::unique_ptr<test::TempDir> folder_;
 };
 
+TEST_F(TrainRecognize, SaysWhichMethodFoundADetection) {
+  const test::Outcome outcome =
+      run({"recognize", "library.h5", "scan.ply", "--method", "trisi", "--json", "trisi.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json scene = nlohmann::json::parse(bytes("trisi.json")).at("scenes").at(0);
+  ASSERT_EQ(scene.at("detections").size(), 1U);
+  EXPECT_EQ(scene["detections"][0].at("method"), "trisi");
+  EXPECT_GE(scene.at("seconds").at("match"), 0);
+  EXPECT_EQ(scene.at("counts").at("votes"), 0);
+}
+
 TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   const test::Outcome outcome =
       run({"recognize", "library.h5", "scan.ply", "--json", "found.json"});

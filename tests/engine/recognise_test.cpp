@@ -71,6 +71,21 @@ TEST_F(Recognise, FindsOccludedPartsInClutterAndNothingElse) {
   }
 }
 
+TEST_F(Recognise, FindsTheSamePartsByTriSpinImages) {
+  const auto result = recognise(recogniser_, clutter(), {}, {.method = Method::trisi});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->detections.size(), 2U);
+  expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+  for (const Detection& detection : result->detections) EXPECT_EQ(detection.method, Method::trisi);
+  EXPECT_EQ(result->stats.num_votes, 0U);
+  const auto one =
+      recognise(recogniser_, clutter(), {}, {.method = Method::trisi, .models = {"lever"}});
+  ASSERT_TRUE(one);
+  ASSERT_EQ(one->detections.size(), 1U);
+  EXPECT_EQ(one->detections[0].model, "lever");
+}
+
 TEST_F(Recognise, FindsEachOfSeveralInstances) {
   const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-0.18F, 0, 0.9F});
   const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {0.18F, 0.02F, 0.95F});
@@ -155,20 +170,23 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
 
 TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud scene = clutter();
-  std::vector<SceneResult> results;
-  for (const unsigned threads : {1U, 2U, 3U}) {
-    const ThreadLimit limit(threads);
-    auto result = recognise(recogniser_, scene, {}, {.min_score = 0});
-    ASSERT_TRUE(result);
-    results.push_back(std::move(*result));
-  }
-  for (std::size_t k = 1; k < results.size(); ++k) {
-    EXPECT_EQ(results[k].stats.num_votes, results[0].stats.num_votes);
-    ASSERT_EQ(results[k].detections.size(), results[0].detections.size());
-    for (std::size_t i = 0; i < results[0].detections.size(); ++i) {
-      EXPECT_EQ(results[k].detections[i].score, results[0].detections[i].score);
-      EXPECT_EQ(results[k].detections[i].T_scene_model.matrix(),
-                results[0].detections[i].T_scene_model.matrix());
+  for (const Method method : {Method::ppf, Method::trisi}) {
+    std::vector<SceneResult> results;
+    for (const unsigned threads : {1U, 2U, 3U}) {
+      const ThreadLimit limit(threads);
+      const Recogniser fresh(recogniser_.library());
+      auto result = recognise(fresh, scene, {}, {.method = method, .min_score = 0});
+      ASSERT_TRUE(result);
+      results.push_back(std::move(*result));
+    }
+    for (std::size_t k = 1; k < results.size(); ++k) {
+      EXPECT_EQ(results[k].stats.num_votes, results[0].stats.num_votes);
+      ASSERT_EQ(results[k].detections.size(), results[0].detections.size());
+      for (std::size_t i = 0; i < results[0].detections.size(); ++i) {
+        EXPECT_EQ(results[k].detections[i].score, results[0].detections[i].score);
+        EXPECT_EQ(results[k].detections[i].T_scene_model.matrix(),
+                  results[0].detections[i].T_scene_model.matrix());
+      }
     }
   }
 }
