@@ -171,22 +171,26 @@ class SceneSearch {
   }
 
   /// Match the scene's features with those of the models.
-  Result<void> match() {
+  Result<void> match(const ModelGroups& groups) {
     const Result<engine::FeatureLibrary>& features = recogniser_.features();
     if (!features) return features.error();
-    float largest = 0;
-    for (const Model& model : library_.models) largest = std::max(largest, model.diameter);
+    std::vector<bool> wanted(library_.models.size(), false);
+    for (const auto& [step, models] : groups) {
+      for (const std::uint32_t m : models) wanted[m] = true;
+    }
+    std::vector<std::uint32_t> all(library_.models.size());
+    std::iota(all.begin(), all.end(), 0U);
     for (const engine::FeatureLevel& level : features->levels) {
+      if (std::ranges::none_of(level.model, [&](std::uint32_t m) { return wanted[m]; })) continue;
       std::vector<std::vector<kernels::Hypothesis>> hypotheses;
       {
         const StageTimer timer(stats_.times, "match");
-        const engine::SceneSample sample =
-            engine::sample_scene(scene_, level.resolution, largest, options_.without);
-        hypotheses = engine::match_features(*features, level, sample, library_.models.size(), {});
+        hypotheses = engine::match_features(*features, level, sample(level.resolution, all),
+                                            library_.models.size(), {});
       }
       for (std::uint32_t m = 0; m < hypotheses.size(); ++m) {
         const Model& model = library_.models[m];
-        if (hypotheses[m].empty() || !wanted(model.name)) continue;
+        if (hypotheses[m].empty() || !wanted[m]) continue;
         const Result<void> settled = settle(m, model.ppf.quantisation.distance_step, hypotheses[m]);
         if (!settled) return settled;
       }
@@ -225,11 +229,6 @@ class SceneSearch {
   const engine::Selection& selection() const noexcept { return selection_; }
 
  private:
-  bool wanted(const std::string& name) const {
-    return options_.models.empty() ||
-           std::ranges::find(options_.models, name) != options_.models.end();
-  }
-
   engine::SceneSample sample(float step, std::span<const std::uint32_t> models) const {
     float largest = 0;
     for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
@@ -378,7 +377,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
     if (const Result<void> voted = search.vote(*groups, round); !voted) return voted.error();
   }
   if (options.method == Method::trisi) {
-    if (const Result<void> matched = search.match(); !matched) return matched.error();
+    if (const Result<void> matched = search.match(*groups); !matched) return matched.error();
   }
   const Result<std::vector<engine::Candidate>> chosen = search.chosen();
   if (!chosen) return chosen.error();
