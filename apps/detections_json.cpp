@@ -89,7 +89,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"parts", parts_json(detection.parts)},
                           {"ambiguous", !detection.rivals.empty()},
                           {"rivals", rivals_json(detection.rivals)},
-                          {"method", name_of(detection.method)}});
+                          {"method", name_of(detection.source)}});
   }
   const SceneStats& stats = result.stats;
   return {{"scene", file},

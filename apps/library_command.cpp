@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <numeric>
 
 #include "apps/commands.hpp"
 #include "apps/inputs.hpp"
@@ -22,6 +23,24 @@ std::string describe_near(const Model& model) {
   return fmt::format("{}{}", model.near_axis ? "axis + " : "", model.near_symmetries.size());
 }
 
+/// Tri-Spin-Images of all models together, and how much of the file is theirs.
+std::string describe_features(const Library& library) {
+  const TriSpinBasis& basis = library.basis;
+  const PcaBasis& pca = basis.components;
+  if (pca.size() == 0) return "none";
+  std::uint64_t bytes = 0;
+  for (const DatasetInfo& dataset : library.datasets) {
+    if (dataset.path.find("trisi/") != std::string::npos) bytes += dataset.bytes;
+  }
+  std::size_t number = 0;
+  for (const Model& model : library.models) number += model.features.size();
+  const double energy = std::accumulate(pca.energies.begin(), pca.energies.end(), 0.0);
+  return fmt::format(
+      "{} Tri-Spin-Images of radius {} resolutions, {} components with {:.1f} % of the variance, "
+      "{} bytes",
+      number, basis.support, pca.size(), 100 * energy / pca.all_energy, bytes);
+}
+
 Result<void> list(const std::string& file) {
   const Result<Library> library = open_library(file);
   if (!library) return library.error();
@@ -36,17 +55,18 @@ Result<void> info(const std::string& file) {
   fmt::print(
       "file        {}\nsize        {} bytes\nformat      {}.{}\nproducer    {}\nunit        "
       "{}\nparameters  {}\n"
-      "models      {}\n\n",
+      "models      {}\nfeatures    {}\n\n",
       file, library->file_bytes, kLibraryVersionMajor, library->version_minor,
-      library->header.producer, unit, library->header.parameters, library->models.size());
-  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>9}  {}\n", "model",
+      library->header.producer, unit, library->header.parameters, library->models.size(),
+      describe_features(*library));
+  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>9} {:>9}  {}\n", "model",
              fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs", "step",
-             "near", "symmetry");
+             "features", "near", "symmetry");
   for (const Model& model : library->models) {
-    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9}  {}\n", model.name,
+    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n", model.name,
                model.diameter, model.vertices.size(), model.samples.size(), model.ppf_points.size(),
-               model.ppf.entries.size(), model.ppf.quantisation.distance_step, describe_near(model),
-               describe(model.symmetry));
+               model.ppf.entries.size(), model.ppf.quantisation.distance_step,
+               model.features.size(), describe_near(model), describe(model.symmetry));
   }
   return {};
 }

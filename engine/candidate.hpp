@@ -14,7 +14,7 @@ namespace trivet::engine {
 
 struct Candidate {
   std::uint32_t model = 0;
-  Method method = Method::ppf;  ///< that found it
+  Source source = Source::ppf;  ///< that proposed it
   Pose T_scene_model = Pose::Identity();
   float tolerance = 0;  ///< that it was examined with [library unit]
   // Of the full test, by rays.

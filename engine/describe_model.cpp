@@ -4,11 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/orient_by_samples.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/keypoints_uniform.hpp"
-#include "kernels/sample_mesh.hpp"
-#include "kernels/subsample_by_normals.hpp"
 #include "kernels/visibility.hpp"
 
 namespace trivet::engine {
@@ -16,8 +13,6 @@ namespace {
 
 constexpr float kRelativeResolution = 0.0125F;  // of the diameter
 constexpr float kNormalClusterRad = 0.52F;
-constexpr double kDensePerPoint = 8;  // samples averaged into one point
-constexpr std::size_t kFewestDense = 4000, kMostDense = 400'000;
 constexpr std::size_t kNumPartialViews = 42;  // of the directions that samples know
 constexpr std::size_t kFewestSeen = 100;
 constexpr float kLikeImage = 0.3F;   // distance of two images of one keypoint that are one
@@ -29,36 +24,15 @@ struct Surface {
 };
 
 /// The visible surface at a resolution, with outward normals and the views of each point.
-Surface sample_surface(const Model& model, const kernels::RayScene& rays, float resolution,
-                       std::vector<ViewMask>& views) {
-  Surface dense;
-  if (model.triangles.empty()) {
-    dense.points = model.samples;
-    dense.normals = model.sample_normals;
-  } else {
-    std::vector<double> sums(model.triangles.size());
-    const double area = kernels::sum_areas(model.vertices, model.triangles, sums);
-    const auto wanted = kDensePerPoint * area / std::pow(static_cast<double>(resolution), 2);
-    const auto n = static_cast<std::size_t>(
-        std::clamp(wanted, static_cast<double>(kFewestDense), static_cast<double>(kMostDense)));
-    dense.points.resize(n);
-    dense.normals.resize(n);
-    for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-      kernels::sample_mesh(model.vertices, model.triangles, sums, 3, first, n,
-                           dense.points.span().slice(first, count),
-                           dense.normals.span().slice(first, count));
-    });
-    orient_by_samples(model.samples, model.sample_normals, {}, model.sample_spacing, dense.points,
-                      dense.normals);
-  }
+Surface visible_surface(const Model& model, const ModelSurface& surface, float resolution,
+                        const ViewMask& directions, std::vector<ViewMask>& views) {
   Surface even, seen;
-  kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(dense.points, dense.normals, resolution, kNormalClusterRad,
-                                even.points, even.normals, scratch);
+  sample_evenly(model, surface, resolution, kNormalClusterRad, even.points, even.normals);
   std::vector<ViewMask> masks(even.points.size());
+  const float offset = std::max(surface.ray_offset, 1e-3F * model.diameter);
   for_chunks(masks.size(), 256, [&](std::size_t first, std::size_t count) {
-    kernels::compute_views(rays, even.points.view().slice(first, count),
-                           even.normals.view().slice(first, count), 1e-3F * model.diameter,
+    kernels::compute_views(surface.rays, even.points.view().slice(first, count),
+                           even.normals.view().slice(first, count), offset, directions,
                            std::span(masks).subspan(first, count));
   });
   views.clear();
@@ -69,6 +43,11 @@ Surface sample_surface(const Model& model, const kernels::RayScene& rays, float 
     views.push_back(masks[i]);
   }
   return seen;
+}
+
+/// Of the directions that samples know.
+std::size_t partial_view(std::size_t v) {
+  return (2 * v + 1) * kernels::kNumViews / (2 * kNumPartialViews);
 }
 
 /// Collects descriptions of keypoints, those that differ from the ones of the same keypoint.
@@ -114,17 +93,19 @@ float resolution_for(float diameter) noexcept {
   return std::exp2(std::round(2 * std::log2(kRelativeResolution * diameter)) / 2);
 }
 
-Descriptions describe_model(const Model& model, const kernels::RayScene& rays,
+Descriptions describe_model(const Model& model, const ModelSurface& model_surface,
                             const DescribeOptions& options) {
   const float resolution = resolution_for(model.diameter);
+  ViewMask directions{};
+  for (std::size_t v = 0; v < kNumPartialViews; ++v)
+    directions[partial_view(v) / 64] |= std::uint64_t{1} << (partial_view(v) % 64);
   std::vector<ViewMask> views;
-  const Surface surface = sample_surface(model, rays, resolution, views);
+  const Surface surface = visible_surface(model, model_surface, resolution, directions, views);
   Column<std::uint32_t> keypoints;
   kernels::UniformScratch scratch;
-  kernels::find_uniform_keypoints(surface.points, options.model_spacing * resolution, keypoints,
-                                  scratch);
+  kernels::find_uniform_keypoints(surface.points, options.spacing * resolution, keypoints, scratch);
   std::vector<std::uint8_t> is_keypoint(surface.points.size(), 0);
-  for (const std::uint32_t i : keypoints) is_keypoint[i] = 1;
+  for (std::size_t k = 0; k < keypoints.size(); k += options.stride) is_keypoint[keypoints[k]] = 1;
 
   Collection collection(surface.points.size());
   const auto describe_part = [&](auto&& is_seen) {
@@ -149,8 +130,7 @@ Descriptions describe_model(const Model& model, const kernels::RayScene& rays,
   };
   describe_part([](std::uint32_t) { return true; });
   for (std::size_t v = 0; v < kNumPartialViews; ++v) {
-    const std::size_t direction = (2 * v + 1) * kernels::kNumViews / (2 * kNumPartialViews);
-    describe_part([&](std::uint32_t i) { return kernels::is_visible(views[i], direction); });
+    describe_part([&](std::uint32_t i) { return kernels::is_visible(views[i], partial_view(v)); });
   }
   return collection.take();
 }

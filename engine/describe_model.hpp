@@ -2,17 +2,17 @@
 #pragma once
 
 #include "engine/describe_surface.hpp"
-#include "kernels/ray_scene.hpp"
+#include "engine/model_surface.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::engine {
 
-/// How surfaces are described: lengths in resolutions, which are steps of about an eightieth of the
+/// How models are described: lengths in resolutions, which are steps of about an eightieth of the
 /// diameter, rounded to half an octave, so that models of like size share one.
 struct DescribeOptions {
-  float support = 17;       ///< radius of a support
-  float model_spacing = 3;  ///< of a model's keypoints
-  float scene_spacing = 3;  ///< of a scene's
+  float support = 17;      ///< radius of a support
+  float spacing = 3;       ///< of keypoints
+  std::size_t stride = 1;  ///< one in so many keypoints is described
   kernels::FrameLimits limits{};
 };
 
@@ -22,10 +22,9 @@ float resolution_for(float diameter) noexcept;
 /// Describe the keypoints of a model as the whole surface shows them and as 42 views do: what a
 /// view does not see is missing from its supports, as it is in a scan.
 ///
-/// rays  of the model's surface
 /// Descriptions of one keypoint that hardly differ are given once. Deterministic.
 /// Source: partial views instead of whole models, Guo et al., IJCV 2013, section 5, taken further.
-Descriptions describe_model(const Model& model, const kernels::RayScene& rays,
+Descriptions describe_model(const Model& model, const ModelSurface& surface,
                             const DescribeOptions& options);
 
 }  // namespace trivet::engine

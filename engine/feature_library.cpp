@@ -1,80 +1,45 @@
 #include "engine/feature_library.hpp"
 
-#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "engine/parallel.hpp"
-#include "engine/recogniser.hpp"
+#include "kernels/feature_codes.hpp"
 
 namespace trivet::engine {
-namespace {
 
-constexpr std::size_t kNumComponents = 60;
-constexpr std::size_t kBasisFeatures = 15'000;  // that the principal components are found from
-
-/// Images of some of a model's features, spread over all.
-void append_some(const Descriptions& all, std::size_t wanted, std::vector<float>& images) {
-  const std::size_t n = std::min(wanted, all.size());
-  for (std::size_t k = 0; k < n; ++k) {
-    const auto image = std::span(all.images)
-                           .subspan(k * all.size() / n * kernels::kTriSpinSize)
-                           .first(kernels::kTriSpinSize);
-    images.insert(images.end(), image.begin(), image.end());
-  }
-}
-
-}  // namespace
-
-Result<FeatureLibrary> build_features(const Recogniser& recogniser,
-                                      const DescribeOptions& options) {
-  const Library& library = recogniser.library();
-  FeatureLibrary out;
-  out.options = options;
-  if (library.models.empty()) return out;
-  // Images take fifty times the room of what is kept of them: one model's at a time.
-  const auto describe = [&](std::uint32_t m) -> Result<Descriptions> {
-    const Result<kernels::RayScene>& rays = recogniser.surface(m);
-    if (!rays) return rays.error();
-    return describe_model(library.models[m], *rays, options);
-  };
-  std::vector<float> some;
+std::vector<FeatureLevel> index_features(const Library& library) {
+  std::map<float, std::vector<std::uint32_t>> models;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    const Result<Descriptions> all = describe(m);
-    if (!all) return all.error();
-    append_some(*all, 1 + kBasisFeatures / library.models.size(), some);
+    const TriSpinFeatures& features = library.models[m].features;
+    if (features.size() > 0) models[features.resolution].push_back(m);
   }
-  if (some.empty()) return out;
-  out.basis = kernels::find_components(some, kernels::kTriSpinSize, kNumComponents);
-
-  struct Gathered {
+  std::vector<FeatureLevel> levels;
+  for (auto& [resolution, of_level] : models) {
     FeatureLevel level;
-    Column<float> features;
-  };
-  std::map<float, Gathered> gathered;
-  const std::size_t k = out.basis.size();
-  for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    const Result<Descriptions> all = describe(m);
-    if (!all) return all.error();
-    const float resolution = resolution_for(library.models[m].diameter);
-    Gathered& at = gathered[resolution];
-    at.level.resolution = resolution;
-    at.level.model.insert(at.level.model.end(), all->size(), m);
-    for (std::size_t i = 0; i < all->size(); ++i) at.level.keypoints.push_back(all->keypoints[i]);
-    at.level.frames.insert(at.level.frames.end(), all->frames.begin(), all->frames.end());
-    const std::size_t before = at.features.size();
-    at.features.resize(before + all->size() * k);
-    for_chunks(all->size(), 256, [&](std::size_t first, std::size_t count) {
-      kernels::project(out.basis,
-                       std::span(all->images)
-                           .subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
-                       std::span(at.features).subspan(before + first * k, count * k));
-    });
+    level.resolution = resolution;
+    level.models = std::move(of_level);
+    levels.push_back(std::move(level));
   }
-  for (auto& [resolution, at] : gathered) {
-    at.level.forest = kernels::FeatureForest(at.features, k);
-    out.levels.push_back(std::move(at.level));
-  }
-  return out;
+  const std::size_t k = library.basis.components.size();
+  for_each_index(levels.size(), [&](std::size_t l) {
+    FeatureLevel& level = levels[l];
+    Column<float> numbers;
+    for (const std::uint32_t m : level.models) {
+      const TriSpinFeatures& features = library.models[m].features;
+      level.model.insert(level.model.end(), features.size(), m);
+      for (std::size_t i = 0; i < features.size(); ++i) {
+        level.keypoints.push_back(features.keypoints[i]);
+        level.frames.emplace_back(Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(
+            features.frames[i].data()));
+      }
+      const std::size_t before = numbers.size();
+      numbers.resize(before + features.codes.size());
+      kernels::decode(features.codes, library.basis.code_step, std::span(numbers).subspan(before));
+    }
+    level.forest = kernels::FeatureForest(numbers, k);
+  });
+  return levels;
 }
 
 }  // namespace trivet::engine

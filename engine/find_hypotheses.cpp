@@ -78,6 +78,7 @@ std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& lib
       const Pose T_scene_frame = kernels::frame_pose(frame).inverse();
       for (std::size_t m = 0; m < models.size(); ++m) {
         const Model& model = library.models[models[m]];
+        if (model.ppf.entries.empty()) continue;
         scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
         scratch.num_votes +=
             kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);

@@ -1,7 +1,11 @@
 #include "engine/match_features.hpp"
 
+#include <utility>
+
+#include "engine/describe_surface.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/keypoints_uniform.hpp"
+#include "kernels/pca.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -15,29 +19,32 @@ struct MatchScratch {
 
 }  // namespace
 
-std::vector<std::vector<kernels::Hypothesis>> match_features(const FeatureLibrary& library,
-                                                             const FeatureLevel& level,
-                                                             const SceneSample& sample,
-                                                             std::size_t num_models,
-                                                             const MatchOptions& options) {
-  std::vector<std::vector<kernels::Hypothesis>> hypotheses(num_models);
+SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
+                            const PreparedScene& scene, const SceneSample& sample,
+                            std::span<const std::uint8_t> explained, const MatchOptions& options) {
+  SceneMatches out;
+  out.spacing = options.spacing * level.resolution;
   Column<std::uint32_t> keypoints;
   kernels::UniformScratch uniform;
-  kernels::find_uniform_keypoints(sample.points, library.options.scene_spacing * level.resolution,
-                                  keypoints, uniform);
-  Descriptions scene;
-  describe_surface(sample.points, sample.normals, keypoints,
-                   library.options.support * level.resolution, library.options.limits, scene);
+  kernels::find_uniform_keypoints(sample.points, out.spacing, keypoints, uniform);
+  if (!explained.empty()) {
+    std::erase_if(keypoints, [&](std::uint32_t i) {
+      return is_explained(scene, explained, sample.points[i], out.spacing);
+    });
+  }
+  Descriptions described;
+  describe_surface(sample.points, sample.normals, keypoints, basis.support * level.resolution,
+                   options.limits, described);
 
-  const std::size_t k = library.basis.size(), matches = options.num_neighbours;
-  std::vector<std::uint32_t> indices(scene.size() * matches);
+  const std::size_t k = basis.components.size(), matches = options.num_neighbours;
+  std::vector<std::uint32_t> indices(described.size() * matches);
   std::vector<float> distances(indices.size());
   PerThread<MatchScratch> per_thread;
-  for_chunks(scene.size(), kGrain, [&](std::size_t first, std::size_t count) {
+  for_chunks(described.size(), kGrain, [&](std::size_t first, std::size_t count) {
     MatchScratch& scratch = per_thread.local();
     scratch.features.resize(count * k);
-    kernels::project(library.basis,
-                     std::span(scene.images)
+    kernels::project(basis.components,
+                     std::span(described.images)
                          .subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
                      scratch.features);
     level.forest.k_nearest(scratch.features, matches, options.max_checks,
@@ -48,11 +55,26 @@ std::vector<std::vector<kernels::Hypothesis>> match_features(const FeatureLibrar
   for (std::size_t m = 0; m < indices.size(); ++m) {
     const std::uint32_t i = indices[m];
     if (i == kernels::FeatureForest::kNone) continue;
-    const std::size_t s = m / matches;
+    const auto s = static_cast<std::uint32_t>(m / matches);
     Pose pose = Pose::Identity();
-    pose.linear() = scene.frames[s].transpose() * level.frames[i];
-    pose.translation() = scene.keypoints[s] - pose.linear() * level.keypoints[i];
-    hypotheses[level.model[i]].push_back({pose, 1});
+    pose.linear() = described.frames[s].transpose() * level.frames[i];
+    pose.translation() = described.keypoints[s] - pose.linear() * level.keypoints[i];
+    out.matches.push_back({s, level.model[i], pose});
+  }
+  out.keypoints = std::move(described.keypoints);
+  return out;
+}
+
+std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& matches,
+                                                            const PreparedScene& scene,
+                                                            std::span<const std::uint8_t> explained,
+                                                            std::size_t num_models) {
+  std::vector<std::vector<kernels::Hypothesis>> hypotheses(num_models);
+  for (const FeatureMatch& match : matches.matches) {
+    if (!explained.empty() &&
+        is_explained(scene, explained, matches.keypoints[match.keypoint], matches.spacing))
+      continue;
+    hypotheses[match.model].push_back({match.T_scene_model, 1});
   }
   return hypotheses;
 }

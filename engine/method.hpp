@@ -7,7 +7,16 @@
 
 namespace trivet {
 
-enum class Method : std::uint8_t { ppf, trisi };
+/// What proposes poses.
+enum class Source : std::uint8_t { expected, ppf, trisi };
+
+/// What a scene is searched by.
+enum class Method : std::uint8_t { fused, ppf, trisi };
+
+constexpr bool uses(Method method, Source source) noexcept {
+  return method == Method::fused || (method == Method::ppf && source == Source::ppf) ||
+         (method == Method::trisi && source == Source::trisi);
+}
 
 struct MethodName {
   Method method;
@@ -16,13 +25,15 @@ struct MethodName {
 };
 
 /// By their values.
-inline constexpr std::array<MethodName, 2> kMethods{{
+inline constexpr std::array<MethodName, 3> kMethods{{
+    {Method::fused, "fused", "both of these"},
     {Method::ppf, "ppf", "votes of point pairs (Drost et al., CVPR 2010)"},
     {Method::trisi, "trisi", "matches of Tri-Spin-Images (Guo et al., GRAPP 2013)"},
 }};
 
-constexpr std::string_view name_of(Method method) noexcept {
-  return kMethods[static_cast<std::size_t>(method)].name;
+constexpr std::string_view name_of(Source source) noexcept {
+  constexpr std::array<std::string_view, 3> kNames{"expected", "ppf", "trisi"};
+  return kNames[static_cast<std::size_t>(source)];
 }
 
 }  // namespace trivet

@@ -314,23 +314,6 @@ void prepare_closed_scene(const Cloud& cloud, ImprovementSet without, PreparedSc
   }
 }
 
-/// Whether a scene point lies on a marked pixel of some image, within `tolerance` of what that
-/// pixel measured.
-bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
-                  const Eigen::Vector3f& point, float tolerance) {
-  std::size_t first = 0;  // of the image's pixels among those of all images
-  for (const kernels::RangeImage& image : scene.images) {
-    const Eigen::Vector3f p = image.geometry.T_camera_scene * point;
-    const std::int64_t pixel = image.geometry.pixel_of(p);
-    if (pixel >= 0) {
-      const auto at = static_cast<std::size_t>(pixel);
-      if (explained[first + at] != 0 && std::abs(image.depth[at] - p.z()) <= tolerance) return true;
-    }
-    first += image.depth.size();
-  }
-  return false;
-}
-
 /// Whether the scene is a whole surface instead of what a sensor saw from one place.
 bool is_closed(const Cloud& cloud, const SceneInput& input) {
   if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty())
@@ -403,6 +386,21 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
     sample.normals.push_back(normals[i]);
   }
   return sample;
+}
+
+bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
+                  const Eigen::Vector3f& point, float tolerance) {
+  std::size_t first = 0;  // of the image's pixels among those of all images
+  for (const kernels::RangeImage& image : scene.images) {
+    const Eigen::Vector3f p = image.geometry.T_camera_scene * point;
+    const std::int64_t pixel = image.geometry.pixel_of(p);
+    if (pixel >= 0) {
+      const auto at = static_cast<std::size_t>(pixel);
+      if (explained[first + at] != 0 && std::abs(image.depth[at] - p.z()) <= tolerance) return true;
+    }
+    first += image.depth.size();
+  }
+  return false;
 }
 
 SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,

@@ -48,6 +48,13 @@ struct SceneSample {
 SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
                          ImprovementSet without = {});
 
+/// Whether a scene point lies on a marked pixel of some image, within `tolerance` of what that
+/// pixel measured.
+///
+/// explained  nonzero for marked pixels, of all images one after the other
+bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
+                  const Eigen::Vector3f& point, float tolerance);
+
 /// What votes for models of one step in one round.
 struct SceneLevel {
   float step = 0;

@@ -103,7 +103,7 @@ struct Detection {
   /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
   /// detection is ambiguous.
   std::vector<Pose> rivals{};
-  Method method = Method::ppf;  ///< that found it
+  Source source = Source::ppf;  ///< that proposed it
 };
 
 enum class Rejection {

@@ -17,7 +17,7 @@ struct Recogniser::Surface {
 
 struct Recogniser::Features {
   tbb::collaborative_once_flag once;
-  std::optional<Result<engine::FeatureLibrary>> library;
+  std::vector<engine::FeatureLevel> levels;
 };
 
 Recogniser::Recogniser(Library library, const kernels::ScoreModel& score)
@@ -43,10 +43,10 @@ const Result<kernels::RayScene>& Recogniser::surface(std::uint32_t model) const 
   return *surface.rays;
 }
 
-const Result<engine::FeatureLibrary>& Recogniser::features() const {
+const std::vector<engine::FeatureLevel>& Recogniser::features() const {
   tbb::collaborative_call_once(features_->once,
-                               [&] { features_->library = engine::build_features(*this, {}); });
-  return *features_->library;
+                               [&] { features_->levels = engine::index_features(library_); });
+  return features_->levels;
 }
 
 }  // namespace trivet

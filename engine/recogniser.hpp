@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "kernels/pose_score.hpp"
 #include "kernels/ray_scene.hpp"
@@ -12,7 +13,7 @@
 namespace trivet {
 
 namespace engine {
-struct FeatureLibrary;
+struct FeatureLevel;
 }
 
 /// A library, and the surfaces of its models that rays can be shot at. One serves any number of
@@ -30,8 +31,8 @@ class Recogniser {
   /// where it was trained from a cloud that no surface could be laid through. Errors: internal
   /// (Embree's message).
   const Result<kernels::RayScene>& surface(std::uint32_t model) const;
-  /// The Tri-Spin-Images of all models, made when they are first asked for. Errors: as surface().
-  const Result<engine::FeatureLibrary>& features() const;
+  /// The Tri-Spin-Images of all models, indexed when they are first asked for.
+  const std::vector<engine::FeatureLevel>& features() const;
 
  private:
   struct Surface;

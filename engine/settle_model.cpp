@@ -25,8 +25,9 @@ constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
 /// A pose that was looked at by samples of the surface.
 struct Look {
+  Source source = Source::ppf;
   Pose T_scene_model = Pose::Identity();
-  float votes = 0;  // share of the votes for the model
+  float votes = 0;  // share of the source's votes for the model
   kernels::Evidence evidence;
   float score = 0;
 };
@@ -87,32 +88,31 @@ class Settling {
         options_(options),
         stats_(stats) {}
 
-  std::vector<kernels::Hypothesis> cluster(std::span<const kernels::Hypothesis> hypotheses) const {
+  /// The clusters of all proposals, not looked at yet.
+  std::vector<Look> cluster(std::span<const Proposals> proposals) const {
     const StageTimer timer(stats_.times, "cluster");
     const kernels::ClusterOptions limits{options_.pose.cluster_translation * model_.diameter,
                                          options_.pose.cluster_rotation_deg * kRadiansPerDegree,
                                          options_.pose.max_clusters};
-    std::vector<kernels::Hypothesis> clusters =
-        kernels::cluster_poses(hypotheses, model_.symmetry, model_.centre, limits);
-    std::erase_if(clusters, [&](const kernels::Hypothesis& cluster) {
-      return !tester_.allowed(cluster.T_scene_model);
-    });
-    return clusters;
+    std::vector<Look> looks;
+    for (const Proposals& from : proposals) {
+      float num_votes = 0;
+      for (const kernels::Hypothesis& hypothesis : from.hypotheses) num_votes += hypothesis.votes;
+      for (const kernels::Hypothesis& cluster :
+           kernels::cluster_poses(from.hypotheses, model_.symmetry, model_.centre, limits)) {
+        if (!tester_.allowed(cluster.T_scene_model)) continue;
+        looks.push_back({from.source, cluster.T_scene_model, cluster.votes / num_votes, {}, 0});
+      }
+    }
+    return looks;
   }
 
   /// A first look with the tolerance of an unrefined pose chooses which ones to refine.
-  ///
-  /// num_votes  of all hypotheses of the model
-  std::vector<Look> preselect(std::span<const kernels::Hypothesis> clusters,
-                              float num_votes) const {
+  std::vector<Look> preselect(std::vector<Look> looks) const {
     const StageTimer timer(stats_.times, "preselect");
     const kernels::VerifyOptions loose = tester_.loose();
-    std::vector<Look> looks(clusters.size());
-    for_each_index(clusters.size(), [&](std::size_t c) {
-      looks[c].T_scene_model = clusters[c].T_scene_model;
-      looks[c].votes = clusters[c].votes / num_votes;
-      look_at(kFirstLookSamples, loose, looks[c]);
-    });
+    for_each_index(looks.size(),
+                   [&](std::size_t c) { look_at(kFirstLookSamples, loose, looks[c]); });
     // The contour only lowers a score, and costs more: it is judged for those that are in the
     // running.
     std::vector<Look> running;
@@ -164,6 +164,7 @@ class Settling {
               ? judged_by_samples(looks[k])
               : tester_.examine(surface, score, tester_.polished(looks[k].T_scene_model),
                                 scratch.local());
+      candidates[k].source = looks[k].source;
     });
     std::erase_if(candidates, [&](const Candidate& candidate) {
       return !tester_.allowed(candidate.T_scene_model);
@@ -237,16 +238,13 @@ class Settling {
 
 Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
                                             const PreparedScene& scene, float step,
-                                            std::span<const kernels::Hypothesis> hypotheses,
+                                            std::span<const Proposals> proposals,
                                             const RecogniseOptions& options, SceneStats& stats) {
   const PoseTester tester(recogniser.library().models[model_index], scene, step, options);
   const Settling settling(tester, options, stats);
-  const std::vector<kernels::Hypothesis> clusters = settling.cluster(hypotheses);
-  stats.num_hypotheses += clusters.size();
-  const float num_votes = std::accumulate(
-      hypotheses.begin(), hypotheses.end(), 0.0F,
-      [](float sum, const kernels::Hypothesis& hypothesis) { return sum + hypothesis.votes; });
-  std::vector<Look> looks = settling.preselect(clusters, num_votes);
+  std::vector<Look> looks = settling.cluster(proposals);
+  stats.num_hypotheses += looks.size();
+  looks = settling.preselect(std::move(looks));
   stats.num_refined += looks.size();
   looks = settling.refine(std::move(looks));
   stats.num_examined += looks.size();

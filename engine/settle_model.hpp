@@ -14,12 +14,18 @@
 
 namespace trivet::engine {
 
-/// Cluster the hypotheses of one model, look at each, refine the best, test those by rays and score
-/// them. `step` is the sampling step of the points that voted. Errors: internal (no memory for the
-/// model's ray-tracing tree).
+/// Poses of one model, all from one source.
+struct Proposals {
+  Source source = Source::ppf;
+  std::vector<kernels::Hypothesis> hypotheses;
+};
+
+/// Cluster the hypotheses of one model, those of each source for themselves, look at each, refine
+/// the best of all, test those by rays and score them. `step` is the sampling step of the points
+/// that voted. Errors: internal (no memory for the model's ray-tracing tree).
 Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
                                             const PreparedScene& scene, float step,
-                                            std::span<const kernels::Hypothesis> hypotheses,
+                                            std::span<const Proposals> proposals,
                                             const RecogniseOptions& options, SceneStats& stats);
 
 }  // namespace trivet::engine

@@ -101,7 +101,7 @@ class Rivalry {
   Candidate examine(const Pose& pose, const Candidate& instead_of) {
     Candidate candidate = tester_.examine(surface_, score_, pose, examine_scratch_);
     candidate.model = instead_of.model;
-    candidate.method = instead_of.method;
+    candidate.source = instead_of.source;
     return candidate;
   }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "storage/library.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
+#include "storage/tri_spin_features.hpp"
 
 namespace trivet {
 
@@ -25,7 +27,11 @@ struct TrainOptions {
   std::uint32_t num_angle_bins = 15;  ///< bins over 180 degrees for the angles of a pair, 6..60
   float normal_cluster_angle_deg =
       30;  ///< points of one voxel whose normals differ more stay apart, > 0
-  std::uint32_t num_samples = 2048;  ///< surface samples for refinement and verification, >= 256
+  std::uint32_t num_samples = 2048;   ///< surface samples for refinement and verification, >= 256
+  bool point_pairs = true;            ///< train for Method::ppf
+  bool tri_spin_images = true;        ///< train for Method::trisi
+  std::uint32_t num_components = 60;  ///< of Tri-Spin-Images that are kept at most, 1..675
+  float component_energy = 1;  ///< fewer are kept where they have this share of the variance, 0..1
   bool operator==(const TrainOptions&) const = default;
 };
 
@@ -44,6 +50,7 @@ struct TrainStats {
   StageTimes times;
   std::size_t num_ppf_points = 0;
   std::uint64_t num_ppf_entries = 0;
+  std::size_t num_features = 0;
   std::size_t num_hidden_samples = 0;  ///< samples inside the model, dropped
   std::vector<std::string> warnings;   ///< as a person should read them
 };
@@ -54,10 +61,18 @@ struct TrainedModel {
 };
 
 /// Train one model from a mesh, or from a cloud, which gets faces if it lies on a surface. Same
-/// input, same bytes for any number of threads. Errors: bad_data (too few distinct points, no
-/// extent).
-Result<TrainedModel> train_model(const Cloud& surface, const ModelSource& source,
-                                 const TrainOptions& options);
+/// input, same bytes for any number of threads.
+///
+/// basis  of the features; empty: the model gets none
+/// Errors: bad_data (too few distinct points, no extent).
+Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
+                                 const TrainOptions& options, const TriSpinBasis& basis = {});
+
+/// Find what the features of a library have in common, from some of the features of some of its
+/// models: at most sixteen, spread over the list; of none once it is stopped. Errors: of reading
+/// and training.
+Result<TriSpinBasis> find_basis(std::span<const ModelSource> sources, const TrainOptions& options,
+                                const std::stop_token& stop = {});
 
 /// The sampling step for a diameter: relative_step times the diameter, rounded to a quarter of an
 /// octave, so that models of like size share the scene's preparation and its pair features.

@@ -31,7 +31,8 @@ struct Finished {
   std::shared_ptr<Result<TrainedModel>> trained;
 };
 
-Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOptions& options) {
+Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOptions& options,
+                                    const TriSpinBasis& basis) {
   StageTimes times;
   Result<Cloud> surface = Error{ErrorCode::internal, ""};
   std::string hash;
@@ -43,7 +44,7 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
     surface = read_cloud(source.file);
   }
   if (!surface) return surface.error();
-  Result<TrainedModel> trained = train_model(*surface, source, options);
+  Result<TrainedModel> trained = train_model(*surface, source, options, basis);
   if (!trained) return trained;
   trained->model.source_xxh3 = hash;
   times.seconds.insert(times.seconds.end(), trained->stats.times.seconds.begin(),
@@ -56,7 +57,11 @@ std::string parameters_json(const TrainOptions& options) {
   return nlohmann::json{{"relative_step", options.relative_step},
                         {"num_angle_bins", options.num_angle_bins},
                         {"normal_cluster_angle_deg", options.normal_cluster_angle_deg},
-                        {"num_samples", options.num_samples}}
+                        {"num_samples", options.num_samples},
+                        {"point_pairs", options.point_pairs},
+                        {"tri_spin_images", options.tri_spin_images},
+                        {"num_components", options.num_components},
+                        {"component_energy", options.component_energy}}
       .dump();
 }
 
@@ -78,6 +83,18 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   std::stable_sort(order.begin(), order.end(),
                    [](const ModelSource* a, const ModelSource* b) { return a->name < b->name; });
 
+  TriSpinBasis basis;
+  if (options.tri_spin_images) {
+    std::vector<ModelSource> by_name;
+    for (const ModelSource* source : order) by_name.push_back(*source);
+    Result<TriSpinBasis> found = find_basis(by_name, options, progress.stop);
+    if (!found) return found.error();
+    basis = std::move(*found);
+    if (basis.components.size() > 0) {
+      if (const Result<void> added = writer->add(basis); !added) return added.error();
+    }
+  }
+
   LibraryStats stats;
   std::optional<Error> failure;
   flow::graph graph;
@@ -93,8 +110,8 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   });
   flow::limiter_node<Job> gate(graph, kModelsInFlight);
   flow::function_node<Job, Finished> train(graph, flow::unlimited, [&](const Job& job) {
-    return Finished{job.id,
-                    std::make_shared<Result<TrainedModel>>(read_and_train(*job.source, options))};
+    return Finished{job.id, std::make_shared<Result<TrainedModel>>(
+                                read_and_train(*job.source, options, basis))};
   });
   flow::sequencer_node<Finished> in_order(graph,
                                           [](const Finished& finished) { return finished.id; });

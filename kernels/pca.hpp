@@ -4,20 +4,9 @@
 #include <cstddef>
 #include <span>
 
-#include "storage/columns.hpp"
+#include "storage/pca_basis.hpp"
 
 namespace trivet::kernels {
-
-/// The directions of largest spread, which take vectors of `dimension` numbers to fewer.
-struct PcaBasis {
-  std::size_t dimension = 0;
-  Column<float> mean;        ///< dimension numbers
-  Column<float> components;  ///< unit vectors one after the other, by falling energy, orthogonal
-  Column<float> energies;    ///< variance along each
-  double all_energy = 0;     ///< the variance along all directions together
-
-  std::size_t size() const noexcept { return energies.size(); }
-};
 
 /// Find mean and principal components.
 ///

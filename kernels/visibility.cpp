@@ -61,11 +61,11 @@ float largest_of(const Cosines& cosines) {
 
 /// Views of one side of a point; cosines times `side` are those with that side's normal.
 ViewMask free_views(const RayScene& scene, const Eigen::Vector3f& origin, const Cosines& cosines,
-                    float side) {
+                    float side, const ViewMask& wanted) {
   constexpr float kFar = std::numeric_limits<float>::infinity();
   ViewMask mask{};
   for (std::size_t d = 0; d < kNumViews; ++d) {
-    if (!(side * cosines[d] > kMinViewCosine)) continue;
+    if (!(side * cosines[d] > kMinViewCosine) || !is_visible(wanted, d)) continue;
     if (scene.occluded(origin, view_direction(d), 0, kFar)) continue;
     mask[d / 64] |= std::uint64_t{1} << (d % 64);
   }
@@ -95,12 +95,12 @@ std::size_t nearest_view(const Eigen::Vector3f& direction) noexcept {
 }
 
 void compute_views(const RayScene& scene, PointsView points, NormalsView normals, float offset,
-                   std::span<ViewMask> masks) noexcept {
+                   const ViewMask& wanted, std::span<ViewMask> masks) noexcept {
   assert(normals.size() == points.size() && masks.size() == points.size() && "one each a point");
   Cosines cosines;
   for (std::size_t i = 0; i < points.size(); ++i) {
     dot_views(normals[i], cosines);
-    masks[i] = free_views(scene, points[i] + offset * normals[i], cosines, 1);
+    masks[i] = free_views(scene, points[i] + offset * normals[i], cosines, 1, wanted);
   }
 }
 
@@ -112,13 +112,13 @@ void orient_outward(const RayScene& scene, PointsView points, NormalsSpan normal
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f normal = given[i];
     dot_views(normal, cosines);
-    masks[i] = free_views(scene, points[i] + offset * normal, cosines, 1);
+    masks[i] = free_views(scene, points[i] + offset * normal, cosines, 1, kAllViews);
     // Where this side sees so much that no other side could see twice as much, half of the rays are
     // saved.
     const auto behind =
         std::count_if(cosines.begin(), cosines.end(), [](float c) { return -c > kMinViewCosine; });
     if (2 * count_views(masks[i]) >= behind) continue;
-    const ViewMask other = free_views(scene, points[i] - offset * normal, cosines, -1);
+    const ViewMask other = free_views(scene, points[i] - offset * normal, cosines, -1, kAllViews);
     if (count_views(other) > 2 * count_views(masks[i])) {
       masks[i] = other;
       normals.set(i, -normal);

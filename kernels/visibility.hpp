@@ -40,17 +40,21 @@ inline bool is_visible(const ViewMask& mask, std::size_t d) noexcept {
   return (mask[d / 64] >> (d % 64) & 1U) != 0;
 }
 
+inline constexpr ViewMask kAllViews{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0},
+                                    ~std::uint64_t{0}};
+
 /// Find the directions from which each point is seen.
 ///
 /// scene    the surface; the points lie on it [m]
 /// points   n positions [m]
 /// normals  n outward unit vectors
 /// offset   > 0 [m]: rays start this far along the normal, to miss the surface they start on
+/// wanted   directions that are tried; the bits of all others stay 0
 /// masks    n; bit d is set when normal . view_direction(d) > kMinViewCosine and the ray from the
 ///          point towards the camera meets nothing. NaN normals give an empty mask.
 /// Rows are independent: any split into chunks gives the same bits. No allocation.
 void compute_views(const RayScene& scene, PointsView points, NormalsView normals, float offset,
-                   std::span<ViewMask> masks) noexcept;
+                   const ViewMask& wanted, std::span<ViewMask> masks) noexcept;
 
 /// Turn each normal to the outside, which is the side with more free views, and give its views.
 ///

@@ -102,6 +102,8 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
   if (!std::isfinite(q.distance_step) || q.distance_step <= 0) {
     return fmt::format("ppf@distance_step: expected a positive length, found {}", q.distance_step);
   }
+  if (q.num_distance_bins == 0 && table.offsets.empty() && table.entries.empty())
+    return {};  // trained without: the step stays
   if (num_points > 65536)
     return fmt::format("ppf/points: expected at most 65536, found {}", num_points);
   if (table.num_references > num_points) {
@@ -152,7 +154,61 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
   return {};
 }
 
+std::string check_features(const TriSpinFeatures& features) {
+  if (features.size() == 0 && features.frames.empty() && features.codes.empty()) return {};
+  if (!std::isfinite(features.resolution) || features.resolution <= 0) {
+    return fmt::format("trisi@resolution: expected a positive length, found {}",
+                       features.resolution);
+  }
+  if (auto wrong = check_points("trisi/keypoints", features.keypoints); !wrong.empty())
+    return wrong;
+  if (auto wrong = check_length("trisi/frames", features.frames.size(), features.size());
+      !wrong.empty())
+    return wrong;
+  if (features.codes.size() != features.size() * features.num_components) {
+    return fmt::format("trisi/features: expected {} rows of {}, found {} numbers", features.size(),
+                       features.num_components, features.codes.size());
+  }
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> frame(
+        features.frames[i].data());
+    if (!frame.allFinite() || !(frame * frame.transpose()).isIdentity(kUnitTolerance) ||
+        frame.determinant() < 0)
+      return fmt::format("trisi/frames[{}]: expected a rotation", i);
+  }
+  return {};
+}
+
+std::string check_numbers(std::string_view name, std::span<const float> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i]))
+      return fmt::format("{}[{}]: expected a finite number, found {}", name, i, numbers[i]);
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<void> check_basis(const TriSpinBasis& basis) {
+  const PcaBasis& pca = basis.components;
+  std::string wrong;
+  if (!std::isfinite(basis.support) || basis.support <= 0) {
+    wrong = fmt::format("support: expected a positive number, found {}", basis.support);
+  } else if (!std::isfinite(basis.code_step) || basis.code_step <= 0) {
+    wrong = fmt::format("code_step: expected a positive number, found {}", basis.code_step);
+  } else if (pca.size() == 0 || pca.size() > kImageSize) {
+    wrong = fmt::format("energies: expected 1 to {} rows, found {}", kImageSize, pca.size());
+  } else if (pca.dimension != kImageSize || pca.mean.size() != kImageSize) {
+    wrong = fmt::format("mean: expected {} numbers, found {}", kImageSize, pca.mean.size());
+  } else {
+    wrong = check_length("components", pca.components.size() / kImageSize, pca.size());
+  }
+  if (wrong.empty()) wrong = check_numbers("mean", pca.mean);
+  if (wrong.empty()) wrong = check_numbers("components", pca.components);
+  if (wrong.empty()) wrong = check_numbers("energies", pca.energies);
+  if (wrong.empty()) return {};
+  return Error{ErrorCode::bad_data, "trisi/" + wrong};
+}
 
 Result<void> check_model(const Model& model) {
   if (!is_model_name(model.name)) {
@@ -185,6 +241,7 @@ Result<void> check_model(const Model& model) {
       },
       +[](const Model& m) { return check_normals("ppf/normals", m.ppf_normals); },
       +[](const Model& m) { return check_table(m.ppf, m.ppf_points.size()); },
+      +[](const Model& m) { return check_features(m.features); },
   };
   for (const auto check : checks) {
     if (const std::string wrong = check(model); !wrong.empty()) {

@@ -14,7 +14,7 @@
 namespace trivet {
 
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
-inline constexpr std::uint32_t kLibraryVersionMinor = 2;  ///< a newer minor version is read
+inline constexpr std::uint32_t kLibraryVersionMinor = 3;  ///< a newer minor version is read
 
 enum class LengthUnit { metre, millimetre };
 
@@ -41,8 +41,11 @@ class LibraryWriter {
   LibraryWriter& operator=(LibraryWriter&&) noexcept;
   ~LibraryWriter();  ///< without publish: removes the temporary file, an older library stays
 
-  /// Errors: bad_data (invalid or repeated name, broken model), io (disk full: says how much was
-  /// needed).
+  /// What the features of the models to come have in common; at most once, before them. Errors:
+  /// bad_data, io.
+  Result<void> add(const TriSpinBasis& basis);
+  /// Errors: bad_data (invalid or repeated name, broken model, features of another basis), io (disk
+  /// full: says how much was needed).
   Result<void> add(const Model& model);
   /// Close, fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
   Result<void> publish();
@@ -64,6 +67,7 @@ struct Library {
   LibraryHeader header;
   std::uint32_t version_minor = 0;  ///< of the file's format
   std::uint64_t file_bytes = 0;
+  TriSpinBasis basis;
   std::vector<Model> models;          ///< sorted by name; the PPF tables lie in the mapped file
   std::vector<DatasetInfo> datasets;  ///< in file order, for `library info`
 };

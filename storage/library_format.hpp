@@ -16,8 +16,9 @@ inline constexpr std::string_view kName = "trivet-library";
 inline constexpr std::string_view kChecksum = "checksum";      ///< attribute of the root
 inline constexpr std::string_view kDataChecksum = "xxh3_128";  ///< attribute of each dataset
 inline constexpr std::uint64_t kRows = 0;  ///< stands in a shape for the number of rows
+inline constexpr std::uint64_t kComponents = ~std::uint64_t{0};  ///< ... of principal components
 
-/// One dataset of a model.
+/// One dataset of a model, or with the group "/trisi" of the library.
 struct DatasetSpec {
   std::string_view group;  ///< empty: the model's own group
   std::string_view name;
@@ -93,10 +94,38 @@ inline constexpr DatasetSpec kPpfEntries{
     "ppf",      "entries", ElementType::u16,
     {kRows, 2}, 2,         "reference point and rotation angle, 65536 = a full turn",
     "1"};
+inline constexpr std::uint64_t kImageSize = 675;
+inline constexpr DatasetSpec kMeanImage{
+    "/trisi", "mean", ElementType::f32, {kImageSize}, 1, "mean of the Tri-Spin-Images", "1", 3};
+inline constexpr DatasetSpec kImageComponents{"/trisi",
+                                              "components",
+                                              ElementType::f32,
+                                              {kRows, kImageSize},
+                                              2,
+                                              "principal components, orthogonal unit rows",
+                                              "1",
+                                              3};
+inline constexpr DatasetSpec kImageEnergies{
+    "/trisi", "energies", ElementType::f32, {kRows}, 1, "variance along each component", "1", 3};
+inline constexpr DatasetSpec kKeypoints{
+    "trisi", "keypoints", ElementType::f32, {3, kRows}, 2, "keypoints, rows x, y, z", "", 3};
+inline constexpr DatasetSpec kFrames{
+    "trisi",       "frames", ElementType::f32,
+    {kRows, 3, 3}, 3,        "local reference frames, rows e1, e2, e3",
+    "1",           3};
+inline constexpr DatasetSpec kFeatures{"trisi",
+                                       "features",
+                                       ElementType::u8,
+                                       {kRows, kComponents},
+                                       2,
+                                       "Tri-Spin-Images in the principal components, coded",
+                                       "1",
+                                       3};
 
-inline constexpr std::array kDatasets{kVertices,    kTriangles,     kSamples,        kSampleNormals,
-                                      kSampleViews, kSymmetryPoses, kNearSymmetries, kNearAxis,
-                                      kPpfPoints,   kPpfNormals,    kPpfOffsets,     kPpfEntries};
+inline constexpr std::array kDatasets{
+    kVertices,       kTriangles,       kSamples,       kSampleNormals, kSampleViews, kSymmetryPoses,
+    kNearSymmetries, kNearAxis,        kPpfPoints,     kPpfNormals,    kPpfOffsets,  kPpfEntries,
+    kMeanImage,      kImageComponents, kImageEnergies, kKeypoints,     kFrames,      kFeatures};
 
 /// XXH3-128 over names, types, shapes and attributes of an object and of all below it, as in
 /// docs/format.md; `children` are the digests of the objects in the group by name.
@@ -111,5 +140,8 @@ bool is_model_name(std::string_view name) noexcept;
 /// Check what recognition relies on: lengths, index ranges, order, finite values, unit normals.
 /// Linear in the size of the model. Errors: bad_data (names the model, the dataset and the row).
 Result<void> check_model(const Model& model);
+
+/// Likewise. Errors: bad_data (names the dataset and the row).
+Result<void> check_basis(const TriSpinBasis& basis);
 
 }  // namespace trivet::format

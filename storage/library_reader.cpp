@@ -70,9 +70,17 @@ class Taker {
 
   /// The minor version of the file: older ones have fewer datasets, newer ones may have more.
   void set_version(std::uint32_t minor) noexcept { minor_ = minor; }
+  /// Of the library's features.
+  void set_components(std::size_t number) noexcept { num_components_ = number; }
+  std::size_t num_components() const noexcept { return num_components_; }
   /// Refuse what the format of that version does not name.
-  void expect_only(const StoredGroup& group, std::string_view spec_group, std::string_view below,
-                   const std::string& path);
+  void expect_only(const StoredGroup& group, std::string_view spec_group,
+                   std::initializer_list<std::string_view> below, const std::string& path);
+  /// A group below another one; null where there is none.
+  const StoredGroup* below(const StoredGroup& group, const std::string& name) const {
+    const auto found = group.groups.find(name);
+    return found == group.groups.end() ? nullptr : &found->second;
+  }
 
  private:
   const StoredAttribute* find(const StoredAttributes& from, const std::string& name,
@@ -88,6 +96,7 @@ class Taker {
   const fs::path& file_;
   std::span<const std::byte> bytes_;
   std::uint32_t minor_ = kLibraryVersionMinor;
+  std::size_t num_components_ = 0;
   std::optional<Error> fault_;
 };
 
@@ -101,11 +110,13 @@ std::span<const std::byte> Taker::data(const StoredGroup& group, const format::D
     return {};
   }
   const StoredDataset& dataset = found->second;
+  std::array<std::uint64_t, 3> expected_shape = spec.shape;
+  std::ranges::replace(expected_shape, format::kComponents, std::uint64_t{num_components_});
   bool fits = dataset.type == spec.type && dataset.shape.size() == spec.rank;
   for (std::size_t i = 0; fits && i < spec.rank; ++i)
-    fits = spec.shape[i] == format::kRows || spec.shape[i] == dataset.shape[i];
+    fits = spec.shape[i] == format::kRows || expected_shape[i] == dataset.shape[i];
   if (!fits) {
-    const auto expected = std::span(spec.shape).first(spec.rank);
+    const auto expected = std::span(expected_shape).first(spec.rank);
     refuse(place,
            fmt::format("expected {} of shape ({}) with 0 for any number, found {} of shape ({})",
                        name_of(spec.type), fmt::join(expected, ", "), name_of(dataset.type),
@@ -124,7 +135,7 @@ std::span<const std::byte> Taker::data(const StoredGroup& group, const format::D
 }
 
 void Taker::expect_only(const StoredGroup& group, std::string_view spec_group,
-                        std::string_view below, const std::string& path) {
+                        std::initializer_list<std::string_view> below, const std::string& path) {
   if (minor_ > kLibraryVersionMinor) return;
   for (const auto& [name, dataset] : group.datasets) {
     const bool known = std::ranges::any_of(format::kDatasets, [&](const format::DatasetSpec& spec) {
@@ -133,7 +144,9 @@ void Taker::expect_only(const StoredGroup& group, std::string_view spec_group,
     if (!known) refuse(path + "/" + name, "the format has no such dataset");
   }
   for (const auto& [name, child] : group.groups) {
-    if (name != below) refuse(path + "/" + name, "the format has no such group");
+    const bool newer = name == "trisi" && minor_ < format::kFeatures.since;
+    if (newer || std::ranges::find(below, name) == below.end())
+      refuse(path + "/" + name, "the format has no such group");
   }
 }
 
@@ -194,6 +207,47 @@ std::span<const T> in_place(std::span<const std::byte> bytes, Column<T>& copied)
   return copied;
 }
 
+void take_table(Taker& take, const std::string& path, const StoredGroup& group,
+                const std::shared_ptr<const std::byte>& file, Model& model) {
+  model.ppf_points = copy_points(take.data(group, format::kPpfPoints, path));
+  model.ppf_normals = copy_points(take.data(group, format::kPpfNormals, path));
+  model.ppf.quantisation = {take.f32(group.attributes, "distance_step", path),
+                            take.u32(group.attributes, "num_distance_bins", path),
+                            take.u32(group.attributes, "num_angle_bins", path)};
+  model.ppf.num_references = take.u32(group.attributes, "num_references", path);
+  auto storage = std::make_shared<TableStorage>(TableStorage{file, {}, {}});
+  model.ppf.offsets = in_place(take.data(group, format::kPpfOffsets, path), storage->offsets);
+  model.ppf.entries = in_place(take.data(group, format::kPpfEntries, path), storage->entries);
+  model.ppf_storage = std::move(storage);
+  take.expect_only(group, "ppf", {}, path);
+}
+
+TriSpinFeatures take_features(Taker& take, const std::string& path, const StoredGroup& group) {
+  TriSpinFeatures out;
+  out.resolution = take.f32(group.attributes, "resolution", path);
+  out.keypoints = copy_points(take.data(group, format::kKeypoints, path));
+  out.frames = copy<FrameRows>(take.data(group, format::kFrames, path));
+  out.codes = copy<std::uint8_t>(take.data(group, format::kFeatures, path));
+  out.num_components = take.num_components();
+  take.expect_only(group, "trisi", {}, path);
+  return out;
+}
+
+TriSpinBasis take_basis(Taker& take, const StoredGroup& group) {
+  const std::string path = "/trisi";
+  TriSpinBasis out;
+  out.support = take.f32(group.attributes, "support", path);
+  out.code_step = take.f32(group.attributes, "code_step", path);
+  PcaBasis& components = out.components;
+  components.all_energy = take.f32(group.attributes, "all_energy", path);
+  components.dimension = format::kImageSize;
+  components.mean = copy<float>(take.data(group, format::kMeanImage, path));
+  components.components = copy<float>(take.data(group, format::kImageComponents, path));
+  components.energies = copy<float>(take.data(group, format::kImageEnergies, path));
+  take.expect_only(group, "/trisi", {}, path);
+  return out;
+}
+
 Model take_model(Taker& take, const std::string& name, const StoredGroup& group,
                  const std::shared_ptr<const std::byte>& file) {
   const std::string path = "/models/" + name;
@@ -224,26 +278,20 @@ Model take_model(Taker& take, const std::string& name, const StoredGroup& group,
   model.samples = copy_points(take.data(group, format::kSamples, path));
   model.sample_normals = copy_points(take.data(group, format::kSampleNormals, path));
   model.sample_views = copy<ViewMask>(take.data(group, format::kSampleViews, path));
-  take.expect_only(group, "", "ppf", path);
-
-  const auto found = group.groups.find("ppf");
-  if (found == group.groups.end()) {
+  take.expect_only(group, "", {"ppf", "trisi"}, path);
+  if (const StoredGroup* const table = take.below(group, "ppf")) {
+    take_table(take, path + "/ppf", *table, file, model);
+  } else {
     take.refuse(path + "/ppf", "expected this group, found none");
-    return model;
   }
-  const StoredGroup& table = found->second;
-  const std::string table_path = path + "/ppf";
-  model.ppf_points = copy_points(take.data(table, format::kPpfPoints, table_path));
-  model.ppf_normals = copy_points(take.data(table, format::kPpfNormals, table_path));
-  model.ppf.quantisation = {take.f32(table.attributes, "distance_step", table_path),
-                            take.u32(table.attributes, "num_distance_bins", table_path),
-                            take.u32(table.attributes, "num_angle_bins", table_path)};
-  model.ppf.num_references = take.u32(table.attributes, "num_references", table_path);
-  auto storage = std::make_shared<TableStorage>(TableStorage{file, {}, {}});
-  model.ppf.offsets = in_place(take.data(table, format::kPpfOffsets, table_path), storage->offsets);
-  model.ppf.entries = in_place(take.data(table, format::kPpfEntries, table_path), storage->entries);
-  model.ppf_storage = std::move(storage);
-  take.expect_only(table, "ppf", "", table_path);
+  if (take.num_components() == 0) {
+    if (take.below(group, "trisi") != nullptr)
+      take.refuse(path + "/trisi", "expected the group /trisi beside it, found none");
+  } else if (const StoredGroup* const features = take.below(group, "trisi")) {
+    model.features = take_features(take, path + "/trisi", *features);
+  } else {
+    take.refuse(path + "/trisi", "expected this group, found none");
+  }
   return model;
 }
 
@@ -300,7 +348,7 @@ Result<Library> read_library(const fs::path& file) {
   Taker take(file, bytes);
   const std::uint32_t minor = take.u32(root->attributes, "format_version_minor", "/");
   take.set_version(minor);
-  Library out{file, {}, minor, bytes.size(), {}, {}};
+  Library out{file, {}, minor, bytes.size(), {}, {}, {}};
   out.header.producer = take.text(root->attributes, "producer", "/");
   out.header.parameters = take.text(root->attributes, "parameters", "/");
   const std::string unit = take.text(root->attributes, "length_unit", "/");
@@ -319,7 +367,16 @@ Result<Library> read_library(const fs::path& file) {
   if (models == root->groups.end()) {
     take.refuse("/models", "expected this group, found none");
   } else {
-    take.expect_only(*root, "/", "models", "");
+    take.expect_only(*root, "/", {"models", "trisi"}, "");
+    if (const StoredGroup* const basis = minor >= 3 ? take.below(*root, "trisi") : nullptr) {
+      out.basis = take_basis(take, *basis);
+      if (take.fault()) return *take.fault();
+      if (auto good = format::check_basis(out.basis); !good) {
+        return Error{ErrorCode::bad_data,
+                     fmt::format("{}: {}", file.string(), good.error().message)};
+      }
+      take.set_components(out.basis.components.size());
+    }
     const std::uint32_t count = take.u32(root->attributes, "num_models", "/");
     if (count != models->second.groups.size() || !models->second.datasets.empty()) {
       take.refuse("/models",

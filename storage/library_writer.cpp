@@ -161,9 +161,10 @@ Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis) {
 }
 
 StoredDataset describe(const format::DatasetSpec& spec, std::span<const std::byte> bytes,
-                       std::string_view unit) {
+                       std::string_view unit, std::size_t num_components) {
   StoredDataset out{
       spec.type, {spec.shape.begin(), spec.shape.begin() + spec.rank}, 0, bytes.size(), {}};
+  std::ranges::replace(out.shape, format::kComponents, std::uint64_t{num_components});
   std::uint64_t row_bytes = size_of(spec.type);
   for (const std::uint64_t n : out.shape) row_bytes *= n == format::kRows ? 1 : n;
   for (std::uint64_t& n : out.shape) n = n == format::kRows ? bytes.size() / row_bytes : n;
@@ -197,6 +198,14 @@ StoredAttributes table_attributes(const PpfTableView& table) {
   return out;
 }
 
+StoredAttributes basis_attributes(const TriSpinBasis& basis) {
+  StoredAttributes out;
+  out.emplace("support", attribute(basis.support));
+  out.emplace("code_step", attribute(basis.code_step));
+  out.emplace("all_energy", attribute(static_cast<float>(basis.components.all_energy)));
+  return out;
+}
+
 std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
 
 constexpr std::string_view kAxisConvention =
@@ -212,8 +221,23 @@ struct LibraryWriter::State {
   PendingFile file;
   Handle hdf5, root, models;                   ///< destroyed in reverse order
   std::map<std::string, std::string> digests;  ///< of the models written, by name
+  std::size_t num_components = 0;              ///< of the basis; 0: there is none
+  std::string basis_digest;
 
+  // false when HDF5 failed
+  bool write(const TriSpinBasis& basis);
   bool write(const Model& model);
+  bool write_table(hid_t parent, const Model& model, StoredGroup& described) const;
+  bool write_features(hid_t parent, const TriSpinFeatures& features, StoredGroup& described) const;
+  /// What writes datasets into a group, and takes up how they lie there.
+  auto into(hid_t group, StoredGroup& described) const {
+    return [this, group, &described](const format::DatasetSpec& spec,
+                                     std::span<const std::byte> bytes) {
+      const auto [at, added] = described.datasets.emplace(
+          spec.name, describe(spec, bytes, symbol(header.unit), num_components));
+      return write_dataset(group, at->first, at->second, bytes);
+    };
+  }
 
   /// What could not be written; the temporary file goes.
   Error fail(const std::string& what);
@@ -231,40 +255,67 @@ Error LibraryWriter::State::fail(const std::string& what) {
   return error;
 }
 
+// A dataset's bytes are gathered when it is written: one column more than the model at a time.
 bool LibraryWriter::State::write(const Model& model) {
   const Handle group = create_group(models.get(), model.name);
-  const Handle table = create_group(group.get(), "ppf");
   StoredGroup described{model_attributes(model), {}, {}};
-  StoredGroup& described_table = described.groups["ppf"];
-  described_table.attributes = table_attributes(model.ppf);
-  if (!group || !table || !write_attributes(group.get(), described.attributes) ||
-      !write_attributes(table.get(), described_table.attributes)) {
-    return false;
-  }
-
-  const auto put = [&](const format::DatasetSpec& spec, std::span<const std::byte> bytes) {
-    StoredGroup& into = spec.group.empty() ? described : described_table;
-    const auto [at, added] =
-        into.datasets.emplace(spec.name, describe(spec, bytes, symbol(header.unit)));
-    return write_dataset((spec.group.empty() ? group : table).get(), at->first, at->second, bytes);
-  };
+  if (!group || !write_attributes(group.get(), described.attributes)) return false;
+  const auto put = into(group.get(), described);
   const Triangles& triangles = model.triangles;
-  const bool written =
-      put(format::kVertices, gather(model.vertices)) &&
-      put(format::kTriangles, gather<std::uint32_t>({triangles.a, triangles.b, triangles.c})) &&
-      put(format::kSamples, gather(model.samples)) &&
-      put(format::kSampleNormals, gather(model.sample_normals)) &&
-      put(format::kSampleViews, std::as_bytes(std::span(model.sample_views))) &&
-      put(format::kSymmetryPoses, gather(model.symmetry.poses)) &&
-      put(format::kNearSymmetries, gather(model.near_symmetries)) &&
-      put(format::kNearAxis, gather(model.near_axis)) &&
-      put(format::kPpfPoints, gather(model.ppf_points)) &&
-      put(format::kPpfNormals, gather(model.ppf_normals)) &&
-      put(format::kPpfOffsets, std::as_bytes(model.ppf.offsets)) &&
-      put(format::kPpfEntries, std::as_bytes(model.ppf.entries));
-  if (!written || H5Fflush(hdf5.get(), H5F_SCOPE_LOCAL) < 0) return false;
+  if (!put(format::kVertices, gather(model.vertices)) ||
+      !put(format::kTriangles, gather<std::uint32_t>({triangles.a, triangles.b, triangles.c})) ||
+      !put(format::kSamples, gather(model.samples)) ||
+      !put(format::kSampleNormals, gather(model.sample_normals)) ||
+      !put(format::kSampleViews, std::as_bytes(std::span(model.sample_views))) ||
+      !put(format::kSymmetryPoses, gather(model.symmetry.poses)) ||
+      !put(format::kNearSymmetries, gather(model.near_symmetries)) ||
+      !put(format::kNearAxis, gather(model.near_axis)) ||
+      !write_table(group.get(), model, described) ||
+      !write_features(group.get(), model.features, described))
+    return false;
+  if (H5Fflush(hdf5.get(), H5F_SCOPE_LOCAL) < 0) return false;
   digests.emplace(model.name, format::digest(described));
   return true;
+}
+
+bool LibraryWriter::State::write_table(hid_t parent, const Model& model,
+                                       StoredGroup& described) const {
+  const Handle group = create_group(parent, "ppf");
+  StoredGroup& table = described.groups["ppf"];
+  table.attributes = table_attributes(model.ppf);
+  const auto put = into(group.get(), table);
+  return group && write_attributes(group.get(), table.attributes) &&
+         put(format::kPpfPoints, gather(model.ppf_points)) &&
+         put(format::kPpfNormals, gather(model.ppf_normals)) &&
+         put(format::kPpfOffsets, std::as_bytes(model.ppf.offsets)) &&
+         put(format::kPpfEntries, std::as_bytes(model.ppf.entries));
+}
+
+bool LibraryWriter::State::write_features(hid_t parent, const TriSpinFeatures& features,
+                                          StoredGroup& described) const {
+  if (num_components == 0) return true;
+  const Handle group = create_group(parent, "trisi");
+  StoredGroup& stored = described.groups["trisi"];
+  stored.attributes.emplace("resolution", attribute(features.resolution));
+  const auto put = into(group.get(), stored);
+  return group && write_attributes(group.get(), stored.attributes) &&
+         put(format::kKeypoints, gather(features.keypoints)) &&
+         put(format::kFrames, std::as_bytes(std::span(features.frames))) &&
+         put(format::kFeatures, std::as_bytes(std::span(features.codes)));
+}
+
+bool LibraryWriter::State::write(const TriSpinBasis& basis) {
+  const PcaBasis& pca = basis.components;
+  const Handle group = create_group(root.get(), "trisi");
+  StoredGroup stored{basis_attributes(basis), {}, {}};
+  const auto put = into(group.get(), stored);
+  num_components = pca.size();
+  const bool written = group && write_attributes(group.get(), stored.attributes) &&
+                       put(format::kMeanImage, std::as_bytes(std::span(pca.mean))) &&
+                       put(format::kImageComponents, std::as_bytes(std::span(pca.components))) &&
+                       put(format::kImageEnergies, std::as_bytes(std::span(pca.energies)));
+  basis_digest = format::digest(stored);
+  return written;
 }
 
 LibraryWriter::LibraryWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -290,7 +341,8 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
   if (!pending) return pending.error();
 
   hdf5::start();
-  auto state = std::make_unique<State>(State{file, header, *std::move(pending), {}, {}, {}, {}});
+  auto state =
+      std::make_unique<State>(State{file, header, *std::move(pending), {}, {}, {}, {}, 0, {}});
   const Handle creation = creation_of(H5P_FILE_CREATE);
   const Handle access = hdf5::file_access();
   state->hdf5 =
@@ -301,6 +353,18 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
   return LibraryWriter(std::move(state));
 }
 
+Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
+  if (!state_ || !state_->file.pending()) return over();
+  if (auto good = format::check_basis(basis); !good) return good;
+  if (state_->num_components > 0 || !state_->digests.empty()) {
+    return Error{ErrorCode::internal,
+                 fmt::format("{}: expected one basis, before all models", state_->target.string())};
+  }
+  hdf5::start();
+  if (state_->write(basis)) return {};
+  return state_->fail("the basis of the features");
+}
+
 Result<void> LibraryWriter::add(const Model& model) {
   if (!state_ || !state_->file.pending()) return over();
   if (auto good = format::check_model(model); !good) return good;
@@ -308,6 +372,12 @@ Result<void> LibraryWriter::add(const Model& model) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: model '{}': expected each name once; rename one with NAME=FILE",
                              state_->target.string(), model.name)};
+  }
+  if (model.features.size() > 0 && model.features.num_components != state_->num_components) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: model '{}': expected features of {} components, found {}",
+                             state_->target.string(), model.name, state_->num_components,
+                             model.features.num_components)};
   }
   hdf5::start();
   try {
@@ -334,8 +404,9 @@ Result<void> LibraryWriter::publish() {
   root.emplace("axis_convention", attribute(kAxisConvention));
   root.emplace("parameters", attribute(state.header.parameters));
   root.emplace("num_models", attribute(static_cast<std::uint32_t>(state.digests.size())));
-  const std::string models = format::digest({}, state.digests);
-  root.emplace(format::kChecksum, attribute(format::digest(root, {{"models", models}})));
+  std::map<std::string, std::string> children{{"models", format::digest({}, state.digests)}};
+  if (state.num_components > 0) children.emplace("trisi", state.basis_digest);
+  root.emplace(format::kChecksum, attribute(format::digest(root, children)));
   if (!write_attributes(state.root.get(), root)) return state.fail("the attributes of the root");
 
   state.models = Handle();

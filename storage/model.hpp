@@ -14,6 +14,7 @@
 #include "storage/columns.hpp"
 #include "storage/points.hpp"
 #include "storage/ppf_table.hpp"
+#include "storage/tri_spin_features.hpp"
 
 namespace trivet {
 
@@ -71,6 +72,8 @@ struct Model {
   PpfTableView ppf;  ///< spans into ppf_storage
   std::shared_ptr<const void>
       ppf_storage;  ///< keeps the table's memory, heap or mapped file, alive
+
+  TriSpinFeatures features;  ///< none if trained without
 };
 
 }  // namespace trivet

@@ -12,16 +12,18 @@
 namespace trivet::engine {
 namespace {
 
-Model trained(const test::Shape& shape) {
-  auto result = train_model(test::cloud_of(shape), {"part", "part.ply", 1, {}}, {});
-  EXPECT_TRUE(result) << result.error().message;
-  return std::move(result->model);
-}
+struct Surveyed {
+  explicit Surveyed(const test::Shape& shape)
+      : surface(
+            survey_model(test::cloud_of(shape), {"part", "part.ply", 1, {}}, {}, model, stats)) {}
+  Descriptions describe(std::size_t stride = 1) const {
+    return describe_model(model, *surface, {.stride = stride});
+  }
 
-Descriptions describe(const Model& model) {
-  const auto rays = kernels::RayScene::from_mesh(model.vertices, model.triangles);
-  return describe_model(model, *rays, {});
-}
+  Model model;
+  TrainStats stats;
+  Result<ModelSurface> surface;
+};
 
 TEST(ResolutionFor, IsOneForModelsOfLikeSizeAndNearAnEightiethOfTheDiameter) {
   EXPECT_EQ(resolution_for(0.2F), resolution_for(0.21F));
@@ -32,8 +34,9 @@ TEST(ResolutionFor, IsOneForModelsOfLikeSizeAndNearAnEightiethOfTheDiameter) {
 }
 
 TEST(DescribeModel, DescribesTheVisibleSurfaceFromManySides) {
-  const Model model = trained(test::bracket());
-  const Descriptions all = describe(model);
+  const Surveyed surveyed(test::bracket());
+  const Model& model = surveyed.model;
+  const Descriptions all = surveyed.describe();
   const kernels::VoxelHash samples(model.samples, 0.02F);
   std::size_t near = 0;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -51,7 +54,7 @@ TEST(DescribeModel, DescribesTheVisibleSurfaceFromManySides) {
 }
 
 TEST(DescribeModel, GivesEachDescriptionOfAKeypointOnce) {
-  const Descriptions all = describe(trained(test::lever()));
+  const Descriptions all = Surveyed(test::lever()).describe();
   const kernels::VoxelHash keypoints(all.keypoints, 0.01F);
   std::size_t pairs = 0;
   for (std::uint32_t i = 0; i < all.size(); i += 5) {
@@ -70,11 +73,17 @@ TEST(DescribeModel, GivesEachDescriptionOfAKeypointOnce) {
   EXPECT_GT(pairs, 100U);
 }
 
+TEST(DescribeModel, DescribesOneInSoManyKeypoints) {
+  const Surveyed surveyed(test::lever());
+  const auto n = static_cast<double>(surveyed.describe().size());
+  EXPECT_NEAR(static_cast<double>(surveyed.describe(8).size()), n / 8, n / 50);
+}
+
 TEST(DescribeModel, GivesTheSameBytesForAnyNumberOfThreads) {
-  const Model model = trained(test::lever());
+  const Surveyed surveyed(test::lever());
   const auto with_threads = [&](unsigned n) {
     const ThreadLimit limit(n);
-    return describe(model);
+    return surveyed.describe();
   };
   const Descriptions one = with_threads(1), two = with_threads(2);
   EXPECT_TRUE(test::same_bits(one.images, two.images));

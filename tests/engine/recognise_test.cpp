@@ -12,6 +12,7 @@
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
+#include "support/trained_library.hpp"
 
 namespace trivet {
 namespace {
@@ -22,15 +23,7 @@ class Recognise : public testing::Test {
   static void SetUpTestSuite() {
     bracket_ = test::bracket();
     lever_ = test::lever();
-    Library library;
-    for (const auto& [name, shape] :
-         {std::pair{"bracket", &bracket_}, std::pair{"lever", &lever_}}) {
-      auto trained =
-          train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
-      ASSERT_TRUE(trained) << trained.error().message;
-      library.models.push_back(std::move(trained->model));
-    }
-    recogniser_ = Recogniser(std::move(library));
+    recogniser_ = Recogniser(test::trained_library({{"bracket", &bracket_}, {"lever", &lever_}}));
   }
 
   /// Two parts in front of a wall, the lever partly behind the bracket.
@@ -77,13 +70,33 @@ TEST_F(Recognise, FindsTheSamePartsByTriSpinImages) {
   EXPECT_EQ(result->detections.size(), 2U);
   expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
   expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
-  for (const Detection& detection : result->detections) EXPECT_EQ(detection.method, Method::trisi);
+  for (const Detection& detection : result->detections) EXPECT_EQ(detection.source, Source::trisi);
   EXPECT_EQ(result->stats.num_votes, 0U);
   const auto one =
       recognise(recogniser_, clutter(), {}, {.method = Method::trisi, .models = {"lever"}});
   ASSERT_TRUE(one);
   ASSERT_EQ(one->detections.size(), 1U);
   EXPECT_EQ(one->detections[0].model, "lever");
+}
+
+TEST_F(Recognise, SearchesByWhatTheLibraryWasTrainedFor) {
+  const auto recognise_with = [&](bool pairs, bool images, Method method) {
+    const Recogniser recogniser(test::trained_library(
+        {{"bracket", &bracket_}}, {.point_pairs = pairs, .tri_spin_images = images}));
+    return recognise(recogniser, clutter(), {}, {.method = method});
+  };
+  for (const auto& [pairs, images] : {std::pair{true, false}, std::pair{false, true}}) {
+    const auto fused = recognise_with(pairs, images, Method::fused);
+    ASSERT_TRUE(fused) << fused.error().message;
+    expect_pose(find(*fused, "bracket"), bracket_pose(), 0.2F);
+    EXPECT_EQ(fused->detections[0].source, pairs ? Source::ppf : Source::trisi);
+    const auto other = recognise_with(pairs, images, pairs ? Method::trisi : Method::ppf);
+    ASSERT_FALSE(other);
+    EXPECT_EQ(other.error().code, ErrorCode::usage);
+    EXPECT_NE(other.error().message.find(pairs ? "--methods trisi" : "--methods ppf"),
+              std::string::npos)
+        << other.error().message;
+  }
 }
 
 TEST_F(Recognise, FindsEachOfSeveralInstances) {
@@ -170,7 +183,7 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
 
 TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud scene = clutter();
-  for (const Method method : {Method::ppf, Method::trisi}) {
+  for (const Method method : {Method::fused, Method::ppf, Method::trisi}) {
     std::vector<SceneResult> results;
     for (const unsigned threads : {1U, 2U, 3U}) {
       const ThreadLimit limit(threads);

@@ -42,7 +42,7 @@ RayScene scene_of(const Shape& shape) {
 
 std::vector<ViewMask> views(const RayScene& scene, const Samples& samples, float offset = 1e-3F) {
   std::vector<ViewMask> masks(samples.points.size());
-  compute_views(scene, samples.points, samples.normals, offset, masks);
+  compute_views(scene, samples.points, samples.normals, offset, kAllViews, masks);
   return masks;
 }
 
@@ -228,12 +228,26 @@ TEST(OrientOutward, GivesTheSameBitsForAnyChunking) {
                      split.span().slice(first, count), 1e-3F,
                      std::span(oriented).subspan(first, count));
       compute_views(scene, samples.points.view().slice(first, count),
-                    whole.view().slice(first, count), 1e-3F,
+                    whole.view().slice(first, count), 1e-3F, kAllViews,
                     std::span(computed).subspan(first, count));
     });
     EXPECT_TRUE(test::same_bits(whole, split));
     EXPECT_EQ(oriented, expected);
     EXPECT_EQ(computed, expected);
+  }
+}
+
+TEST(ComputeViews, TriesTheWantedDirectionsAlone) {
+  Random random;
+  const Shape shape = open_box();
+  const RayScene scene = scene_of(shape);
+  const Samples samples = sample(random, shape, 50);
+  const ViewMask wanted{0xF0F0, 0, ~std::uint64_t{0}, 1};
+  std::vector<ViewMask> some(50);
+  compute_views(scene, samples.points, samples.normals, 1e-3F, wanted, some);
+  const std::vector<ViewMask> all = views(scene, samples);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    for (std::size_t w = 0; w < kViewWords; ++w) EXPECT_EQ(some[i][w], all[i][w] & wanted[w]);
   }
 }
 
@@ -245,7 +259,7 @@ TEST(OrientOutward, AllocatesNothing) {
   std::vector<ViewMask> masks(20);
   EXPECT_EQ(test::allocations_in([&] {
               orient_outward(scene, samples.points, samples.normals, 1e-3F, masks);
-              compute_views(scene, samples.points, samples.normals, 1e-3F, masks);
+              compute_views(scene, samples.points, samples.normals, 1e-3F, kAllViews, masks);
               nearest_view({1, 2, 3});
             }),
             0U);

@@ -36,7 +36,8 @@ class LibraryDamageTest : public test::LibraryTest {
  protected:
   LibraryDamageTest() {
     auto writer = LibraryWriter::create(file(), {LengthUnit::metre, "trivet test", "{}"});
-    if (!writer || !writer->add(models_[0]) || !writer->add(models_[1]) || !writer->publish()) {
+    if (!writer || !writer->add(basis_) || !writer->add(models_[0]) || !writer->add(models_[1]) ||
+        !writer->publish()) {
       throw std::runtime_error("cannot write the library");
     }
   }
@@ -61,8 +62,10 @@ class LibraryDamageTest : public test::LibraryTest {
     for (std::size_t i = 0; i < models_.size(); ++i) {
       EXPECT_EQ(difference(library->models[i], models_[i]), "") << what;
     }
+    EXPECT_EQ(difference(library->basis, basis_), "") << what;
   }
 
+  const TriSpinBasis basis_ = test::random_basis(3, test::kRandomComponents);
   const std::vector<Model> models_{random_model("a", 1), random_model("b", 2)};
 };
 
@@ -193,6 +196,15 @@ TEST_F(LibraryDamageTest, ReadsOlderMinorVersionsWithoutWhatCameLaterAndNotWithI
     for (std::size_t i = 0; i < expected.size(); ++i)
       EXPECT_EQ(difference(library->models[i], expected[i]), "");
   };
+  edit_library(file(), [](hid_t root) {
+    const std::uint32_t version = 2;
+    replace_attribute(root, "/", "format_version_minor", H5T_NATIVE_UINT32, &version);
+  });
+  seal_library(file());
+  expect_refused("/trisi: the format has no such group");
+  edit_library(file(), [](hid_t root) { ASSERT_GE(H5Ldelete(root, "trisi", H5P_DEFAULT), 0); });
+  for (Model& model : expected) model.features = {};
+  expect_older(2, "trisi");
   for (Model& model : expected) model.near_axis.reset();
   expect_older(1, "near_axis");
   for (Model& model : expected) model.near_symmetries.clear();
@@ -310,6 +322,11 @@ TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
          [&](hid_t root) { return remove(root, "models/a/near_symmetries"); });
   change("/models/a/ppf", [&](hid_t root) { return remove(root, "models/a/ppf"); });
   change("/models", [&](hid_t root) { return remove(root, "models"); });
+  change("/models/a/trisi: expected this group",
+         [&](hid_t root) { return remove(root, "models/a/trisi"); });
+  change("/models/a/trisi: expected the group /trisi beside it",
+         [&](hid_t root) { return remove(root, "trisi"); });
+  change("/trisi/mean", [&](hid_t root) { return remove(root, "trisi/mean"); });
   change("/models/a@diameter",
          [](hid_t root) { return H5Adelete_by_name(root, "models/a", "diameter", H5P_DEFAULT); });
   change("model name", [](hid_t root) {
@@ -387,6 +404,10 @@ TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
   reseal("symmetry_poses[0]", data("models/a/symmetry_poses", std::vector<float>(48, 1)));
   reseal("near_axis: expected a unit direction",
          data("models/a/near_axis", std::vector<float>(6, 2)));
+  reseal("trisi/frames[0]", data("models/a/trisi/frames", std::vector<float>(180, 1)));
+  std::vector<float> mean(675, 0);
+  mean[9] = nan;
+  reseal("trisi/mean[9]", data("trisi/mean", mean));
   reseal("near_symmetries[0]", data("models/a/near_symmetries", std::vector<float>(32, 1)));
 
   const auto number = [](const char* object, const char* name, hid_t type, auto value) {
@@ -397,6 +418,9 @@ TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
   reseal("num_angle_bins",
          number("models/a/ppf", "num_angle_bins", H5T_NATIVE_UINT32, 0x80000000U));
   reseal("ppf/offsets", number("models/a/ppf", "num_distance_bins", H5T_NATIVE_UINT32, 7U));
+  reseal("trisi/support", number("trisi", "support", H5T_NATIVE_FLOAT, nan));
+  reseal("trisi/code_step", number("trisi", "code_step", H5T_NATIVE_FLOAT, 0.0F));
+  reseal("resolution", number("models/a/trisi", "resolution", H5T_NATIVE_FLOAT, -1.0F));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 using test::difference;
 using test::edit_library;
 using test::LibraryTest;
+using test::random_basis;
 using test::random_model;
 using test::read_bytes;
 
@@ -28,6 +29,8 @@ const LibraryHeader kHeader{LengthUnit::millimetre, "trivet test", R"({"step": 0
 void write(const fs::path& file, std::span<const Model> models) {
   auto writer = LibraryWriter::create(file, kHeader);
   ASSERT_TRUE(writer) << writer.error().message;
+  const auto common = writer->add(random_basis(5, test::kRandomComponents));
+  ASSERT_TRUE(common) << common.error().message;
   for (const Model& model : models) {
     const auto added = writer->add(model);
     ASSERT_TRUE(added) << added.error().message;
@@ -54,7 +57,8 @@ TEST_F(LibraryTest, GivesBackWhatWasWritten) {
   ASSERT_EQ(library->models.size(), 2U);
   EXPECT_EQ(difference(library->models[0], models[1]), "");  // sorted by name
   EXPECT_EQ(difference(library->models[1], models[0]), "");
-  EXPECT_EQ(library->datasets.size(), 24U);
+  EXPECT_EQ(difference(library->basis, random_basis(5, test::kRandomComponents)), "");
+  EXPECT_EQ(library->datasets.size(), 33U);
 }
 
 // Above 4 kB a table begins on a page and is used in the mapped file, which the model keeps alive.
@@ -90,6 +94,61 @@ TEST_F(LibraryTest, HoldsModelsWithoutMeshSymmetryAndTable) {
   EXPECT_EQ(difference(library->models[0], bare), "");
 }
 
+TEST_F(LibraryTest, HoldsModelsWithoutFeatures) {
+  Model plain = random_model("plain", 4);
+  plain.features = {};
+  write(file(), {&plain, 1});
+  const auto beside = open_library(file());
+  ASSERT_TRUE(beside) << beside.error().message;
+  EXPECT_EQ(difference(beside->models[0], plain), "") << "beside a basis";
+
+  auto writer = LibraryWriter::create(file(), kHeader);
+  ASSERT_TRUE(writer && writer->add(plain) && writer->publish());
+  const auto without = open_library(file());
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_EQ(difference(without->models[0], plain), "");
+  EXPECT_EQ(without->basis.components.size(), 0U);
+}
+
+TEST_F(LibraryTest, RefusesFeaturesOfAnotherBasisAndASecondBasis) {
+  auto writer = LibraryWriter::create(file(), kHeader);
+  ASSERT_TRUE(writer);
+  const auto none = writer->add(random_model("a", 1));
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("expected features of 0 components, found 7"),
+            std::string::npos)
+      << none.error().message;
+  ASSERT_TRUE(writer->add(random_basis(5, 6)));
+  const auto other = writer->add(random_model("a", 1));
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::bad_data);
+  EXPECT_FALSE(writer->add(random_basis(5, 6)));
+  EXPECT_TRUE(writer->publish());
+}
+
+TEST_F(LibraryTest, RefusesToWriteABrokenBasis) {
+  auto writer = LibraryWriter::create(file(), kHeader);
+  ASSERT_TRUE(writer);
+  const auto refuses = [&](const char* what, auto break_it) {
+    TriSpinBasis basis = random_basis(1, 4);
+    break_it(basis);
+    const auto added = writer->add(basis);
+    ASSERT_FALSE(added) << what;
+    EXPECT_EQ(added.error().code, ErrorCode::bad_data);
+    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  refuses("support", [&](TriSpinBasis& b) { b.support = nan; });
+  refuses("code_step", [](TriSpinBasis& b) { b.code_step = 0; });
+  refuses("energies: expected 1 to 675", [](TriSpinBasis& b) { b.components.energies.clear(); });
+  refuses("mean: expected 675", [](TriSpinBasis& b) { b.components.mean.pop_back(); });
+  refuses("mean[3]", [&](TriSpinBasis& b) { b.components.mean[3] = nan; });
+  refuses("components: expected 4 rows, found 3",
+          [](TriSpinBasis& b) { b.components.components.resize(3 * b.components.dimension); });
+  refuses("components[700]", [&](TriSpinBasis& b) { b.components.components[700] = nan; });
+  refuses("energies[2]", [&](TriSpinBasis& b) { b.components.energies[2] = nan; });
+}
+
 TEST_F(LibraryTest, HoldsNoModelAtAll) {
   write(file(), {});
   const auto library = open_library(file());
@@ -104,7 +163,8 @@ TEST_F(LibraryTest, KeepsTheLinksOfGroupsInTheirHeaders) {
     models.push_back(random_model("model_" + std::to_string(i), 10 + i));
   write(file(), models);
   edit_library(file(), [](hid_t root) {
-    for (const char* path : {"models", "models/model_0", "models/model_0/ppf"}) {
+    for (const char* path :
+         {"models", "models/model_0", "models/model_0/ppf", "models/model_0/trisi"}) {
       H5G_info_t info;
       ASSERT_GE(H5Gget_info_by_name(root, path, &info, H5P_DEFAULT), 0);
       EXPECT_EQ(info.storage_type, H5G_STORAGE_TYPE_COMPACT) << path;
@@ -141,7 +201,8 @@ TEST_F(LibraryTest, GivesTheSameBytesWhenWrittenTwice) {
 TEST_F(LibraryTest, LeavesNoFileWithoutPublish) {
   {
     auto writer = LibraryWriter::create(file(), kHeader);
-    ASSERT_TRUE(writer && writer->add(random_model("a", 1)));
+    ASSERT_TRUE(writer && writer->add(random_basis(5, test::kRandomComponents)) &&
+                writer->add(random_model("a", 1)));
     EXPECT_FALSE(fs::exists(file()));
     EXPECT_EQ(num_files(folder()), 1U);
   }
@@ -154,7 +215,8 @@ TEST_F(LibraryTest, KeepsTheOldLibraryWithoutPublish) {
   const auto before = read_bytes(file());
   {
     auto writer = LibraryWriter::create(file(), kHeader);
-    ASSERT_TRUE(writer && writer->add(random_model("new", 2)));
+    ASSERT_TRUE(writer && writer->add(random_basis(5, test::kRandomComponents)) &&
+                writer->add(random_model("new", 2)));
   }
   EXPECT_EQ(read_bytes(file()), before);
   EXPECT_EQ(num_files(folder()), 1U);
@@ -182,7 +244,7 @@ TEST_F(LibraryTest, RefusesToGoOnAfterPublish) {
 
 TEST_F(LibraryTest, RefusesBadAndRepeatedNamesAndStaysUsable) {
   auto writer = LibraryWriter::create(file(), kHeader);
-  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer && writer->add(random_basis(5, test::kRandomComponents)));
   const std::string long_name(129, 'a');
   for (const std::string& name :
        {std::string(), std::string("../x"), std::string("/x"), std::string("a/b"),
@@ -202,7 +264,7 @@ TEST_F(LibraryTest, RefusesBadAndRepeatedNamesAndStaysUsable) {
 
 TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
   auto writer = LibraryWriter::create(file(), kHeader);
-  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer && writer->add(random_basis(5, test::kRandomComponents)));
   const auto refuses = [&](const char* what, auto break_it) {
     Model model = random_model("a", 1);
     break_it(model);
@@ -229,6 +291,12 @@ TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
   refuses("ppf@num_angle_bins", [](Model& m) { m.ppf.quantisation.num_angle_bins = 65536; });
   refuses("ppf/offsets", [](Model& m) { m.ppf.quantisation.num_angle_bins = 4; });
   refuses("ppf/entries", [](Model& m) { m.ppf.entries = m.ppf.entries.first(3); });
+  refuses("trisi@resolution", [&](Model& m) { m.features.resolution = nan; });
+  refuses("trisi/keypoints[2]", [&](Model& m) { m.features.keypoints.set(2, {nan, 0, 0}); });
+  refuses("trisi/frames: expected 20 rows, found 19",
+          [](Model& m) { m.features.frames.pop_back(); });
+  refuses("trisi/frames[4]", [](Model& m) { m.features.frames[4][0] += 0.1F; });
+  refuses("trisi/features", [](Model& m) { m.features.codes.pop_back(); });
   refuses("reference", [](Model& m) { m.ppf_points.resize(20), m.ppf_normals.resize(20); });
 }
 
@@ -250,6 +318,7 @@ int write_with_limit(const fs::path& file, rlim_t limit, const Model& model) {
   auto writer = LibraryWriter::create(file, kHeader);
   Result<void> done;
   if (!writer) done = writer.error();
+  if (done) done = writer->add(random_basis(5, test::kRandomComponents));
   if (done) done = writer->add(model);
   if (done) done = writer->publish();
   if (done) return 0;

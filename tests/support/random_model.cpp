@@ -128,7 +128,34 @@ Model random_model(const std::string& name, std::uint64_t seed, const RandomMode
   model.ppf_points = points(random, size.num_ppf_points, vector);
   model.ppf_normals = points(random, size.num_ppf_points, unit_vector);
   fill_table(random, size, model);
+  TriSpinFeatures& features = model.features;
+  features.resolution = uniform(random, 0.001F, 0.1F);
+  features.num_components = kRandomComponents;
+  features.keypoints = points(random, size.num_features, vector);
+  for (std::size_t i = 0; i < size.num_features; ++i) {
+    const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> turn = motion(random).linear();
+    std::ranges::copy(std::span(turn.data(), 9), features.frames.emplace_back().begin());
+    for (std::size_t k = 0; k < kRandomComponents; ++k)
+      features.codes.push_back(static_cast<std::uint8_t>(random()));
+  }
   return model;
+}
+
+TriSpinBasis random_basis(std::uint64_t seed, std::size_t num_components) {
+  Random random(seed);
+  TriSpinBasis basis;
+  basis.support = uniform(random, 1, 30);
+  basis.code_step = uniform(random, 0.001F, 0.1F);
+  PcaBasis& pca = basis.components;
+  pca.dimension = 675;
+  pca.all_energy = uniform(random, 0.1F, 1);
+  const auto fill = [&](std::size_t n, Column<float>& out) {
+    for (std::size_t i = 0; i < n; ++i) out.push_back(uniform(random, -1, 1));
+  };
+  fill(pca.dimension, pca.mean);
+  fill(pca.dimension * num_components, pca.components);
+  fill(num_components, pca.energies);
+  return basis;
 }
 
 std::string difference(const Model& a, const Model& b) {
@@ -151,6 +178,21 @@ std::string difference(const Model& a, const Model& b) {
   if (!(a.ppf.quantisation == b.ppf.quantisation)) return "ppf quantisation";
   if (!same(a.ppf.offsets, b.ppf.offsets)) return "ppf/offsets";
   if (!same(a.ppf.entries, b.ppf.entries)) return "ppf/entries";
+  if (!same(a.features.keypoints.view(), b.features.keypoints.view())) return "trisi/keypoints";
+  if (!same(a.features.frames, b.features.frames)) return "trisi/frames";
+  if (!same(a.features.codes, b.features.codes)) return "trisi/features";
+  if (a.features.resolution != b.features.resolution) return "trisi resolution";
+  return {};
+}
+
+std::string difference(const TriSpinBasis& a, const TriSpinBasis& b) {
+  if (a.support != b.support || a.code_step != b.code_step) return "scalars";
+  if (a.components.all_energy != b.components.all_energy ||
+      a.components.dimension != b.components.dimension)
+    return "sizes";
+  if (!same(a.components.mean, b.components.mean)) return "mean";
+  if (!same(a.components.components, b.components.components)) return "components";
+  if (!same(a.components.energies, b.components.energies)) return "energies";
   return {};
 }
 

@@ -1,0 +1,23 @@
+/// The principal components of a library's Tri-Spin-Images.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/train.hpp"
+#include "storage/cloud.hpp"
+#include "storage/result.hpp"
+#include "storage/tri_spin_features.hpp"
+
+namespace trivet::engine {
+
+/// Images of some of a model's keypoints, spread over all: at most `wanted`, one after the other.
+/// Errors: as of training.
+Result<std::vector<float>> sample_images(const Cloud& cloud, const ModelSource& source,
+                                         const TrainOptions& options, std::size_t wanted);
+
+/// The basis of images; without any, an empty one.
+TriSpinBasis basis_of(std::span<const float> images, const TrainOptions& options);
+
+}  // namespace trivet::engine

@@ -1,0 +1,35 @@
+/// What a library keeps of its models' Tri-Spin-Images.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "storage/columns.hpp"
+#include "storage/pca_basis.hpp"
+#include "storage/points.hpp"
+
+namespace trivet {
+
+/// Rows e1, e2, e3 of a local reference frame, one after the other.
+using FrameRows = std::array<float, 9>;
+
+/// The features of one model: Tri-Spin-Images in the library's principal components.
+struct TriSpinFeatures {
+  float resolution = 0;        ///< distance between the points that were described [library unit]
+  Points keypoints;            ///< n, in the model's frame
+  Column<FrameRows> frames;    ///< n
+  Column<std::uint8_t> codes;  ///< n of num_components each, see TriSpinBasis
+  std::size_t num_components = 0;
+
+  std::size_t size() const noexcept { return keypoints.size(); }
+};
+
+/// What the features of all models of a library have in common.
+struct TriSpinBasis {
+  float support = 0;    ///< radius of what an image shows [resolutions]
+  PcaBasis components;  ///< of the images; none: no model has features
+  float code_step = 0;  ///< a code c stands for the number (c - 128) code_step
+};
+
+}  // namespace trivet

@@ -1,0 +1,41 @@
+/// Libraries of shapes, trained in memory for all methods.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/find_basis.hpp"
+#include "engine/train.hpp"
+#include "storage/library.hpp"
+#include "support/rendered_scene.hpp"
+
+namespace trivet::test {
+
+/// Names rise.
+inline Library trained_library(const std::vector<std::pair<std::string, const Shape*>>& shapes,
+                               const TrainOptions& options = {}) {
+  Library library;
+  const auto source = [](const std::string& name) {
+    return ModelSource{name, name + ".ply", 1, {}};
+  };
+  if (options.tri_spin_images) {
+    std::vector<float> images;
+    for (const auto& [name, shape] : shapes) {
+      const auto some = engine::sample_images(cloud_of(*shape), source(name), options, 2000);
+      EXPECT_TRUE(some) << some.error().message;
+      images.insert(images.end(), some->begin(), some->end());
+    }
+    library.basis = engine::basis_of(images, options);
+  }
+  for (const auto& [name, shape] : shapes) {
+    auto trained = train_model(cloud_of(*shape), source(name), options, library.basis);
+    EXPECT_TRUE(trained) << trained.error().message;
+    library.models.push_back(std::move(trained->model));
+  }
+  return library;
+}
+
+}  // namespace trivet::test
