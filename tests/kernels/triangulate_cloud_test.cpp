@@ -60,19 +60,6 @@ Triangles triangulate(const Samples& samples, const TriangulateOptions& options 
 
 Mesh mesh_of(const Samples& samples) { return {samples.points, triangulate(samples)}; }
 
-/// How many edges are in one triangle; no edge may be in more than two, nor twice in one direction.
-std::size_t count_open_edges(const Triangles& triangles) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> directed;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const std::array c{triangles.a[t], triangles.b[t], triangles.c[t]};
-    for (std::size_t k = 0; k < 3; ++k)
-      EXPECT_TRUE(directed.emplace(c[k], c[(k + 1) % 3]).second) << "two triangles on one side";
-  }
-  return static_cast<std::size_t>(std::ranges::count_if(directed, [&](const auto& edge) {
-    return !directed.contains({edge.second, edge.first});
-  }));
-}
-
 double longest_edge(const Mesh& mesh) {
   double longest = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -140,7 +127,7 @@ TEST(TriangulateCloud, KeepsTheEdgesOfABoxSharp) {
   const test::Shape box = test::box({-0.5F, -0.3F, -0.2F}, {0.5F, 0.3F, 0.2F});
   const Samples samples = sample(box, 2600);
   const Mesh mesh = mesh_of(samples);
-  EXPECT_LE(count_open_edges(mesh.triangles), 20U) << "of 7800";
+  EXPECT_LE(reference::count_open_edges(mesh.triangles), 20U) << "of 7800";
   // Triangles between points of a convex body lie in it; what they cut off lies along the edges.
   const double volume = 1.0 * 0.6 * 0.4;
   const double edges = 4 * (1.0 + 0.6 + 0.4);
@@ -185,7 +172,7 @@ TEST(TriangulateCloud, LeavesTheBoundaryOfAPatchOpen) {
   }
   const Mesh mesh{patch.points, triangulate(patch)};
   EXPECT_EQ(mesh.triangles.size(), 2U * 19 * 19);
-  EXPECT_EQ(count_open_edges(mesh.triangles), 4U * 19);
+  EXPECT_EQ(reference::count_open_edges(mesh.triangles), 4U * 19);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto c = reference::corners(mesh, t);
     EXPECT_GT((mesh.vertices[c[1]] - mesh.vertices[c[0]])
@@ -205,7 +192,7 @@ TEST(TriangulateCloud, DoesNotCoverTheBackOfASmallPatch) {
   }
   const Triangles triangles = triangulate(patch);
   EXPECT_EQ(triangles.size(), 8U);
-  EXPECT_EQ(count_open_edges(triangles), 8U);
+  EXPECT_EQ(reference::count_open_edges(triangles), 8U);
 }
 
 TEST(TriangulateCloud, LeavesAWideGapOpen) {
@@ -216,16 +203,16 @@ TEST(TriangulateCloud, LeavesAWideGapOpen) {
     patch.points.push_back({x, y, 0});
     patch.normals.push_back({0, 0, 1});
   }
-  EXPECT_GT(count_open_edges(triangulate(patch)), 4U * 29 + 20);
+  EXPECT_GT(reference::count_open_edges(triangulate(patch)), 4U * 29 + 20);
   EXPECT_LT(longest_edge(mesh_of(patch)), 3);
 }
 
 TEST(TriangulateCloud, FillsHolesOfFewEdges) {
   // Thinner than its points are apart: balls through one side hold points of the other.
   const Samples lens = sample(test::ellipsoid({1, 1, 0.04F}), 1500);
-  const std::size_t left = count_open_edges(triangulate(lens, {.max_hole_edges = 0}));
+  const std::size_t left = reference::count_open_edges(triangulate(lens, {.max_hole_edges = 0}));
   EXPECT_GT(left, 20U);
-  EXPECT_LT(count_open_edges(triangulate(lens)), 3 * left / 4);
+  EXPECT_LT(reference::count_open_edges(triangulate(lens)), 3 * left / 4);
 }
 
 TEST(TriangulateCloud, DoesNotDependOnTheOrderOfThePoints) {
@@ -270,7 +257,7 @@ TEST(TriangulateCloud, TakesDuplicatesStrayPointsAndNone) {
   samples.points.push_back({5, 0, 0});
   samples.normals.push_back({1, 0, 0});
   const Triangles triangles = triangulate(samples);
-  EXPECT_EQ(count_open_edges(triangles), 0U);
+  EXPECT_EQ(reference::count_open_edges(triangles), 0U);
   EXPECT_EQ(std::ranges::count(triangles.a, samples.points.size() - 1), 0) << "far from the rest";
 
   for (std::size_t n = 0; n < 3; ++n)

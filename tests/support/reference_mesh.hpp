@@ -20,6 +20,19 @@ inline std::array<std::uint32_t, 3> corners(const Mesh& mesh, std::size_t t) {
   return {mesh.triangles.a[t], mesh.triangles.b[t], mesh.triangles.c[t]};
 }
 
+/// How many edges are in one triangle; no edge may be in more than two, nor twice in one direction.
+inline std::size_t count_open_edges(const Triangles& triangles) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> directed;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::array c{triangles.a[t], triangles.b[t], triangles.c[t]};
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_TRUE(directed.emplace(c[k], c[(k + 1) % 3]).second) << "two triangles on one side";
+  }
+  return static_cast<std::size_t>(std::ranges::count_if(directed, [&](const auto& edge) {
+    return !directed.contains({edge.second, edge.first});
+  }));
+}
+
 /// Whether every edge is in two triangles, in opposite directions, and the triangles about each
 /// vertex are one fan; every vertex is in use.
 inline testing::AssertionResult is_closed_manifold(const Mesh& mesh) {
