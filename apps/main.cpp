@@ -111,6 +111,7 @@ int main(int argc, char** argv) {
   apps::add_recognize(app, context);
   apps::add_evaluate(app, context);
   apps::add_scan(app, context);
+  apps::add_mesh(app, context);
   apps::add_calibrate(app, context);
   apps::add_library(app, context);
 

@@ -33,6 +33,7 @@ TEST_F(CommandLine, ExplainsEverySubcommand) {
                                                   {"recognize"},
                                                   {"evaluate"},
                                                   {"scan"},
+                                                  {"mesh"},
                                                   {"library"},
                                                   {"library", "list"},
                                                   {"library", "info"}}) {
