@@ -174,6 +174,36 @@ TEST(TriangulateGreedy, CoversEveryPlaceOfASquareOnce) {
   EXPECT_LT(share(num_open, kPlaces), 0.01);
 }
 
+/// Whether an edge of a triangle in the plane has another one on its outer side.
+bool is_beside(const std::array<Vector3f, 3>& one, const std::array<Vector3f, 3>& other) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d a = one[k].cast<double>(), b = one[(k + 1) % 3].cast<double>();
+    if (std::ranges::all_of(other, [&](const Vector3f& p) {
+          return (b - a).cross(p.cast<double>() - a).z() <= 1e-9;
+        })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+TEST(TriangulateGreedy, OverlapsNowhereInThePlane) {
+  for (std::uint64_t trial = 0; trial < 100; ++trial) {
+    // Denser and denser to the left.
+    Oriented cloud = square(200, trial);
+    for (float& x : cloud.points.span().x) x = x * x * x;
+    std::vector<std::array<Vector3f, 3>> all;
+    for (const Corners& c : as_set(triangulate(cloud)))
+      all.push_back({cloud.points[c[0]], cloud.points[c[1]], cloud.points[c[2]]});
+    std::size_t num_overlaps = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j)
+        num_overlaps += !is_beside(all[i], all[j]) && !is_beside(all[j], all[i]);
+    }
+    EXPECT_EQ(num_overlaps, 0U) << "in trial " << trial;
+  }
+}
+
 TEST(TriangulateGreedy, ClosesSpheresOfRandomPointsButForFewEdges) {
   for (const std::size_t n : {1000U, 4000U}) {
     SCOPED_TRACE(n);
@@ -206,6 +236,11 @@ TEST(TriangulateGreedy, StaysAManifoldOnRandomNormals) {
   EXPECT_GT(triangles.size(), 100U);
   reference::count_open_edges(triangles);  // expects each edge once a side
   EXPECT_TRUE(agree_with_normals(cloud, triangles));
+
+  // Many points in one direction from another.
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.points.set(i, (5 * cloud.points[i]).array().round().matrix());
+  reference::count_open_edges(triangulate(cloud, {.max_normal_angle_deg = 90}));
 }
 
 TEST(TriangulateGreedy, FollowsTheDensityOfThePoints) {
