@@ -110,6 +110,7 @@ struct Border {
   Vector2d a, b;
 };
 
+/// The surface as far as it has grown.
 class Growth {
  public:
   Growth(PointsView points, NormalsView normals, const GreedyOptions& options)
@@ -133,6 +134,10 @@ class Growth {
   TangentPlane tangent_plane(std::uint32_t v) const;
   bool are_alike(std::uint32_t v, std::uint32_t w) const {
     return normals_[v].dot(normals_[w]) >= min_cosine_;
+  }
+  /// The longest edge of a point.
+  double reach(std::uint32_t v) const {
+    return std::min<double>(options_.radius, options_.mu * spacings_[v]);
   }
   bool is_in_reach(std::uint32_t v, std::uint32_t w) const {
     return (position(v) - position(w)).norm() <= std::min(reach(v), reach(w));
@@ -159,10 +164,6 @@ class Growth {
   GreedyOptions options_;
   double min_angle_, max_angle_, min_cosine_;
   std::vector<Vector3d> normals_;
-  double reach(std::uint32_t v) const {  // the longest edge
-    return std::min<double>(options_.radius, options_.mu * spacings_[v]);
-  }
-
   Column<double> spacings_;  // 0 for points that take no part
   VoxelHash grid_;
   Fans fans_;
@@ -260,7 +261,10 @@ void Growth::gather(std::uint32_t p) {
   std::ranges::nth_element(near_, near_.begin() + static_cast<std::ptrdiff_t>(count));
   near_.resize(count);
   neighbours_.clear();
-  for (const auto& [d2, i] : near_) neighbours_.push_back(project(i));
+  for (const auto& [d2, i] : near_) {
+    const Neighbour q = project(i);
+    if (!q.at.isZero(0)) neighbours_.push_back(q);  // else it has no direction
+  }
 }
 
 /// Note the edges of single triangles around p: nothing beyond them is seen.

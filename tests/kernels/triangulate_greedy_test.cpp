@@ -321,6 +321,15 @@ TEST(TriangulateGreedy, LeavesPointsOutThatAreNotFiniteWithoutANormalOrRepeated)
   EXPECT_EQ(as_set(triangulate(spoilt)), expected);
 }
 
+TEST(TriangulateGreedy, BearsPointsStraightAboveOthers) {
+  Oriented cloud = lattice(20);
+  for (int i = 0; i < 20; ++i)
+    cloud.add({static_cast<float>(i), static_cast<float>(i), 0.25F}, Vector3f::UnitZ());
+  const Triangles triangles = triangulate(cloud);
+  EXPECT_NEAR(area(cloud, triangles), 19.0 * 19, 19);
+  reference::count_open_edges(triangles);  // expects each edge once a side
+}
+
 TEST(TriangulateGreedy, ReachesNoOutliers) {
   Oriented cloud = square(1000);
   Random random(1);
