@@ -42,27 +42,31 @@ class Judge {
   bool jumps(std::int32_t i, std::int32_t j) const {
     const Vector3d a = sight(i), b = sight(j);
     const double length = (b - a).squaredNorm(), along = b.norm() - a.norm();
-    const double footprint = std::sqrt(std::max(0.0, length - along * along));
-    return !(std::sqrt(length) <= max_jump_ * footprint + slack(i, j));
+    const double footprint = std::max(0.0, length - along * along);
+    if (length <= max_jump_ * max_jump_ * footprint) return false;  // whatever the noise
+    return !(std::sqrt(length) <= max_jump_ * std::sqrt(footprint) + slack(i, j));
   }
 
   /// Whether a triangle slopes away from the sensor more than the options and the noise explain.
   bool grazes(const Corners& c) const {
     const Vector3d a = sight(c[0]), b = sight(c[1]), d = sight(c[2]);
-    const Vector3d to_sensor = -(a + b + d).normalized();
+    const Vector3d to_sensor = -(a + b + d);
     const Vector3d normal = (b - a).cross(d - a);
-    const double across = normal.dot(to_sensor);  // the square of the footprint
+    const double across = normal.dot(to_sensor);
+    const double along = normal.cross(to_sensor).squaredNorm();
     if (!(across > 0)) return true;
-    const double slack =
-        std::max({this->slack(c[0], c[1]), this->slack(c[1], c[2]), this->slack(c[2], c[0])});
-    return !(normal.cross(to_sensor).norm() <= max_slope_ * across + slack * std::sqrt(across));
+    if (along <= max_slope_ * max_slope_ * across * across) return false;  // whatever the noise
+    // The root of what the sensor sees of twice the area is the footprint.
+    const double distance = to_sensor.norm();
+    const double noise = std::max({slack(c[0], c[1]), slack(c[1], c[2]), slack(c[2], c[0])});
+    return !(std::sqrt(along) <= max_slope_ * across + noise * std::sqrt(across * distance));
   }
 
  private:
   /// What noise may add to the difference of two ranges.
   double slack(std::int32_t i, std::int32_t j) const {
-    return kNoiseSigmas *
-           std::hypot(noise_[static_cast<std::size_t>(i)], noise_[static_cast<std::size_t>(j)]);
+    const double a = noise_[static_cast<std::size_t>(i)], b = noise_[static_cast<std::size_t>(j)];
+    return kNoiseSigmas * std::sqrt(a * a + b * b);
   }
 
   PointsView points_;
