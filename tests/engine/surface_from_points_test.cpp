@@ -148,14 +148,14 @@ TEST(SurfaceFromPoints, CoversRealScans) {
            {"stanford_bunny_scans/bun000.ply", bunny_sensor, SurfaceMethod::greedy, 1.97, 0.01},
            {"pcl_kinect/milk_cartoon_all_small_clorox.pcd", {}, {}, 1.91, 0.035},
            {"uwa/models/chef.pcd", {}, {}, 1.91, 0.04},
-           {"uwa/scenes/rs1_normals2.ply", {}, SurfaceMethod::greedy, 1.5, 0.2}}) {
+           {"uwa/scenes/rs1_normals2.ply", {}, SurfaceMethod::greedy, 1.7, 0.1}}) {
     SCOPED_TRACE(scan.file);
     Result<Cloud> cloud = read_cloud(data / scan.file);
     ASSERT_TRUE(cloud) << cloud.error().message;
     const std::size_t n = cloud->points.size();
     const Surface surface =
         surface_of(*cloud, {.method = scan.method, .viewpoint = scan.viewpoint});
-    EXPECT_GT(share(surface.num_used, n), 0.99);
+    EXPECT_GT(share(surface.num_used, n), 0.97);
     EXPECT_GT(share(surface.mesh.triangles.size(), n), scan.triangles_per_point);
     EXPECT_LT(surface.open_share, scan.open_share);
     if (n > 100000) continue;                             // the reference takes its time
