@@ -11,7 +11,7 @@
 
 namespace trivet::kernels {
 
-/// Angles and counts as Marton et al. name and set them.
+/// Named as by Marton et al.; where a default is not theirs, triangulate_greedy says why.
 struct GreedyOptions {
   std::uint32_t max_neighbours = 100;  ///< of a point, the nearest ones, >= 8
   /// Search radius, and so the longest edge, > 0 [unit of the points]. Infinite: `mu` alone counts.
@@ -23,8 +23,8 @@ struct GreedyOptions {
   /// Smallest angle of a triangle, 0 to 60: narrower ones are left out, and gaps stay in their
   /// place. Of random points one triangle in sixteen is below 10 degrees.
   float min_angle_deg = 0;
-  /// Between two edges at the point whose fan is made, 60 to 180: wider gaps stay open, as beyond
-  /// the border of the surface.
+  /// Between two edges at the point whose fan is made, 60 to below 180: wider gaps stay open, as
+  /// beyond the border of the surface.
   float max_angle_deg = 120;
   /// Between the normals of a triangle's corners, above 0 to 90; keeps the two sides of a thin wall
   /// apart, and leaves sharper edges open.
