@@ -12,7 +12,7 @@
 namespace trivet::apps {
 
 struct RecogniseArguments {
-  std::string method = "ppf", preset = "balanced", models, expected;
+  std::string method = "fused", preset = "balanced", models, expected;
   std::vector<std::string> without;  ///< names of improvements
   std::vector<float> region, tilt;
   std::optional<float> min_score, reference_share, neighbour_share;

@@ -17,6 +17,13 @@ struct MatchScratch {
   Column<float> features;
 };
 
+/// Leave at most so many, spread over all.
+void thin_out(std::size_t limit, Column<std::uint32_t>& indices) {
+  if (indices.size() <= limit) return;
+  for (std::size_t k = 0; k < limit; ++k) indices[k] = indices[k * indices.size() / limit];
+  indices.resize(limit);
+}
+
 }  // namespace
 
 SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
@@ -32,6 +39,7 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
       return is_explained(scene, explained, sample.points[i], out.spacing);
     });
   }
+  thin_out(options.max_keypoints, keypoints);
   Descriptions described;
   describe_surface(sample.points, sample.normals, keypoints, basis.support * level.resolution,
                    options.limits, described);

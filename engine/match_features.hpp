@@ -15,7 +15,8 @@
 namespace trivet::engine {
 
 struct MatchOptions {
-  float spacing = 3;  ///< of a scene's keypoints [resolutions]
+  float spacing = 3;                    ///< of a scene's keypoints [resolutions]
+  std::uint32_t max_keypoints = 10000;  ///< of more, so many spread over all are described
   kernels::FrameLimits limits{};
   std::size_t num_neighbours = 3;  ///< features of models that a scene's feature is matched with
   std::size_t max_checks = 256;    ///< features that it is compared with

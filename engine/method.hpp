@@ -13,11 +13,6 @@ enum class Source : std::uint8_t { expected, ppf, trisi };
 /// What a scene is searched by.
 enum class Method : std::uint8_t { fused, ppf, trisi };
 
-constexpr bool uses(Method method, Source source) noexcept {
-  return method == Method::fused || (method == Method::ppf && source == Source::ppf) ||
-         (method == Method::trisi && source == Source::trisi);
-}
-
 struct MethodName {
   Method method;
   std::string_view name;
@@ -26,7 +21,7 @@ struct MethodName {
 
 /// By their values.
 inline constexpr std::array<MethodName, 3> kMethods{{
-    {Method::fused, "fused", "both of these"},
+    {Method::fused, "fused", "point pairs, then both of these on what is not yet explained"},
     {Method::ppf, "ppf", "votes of point pairs (Drost et al., CVPR 2010)"},
     {Method::trisi, "trisi", "matches of Tri-Spin-Images (Guo et al., GRAPP 2013)"},
 }};

@@ -42,7 +42,7 @@ struct PoseOptions {
   std::uint32_t max_clusters = 300;   ///< kept per model for the first verification
   std::uint32_t max_refined = 40;     ///< candidates per model that are refined
   std::uint32_t max_examined = 20;    ///< refined candidates per model that are tested by rays
-  /// Of voting, later ones on what is not yet explained; 0 to test expected poses only.
+  /// Of searching, later ones on what is not yet explained; 0 to test expected poses only.
   std::uint32_t rounds = 2;
   bool operator==(const PoseOptions&) const = default;
 };
@@ -56,7 +56,7 @@ struct VerifyStageOptions {
 };
 
 struct RecogniseOptions {
-  Method method = Method::ppf;
+  Method method = Method::fused;
   VoteOptions vote{};
   /// Of later rounds, which have less to search and the harder ones to find: small objects in
   /// strong noise need pairs from farther apart, hidden ones more references.

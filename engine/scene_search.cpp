@@ -55,9 +55,10 @@ Result<void> SceneSearch::test_expected() {
 
 Result<void> SceneSearch::search(std::uint32_t round) {
   AllProposals proposals(library_.models.size());
-  if (uses(options_.method, Source::ppf)) vote(round, proposals);
-  if (options_.method == Method::trisi || (options_.method == Method::fused && round > 0))
-    match(proposals);
+  const bool fused = options_.method == Method::fused;
+  if (fused || options_.method == Method::ppf) vote(round, proposals);
+  // What votes find in the first round need not be described.
+  if (options_.method == Method::trisi || (fused && round > 0)) match(proposals);
   return settle(proposals);
 }
 
