@@ -1,0 +1,92 @@
+#include "descriptors/keypoint_surface.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "engine/parallel.hpp"
+#include "kernels/counter_random.hpp"
+#include "kernels/estimate_normals.hpp"
+#include "kernels/sample_mesh.hpp"
+#include "kernels/subsample_by_normals.hpp"
+#include "kernels/voxel_hash.hpp"
+#include "storage/neighbourhoods.hpp"
+
+namespace trivet::bench {
+namespace {
+
+constexpr double kSamplesPerPoint = 4;
+constexpr float kNormalRadius = 4;          // [resolutions]
+constexpr float kNormalClusterRad = 0.52F;  // as in engine/describe_model
+
+/// Normals at `queries` of planes fitted to the samples around them, on the side of their faces.
+Normals fit_normals(PointsView samples, NormalsView face_normals, PointsView queries,
+                    float radius) {
+  const kernels::VoxelHash grid(samples, radius);
+  Normals normals(queries.size());
+  engine::for_chunks(queries.size(), 1024, [&](std::size_t first, std::size_t count) {
+    const PointsView some = queries.slice(first, count);
+    Neighbourhoods rows;
+    rows.offsets.assign(count + 1, 0);
+    kernels::count_radius_neighbours(grid, some, radius, std::span(rows.offsets).subspan(1));
+    std::inclusive_scan(rows.offsets.begin(), rows.offsets.end(), rows.offsets.begin());
+    rows.indices.resize(rows.offsets.back());
+    kernels::fill_radius_neighbours(grid, some, radius, rows.offsets, rows.indices);
+    const NormalsSpan out = normals.span().slice(first, count);
+    kernels::estimate_normals(samples, rows, out);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3f normal = normals[first + i];
+      Eigen::Vector3f side = Eigen::Vector3f::Zero();
+      for (const std::uint32_t k : rows.view().row(i)) side += face_normals[k];
+      if (normal.dot(side) < 0) out.set(i, -normal);
+    }
+  });
+  return normals;
+}
+
+}  // namespace
+
+KeypointSurface sample_surface(Mesh mesh, std::span<const std::uint32_t> keypoints,
+                               float resolution) {
+  std::vector<double> sums(mesh.triangles.size());
+  const double area = kernels::sum_areas(mesh.vertices, mesh.triangles, sums);
+  const double cell = static_cast<double>(resolution);
+  const auto n = static_cast<std::size_t>(kSamplesPerPoint * area / (cell * cell));
+  Points samples(n);
+  Normals face_normals(n);
+  engine::for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
+    kernels::sample_mesh(mesh.vertices, mesh.triangles, sums, 3, first, n,
+                         samples.span().slice(first, count),
+                         face_normals.span().slice(first, count));
+  });
+
+  KeypointSurface out;
+  out.radius = kSupport * resolution;
+  for (const std::uint32_t i : keypoints) out.keypoints.push_back(mesh.vertices[i]);
+  const float radius = kNormalRadius * resolution;
+  const Normals normals = fit_normals(samples, face_normals, samples, radius);
+  out.keypoint_normals = fit_normals(samples, face_normals, out.keypoints, radius);
+  Normals unused;
+  kernels::SubsampleScratch scratch;
+  kernels::subsample_by_normals(samples, normals, resolution, kNormalClusterRad, out.points, unused,
+                                scratch);
+  out.mesh = std::move(mesh);
+  return out;
+}
+
+std::vector<std::uint32_t> draw_vertices(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+  std::vector<std::uint8_t> used(mesh.vertices.size(), 0);
+  for (const auto* corner : {&mesh.triangles.a, &mesh.triangles.b, &mesh.triangles.c})
+    for (const std::uint32_t i : *corner) used[i] = 1;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> drawn;
+  for (std::uint32_t i = 0; i < used.size(); ++i)
+    if (used[i] != 0) drawn.emplace_back(kernels::CounterRandom(seed, 0, i).next(), i);
+  std::ranges::sort(drawn);
+  drawn.resize(std::min(count, drawn.size()));
+  std::vector<std::uint32_t> vertices;
+  for (const auto& [number, i] : drawn) vertices.push_back(i);
+  std::ranges::sort(vertices);
+  return vertices;
+}
+
+}  // namespace trivet::bench
