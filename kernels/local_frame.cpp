@@ -14,16 +14,24 @@ constexpr std::size_t kFewest = 5;
 constexpr std::size_t kMoments = 10;  // weight; x y z; xx xy xz yy yz zz
 
 /// Weighted sums over the points, each lane on its own: no processor adds in another order.
+template <std::size_t N>
 struct Lanes {
-  alignas(64) std::array<std::array<float, Support::kLanes>, kMoments> sums{};
+  alignas(64) std::array<std::array<float, Support::kLanes>, N> sums{};
+
+  std::array<double, N> totals() const noexcept {
+    std::array<double, N> out{};
+    for (std::size_t m = 0; m < N; ++m)
+      for (const float sum : sums[m]) out[m] += static_cast<double>(sum);
+    return out;
+  }
 };
 
 TRIVET_SIMD_CLONES
 void add_moments(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
                  const float* __restrict areas, std::size_t n, float radius,
-                 Lanes& __restrict lanes) noexcept {
+                 Lanes<kMoments>& __restrict lanes) noexcept {
   constexpr std::size_t L = Support::kLanes;
-  Lanes sums = lanes;
+  Lanes<kMoments> sums = lanes;
   for (std::size_t first = 0; first < n; first += L) {
     for (std::size_t k = 0; k < L; ++k) {
       const float x = xs[first + k], y = ys[first + k], z = zs[first + k];
@@ -40,6 +48,27 @@ void add_moments(const float* __restrict xs, const float* __restrict ys, const f
       sums.sums[7][k] += wy * y;
       sums.sums[8][k] += wy * z;
       sums.sums[9][k] += wz * z;
+    }
+  }
+  lanes = sums;
+}
+
+TRIVET_SIMD_CLONES
+void add_heights(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
+                 const float* __restrict areas, std::size_t n, float radius, float ax, float ay,
+                 float az, Lanes<4>& __restrict lanes) noexcept {
+  constexpr std::size_t L = Support::kLanes;
+  Lanes<4> sums = lanes;
+  for (std::size_t first = 0; first < n; first += L) {
+    for (std::size_t k = 0; k < L; ++k) {
+      const float x = xs[first + k], y = ys[first + k], z = zs[first + k];
+      const float squared = x * x + (y * y + z * z), height = ax * x + (ay * y + az * z);
+      const float inside = std::max(0.0F, radius - std::sqrt(squared)), weigh = inside * height;
+      const float w = areas[first + k] * weigh * weigh;
+      sums.sums[0][k] += w * x;
+      sums.sums[1][k] += w * y;
+      sums.sums[2][k] += w * z;
+      sums.sums[3][k] += w * std::sqrt(std::max(0.0F, squared - height * height));
     }
   }
   lanes = sums;
@@ -77,12 +106,10 @@ LocalFrame frame_of(const Moments& moments, float radius, const Eigen::Vector3f&
 LocalFrame local_frame(const Support& support, float radius,
                        const Eigen::Vector3f& normal) noexcept {
   if (support.size < kFewest) return {};
-  Lanes lanes;
+  Lanes<kMoments> lanes;
   add_moments(support.x.data(), support.y.data(), support.z.data(), support.area.data(),
               support.size, radius, lanes);
-  std::array<double, kMoments> sums{};
-  for (std::size_t m = 0; m < kMoments; ++m)
-    for (const float sum : lanes.sums[m]) sums[m] += static_cast<double>(sum);
+  const std::array<double, kMoments> sums = lanes.totals();
   Moments moments;
   moments.weight = sums[0];
   moments.first = {sums[1], sums[2], sums[3]};
@@ -114,6 +141,23 @@ LocalFrame local_frame(PointsView vertices, const Triangles& triangles,
     moments.second += weight / 12 * scatter;
   }
   return frame_of(moments, radius, normal);
+}
+
+void aim_first_axis(const Support& support, float radius, LocalFrame& frame) noexcept {
+  frame.hold = 0;
+  const Eigen::Vector3f e3 = frame.axes.row(2);
+  Lanes<4> lanes;
+  add_heights(support.x.data(), support.y.data(), support.z.data(), support.area.data(),
+              support.size, radius, e3.x(), e3.y(), e3.z(), lanes);
+  const auto [x, y, z, all] = lanes.totals();
+  const Eigen::Vector3d along = e3.cast<double>(), sum(x, y, z);
+  const Eigen::Vector3d across = sum - sum.dot(along) / along.squaredNorm() * along;
+  const double length = across.norm();
+  if (!(length > 0) || !(all > 0)) return;
+  const Eigen::Vector3d e1 = across / length;
+  frame.axes.row(0) = e1.cast<float>();
+  frame.axes.row(1) = along.cross(e1).cast<float>();
+  frame.hold = static_cast<float>(std::min(1.0, length / all));
 }
 
 }  // namespace trivet::kernels

@@ -1,6 +1,7 @@
 #include "kernels/support.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace trivet::kernels {
 
@@ -34,6 +35,15 @@ void gather_support(const VoxelHash& grid, std::span<const float> areas,
   reserve(support.size + Support::kLanes);
   for (Column<float>* column : {&support.x, &support.y, &support.z, &support.area})
     std::fill_n(column->begin() + static_cast<std::ptrdiff_t>(support.size), Support::kLanes, 0.0F);
+}
+
+void share_areas(const VoxelHash& grid, PointsView points, float radius,
+                 std::span<float> areas) noexcept {
+  const float disc = std::numbers::pi_v<float> * radius * radius;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::uint32_t sharers = grid.count_within(points[i], radius);
+    areas[i] = sharers > 0 ? disc / static_cast<float>(sharers) : 0;
+  }
 }
 
 }  // namespace trivet::kernels

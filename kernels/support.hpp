@@ -27,4 +27,18 @@ struct Support {
 void gather_support(const VoxelHash& grid, std::span<const float> areas,
                     const Eigen::Vector3f& keypoint, float radius, Support& support);
 
+/// Write the area that each point stands for where points lie closer here and wider there: that of
+/// a disc, shared by the points in the ball around it.
+///
+/// grid    of the points
+/// points  n positions, in their order before the grid's; one that is not finite has no area
+/// radius  > 0; some 2.5 times the distance of neighbours: a smaller one follows chance
+/// areas   n
+/// Grids of voxels hold more points where a surface stands across their axes; unless that is
+/// weighed out, moments of the surface turn with the grid.
+/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
+/// Source: inverse local density, Frome et al., ECCV 2004 (3-D shape contexts).
+void share_areas(const VoxelHash& grid, PointsView points, float radius,
+                 std::span<float> areas) noexcept;
+
 }  // namespace trivet::kernels

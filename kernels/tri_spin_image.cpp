@@ -2,16 +2,17 @@
 
 namespace trivet::kernels {
 
-LocalFrame describe_keypoint(const VoxelHash& surface, const Eigen::Vector3f& keypoint,
-                             const Eigen::Vector3f& normal, float radius, const FrameLimits& limits,
+LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
+                             const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
+                             float radius, const FrameLimits& limits,
                              std::span<float, kTriSpinSize> image, TriSpinScratch& scratch) {
   if (!normal.allFinite()) return {};
-  gather_support(surface, {}, keypoint, radius, scratch.support);
+  gather_support(surface, areas, keypoint, radius, scratch.support);
   if (scratch.support.size < limits.min_points) return {};
-  const LocalFrame frame = local_frame(scratch.support, radius, normal);
-  if (frame.axes.isZero() || frame.first_ratio < limits.min_first_ratio ||
-      frame.second_ratio < limits.min_second_ratio)
-    return {};
+  LocalFrame frame = local_frame(scratch.support, radius, normal);
+  if (frame.axes.isZero() || frame.second_ratio < limits.min_second_ratio) return {};
+  aim_first_axis(scratch.support, radius, frame);
+  if (frame.hold < limits.min_hold) return {};
   const auto write = [&](std::span<float, kSpinImageSize> one, int axis) {
     spin_image(scratch.support, frame.axes.row(axis), radius, one, scratch.spin);
     normalise_spin_image(one);

@@ -17,7 +17,7 @@ inline constexpr std::size_t kTriSpinSize = 3 * kSpinImageSize;
 /// Below these a frame is too uncertain to match by: it would turn with the noise.
 struct FrameLimits {
   std::size_t min_points = 40;     ///< in the support
-  float min_first_ratio = 1.03F;   ///< of the largest eigenvalue over the second
+  float min_hold = 0.03F;          ///< of e1 by heights
   float min_second_ratio = 1.03F;  ///< of the second over the smallest
 };
 
@@ -29,16 +29,18 @@ struct TriSpinScratch {
 
 /// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalised.
 ///
-/// surface  points sampled evenly: each stands for the same area
+/// surface  points of the surface
+/// areas    that each point stands for; empty: the same
 /// normal   of the keypoint, outward or towards the sensor
 /// radius   of the support, > 0
 /// image    kTriSpinSize numbers; not written where the frame is too uncertain
 /// Returns the frame; its axes are 0 where it is too uncertain, or the normal is NaN.
 /// Same bits on any processor. The scratch grows once.
 /// Source: Guo et al., "Trisi: a distinctive local surface descriptor for 3D modeling and object
-/// recognition", GRAPP 2013.
-LocalFrame describe_keypoint(const VoxelHash& surface, const Eigen::Vector3f& keypoint,
-                             const Eigen::Vector3f& normal, float radius, const FrameLimits& limits,
+/// recognition", GRAPP 2013; e1 by aim_first_axis.
+LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
+                             const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
+                             float radius, const FrameLimits& limits,
                              std::span<float, kTriSpinSize> image, TriSpinScratch& scratch);
 
 }  // namespace trivet::kernels

@@ -12,8 +12,7 @@ namespace {
 constexpr std::size_t kGrain = 64;
 
 /// Every keypoint has a frame here, however uncertain: all descriptors have the same keypoints.
-constexpr kernels::FrameLimits kNoLimits{
-    .min_points = 0, .min_first_ratio = 1, .min_second_ratio = 1};
+constexpr kernels::FrameLimits kNoLimits{.min_points = 0, .min_hold = 0, .min_second_ratio = 1};
 
 /// Call body(grid, keypoint, its features, scratch) for each keypoint.
 template <class Body>
@@ -32,8 +31,8 @@ void for_each_keypoint(const KeypointSurface& surface, std::span<float> features
 void describe_trisi(const KeypointSurface& surface, std::span<float> features) {
   for_each_keypoint(
       surface, features, [&](const auto& grid, std::size_t k, auto out, auto& scratch) {
-        kernels::describe_keypoint(grid, surface.keypoints[k], surface.keypoint_normals[k],
-                                   surface.radius, kNoLimits,
+        kernels::describe_keypoint(grid, surface.areas, surface.keypoints[k],
+                                   surface.keypoint_normals[k], surface.radius, kNoLimits,
                                    out.template first<kernels::kTriSpinSize>(), scratch);
       });
 }
@@ -46,7 +45,8 @@ void describe_spin(const KeypointSurface& surface, std::span<float> features, Fi
         const Eigen::Vector3f normal = surface.keypoint_normals[k];
         if (!normal.allFinite()) return;
         const auto image = out.template first<kernels::kSpinImageSize>();
-        kernels::gather_support(grid, {}, surface.keypoints[k], surface.radius, scratch.support);
+        kernels::gather_support(grid, surface.areas, surface.keypoints[k], surface.radius,
+                                scratch.support);
         kernels::spin_image(scratch.support, normal, surface.radius, image, scratch.spin);
         finish(image);
       });

@@ -9,6 +9,7 @@
 #include "kernels/estimate_normals.hpp"
 #include "kernels/sample_mesh.hpp"
 #include "kernels/subsample_by_normals.hpp"
+#include "kernels/support.hpp"
 #include "kernels/voxel_hash.hpp"
 #include "storage/neighbourhoods.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kSamplesPerPoint = 4;
 constexpr float kNormalRadius = 4;          // [resolutions]
+constexpr float kShareRadius = 2.5F;        // [resolutions]
 constexpr float kNormalClusterRad = 0.52F;  // as in engine/describe_model
 
 /// Normals at `queries` of planes fitted to the samples around them, on the side of their faces.
@@ -70,6 +72,13 @@ KeypointSurface sample_surface(Mesh mesh, std::span<const std::uint32_t> keypoin
   kernels::SubsampleScratch scratch;
   kernels::subsample_by_normals(samples, normals, resolution, kNormalClusterRad, out.points, unused,
                                 scratch);
+  const float share = kShareRadius * resolution;
+  const kernels::VoxelHash grid(out.points, share);
+  out.areas.resize(out.points.size());
+  engine::for_chunks(out.points.size(), 1024, [&](std::size_t first, std::size_t count) {
+    kernels::share_areas(grid, out.points.view().slice(first, count), share,
+                         std::span(out.areas).subspan(first, count));
+  });
   out.mesh = std::move(mesh);
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "storage/mesh.hpp"
 #include "storage/points.hpp"
@@ -11,7 +12,8 @@ namespace trivet::bench {
 
 struct KeypointSurface {
   Mesh mesh;
-  Points points;             ///< spread evenly over the mesh, about one a resolution squared
+  Points points;             ///< spread over the mesh, about one a resolution squared
+  std::vector<float> areas;  ///< that each stands for
   Points keypoints;          ///< vertices of the mesh
   Normals keypoint_normals;  ///< outward, if the mesh's winding is
   float radius = 0;          ///< of the supports

@@ -96,11 +96,11 @@ TEST(DescribeSurface, LeavesOutWhatHoldsNoFrameAndAppends) {
   points.set(0, {0, 0, 0});
   Descriptions out;
   const std::vector<std::uint32_t> middle{0};
-  describe_surface(points, normals, middle, 0.8F, {.min_first_ratio = 1.2F}, out);
+  describe_surface(points, normals, middle, 0.8F, {.min_hold = 0.2F}, out);
   EXPECT_EQ(out.size(), 0U);
   EXPECT_TRUE(out.images.empty());
   normals.set(0, Eigen::Vector3f::Constant(std::nanf("")));
-  describe_surface(points, normals, middle, 0.8F, {.min_first_ratio = 1}, out);
+  describe_surface(points, normals, middle, 0.8F, {.min_hold = 0}, out);
   EXPECT_EQ(out.size(), 0U) << "no normal";
   const test::SampledShape body = lumps();
   const auto keypoints = every(100, body.points.size());

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "kernels/spin_image.hpp"
@@ -42,6 +43,21 @@ inline Eigen::Matrix3d local_frame(const std::vector<WeightedPoint>& points, dou
   Eigen::Matrix3d axes;
   axes << e1.transpose(), e3.cross(e1).transpose(), e3.transpose();
   return axes;
+}
+
+/// e1 of a frame with this e3, by heights, and how surely they hold it. Yang et al., Pattern
+/// Recognition 2017.
+inline std::pair<Eigen::Vector3d, double> first_axis(const std::vector<WeightedPoint>& points,
+                                                     double radius, const Eigen::Vector3d& e3) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double all = 0;
+  for (const auto& [d, area] : points) {
+    const double height = d.dot(e3), inside = std::max(0.0, radius - d.norm());
+    const Eigen::Vector3d across = d - height * e3;
+    sum += area * inside * inside * height * height * across;
+    all += area * inside * inside * height * height * across.norm();
+  }
+  return {sum.normalized(), sum.norm() / all};
 }
 
 /// Johnson and Hebert, PAMI 1999: bilinear.
