@@ -5,6 +5,7 @@
 #include <pcl/search/kdtree.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "descriptors/descriptors.hpp"
 #include "engine/parallel.hpp"
