@@ -143,7 +143,7 @@ const Index& features() {
     std::vector<std::uint32_t> vertices(relief().mesh.vertices.size());
     std::iota(vertices.begin(), vertices.end(), 0U);
     const KeypointSurface all = sample_surface(relief().mesh, vertices, 1);
-    const kernels::PcaBasis& basis = relief_basis();
+    const PcaBasis& basis = relief_basis();
     Index out;
     out.pool.dimension = basis.size();
     out.pool.features.resize(vertices.size() * basis.size());

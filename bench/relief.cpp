@@ -74,8 +74,8 @@ const Column<float>& noisy_images() {
   return images;
 }
 
-const kernels::PcaBasis& relief_basis() {
-  static const kernels::PcaBasis basis =
+const PcaBasis& relief_basis() {
+  static const PcaBasis basis =
       kernels::find_components(relief_images(), descriptors().front().size, 60);
   return basis;
 }

@@ -21,7 +21,7 @@ const KeypointSurface& noisy_relief();
 const Column<float>& relief_images();
 const Column<float>& noisy_images();
 /// 60 principal components of the relief's images.
-const kernels::PcaBasis& relief_basis();
+const PcaBasis& relief_basis();
 
 /// Add the counter nearest_right: the share of the scan's keypoints whose nearest feature among the
 /// relief's is of the right place, within half a support.

@@ -8,8 +8,8 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kStride = 16;  // one bin more than there are: its weight is 0
-using TwoFloats [[gnu::vector_size(8)]] = float;
+constexpr std::size_t kStride = 16;
+using FourFloats [[gnu::vector_size(16)]] = float;
 
 TRIVET_SIMD_CLONES
 void find_bins(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
@@ -47,21 +47,26 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
   find_bins(support.x.data(), support.y.data(), support.z.data(), support.area.data(), n, axis.x(),
             axis.y(), axis.z(), static_cast<float>(kSpinBins - 1) / radius, scratch.weights.data(),
             scratch.bins.data());
-  alignas(64) std::array<float, (kSpinBins + 1) * kStride> padded{};
+  // Each bin collects for itself and the three bins after it, so that a point adds four numbers in
+  // one place: where neighbours add to places that half overlap, each waits for the one before.
+  alignas(64) std::array<FourFloats, kSpinBins * kStride> shares{};
   for (std::size_t k = 0; k < n; ++k) {
-    float* const at = padded.data() + scratch.bins[k];
-    TwoFloats here, next, add_here, add_next;
-    __builtin_memcpy(&here, at, sizeof(here));
-    __builtin_memcpy(&next, at + kStride, sizeof(next));
-    __builtin_memcpy(&add_here, scratch.weights.data() + 4 * k, sizeof(add_here));
-    __builtin_memcpy(&add_next, scratch.weights.data() + 4 * k + 2, sizeof(add_next));
-    here += add_here;
-    next += add_next;
-    __builtin_memcpy(at, &here, sizeof(here));
-    __builtin_memcpy(at + kStride, &next, sizeof(next));
+    FourFloats weights;
+    __builtin_memcpy(&weights, scratch.weights.data() + 4 * k, sizeof(weights));
+    shares[static_cast<std::size_t>(scratch.bins[k])] += weights;
   }
-  for (std::size_t i = 0; i < kSpinBins; ++i)
-    std::copy_n(padded.data() + i * kStride, kSpinBins, image.data() + i * kSpinBins);
+  const auto share = [&](std::size_t i, std::size_t j, std::size_t part) {
+    return shares[i * kStride + j][part];
+  };
+  for (std::size_t i = 0; i < kSpinBins; ++i) {
+    for (std::size_t j = 0; j < kSpinBins; ++j) {
+      float sum = share(i, j, 0);
+      if (j > 0) sum += share(i, j - 1, 1);
+      if (i > 0) sum += share(i - 1, j, 2);
+      if (i > 0 && j > 0) sum += share(i - 1, j - 1, 3);
+      image[i * kSpinBins + j] = sum;
+    }
+  }
 }
 
 void normalise_spin_image(std::span<float, kSpinImageSize> image) noexcept {

@@ -52,7 +52,7 @@ Result<StudiedModel> read_model(const fs::path& file) {
 /// A descriptor with what the models look like to it.
 struct Study {
   const Descriptor* descriptor;
-  std::optional<kernels::PcaBasis> basis{};
+  std::optional<PcaBasis> basis{};
   FeaturePool pool{};
 
   Column<float> features(const KeypointSurface& surface) const {
