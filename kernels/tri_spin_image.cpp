@@ -1,7 +1,6 @@
 #include "kernels/tri_spin_image.hpp"
 
 namespace trivet::kernels {
-
 LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
                              const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
                              float radius, const FrameLimits& limits,
@@ -16,6 +15,8 @@ LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> ar
   const auto write = [&](std::span<float, kSpinImageSize> one, int axis) {
     spin_image(scratch.support, frame.axes.row(axis), radius, one, scratch.spin);
     normalise_spin_image(one);
+    if (axis == 2) return;
+    for (float& value : one) value *= kTurningWeight;
   };
   write(image.subspan<0, kSpinImageSize>(), 0);
   write(image.subspan<kSpinImageSize, kSpinImageSize>(), 1);

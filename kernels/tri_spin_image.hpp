@@ -14,11 +14,17 @@ namespace trivet::kernels {
 
 inline constexpr std::size_t kTriSpinSize = 3 * kSpinImageSize;
 
+/// Of the images about e1 and e2, which change when noise turns the frame about the normal: on
+/// noisy and thinned scans of eight models 0.7 finds places as well as 1 or better, up to 1.7 % of
+/// them.
+inline constexpr float kTurningWeight = 0.7F;
+
 /// Below these a frame is too uncertain to match by: it would turn with the noise.
 struct FrameLimits {
   std::size_t min_points = 40;     ///< in the support
   float min_hold = 0.03F;          ///< of e1 by heights
   float min_second_ratio = 1.03F;  ///< of the second over the smallest
+  bool operator==(const FrameLimits&) const = default;
 };
 
 /// Working memory of describe_keypoint.
@@ -27,7 +33,8 @@ struct TriSpinScratch {
   SpinScratch spin;
 };
 
-/// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalised.
+/// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalised, the first two
+/// times kTurningWeight.
 ///
 /// surface  points of the surface
 /// areas    that each point stands for; empty: the same
