@@ -22,6 +22,14 @@ std::vector<std::string> method_names() {
   return names;
 }
 
+// In the order of the enumerations.
+const std::vector<std::string> kDetectors{"uniform", "iss", "harris"};
+const std::vector<std::string> kGroupings{"frames", "consistency", "ransac"};
+
+std::ptrdiff_t place_of(const std::string& name, const std::vector<std::string>& names) {
+  return std::ranges::find(names, name) - names.begin();
+}
+
 std::string describe_methods() {
   std::string text = "Where hypotheses come from:";
   for (const MethodName& known : kMethods)
@@ -57,9 +65,38 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
   command.add_option("--max-votes", arguments.max_votes,
                      "Votes of a reference point for a model; fewer is faster (default 40000)");
-  command.add_option("--rounds", arguments.rounds,
-                     "Of voting, later ones on what is not yet explained; 0 to test expected poses "
-                     "only, else 1 to 4 (default 2)");
+  command
+      .add_option(
+          "--keypoints", arguments.keypoints,
+          "trisi: points of the scene that are described: spread evenly, by intrinsic shape "
+          "signatures, or by Harris 3D")
+      ->check(CLI::IsMember(kDetectors))
+      ->capture_default_str();
+  command.add_option("--keypoint-spacing", arguments.keypoint_spacing,
+                     "trisi: between them, in 1/80 of the models' diameter, 1 to 20 (default 3)");
+  command.add_option("--neighbours", arguments.neighbours,
+                     "trisi: features of models that each feature is matched with, 1 to 10 "
+                     "(default 3)");
+  command.add_option("--max-distance", arguments.max_distance,
+                     "trisi: largest distance of matched features, above 0 (default: any)");
+  command.add_option("--max-ratio", arguments.max_ratio,
+                     "trisi: largest ratio of the distance to that of the nearest feature of "
+                     "another place, above 0 to 1 (default 1: any)");
+  command.add_flag("--weigh-by-ratio", arguments.weigh_by_ratio,
+                   "trisi: a match has 1 - ratio votes instead of 1");
+  command
+      .add_option("--grouping", arguments.grouping,
+                  "trisi: how matches become poses: each by its two frames, or together by "
+                  "geometric consistency or RANSAC")
+      ->check(CLI::IsMember(kGroupings))
+      ->capture_default_str();
+  command.add_option("--min-cluster-share", arguments.min_cluster_share,
+                     "Clusters of poses with less than this share of the best one's votes are "
+                     "dropped, 0 to 1 (default 0)");
+  command.add_option(
+      "--rounds", arguments.rounds,
+      "Of searching, later ones on what is not yet explained; 0 to test expected poses "
+      "only, else 1 to 4 (default 2)");
   command.add_option("--models", arguments.models, "Only these models, as a,b,c");
   command
       .add_option("--region", arguments.region,
@@ -91,6 +128,14 @@ Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;
   if (arguments.max_votes) options.vote.max_votes = *arguments.max_votes;
+  options.match.detector = static_cast<Detector>(place_of(arguments.keypoints, kDetectors));
+  options.match.grouping = static_cast<Grouping>(place_of(arguments.grouping, kGroupings));
+  options.match.weigh_by_ratio = arguments.weigh_by_ratio;
+  if (arguments.keypoint_spacing) options.match.spacing = *arguments.keypoint_spacing;
+  if (arguments.neighbours) options.match.num_neighbours = *arguments.neighbours;
+  if (arguments.max_distance) options.match.max_distance = *arguments.max_distance;
+  if (arguments.max_ratio) options.match.max_ratio = *arguments.max_ratio;
+  if (arguments.min_cluster_share) options.pose.min_cluster_share = *arguments.min_cluster_share;
   if (arguments.max_instances) options.max_instances = *arguments.max_instances;
   if (arguments.rounds) options.pose.rounds = *arguments.rounds;
   if (!arguments.models.empty()) options.models = CLI::detail::split(arguments.models, ',');

@@ -12,11 +12,14 @@
 namespace trivet::apps {
 
 struct RecogniseArguments {
-  std::string method = "fused", preset = "balanced", models, expected;
+  std::string method = "fused", preset = "balanced", models, expected, keypoints = "uniform",
+              grouping = "frames";
   std::vector<std::string> without;  ///< names of improvements
   std::vector<float> region, tilt;
-  std::optional<float> min_score, reference_share, neighbour_share;
-  std::optional<std::uint32_t> max_instances, max_votes, rounds;
+  std::optional<float> min_score, reference_share, neighbour_share, max_distance, max_ratio,
+      keypoint_spacing, min_cluster_share;
+  std::optional<std::uint32_t> max_instances, max_votes, rounds, neighbours;
+  bool weigh_by_ratio = false;
 };
 
 /// `arguments` must live as long as the command.

@@ -8,24 +8,19 @@
 
 #include "engine/feature_library.hpp"
 #include "engine/prepare_scene.hpp"
+#include "engine/recognise.hpp"
 #include "kernels/cluster_poses.hpp"
 #include "kernels/tri_spin_image.hpp"
 #include "storage/tri_spin_features.hpp"
 
 namespace trivet::engine {
 
-struct MatchOptions {
-  float spacing = 3;                    ///< of a scene's keypoints [resolutions]
-  std::uint32_t max_keypoints = 10000;  ///< of more, so many spread over all are described
-  kernels::FrameLimits limits{};
-  std::size_t num_neighbours = 3;  ///< features of models that a scene's feature is matched with
-  std::size_t max_checks = 256;    ///< features that it is compared with
-};
-
 struct FeatureMatch {
-  std::uint32_t keypoint = 0;  ///< of the scene
-  std::uint32_t model = 0;     ///< of the library
-  Pose T_scene_model;
+  std::uint32_t keypoint = 0;   ///< of the scene
+  std::uint32_t model = 0;      ///< of the library
+  Eigen::Vector3f model_point;  ///< that the keypoint may be
+  Pose T_scene_model;           ///< by the two frames
+  float votes = 1;
 };
 
 /// What the features of a scene were matched with.
@@ -43,14 +38,14 @@ struct SceneMatches {
 /// al., IJCV 2013, section 5.2). Same bytes for any number of threads.
 SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
                             const PreparedScene& scene, const SceneSample& sample,
-                            std::span<const std::uint8_t> explained,
-                            const MatchOptions& options = {});
+                            std::span<const std::uint8_t> explained, const MatchOptions& options);
 
-/// The poses of matches, per model of the library, each with one vote. Matches whose keypoint lies
-/// on a pixel that was marked since stay out.
+/// The poses of matches, per model of the library. Matches whose keypoint lies on a pixel that was
+/// marked since stay out.
 std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& matches,
                                                             const PreparedScene& scene,
                                                             std::span<const std::uint8_t> explained,
-                                                            std::size_t num_models);
+                                                            std::size_t num_models,
+                                                            Grouping grouping);
 
 }  // namespace trivet::engine

@@ -214,6 +214,16 @@ Result<void> validate(const RecogniseOptions& options) {
     if (const Result<void> valid = validate(vote); !valid) return valid;
   }
   return engine::check_ranges({
+      {options.match.spacing >= 1 && options.match.spacing <= 20,
+       "spacing of keypoints [resolutions]", "1 to 20", options.match.spacing},
+      {options.match.num_neighbours >= 1 && options.match.num_neighbours <= 10, "neighbours",
+       "1 to 10", static_cast<double>(options.match.num_neighbours)},
+      {options.match.max_distance > 0, "maximum distance of features", "above 0",
+       options.match.max_distance},
+      {options.match.max_ratio > 0 && options.match.max_ratio <= 1, "maximum ratio", "above 0 to 1",
+       options.match.max_ratio},
+      {options.pose.min_cluster_share >= 0 && options.pose.min_cluster_share <= 1,
+       "share of the best cluster", "0 to 1", options.pose.min_cluster_share},
       {options.pose.rounds <= 4, "rounds of voting", "0 to 4",
        static_cast<double>(options.pose.rounds)},
       {!options.limits.region ||

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,7 @@
 #include "engine/progress.hpp"
 #include "engine/recogniser.hpp"
 #include "kernels/pose_score.hpp"
+#include "kernels/tri_spin_image.hpp"
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
 
@@ -36,12 +38,48 @@ struct VoteOptions {
   bool operator==(const VoteOptions&) const = default;
 };
 
+/// Which points of a scene are described.
+enum class Detector : std::uint8_t {
+  uniform,  ///< spread evenly
+  iss,      ///< intrinsic shape signatures
+  harris,   ///< Harris 3D
+};
+
+/// How matches of a model become poses.
+enum class Grouping : std::uint8_t {
+  frames,       ///< each gives one, by its two frames
+  consistency,  ///< matches whose distances agree give one together
+  ransac,       ///< so do those that a pose of three takes to their places
+};
+
+/// Of Tri-Spin-Images. The defaults match by nearest neighbours; a threshold on their distance or
+/// on their ratio to the second nearest are the other strategies of the thesis.
+struct MatchOptions {
+  Detector detector = Detector::uniform;
+  float spacing = 3;  ///< of a scene's keypoints [resolutions of the models], 1 to 20
+  std::uint32_t max_keypoints = 10000;  ///< of more, so many spread over all are described
+  kernels::FrameLimits limits{};        ///< keypoints below are left out: flat, at a border, unsure
+  std::uint32_t num_neighbours = 3;     ///< features of models that each is matched with, 1 to 10
+  std::uint32_t max_checks = 256;       ///< features that it is compared with; more are more exact
+  /// Largest distance of matched features, above 0.
+  float max_distance = std::numeric_limits<float>::infinity();
+  /// Largest ratio of it to that of the nearest feature of another model or of a place farther than
+  /// half a support, above 0 to 1; 1: none is too large.
+  float max_ratio = 1;
+  bool weigh_by_ratio = false;  ///< a match has 1 - ratio votes, else 1
+  Grouping grouping = Grouping::frames;
+  bool operator==(const MatchOptions&) const = default;
+};
+
 struct PoseOptions {
   float cluster_translation = 0.07F;  ///< limit between poses of a cluster, in diameters
   float cluster_rotation_deg = 15;    ///< ... and in degrees
   std::uint32_t max_clusters = 300;   ///< kept per model for the first verification
-  std::uint32_t max_refined = 40;     ///< candidates per model that are refined
-  std::uint32_t max_examined = 20;    ///< refined candidates per model that are tested by rays
+  /// Clusters with less than this share of the best one's votes are dropped, 0 to 1; the thesis
+  /// takes 0.5.
+  float min_cluster_share = 0;
+  std::uint32_t max_refined = 40;   ///< candidates per model that are refined
+  std::uint32_t max_examined = 20;  ///< refined candidates per model that are tested by rays
   /// Of searching, later ones on what is not yet explained; 0 to test expected poses only.
   std::uint32_t rounds = 2;
   bool operator==(const PoseOptions&) const = default;
@@ -61,6 +99,7 @@ struct RecogniseOptions {
   /// Of later rounds, which have less to search and the harder ones to find: small objects in
   /// strong noise need pairs from farther apart, hidden ones more references.
   VoteOptions later{.radius = 0.7F, .reference_share = 0.2F, .max_votes = 60000};
+  MatchOptions match{};
   PoseOptions pose{};
   VerifyStageOptions verify{};
   float min_score = 0.8F;  ///< detections below are not reported, 0..1

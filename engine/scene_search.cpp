@@ -98,12 +98,13 @@ void SceneSearch::match(AllProposals& proposals) {
       std::ranges::set_intersection(level.models, wanted, std::back_inserter(models));
       if (models.empty()) continue;
       matches_.push_back(match_features(library_.basis, level, scene_,
-                                        sample(level.resolution, models), selection_.explained));
+                                        sample(level.resolution, models), selection_.explained,
+                                        options_.match));
     }
   }
   for (const SceneMatches& matches : matches_) {
-    std::vector<std::vector<kernels::Hypothesis>> hypotheses =
-        hypotheses_of(matches, scene_, selection_.explained, library_.models.size());
+    std::vector<std::vector<kernels::Hypothesis>> hypotheses = hypotheses_of(
+        matches, scene_, selection_.explained, library_.models.size(), options_.match.grouping);
     for (const std::uint32_t m : wanted) {
       if (!hypotheses[m].empty()) proposals[m].push_back({Source::trisi, std::move(hypotheses[m])});
     }

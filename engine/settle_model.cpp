@@ -96,10 +96,12 @@ class Settling {
                                          options_.pose.max_clusters};
     std::vector<Look> looks;
     for (const Proposals& from : proposals) {
-      float num_votes = 0;
+      float num_votes = 0, most = 0;
       for (const kernels::Hypothesis& hypothesis : from.hypotheses) num_votes += hypothesis.votes;
       for (const kernels::Hypothesis& cluster :
            kernels::cluster_poses(from.hypotheses, model_.symmetry, model_.centre, limits)) {
+        most = std::max(most, cluster.votes);  // the first one's
+        if (cluster.votes < options_.pose.min_cluster_share * most) break;
         if (!tester_.allowed(cluster.T_scene_model)) continue;
         looks.push_back({from.source, cluster.T_scene_model, cluster.votes / num_votes, {}, 0});
       }
