@@ -74,6 +74,32 @@ TEST_F(TrainRecognize, SaysWhichMethodFoundADetection) {
   EXPECT_EQ(scene.at("counts").at("votes"), 0);
 }
 
+TEST_F(TrainRecognize, TrainsForTheMethodsThatAreAskedFor) {
+  for (const std::string method : {"ppf", "trisi"}) {
+    const bool images = method == "trisi";
+    const test::Outcome trained =
+        run({"train", "bracket.ply", "-o", method + ".h5", "--methods", method});
+    ASSERT_EQ(trained.exit_code, 0) << trained.error;
+    EXPECT_EQ(trained.error.find(" 0 point pairs") != std::string::npos, images) << trained.error;
+    EXPECT_EQ(trained.error.find(" 0 features") != std::string::npos, !images) << trained.error;
+    const test::Outcome info = run({"library", "info", method + ".h5"});
+    EXPECT_EQ(info.out.find("features    none") != std::string::npos, !images) << info.out;
+    EXPECT_EQ(info.out.find("60 components with") != std::string::npos, images) << info.out;
+
+    const test::Outcome fused = run({"recognize", method + ".h5", "scan.ply", "--json", "-"});
+    ASSERT_EQ(fused.exit_code, 0) << fused.error;
+    const nlohmann::json scene = nlohmann::json::parse(fused.out).at("scenes").at(0);
+    ASSERT_EQ(scene.at("detections").size(), 1U);
+    EXPECT_EQ(scene["detections"][0].at("method"), method);
+    const std::string other = images ? "ppf" : "trisi";
+    const test::Outcome refused = run({"recognize", method + ".h5", "scan.ply", "--method", other});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.error.find("--methods " + other), std::string::npos) << refused.error;
+  }
+  EXPECT_EQ(run({"train", "bracket.ply", "-o", "no.h5", "--methods", "magic"}).exit_code, 2);
+  EXPECT_EQ(run({"train", "bracket.ply", "-o", "no.h5", "--components", "0"}).exit_code, 2);
+}
+
 TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   const test::Outcome outcome =
       run({"recognize", "library.h5", "scan.ply", "--json", "found.json"});

@@ -6,43 +6,21 @@
 #include <limits>
 
 #include "support/allocations.hpp"
+#include "support/depth_scan.hpp"
 #include "support/random.hpp"
 #include "support/reference.hpp"
 
 namespace trivet::kernels {
 namespace {
 
+using test::depth_scan;
+using test::DepthScan;
 using test::Random;
 
-struct Scan {
-  PixelGrid grid;
-  Points points;
-};
-
-// A pinhole camera at the origin looks along z; depth gives z, or NaN for a pixel without a point.
-Scan scan(std::uint32_t width, std::uint32_t height,
-          const std::function<float(float a, float b)>& depth) {
-  Scan out;
-  out.grid.width = width;
-  out.grid.height = height;
-  for (std::uint32_t v = 0; v < height; ++v) {
-    for (std::uint32_t u = 0; u < width; ++u) {
-      const float a = (static_cast<float>(u) - static_cast<float>(width) / 2) / 100;
-      const float b = (static_cast<float>(v) - static_cast<float>(height) / 2) / 100;
-      const float z = depth(a, b);
-      const bool valid = !std::isnan(z);
-      out.grid.point_index.push_back(valid ? static_cast<std::int32_t>(out.points.size())
-                                           : PixelGrid::kNone);
-      if (valid) out.points.push_back({a * z, b * z, z});
-    }
-  }
-  return out;
-}
-
 // A slanted, noisy sheet with a step in depth and holes.
-Scan rough_scan(std::uint32_t width, std::uint32_t height) {
+DepthScan rough_scan(std::uint32_t width, std::uint32_t height) {
   Random random(width);
-  return scan(width, height, [&](float a, float b) {
+  return depth_scan(width, height, [&](float a, float b) {
     if (random.below(10) == 0) return std::numeric_limits<float>::quiet_NaN();
     return 1 + a + (a > 0.05F ? 0.5F : 0.0F) + 0.1F * b * b + random.normal(0.001F);
   });
@@ -53,7 +31,7 @@ struct Estimate {
   Column<float> residuals;
 };
 
-Estimate estimate(const Scan& scan, const GridNormalOptions& options = {},
+Estimate estimate(const DepthScan& scan, const GridNormalOptions& options = {},
                   const Eigen::Vector3f& viewpoint = {0, 0, 0}, std::size_t grain = 1000) {
   const std::size_t n = scan.points.size();
   Estimate out{Normals(n), Column<float>(n)};
@@ -71,7 +49,7 @@ struct Reference {
   bool near_a_limit = false;              // float and double may decide differently
 };
 
-Reference reference_normal(const Scan& scan, int u, int v, const GridNormalOptions& options) {
+Reference reference_normal(const DepthScan& scan, int u, int v, const GridNormalOptions& options) {
   const auto point = [&](int i, int j) -> std::optional<Eigen::Vector3d> {
     if (i < 0 || j < 0 || i >= static_cast<int>(scan.grid.width) ||
         j >= static_cast<int>(scan.grid.height)) {
@@ -116,7 +94,7 @@ Reference reference_normal(const Scan& scan, int u, int v, const GridNormalOptio
 TEST(EstimateNormalsGrid, AgreesWithReferenceOnRoughScans) {
   for (const auto& [width, height] :
        {std::pair{1U, 1U}, {2U, 1U}, {3U, 3U}, {7U, 5U}, {8U, 8U}, {9U, 20U}, {40U, 30U}}) {
-    const Scan s = rough_scan(width, height);
+    const DepthScan s = rough_scan(width, height);
     for (const std::uint32_t window : {1U, 2U, 3U, 10U}) {
       const GridNormalOptions options{.window = window};
       const Estimate found = estimate(s, options);
@@ -148,7 +126,8 @@ TEST(EstimateNormalsGrid, AgreesWithReferenceOnRoughScans) {
 
 TEST(EstimateNormalsGrid, IsTheNormalOfASlantedPlane) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.6, -0.3, -1).normalized();
-  const Scan s = scan(50, 40, [](float a, float b) { return 1 / (1 - 0.6F * a + 0.3F * b); });
+  const DepthScan s =
+      depth_scan(50, 40, [](float a, float b) { return 1 / (1 - 0.6F * a + 0.3F * b); });
   const Estimate found = estimate(s);
   for (std::size_t i = 0; i < s.points.size(); ++i) {
     ASSERT_LT((found.normals[i].cast<double>() - normal).norm(), 1e-4);
@@ -158,7 +137,7 @@ TEST(EstimateNormalsGrid, IsTheNormalOfASlantedPlane) {
 
 TEST(EstimateNormalsGrid, NeverBlendsAcrossAStepInDepth) {
   // Two walls that face the camera, one behind the other: any blend would tilt a normal.
-  const Scan s = scan(60, 40, [](float a, float) { return a < 0 ? 1.0F : 1.2F; });
+  const DepthScan s = depth_scan(60, 40, [](float a, float) { return a < 0 ? 1.0F : 1.2F; });
   for (const std::uint32_t window : {1U, 2U, 3U}) {
     const Estimate found = estimate(s, {.window = window, .min_points = 3});
     for (std::size_t i = 0; i < s.points.size(); ++i) {
@@ -170,7 +149,7 @@ TEST(EstimateNormalsGrid, NeverBlendsAcrossAStepInDepth) {
 TEST(EstimateNormalsGrid, UsesTheWholeWindowOfASlantedSurface) {
   // At 60 degrees the farthest of the 49 pixels is 2.2 times as far off as on a frontal surface.
   const float slope = std::tan(1.0472F);
-  const Scan s = scan(40, 30, [&](float a, float) { return 1 / (1 - slope * a); });
+  const DepthScan s = depth_scan(40, 30, [&](float a, float) { return 1 / (1 - slope * a); });
   const Estimate found = estimate(s, {.window = 3, .min_points = 49});
   for (int v = 10; v < 20; ++v) {
     for (int u = 10; u < 30; ++u) {
@@ -181,7 +160,7 @@ TEST(EstimateNormalsGrid, UsesTheWholeWindowOfASlantedSurface) {
 }
 
 TEST(EstimateNormalsGrid, FacesTheViewpoint) {
-  const Scan s = rough_scan(40, 30);
+  const DepthScan s = rough_scan(40, 30);
   for (const Eigen::Vector3f& viewpoint : {Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0, 0, 9)}) {
     const Estimate found = estimate(s, {}, viewpoint);
     for (std::size_t i = 0; i < s.points.size(); ++i) {
@@ -192,7 +171,8 @@ TEST(EstimateNormalsGrid, FacesTheViewpoint) {
 }
 
 TEST(EstimateNormalsGrid, GivesNaNForObliqueSurfaces) {
-  const Scan s = scan(20, 20, [](float a, float) { return 1 / (1 - 3 * a); });  // about 72 degrees
+  const DepthScan s =
+      depth_scan(20, 20, [](float a, float) { return 1 / (1 - 3 * a); });  // about 72 degrees
   const Estimate strict = estimate(s, {.max_obliquity_rad = 0.8F});
   const Estimate lenient = estimate(s, {.max_obliquity_rad = 1.5F});
   EXPECT_TRUE(std::isnan(strict.normals[210].x()));
@@ -203,7 +183,8 @@ TEST(EstimateNormalsGrid, GivesNaNForObliqueSurfaces) {
 TEST(EstimateNormalsGrid, GivesNaNForPixelsAlone) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   int pixel = 0;
-  const Scan checkers = scan(9, 9, [&](float, float) { return pixel++ % 2 == 0 ? 1.0F : nan; });
+  const DepthScan checkers =
+      depth_scan(9, 9, [&](float, float) { return pixel++ % 2 == 0 ? 1.0F : nan; });
   const Estimate found = estimate(checkers);
   for (std::size_t i = 0; i < checkers.points.size(); ++i) {
     EXPECT_TRUE(std::isnan(found.normals[i].x()));
@@ -211,7 +192,7 @@ TEST(EstimateNormalsGrid, GivesNaNForPixelsAlone) {
 }
 
 TEST(EstimateNormalsGrid, GrowsWithTheUnit) {
-  Scan s = rough_scan(40, 30);
+  DepthScan s = rough_scan(40, 30);
   const Estimate metres = estimate(s);
   s.points = test::transformed(s.points, 1024 * Eigen::Matrix3f::Identity(), {0, 0, 0});
   const Estimate larger = estimate(s);
@@ -224,7 +205,7 @@ TEST(EstimateNormalsGrid, GrowsWithTheUnit) {
 }
 
 TEST(EstimateNormalsGrid, GivesTheSameBitsForAnyChunking) {
-  const Scan s = rough_scan(40, 30);
+  const DepthScan s = rough_scan(40, 30);
   const Estimate whole = estimate(s);
   for (const std::size_t grain : {1U, 7U, 29U}) {
     const Estimate chunked = estimate(s, {}, {0, 0, 0}, grain);
@@ -234,7 +215,7 @@ TEST(EstimateNormalsGrid, GivesTheSameBitsForAnyChunking) {
 }
 
 TEST(EstimateNormalsGrid, AllocatesNothing) {
-  const Scan s = rough_scan(40, 30);
+  const DepthScan s = rough_scan(40, 30);
   Normals normals(s.points.size());
   PixelPoints pixels;
   arrange_pixels(s.grid, s.points, pixels);
@@ -248,7 +229,7 @@ TEST(EstimateNormalsGrid, AllocatesNothing) {
 TEST(EstimateScanNoise, FindsTheNoiseDespiteEdgesAndCurves) {
   for (const float noise : {0.0005F, 0.002F}) {
     Random random;
-    const Scan s = scan(120, 100, [&](float a, float b) {
+    const DepthScan s = depth_scan(120, 100, [&](float a, float b) {
       const float ball = a * a + b * b < 0.04F ? 0.3F * std::sqrt(0.04F - a * a - b * b) : 0.0F;
       return 1 - ball + (a > 0.3F ? 0.4F : 0.0F) + random.normal(noise);
     });

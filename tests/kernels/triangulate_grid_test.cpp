@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "support/depth_scan.hpp"
 #include "support/random.hpp"
 #include "support/reference_mesh.hpp"
 
@@ -17,55 +18,32 @@ namespace trivet::kernels {
 namespace {
 
 using Eigen::Vector3f;
+using test::depth_scan;
+using test::DepthScan;
 using test::Random;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kPitch = 0.01F;  // between rays, at depth 1
 
-struct Scan {
-  PixelGrid grid;
-  Points points;
-};
-
-/// A pinhole camera at the origin looks along z; depth gives z, or NaN for a pixel without a point.
-Scan scan(std::uint32_t width, std::uint32_t height,
-          const std::function<float(float a, float b)>& depth) {
-  Scan out;
-  out.grid.width = width;
-  out.grid.height = height;
-  for (std::uint32_t v = 0; v < height; ++v) {
-    for (std::uint32_t u = 0; u < width; ++u) {
-      const float a = (static_cast<float>(u) - static_cast<float>(width) / 2) * kPitch;
-      const float b = (static_cast<float>(v) - static_cast<float>(height) / 2) * kPitch;
-      const float z = depth(a, b);
-      out.grid.point_index.push_back(std::isnan(z) ? PixelGrid::kNone
-                                                   : static_cast<std::int32_t>(out.points.size()));
-      if (!std::isnan(z)) out.points.push_back({a * z, b * z, z});
-    }
-  }
-  return out;
-}
-
-Scan facing_plane(std::uint32_t width, std::uint32_t height) {
-  return scan(width, height, [](float, float) { return 1.0F; });
+DepthScan facing_plane(std::uint32_t width, std::uint32_t height) {
+  return depth_scan(width, height, [](float, float) { return 1.0F; });
 }
 
 /// A plane across which the line of sight at the image's middle falls at this angle to the normal.
-Scan slanted_plane(float angle_deg) {
+DepthScan slanted_plane(float angle_deg) {
   const float slope = std::tan(angle_deg * std::numbers::pi_v<float> / 180);
-  return scan(5, 5, [&](float a, float) { return 1 / (1 - slope * a); });
+  return depth_scan(5, 5, [&](float a, float) { return 1 / (1 - slope * a); });
 }
 
 /// A wavy sheet with a step in depth and holes.
-Scan rough_scan() {
+DepthScan rough_scan() {
   Random random;
-  return scan(40, 30, [&](float a, float b) {
+  return depth_scan(40, 30, [&](float a, float b) {
     if (random.below(10) == 0) return kNaN;
     return 1 + (a > 0.05F ? 0.5F : 0.0F) + 0.1F * b * b + random.uniform(-0.004F, 0.004F);
   });
 }
 
-Triangles triangulate(const Scan& scan, const GridTriangulationOptions& options = {},
+Triangles triangulate(const DepthScan& scan, const GridTriangulationOptions& options = {},
                       GridTriangulationStats* stats = nullptr, float noise = 0,
                       const Vector3f& viewpoint = Vector3f::Zero()) {
   const std::vector<float> everywhere(scan.points.size(), noise);
@@ -84,7 +62,7 @@ std::vector<std::array<std::uint32_t, 3>> sorted(const Triangles& triangles) {
   return all;
 }
 
-bool all_face(const Scan& scan, const Triangles& triangles, const Vector3f& viewpoint) {
+bool all_face(const DepthScan& scan, const Triangles& triangles, const Vector3f& viewpoint) {
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const Vector3f a = scan.points[triangles.a[t]];
     const Vector3f n = (scan.points[triangles.b[t]] - a).cross(scan.points[triangles.c[t]] - a);
@@ -94,7 +72,7 @@ bool all_face(const Scan& scan, const Triangles& triangles, const Vector3f& view
 }
 
 TEST(TriangulateGrid, SpansTwoTrianglesASquareThatFaceTheSensor) {
-  const Scan plane = facing_plane(20, 15);
+  const DepthScan plane = facing_plane(20, 15);
   const Triangles triangles = triangulate(plane);
   EXPECT_EQ(triangles.size(), 2U * 19 * 14);
   EXPECT_TRUE(all_face(plane, triangles, Vector3f::Zero()));
@@ -102,7 +80,7 @@ TEST(TriangulateGrid, SpansTwoTrianglesASquareThatFaceTheSensor) {
 }
 
 TEST(TriangulateGrid, FacesAViewpointOnTheOtherSideToo) {
-  const Scan plane = facing_plane(20, 15);
+  const DepthScan plane = facing_plane(20, 15);
   const Vector3f behind(0, 0, 2);
   const Triangles triangles = triangulate(plane, {}, nullptr, 0, behind);
   EXPECT_EQ(triangles.size(), 2U * 19 * 14);
@@ -110,7 +88,7 @@ TEST(TriangulateGrid, FacesAViewpointOnTheOtherSideToo) {
 }
 
 TEST(TriangulateGrid, HasEachEdgeOncePerSideOnRoughScans) {
-  const Scan rough = rough_scan();
+  const DepthScan rough = rough_scan();
   const Triangles triangles = triangulate(rough);
   EXPECT_GT(triangles.size(), 1000U);
   EXPECT_GT(reference::count_open_edges(triangles), 0U);  // also expects each edge once a side
@@ -118,8 +96,8 @@ TEST(TriangulateGrid, HasEachEdgeOncePerSideOnRoughScans) {
 }
 
 TEST(TriangulateGrid, GivesTheSameSurfaceForAMirroredOrTurnedImage) {
-  const Scan rough = rough_scan();
-  Scan mirrored = rough, transposed = rough;
+  const DepthScan rough = rough_scan();
+  DepthScan mirrored = rough, transposed = rough;
   const std::uint32_t width = rough.grid.width, height = rough.grid.height;
   std::swap(transposed.grid.width, transposed.grid.height);
   for (std::uint32_t v = 0; v < height; ++v) {
@@ -134,17 +112,17 @@ TEST(TriangulateGrid, GivesTheSameSurfaceForAMirroredOrTurnedImage) {
 }
 
 TEST(TriangulateGrid, MovesWithTheScan) {
-  const Scan rough = rough_scan();
+  const DepthScan rough = rough_scan();
   Random random;
   const Pose motion = random.motion();
-  Scan moved = rough;
+  DepthScan moved = rough;
   moved.points = test::transformed(rough.points, motion.linear(), motion.translation());
   EXPECT_EQ(sorted(triangulate(moved, {}, nullptr, 0, motion.translation())),
             sorted(triangulate(rough)));
 }
 
 TEST(TriangulateGrid, CutsAStepInDepth) {
-  const Scan step = scan(20, 15, [](float a, float) { return a < 0 ? 1.0F : 1.2F; });
+  const DepthScan step = depth_scan(20, 15, [](float a, float) { return a < 0 ? 1.0F : 1.2F; });
   GridTriangulationStats stats;
   const Triangles triangles = triangulate(step, {}, &stats);
   EXPECT_EQ(triangles.size(), 2U * 18 * 14) << "one column of squares is gone";
@@ -158,7 +136,7 @@ TEST(TriangulateGrid, CutsAStepInDepth) {
 TEST(TriangulateGrid, JudgesAStepByTheFootprintThere) {
   // The same step is 10 footprints near the sensor and 1 far away.
   const auto two_depths = [](float z) {
-    return scan(4, 4, [z](float a, float) { return a < 0 ? z : z + 0.1F; });
+    return depth_scan(4, 4, [z](float a, float) { return a < 0 ? z : z + 0.1F; });
   };
   EXPECT_EQ(triangulate(two_depths(1)).size(), 2U * 2 * 3);
   EXPECT_EQ(triangulate(two_depths(10)).size(), 2U * 3 * 3);
@@ -166,8 +144,8 @@ TEST(TriangulateGrid, JudgesAStepByTheFootprintThere) {
 
 TEST(TriangulateGrid, DoesNotCutWhatNoiseExplains) {
   Random random;
-  const float noise = 5 * kPitch;
-  const Scan noisy = scan(60, 60, [&](float, float) {
+  const float noise = 5 * test::kPixelPitch;
+  const DepthScan noisy = depth_scan(60, 60, [&](float, float) {
     return 1 + std::clamp(random.normal(noise), -2 * noise, 2 * noise);
   });
   const double all = 2.0 * 59 * 59;
@@ -190,19 +168,19 @@ TEST(TriangulateGrid, LeavesTheTriangleOfThreeBesideOneThatIsMissingOrFar) {
   const std::size_t all = triangulate(facing_plane(5, 5)).size();
   const auto at_middle = [](float z) {
     int pixel = 0;
-    return scan(5, 5, [=](float, float) mutable { return pixel++ == 12 ? z : 1; });
+    return depth_scan(5, 5, [=](float, float) mutable { return pixel++ == 12 ? z : 1; });
   };
   EXPECT_EQ(triangulate(at_middle(kNaN)).size(), all - 4);
   EXPECT_EQ(triangulate(at_middle(3)).size(), all - 4);
   EXPECT_EQ(triangulate(at_middle(0.5F)).size(), all - 4);
 
-  Scan not_finite = facing_plane(5, 5);
+  DepthScan not_finite = facing_plane(5, 5);
   not_finite.points.set(12, {0, kNaN, 1});
   EXPECT_EQ(triangulate(not_finite).size(), all - 4);
 }
 
 TEST(TriangulateGrid, LeavesOutTrianglesWithoutAnArea) {
-  Scan plane = facing_plane(5, 5);
+  DepthScan plane = facing_plane(5, 5);
   plane.points.set(12, plane.points[11]);
   const Triangles triangles = triangulate(plane);
   EXPECT_EQ(triangles.size(), 30U);
@@ -211,7 +189,7 @@ TEST(TriangulateGrid, LeavesOutTrianglesWithoutAnArea) {
 
 TEST(TriangulateGrid, CountsWhatIsSeenFromBehind) {
   // A sheet that turns back over itself, which no sensor at the origin could see.
-  Scan folded = facing_plane(9, 3);
+  DepthScan folded = facing_plane(9, 3);
   for (std::size_t i = 0; i < folded.points.size(); ++i) {
     const std::size_t u = i % 9;
     if (u > 6) folded.points.set(i, folded.points[i - 2 * (u - 6)] + Vector3f(0, 0, 0.02F));
@@ -227,7 +205,7 @@ TEST(TriangulateGrid, TakesImagesWithoutASquare) {
   for (const auto& [width, height] : {std::pair{0U, 0U}, {1U, 1U}, {1U, 5U}, {5U, 1U}})
     EXPECT_TRUE(triangulate(facing_plane(width, height)).empty());
   EXPECT_EQ(triangulate(facing_plane(2, 2)).size(), 2U);
-  EXPECT_TRUE(triangulate(scan(6, 6, [](float, float) { return kNaN; })).empty());
+  EXPECT_TRUE(triangulate(depth_scan(6, 6, [](float, float) { return kNaN; })).empty());
 }
 
 }  // namespace
