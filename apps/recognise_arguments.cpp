@@ -74,6 +74,10 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       ->capture_default_str();
   command.add_option("--keypoint-spacing", arguments.keypoint_spacing,
                      "trisi: between them, in 1/80 of the models' diameter, 1 to 20 (default 3)");
+  command.add_option(
+      "--max-lean", arguments.max_lean,
+      "trisi: how far the surface around a keypoint may lie to one side, in radii of "
+      "what is described: 0.15 leaves borders out (default 1)");
   command.add_option("--neighbours", arguments.neighbours,
                      "trisi: features of models that each feature is matched with, 1 to 10 "
                      "(default 3)");
@@ -132,6 +136,7 @@ Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
   options.match.grouping = static_cast<Grouping>(place_of(arguments.grouping, kGroupings));
   options.match.weigh_by_ratio = arguments.weigh_by_ratio;
   if (arguments.keypoint_spacing) options.match.spacing = *arguments.keypoint_spacing;
+  if (arguments.max_lean) options.match.limits.max_lean = *arguments.max_lean;
   if (arguments.neighbours) options.match.num_neighbours = *arguments.neighbours;
   if (arguments.max_distance) options.match.max_distance = *arguments.max_distance;
   if (arguments.max_ratio) options.match.max_ratio = *arguments.max_ratio;

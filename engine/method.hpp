@@ -7,7 +7,7 @@
 
 namespace trivet {
 
-/// What proposes poses.
+/// What proposes poses; of several, the first one counts.
 enum class Source : std::uint8_t { expected, ppf, trisi };
 
 /// What a scene is searched by.

@@ -11,6 +11,15 @@
 namespace trivet::engine {
 namespace {
 
+/// Of poses that matches propose and votes do not. The score is fitted to what votes propose, and
+/// what they leave over holds fewer objects: from 0.8 to 0.9, 28 of 35 such detections on 400
+/// rendered scenes were right, and 71 of 76 of the others.
+constexpr float kOddsBesideVotes = 0.55F;
+
+float scale_odds(float probability, float factor) noexcept {
+  return factor * probability / (1 - probability + factor * probability);
+}
+
 /// Only references whose model could lie within the limits vote.
 void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, float reach,
                          SceneLevel& level) {
@@ -134,6 +143,7 @@ Result<std::vector<Candidate>> SceneSearch::chosen() {
   for (std::size_t k = 0; k < before.size(); ++k) {
     const std::uint32_t c = before[k];
     Candidate& candidate = (*settled)[k];
+    if (is_beside_votes(candidate)) candidate.score = scale_odds(candidate.score, kOddsBesideVotes);
     if (lies_at_one_of(out, candidate)) {
       selection_.refused.push_back({c, Rejection::explained});
       candidates_[c] = std::move(candidate);
@@ -171,6 +181,11 @@ Result<std::vector<Candidate>> SceneSearch::settle_rivals(std::span<const std::u
     if (!result) return result.error();
   }
   return settled;
+}
+
+bool SceneSearch::is_beside_votes(const Candidate& candidate) const {
+  return options_.method == Method::fused && candidate.source == Source::trisi &&
+         !library_.models[candidate.model].ppf.entries.empty();
 }
 
 bool SceneSearch::lies_at_one_of(std::span<const Candidate> better,

@@ -51,6 +51,8 @@ class SceneSearch {
   Result<void> settle(const AllProposals& proposals);
   SceneSample sample(float step, std::span<const std::uint32_t> models) const;
   Result<std::vector<Candidate>> settle_rivals(std::span<const std::uint32_t> chosen);
+  /// Whether matches propose a pose that votes had the chance to propose and did not.
+  bool is_beside_votes(const Candidate& candidate) const;
   bool lies_at_one_of(std::span<const Candidate> better, const Candidate& candidate) const;
 
   const Recogniser& recogniser_;

@@ -62,17 +62,21 @@ std::vector<std::uint32_t> best_spread(std::span<const Look> looks, const Model&
   return chosen;
 }
 
-/// Leave the best of poses that refinement led to one place.
+/// Leave the best of poses that refinement led to one place; its source is the first of theirs.
 std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& model) {
   std::vector<Look> kept;
   for (const std::uint32_t c : by_score(looks)) {
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Look& other) {
+    const auto known = std::find_if(kept.begin(), kept.end(), [&](const Look& other) {
       const kernels::PoseDistance distance = kernels::pose_distance(
           other.T_scene_model, looks[c].T_scene_model, model.symmetry, model.centre);
       return distance.translation < kSameTranslation * model.diameter &&
              distance.rotation_rad < kSameRotationRad;
     });
-    if (!known) kept.push_back(looks[c]);
+    if (known == kept.end()) {
+      kept.push_back(looks[c]);
+    } else {
+      known->source = std::min(known->source, looks[c].source);
+    }
   }
   return kept;
 }

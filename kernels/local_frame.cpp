@@ -97,7 +97,8 @@ LocalFrame frame_of(const Moments& moments, float radius, const Eigen::Vector3f&
   const double least = 1e-9 * values[2];
   frame.first_ratio = static_cast<float>(values[2] / std::max(values[1], least));
   frame.second_ratio = static_cast<float>(values[1] / std::max(values[0], least));
-  frame.lean = static_cast<float>(std::abs(along) / (moments.weight * static_cast<double>(radius)));
+  const double aside = (moments.first - moments.first.dot(e3) * e3).norm();
+  frame.lean = static_cast<float>(aside / (moments.weight * static_cast<double>(radius)));
   return frame;
 }
 

@@ -15,8 +15,8 @@ struct LocalFrame {
   Eigen::Matrix3f axes = Eigen::Matrix3f::Zero();  ///< rows e1, e2, e3; a rotation, or 0 for none
   float first_ratio = 1;   ///< of the largest eigenvalue over the second, >= 1
   float second_ratio = 1;  ///< of the second over the smallest, >= 1
-  float lean = 0;          ///< how far the surface leans along e1 [radii]; its sign made e1's
-  float hold = 0;          ///< how surely heights hold e1 (aim_first_axis), 0 to 1
+  float lean = 0;  ///< how far the mean of the surface lies to one side [radii]: 0.25 at a border
+  float hold = 0;  ///< how surely heights hold e1 (aim_first_axis), 0 to 1
 };
 
 /// The frame of the weighted points of a support: eigenvectors of their scatter about the keypoint,

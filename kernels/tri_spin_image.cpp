@@ -9,7 +9,9 @@ LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> ar
   gather_support(surface, areas, keypoint, radius, scratch.support);
   if (scratch.support.size < limits.min_points) return {};
   LocalFrame frame = local_frame(scratch.support, radius, normal);
-  if (frame.axes.isZero() || frame.second_ratio < limits.min_second_ratio) return {};
+  if (frame.axes.isZero() || frame.second_ratio < limits.min_second_ratio ||
+      frame.lean > limits.max_lean)
+    return {};
   aim_first_axis(scratch.support, radius, frame);
   if (frame.hold < limits.min_hold) return {};
   const auto write = [&](std::span<float, kSpinImageSize> one, int axis) {

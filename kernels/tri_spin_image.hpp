@@ -24,6 +24,7 @@ struct FrameLimits {
   std::size_t min_points = 40;     ///< in the support
   float min_hold = 0.03F;          ///< of e1 by heights
   float min_second_ratio = 1.03F;  ///< of the second over the smallest
+  float max_lean = 1;              ///< of the surface to one side [radii]; 0.15 leaves borders out
   bool operator==(const FrameLimits&) const = default;
 };
 

@@ -84,6 +84,34 @@ TEST(DescribeSurface, TellsPlacesApart) {
   EXPECT_GT(nearest_far, 0.1);
 }
 
+TEST(DescribeSurface, LeavesOutBordersWhereItIsAsked) {
+  test::Random random;
+  Points points;
+  Normals normals;
+  for (int k = 0; k < 6000; ++k) {
+    const float x = random.uniform(-1, 1), y = random.uniform(-1, 1);
+    points.push_back({x, y, 0.2F * std::sin(7 * x) * std::cos(5 * y)});
+    normals.push_back({0, 0, 1});
+  }
+  const auto keypoints = every(20, points.size());
+  const auto describe = [&](float max_lean) {
+    Descriptions out;
+    const auto kept =
+        describe_surface(points, normals, keypoints, 0.3F, {.max_lean = max_lean}, out);
+    std::size_t at_border = 0;
+    for (const std::uint32_t k : kept) {
+      const Eigen::Vector3f p = points[keypoints[k]];
+      at_border += std::max(std::abs(p.x()), std::abs(p.y())) > 0.97F;
+    }
+    return std::pair(kept.size(), at_border);
+  };
+  const auto [all, borders] = describe(1);
+  const auto [inner, few] = describe(0.15F);
+  EXPECT_GT(borders, 5U);
+  EXPECT_EQ(few, 0U);
+  EXPECT_GT(inner, all / 2);
+}
+
 TEST(DescribeSurface, LeavesOutWhatHoldsNoFrameAndAppends) {
   test::Random random;
   Points points;

@@ -41,9 +41,7 @@ void expect_near(const Pose& found, const Pose& truth) {
   EXPECT_LT(error.rotation_rad, 0.005F);
 }
 
-std::vector<Pose> two_poses(test::Random& random) {
-  return {random.motion(), random.motion()};
-}
+std::vector<Pose> two_poses(test::Random& random) { return {random.motion(), random.motion()}; }
 
 TEST(FitPose, TakesOnePointSetToTheOther) {
   test::Random random;

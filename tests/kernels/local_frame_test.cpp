@@ -97,6 +97,12 @@ TEST(LocalFrame, SaysHowSurelyTheSurfaceHoldsIt) {
   EXPECT_LT(flat.first_ratio, 1.15F) << "any turn about the normal fits";
   EXPECT_GT(flat.second_ratio, 1000);
   EXPECT_LT(flat.lean, 0.02F);
+  Points half;
+  for (std::size_t i = 0; i < disc.size(); ++i) {
+    if (disc[i].y() > 0) half.push_back(disc[i]);
+  }
+  // The mean over half a disc with weights (1 - r)^2 is 0.4 x 2 / pi from its middle.
+  EXPECT_NEAR(local_frame(support_of(half, kRadius), kRadius, kUp).lean, 0.2546F, 0.02F);
   EXPECT_GT(local_frame(support_of(rod, kRadius), kRadius, kUp).first_ratio, 100);
 }
 
