@@ -197,7 +197,10 @@ Result<ModelSurface> survey_model(const Cloud& cloud, const ModelSource& source,
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < model.samples.size(); ++i) centre += model.samples[i].cast<double>();
   model.centre = (centre / static_cast<double>(model.samples.size())).cast<float>();
+  return surface;
+}
 
+void find_symmetries(const ModelSource& source, Model& model, TrainStats& stats) {
   {
     const StageTimer timer(stats.times, "symmetry");
     model.symmetry = source.symmetry ? *source.symmetry
@@ -213,8 +216,6 @@ Result<ModelSurface> survey_model(const Cloud& cloud, const ModelSource& source,
     model.near_symmetries = std::move(near.motions);
     model.near_axis = near.axis;
   }
-
-  return surface;
 }
 
 void sample_evenly(const Model& model, const ModelSurface& surface, float step, float max_angle_rad,

@@ -31,10 +31,13 @@ struct ModelSurface {
   bool has_faces() const noexcept { return !areas.empty(); }
 };
 
-/// Fill in all of a model but what its methods need: surface, samples, views, symmetries.
+/// Fill in what every method needs of a model: surface, samples, views.
 /// Errors: bad_data (too few distinct points, no extent), internal.
 Result<ModelSurface> survey_model(const Cloud& cloud, const ModelSource& source,
                                   const TrainOptions& options, Model& model, TrainStats& stats);
+
+/// Find the symmetries of a surveyed model that are not declared, and its near ones.
+void find_symmetries(const ModelSource& source, Model& model, TrainStats& stats);
 
 /// Points of the outer surface with outward normals, one a voxel and direction: normals of a voxel
 /// that differ by more than the angle stay apart. Same bytes for any number of threads.

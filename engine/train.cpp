@@ -165,6 +165,7 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
   const Result<engine::ModelSurface> surface =
       engine::survey_model(cloud, source, options, model, trained.stats);
   if (!surface) return surface.error();
+  engine::find_symmetries(source, model, trained.stats);
   model.ppf.quantisation.distance_step = sampling_step(model.diameter, options.relative_step);
   if (options.point_pairs) {
     if (const Result<void> built = build_table(source, options, *surface, trained); !built)
