@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
 #include <map>
 #include <numeric>
 
 #include "engine/manifest_inputs.hpp"
 #include "engine/pose_error.hpp"
+#include "kernels/quantile.hpp"
 
 namespace trivet {
 namespace {
 
 using engine::PoseError;
 using engine::PoseJudge;
+using kernels::quantile;
 
 /// Sums by ranges of a number that some truths tell.
 class Bins {
@@ -58,16 +59,6 @@ constexpr std::array<Bins::Edge, 5> kClutterEdges{
     {{0.6, "<60%"}, {0.8, "60-80%"}, {0.9, "80-90%"}, {0.95, "90-95%"}, {1, ">95%"}}};
 constexpr std::array<Bins::Edge, 5> kVisibleEdges{
     {{0.2, "<20%"}, {0.4, "20-40%"}, {0.6, "40-60%"}, {0.8, "60-80%"}, {1, ">80%"}}};
-
-/// Linear between the neighbours in rank; none without values.
-std::optional<double> quantile(std::vector<double> values, double share) {
-  if (values.empty()) return std::nullopt;
-  std::sort(values.begin(), values.end());
-  const double rank = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(rank);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return std::lerp(values[below], values[above], rank - std::floor(rank));
-}
 
 std::vector<StageSeconds> stage_seconds(std::span<const std::optional<SceneResult>> results) {
   std::vector<std::pair<std::string, std::vector<double>>> stages;

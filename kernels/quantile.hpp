@@ -1,0 +1,24 @@
+/// Any share of the way through some numbers.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace trivet::kernels {
+
+/// Linear between the neighbours in rank; none without values.
+///
+/// share  0..1; 0.5 gives the median, and of an even number the mean of the two in the middle
+inline std::optional<double> quantile(std::vector<double> values, double share) {
+  if (values.empty()) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  const double rank = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(rank);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return std::lerp(values[below], values[above], rank - std::floor(rank));
+}
+
+}  // namespace trivet::kernels
