@@ -12,8 +12,8 @@
 namespace trivet::kernels {
 
 struct GridNormalOptions {
-  static constexpr std::uint32_t kMaxWindow = 10;
-  std::uint32_t window = 3;         ///< half-width w [pixel], 1..10; larger is smoother and slower
+  static constexpr std::uint32_t kMaxWindow = 20;
+  std::uint32_t window = 3;         ///< half-width w [pixel], 1..20; larger is smoother and slower
   float gate = 2.0F;                ///< a neighbour counts within gate * window * footprint, > 0
   std::uint32_t min_points = 6;     ///< points of a fit with its centre, >= 3; fewer give NaN
   float max_obliquity_rad = 1.48F;  ///< angle between normal and line of sight; beyond it NaN
@@ -23,7 +23,7 @@ struct GridNormalOptions {
 /// The points of a scan laid out as its pixels, with NaN for pixels without one and around the
 /// image.
 struct PixelPoints {
-  static constexpr std::size_t kMargin = 16;  ///< >= kMaxWindow; keeps rows 64-byte aligned
+  static constexpr std::size_t kMargin = 32;  ///< >= kMaxWindow; keeps rows 64-byte aligned
   std::size_t width = 0, height = 0, stride = 0;
   Column<float> x, y, z;  ///< pixel (u, v) at (v + kMargin) * stride + u + kMargin
 
