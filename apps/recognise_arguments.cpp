@@ -57,6 +57,9 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
                      "Detections below are not reported, 0 to 1 (default 0.8)");
   command.add_option("--max-instances", arguments.max_instances,
                      "Per model and scene (default 100)");
+  command.add_option("--normal-window", arguments.normal_window,
+                     "Radius of the windows that normals are fitted to, in mean spacings of the "
+                     "scan's points, 1 to 20 (default: 2 to 7, by the scan's noise)");
   command.add_option(
       "--reference-share", arguments.reference_share,
       "Share of the sampled scene points that vote, above 0 to 1; overrides the preset");
@@ -129,6 +132,7 @@ Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
     if (known.name == arguments.method) options.method = known.method;
   }
   if (arguments.min_score) options.min_score = *arguments.min_score;
+  options.normal_window = arguments.normal_window;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;
   if (arguments.max_votes) options.vote.max_votes = *arguments.max_votes;

@@ -21,6 +21,7 @@ RecogniseOptions leave_out(RecogniseOptions options) {
     if (without(Improvement::full_cells)) vote->max_votes = kAll;
     if (without(Improvement::references)) vote->reference_share = 0.2F;
   }
+  if (without(Improvement::normals)) options.normal_window = 2;
   if (without(Improvement::second_round)) options.pose.rounds = std::min(options.pose.rounds, 1U);
   // The contour lowers the score of what is seen: where that is not asked for, there is none.
   if (without(Improvement::visibility)) options.without.insert(Improvement::contour);

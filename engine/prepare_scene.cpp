@@ -23,11 +23,12 @@ constexpr std::size_t kRowGrain = 8;          // image rows a task
 constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
 constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched in
 
-/// Half-width of the window for normals, in pixels or spacings: wide enough that noise of this size
-/// turns them by about as much as the quantisation of the pair's angles, no wider, since corners
-/// round off.
-float normal_window(float noise, float spacing, ImprovementSet without) {
-  if (without.contains(Improvement::normals)) return 2;
+/// Half-width of the window that the scene's noise is measured in, in pixels or spacings.
+constexpr std::uint32_t kNoiseWindow = 2;
+
+/// The same of the window for normals: wide enough that noise of this size turns them by about as
+/// much as the quantisation of the pair's angles, no wider, since corners round off.
+float choose_window(float noise, float spacing) {
   return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
 }
 
@@ -114,7 +115,7 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   return SensorView{*geometry, kernels::rasterise(*geometry, points), true};
 }
 
-void find_dominant_planes(kernels::RangeImage& image, ImprovementSet without,
+void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& options,
                           PreparedScene& scene) {
   const kernels::ImageGeometry& geometry = image.geometry;
   std::size_t measured = 0;
@@ -142,11 +143,11 @@ void find_dominant_planes(kernels::RangeImage& image, ImprovementSet without,
   }
   if (points.size() < 100) return;
   scene.plane_tolerance = std::max(4 * scene.noise, 3 * scene.spacing);
-  kernels::PlaneOptions options;
-  options.tolerance = scene.plane_tolerance;
-  options.min_area = 0.01F * total;  // the walls of a bin on a large table
-  options.max_planes = 8;            // table, floor and four walls of a bin, and two more
-  scene.planes = kernels::find_planes(points, normals, areas, options);
+  kernels::PlaneOptions plane_options;
+  plane_options.tolerance = scene.plane_tolerance;
+  plane_options.min_area = 0.01F * total;  // the walls of a bin on a large table
+  plane_options.max_planes = 8;            // table, floor and four walls of a bin, and two more
+  scene.planes = kernels::find_planes(points, normals, areas, plane_options);
 
   // The images hold planes in the camera's frame, the scene in its own.
   Points at(geometry.width);
@@ -163,7 +164,7 @@ void find_dominant_planes(kernels::RangeImage& image, ImprovementSet without,
     kernels::label_planes(at, scene.planes, scene.plane_tolerance,
                           std::span(image.near_plane).subspan(row, geometry.width));
   }
-  if (!without.contains(Improvement::waves))
+  if (!options.without.contains(Improvement::waves))
     scene.waviness = kernels::measure_waviness(
         image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
@@ -175,7 +176,7 @@ void find_dominant_planes(kernels::RangeImage& image, ImprovementSet without,
 }
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
-                                  ImprovementSet without, PreparedScene& scene) {
+                                  const RecogniseOptions& options, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
       : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
@@ -203,23 +204,23 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   std::fill(scene.normals.span().x.begin(), scene.normals.span().x.end(), kNaN);
   Column<float> residuals(scene.points.size(), kNaN);
   const auto estimate = [&](std::uint32_t window) {
-    kernels::GridNormalOptions options;
-    options.window = window;
+    kernels::GridNormalOptions window_options;
+    window_options.window = window;
     for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
-      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, options, first, count,
+      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, window_options, first, count,
                                      scene.normals, residuals);
     });
   };
-  estimate(2);
+  estimate(kNoiseWindow);
   Column<float> scratch;
   scene.noise = kernels::estimate_scan_noise(residuals, scratch);
-  scene.window = normal_window(scene.noise, scene.spacing, without);
+  scene.window = options.normal_window.value_or(choose_window(scene.noise, scene.spacing));
   const auto window = static_cast<std::uint32_t>(std::lround(scene.window));
-  if (window != 2) estimate(window);
+  if (window != kNoiseWindow) estimate(window);
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
   if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
-  find_dominant_planes(scene.images.back(), without, scene);
+  find_dominant_planes(scene.images.back(), options, scene);
   return {};
 }
 
@@ -262,7 +263,8 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   return normals;
 }
 
-void prepare_closed_scene(const Cloud& cloud, ImprovementSet without, PreparedScene& scene) {
+void prepare_closed_scene(const Cloud& cloud, const RecogniseOptions& options,
+                          PreparedScene& scene) {
   const Normals outward = cover_surface(cloud.triangles, scene);
   const std::size_t n = scene.points.size();
   scene.normals.resize(n);
@@ -285,14 +287,15 @@ void prepare_closed_scene(const Cloud& cloud, ImprovementSet without, PreparedSc
                                 std::span(residuals).subspan(first, count));
     });
   };
-  estimate(2);
+  estimate(kNoiseWindow);
   Column<float> finite;
   for (const float r : residuals) {
     if (std::isfinite(r)) finite.push_back(r);
   }
   scene.noise = kernels::median(std::span(finite));
-  scene.window = normal_window(scene.noise, scene.spacing, without);
-  if (scene.window > 2.25F) estimate(scene.window);
+  scene.window = options.normal_window.value_or(choose_window(scene.noise, scene.spacing));
+  // Windows that differ by less hold much the same points.
+  if (std::abs(scene.window - kNoiseWindow) > 0.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {
     if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
   }
@@ -326,7 +329,7 @@ bool is_closed(const Cloud& cloud, const SceneInput& input) {
 }  // namespace
 
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
-                                    ImprovementSet without) {
+                                    const RecogniseOptions& options) {
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
   scene.points = cloud.points;
@@ -345,8 +348,8 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), cloud.points.size())};
   }
   if (closed) {
-    prepare_closed_scene(cloud, without, scene);
-  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, without, scene);
+    prepare_closed_scene(cloud, options, scene);
+  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, options, scene);
              !prepared) {
     return prepared.error();
   }

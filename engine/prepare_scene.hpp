@@ -32,9 +32,10 @@ struct PreparedScene {
 
 inline constexpr float kPlaneAngleRad = 0.35F;
 
+/// Of the options, the window of normals and what is left out matter here.
 /// Errors: bad_data (too few points, no surface).
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
-                                    ImprovementSet without = {});
+                                    const RecogniseOptions& options = {});
 
 /// The scene sampled for models of one step; the same in all rounds of voting.
 struct SceneSample {

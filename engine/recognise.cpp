@@ -179,7 +179,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   stats.num_invalid = cloud.num_invalid;
   if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) return result;
   const auto start = std::chrono::steady_clock::now();
-  Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times, options.without);
+  Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times, options);
   if (!scene) return scene.error();
   if (const Result<void> sizes = check_sizes(library, *scene, input); !sizes) return sizes.error();
 
@@ -213,7 +213,9 @@ Result<void> validate(const RecogniseOptions& options) {
   for (const VoteOptions& vote : {options.vote, options.later}) {
     if (const Result<void> valid = validate(vote); !valid) return valid;
   }
+  const float window = options.normal_window.value_or(1);
   return engine::check_ranges({
+      {window >= 1 && window <= 20, "normal window [spacings]", "1 to 20", window},
       {options.match.spacing >= 1 && options.match.spacing <= 20,
        "spacing of keypoints [resolutions]", "1 to 20", options.match.spacing},
       {options.match.num_neighbours >= 1 && options.match.num_neighbours <= 10, "neighbours",

@@ -95,6 +95,9 @@ struct VerifyStageOptions {
 
 struct RecogniseOptions {
   Method method = Method::fused;
+  /// Radius of the windows that normals are fitted to, in mean spacings of the scan's points, 1 to
+  /// 20; absent: as wide as the scene's noise asks for, 2 to 7.
+  std::optional<float> normal_window{};
   VoteOptions vote{};
   /// Of later rounds, which have less to search and the harder ones to find: small objects in
   /// strong noise need pairs from farther apart, hidden ones more references.

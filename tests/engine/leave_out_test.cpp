@@ -44,6 +44,11 @@ TEST(LeaveOut, NeverAddsARoundOfVoting) {
             0U);
 }
 
+TEST(LeaveOut, FitsNormalsToTheNarrowestWindowsOfTheDefault) {
+  EXPECT_EQ(engine::leave_out({.without = {Improvement::normals}}).normal_window, 2.0F);
+  EXPECT_EQ(engine::leave_out({}).normal_window, std::nullopt);
+}
+
 /// Two brackets and a lever before a wall, the depth noisy and wavy, and what is found in all.
 class WithoutImprovement : public testing::Test {
  protected:

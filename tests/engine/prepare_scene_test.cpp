@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "engine/progress.hpp"
+#include "kernels/add_noise.hpp"
+#include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 
 namespace trivet {
@@ -21,9 +23,10 @@ Cloud two_parts() {
                             {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.15F, 0, 0.95F})}});
 }
 
-engine::PreparedScene prepare(const Cloud& cloud, const SceneInput& input) {
+engine::PreparedScene prepare(const Cloud& cloud, const SceneInput& input,
+                              const RecogniseOptions& options = {}) {
   StageTimes times;
-  Result<engine::PreparedScene> scene = engine::prepare_scene(cloud, input, times);
+  Result<engine::PreparedScene> scene = engine::prepare_scene(cloud, input, times, options);
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);
 }
@@ -90,6 +93,65 @@ void expect_unexplained_points_only(const engine::PreparedScene& scene,
   EXPECT_LT(expected.size(), whole.points.size());
   EXPECT_EQ(missing(whole.points, rest.points), expected);
   EXPECT_LT(rest.references.size(), whole.references.size());
+}
+
+/// The parts as a noisy sensor scans them.
+Cloud noisy_parts() {
+  Cloud cloud = two_parts();
+  kernels::add_gaussian_noise(cloud.points, 0.001F, 1, 0, cloud.points);
+  return cloud;
+}
+
+/// One less the cosine between the normals of pixels side by side, on average.
+float mean_roughness(const engine::PreparedScene& scene) {
+  const kernels::RangeImage& image = scene.images[0];
+  double sum = 0, count = 0;
+  for (std::size_t pixel = 0; pixel + 1 < image.depth.size(); ++pixel) {
+    const float turn = 1 - image.normals[pixel].dot(image.normals[pixel + 1]);
+    if (!std::isfinite(turn)) continue;
+    sum += static_cast<double>(turn);
+    ++count;
+  }
+  return static_cast<float>(sum / count);
+}
+
+TEST(PrepareScene, WidensTheWindowsOfNormalsWithTheNoise) {
+  EXPECT_LT(prepare(two_parts(), {}).window, 2.5F);
+  const float window = prepare(noisy_parts(), {}).window;
+  EXPECT_GT(window, 3);
+  EXPECT_LE(window, 7);
+}
+
+TEST(PrepareScene, FitsNormalsToTheWindowThatIsAskedFor) {
+  float rougher = 2;
+  for (const float window : {1.0F, 2.0F, 5.0F}) {
+    const engine::PreparedScene scene = prepare(noisy_parts(), {}, {.normal_window = window});
+    EXPECT_EQ(scene.window, window);
+    EXPECT_LT(mean_roughness(scene), rougher) << "wider windows are smoother";
+    rougher = mean_roughness(scene);
+  }
+}
+
+TEST(PrepareScene, FitsNormalsOfAClosedSurfaceToTheWindowThatIsAskedFor) {
+  const SceneInput whole{.closed_surface = true};
+  const engine::PreparedScene by_noise = prepare(test::cloud_of(test::lever()), whole);
+  const auto fixed = [&](float window) {
+    return prepare(test::cloud_of(test::lever()), whole, {.normal_window = window});
+  };
+  EXPECT_TRUE(test::same_bits(fixed(by_noise.window).normals, by_noise.normals));
+  for (const float window : {1.0F, 6.0F}) {
+    const engine::PreparedScene scene = fixed(window);
+    EXPECT_EQ(scene.window, window);
+    EXPECT_FALSE(test::same_bits(scene.normals, by_noise.normals));
+  }
+}
+
+TEST(PrepareScene, GivesTheSameByTheWindowThatTheNoiseAsksFor) {
+  const engine::PreparedScene by_noise = prepare(noisy_parts(), {});
+  const engine::PreparedScene fixed =
+      prepare(noisy_parts(), {}, {.normal_window = by_noise.window});
+  EXPECT_TRUE(test::same_bits(fixed.normals, by_noise.normals));
+  EXPECT_EQ(fixed.noise, by_noise.noise) << "is measured in a window of its own";
 }
 
 TEST(ChooseVoters, LeavesOutWhatTheMarkedPixelsMeasured) {

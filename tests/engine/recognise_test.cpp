@@ -425,6 +425,14 @@ TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
   const auto wrong = recognise(recogniser_, clutter(), {}, {.min_score = std::nanf("")});
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
+
+  for (const float window : {0.9F, 20.1F, std::nanf("")}) {
+    const Result<void> valid = validate(RecogniseOptions{.normal_window = window});
+    ASSERT_FALSE(valid);
+    EXPECT_NE(valid.error().message.find("normal window [spacings]: expected 1 to 20"),
+              std::string::npos)
+        << valid.error().message;
+  }
 }
 
 TEST_F(Recognise, SurvivesDegenerateScenes) {
