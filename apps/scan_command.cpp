@@ -4,9 +4,11 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "apps/commands.hpp"
 #include "apps/inputs.hpp"
+#include "engine/make_parts.hpp"
 #include "engine/render_scenes.hpp"
 
 namespace trivet::apps {
@@ -16,6 +18,7 @@ struct ScanArguments {
   std::vector<std::string> models;
   std::string output, unit;
   std::uint32_t num_parts = 0;
+  std::vector<std::string> families;  ///< of the parts; empty: all
   ScanModelOptions model_options;
   ScanOptions options;
 };
@@ -36,7 +39,8 @@ Result<std::vector<ScanModel>> gather_models(const ScanArguments& arguments,
   if (!models) return models.error();
   std::set<std::string> names;
   for (const ScanModel& model : *models) names.insert(model.name);
-  for (ScanModel& part : make_scan_models(arguments.num_parts, arguments.options.seed)) {
+  for (ScanModel& part :
+       make_scan_models(arguments.num_parts, arguments.options.seed, arguments.families)) {
     if (!names.insert(part.name).second) {
       return Error{ErrorCode::usage,
                    fmt::format("{}: expected one model of this name, found a file and a made part; "
@@ -89,11 +93,22 @@ void add_scan(CLI::App& app, Context& context) {
   command->add_option(
       "MODEL", arguments->models,
       "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets");
+  CLI::Option* const parts =
+      command
+          ->add_option("--parts", arguments->num_parts,
+                       "Scan so many machine parts, made for it by --seed, beside the MODELs or "
+                       "alone; their sizes are real, 20 to 200 mm")
+          ->check(CLI::Range(kMaxParts));
   command
-      ->add_option("--parts", arguments->num_parts,
-                   "Scan so many machine parts, made for it by --seed, beside the MODELs or alone; "
-                   "their sizes are real, 20 to 200 mm")
-      ->check(CLI::Range(kMaxParts));
+      ->add_option(
+          "--families", arguments->families,
+          fmt::format("Only parts of these families, as a,b,c, which take turns as they are "
+                      "named; known are {}",
+                      fmt::join(part_families(), ", ")))
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(part_families()).description(""))
+      ->needs(parts);
   command
       ->add_option("-o,--output", arguments->output,
                    "Folder for the models, the depth images and the truth")

@@ -1,6 +1,7 @@
 #include "engine/make_parts.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "engine/parallel.hpp"
@@ -13,6 +14,7 @@
 namespace trivet {
 namespace {
 
+using engine::parts::Family;
 using kernels::CounterRandom;
 
 // Lattice cells for a part, and their edge as a share of the bounds' diagonal: the least feature of
@@ -32,10 +34,8 @@ Mesh mesh_part(const kernels::Solid& solid) {
   return kernels::decimate_mesh(fine.vertices, fine.triangles, kNumTriangles, kMaxError * diagonal);
 }
 
-Part make_part(std::size_t index, std::uint64_t seed) {
-  const auto families = engine::parts::families();
-  const engine::parts::Family& family = families[index % families.size()];
-  const std::size_t number = index / families.size();
+/// number  of the part among those of its family
+Part make_part(const Family& family, std::size_t number, std::uint64_t seed) {
   CounterRandom random(seed, family.stream, number);
   const double ratio = static_cast<double>(family.largest_m / family.smallest_m);
   const auto diameter = family.smallest_m * static_cast<float>(std::pow(ratio, random.uniform()));
@@ -49,11 +49,36 @@ Part make_part(std::size_t index, std::uint64_t seed) {
           std::move(mesh.triangles), std::move(design.symmetry), family.metal};
 }
 
+const Family& find_family(const std::string& name) {
+  const std::span<const Family> known = engine::parts::families();
+  const auto found = std::ranges::find(known, name, &Family::name);
+  assert(found != known.end() && "a family of part_families()");
+  return *found;
+}
+
 }  // namespace
 
-std::vector<Part> make_parts(std::size_t n, std::uint64_t seed) {
+std::vector<std::string> part_families() {
+  std::vector<std::string> names;
+  for (const Family& family : engine::parts::families()) names.emplace_back(family.name);
+  return names;
+}
+
+std::vector<Part> make_parts(std::size_t n, std::uint64_t seed,
+                             std::span<const std::string> families) {
+  const std::vector<std::string> all = part_families();
+  if (families.empty()) families = all;
   std::vector<Part> parts(n);
-  engine::for_each_index(n, [&](std::size_t i) { parts[i] = make_part(i, seed); });
+  engine::for_each_index(n, [&](std::size_t i) {
+    const std::string& name = families[i % families.size()];
+    // A family that is named twice has two turns.
+    const auto turns = [&](std::span<const std::string> names) {
+      return static_cast<std::size_t>(std::ranges::count(names, name));
+    };
+    const std::size_t number =
+        i / families.size() * turns(families) + turns(families.first(i % families.size()));
+    parts[i] = make_part(find_family(name), number, seed);
+  });
   return parts;
 }
 

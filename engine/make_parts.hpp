@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,21 @@ struct Part {
   bool metal = false;   ///< shiny: depth sensors lose its highlights
 };
 
+/// Names of the families, in the order in which they take turns.
+std::vector<std::string> part_families();
+
 /// The first n parts of a seed: the families take turns, each time with other sizes and
 /// proportions.
 ///
+/// families  only these take turns, in their order, each of them one of part_families(); empty: all
+///
+/// A part is the same whichever families take turns: bracket_3 is the fourth bracket of the seed.
 /// Among the families are mirror pairs (clamp_left_3 and clamp_right_3 are the two hands of one
 /// design) and a part that lacks a symmetry by one hole (drill_plate_3 beside plate_3).
 /// Same for any number of threads; a longer list begins with the shorter one. Cost: some 0.1 s a
 /// part on one core.
 /// The mesh has its symmetry to within 0.5 % of the diameter.
-std::vector<Part> make_parts(std::size_t n, std::uint64_t seed);
+std::vector<Part> make_parts(std::size_t n, std::uint64_t seed,
+                             std::span<const std::string> families = {});
 
 }  // namespace trivet

@@ -180,9 +180,10 @@ Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sou
   return models;
 }
 
-std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed) {
+std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
+                                        std::span<const std::string> families) {
   std::vector<ScanModel> models;
-  for (Part& part : make_parts(n, seed)) {
+  for (Part& part : make_parts(n, seed, families)) {
     models.push_back({std::move(part.name), std::move(part.vertices), std::move(part.triangles),
                       std::move(part.symmetry), part.metal});
   }

@@ -58,8 +58,9 @@ struct ScanModelOptions {
 Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
                                                 LengthUnit unit, const ScanModelOptions& options);
 
-/// The first n machine parts of a seed (engine/make_parts.hpp).
-std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed);
+/// The first n machine parts of a seed, of all families or of these (engine/make_parts.hpp).
+std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
+                                        std::span<const std::string> families = {});
 
 inline constexpr std::uint32_t kScanWidth = 640, kScanHeight = 480;
 

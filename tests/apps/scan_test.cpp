@@ -32,8 +32,20 @@ TEST_F(Scan, SaysWhatIsWrong) {
   fails({"scan", "--parts", "1"}, "--output");
   fails({"scan", "--parts", "1", "-o", "out", "--sensor", "sonar"}, "sonar");
   fails({"scan", "--parts", "1", "-o", "out", "--instances", "0"}, "instances");
+  fails({"scan", "--parts", "1", "-o", "out", "--families", "spoon"}, "hex_nut");
+  fails({"scan", "x.ply", "-o", "out", "--families", "washer"}, "--parts");
   fails({"scan", "--parts", "1", "-o", "out", "--noise", "-1"}, "noise");
   fails({"scan", "--parts", "1", "-o", "out", "--disparity-step", "9"}, "disparity-step");
+}
+
+TEST_F(Scan, MakesPartsOfTheFamiliesThatAreAskedFor) {
+  const test::Outcome outcome = run({"scan", "--parts", "3", "--families", "hex_nut,washer", "-o",
+                                     "out", "--scenes", "1", "--instances", "2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json models = json("out/manifest.json")["models"];
+  EXPECT_EQ(models.size(), 3U);
+  for (const char* name : {"hex_nut_0", "washer_0", "hex_nut_1"})
+    EXPECT_TRUE(models.contains(name)) << name;
 }
 
 TEST_F(Scan, TellsOneTruthInTheManifestAndInBopsFiles) {

@@ -186,6 +186,33 @@ TEST(MakeParts, ALongerListBeginsWithTheShorterOne) {
   EXPECT_FALSE(same(make_parts(1, kSeed + 1)[0], few[0]));
 }
 
+// 24 families: hex_nut is the second, washer the twelfth.
+TEST(MakeParts, MakesPartsOfTheFamiliesThatAreAskedForWhichAreTheSameAsAmongAll) {
+  const std::vector<Part> few = make_parts(5, kSeed, std::vector<std::string>{"washer", "hex_nut"});
+  ASSERT_EQ(few.size(), 5U);
+  const std::vector<std::size_t> places{11, 1, 35, 25, 59};
+  for (std::size_t i = 0; i < few.size(); ++i)
+    EXPECT_TRUE(same(few[i], parts()[places[i]])) << few[i].name;
+}
+
+TEST(MakeParts, GivesAFamilyThatIsNamedTwiceTwoTurns) {
+  const std::vector<Part> few =
+      make_parts(6, kSeed, std::vector<std::string>{"hex_nut", "hex_nut", "washer"});
+  std::vector<std::string> names;
+  for (const Part& part : few) names.push_back(part.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"hex_nut_0", "hex_nut_1", "washer_0", "hex_nut_2",
+                                             "hex_nut_3", "washer_1"}));
+}
+
+TEST(MakeParts, AllFamiliesTakeTurnsInTheOrderOfTheirNames) {
+  const std::vector<std::string> families = part_families();
+  EXPECT_EQ(families.size(), engine::parts::families().size());
+  for (std::size_t i = 0; i < kNumParts; ++i) {
+    EXPECT_EQ(parts()[i].name,
+              families[i % families.size()] + "_" + std::to_string(i / families.size()));
+  }
+}
+
 TEST(MakeParts, GivesTheSameBytesOnOneThread) {
   const std::vector<Part>& parallel = parts();
   const ThreadLimit limit(1);
