@@ -2,73 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <string>
 #include <vector>
 
+#include "apps/csv_table.hpp"
 #include "apps/evaluation_json.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {
 namespace {
 
-/// A table under construction, row by row.
-class Table {
- public:
-  explicit Table(std::string_view header) : text_(header) {}
-
-  Table& row() {
-    text_ += '\n';
-    first_ = true;
-    return *this;
-  }
-  Table& text(std::string_view value) {
-    separate();
-    if (value.find_first_of(",\"\r\n") == std::string_view::npos) {
-      text_ += value;
-      return *this;
-    }
-    text_ += '"';
-    for (const char c : value) text_ += c == '"' ? std::string("\"\"") : std::string(1, c);
-    text_ += '"';
-    return *this;
-  }
-  Table& number(double value) {
-    separate();
-    if (std::isfinite(value)) fmt::format_to(std::back_inserter(text_), "{:.7g}", value);
-    return *this;
-  }
-  Table& number(const std::optional<double>& value) { return number(value.value_or(std::nan(""))); }
-  Table& count(std::size_t value) {
-    separate();
-    fmt::format_to(std::back_inserter(text_), "{}", value);
-    return *this;
-  }
-  Table& empty(std::size_t fields) {
-    for (std::size_t i = 0; i < fields; ++i) separate();
-    return *this;
-  }
-  Result<void> write(const std::filesystem::path& file) const {
-    const std::string whole = text_ + '\n';
-    return publish_file(file, std::as_bytes(std::span(whole)));
-  }
-
- private:
-  void separate() {
-    if (!first_) text_ += ',';
-    first_ = false;
-  }
-  std::string text_;
-  bool first_ = true;
-};
-
-void add_errors(const JudgedDetection& judged, Table& table) {
+void add_errors(const JudgedDetection& judged, CsvTable& table) {
   table.number(judged.translation_error).number(judged.rotation_error_deg).number(judged.add);
 }
 
-Table instances_table(const Manifest& manifest, const Evaluation& evaluation,
-                      std::span<const std::optional<SceneResult>> results) {
-  Table table(
+CsvTable instances_table(const Manifest& manifest, const Evaluation& evaluation,
+                         std::span<const std::optional<SceneResult>> results) {
+  CsvTable table(
       "scene,truth,model,counts,occlusion,clutter,visible_fraction,found,score,"
       "translation_error_over_diameter,rotation_error_deg,add_over_diameter");
   for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
@@ -92,9 +42,10 @@ Table instances_table(const Manifest& manifest, const Evaluation& evaluation,
   return table;
 }
 
-Table detections_table(const Manifest& manifest, const Evaluation& evaluation, const BopScores& bop,
-                       std::span<const std::optional<SceneResult>> results) {
-  Table table(
+CsvTable detections_table(const Manifest& manifest, const Evaluation& evaluation,
+                          const BopScores& bop,
+                          std::span<const std::optional<SceneResult>> results) {
+  CsvTable table(
       "scene,detection,model,score,reported,verdict,truth,translation_error_over_diameter,"
       "rotation_error_deg,add_over_diameter,mssd,mspd,vsd,visible_fraction,violation,contour,rmse");
   for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
@@ -123,8 +74,8 @@ Table detections_table(const Manifest& manifest, const Evaluation& evaluation, c
   return table;
 }
 
-Table summary_table(const Evaluation& evaluation) {
-  Table table(
+CsvTable summary_table(const Evaluation& evaluation) {
+  CsvTable table(
       "group,name,instances,right,recall,recall_95_low,recall_95_high,add_right,false_positives,"
       "precision");
   const auto add = [&](std::string_view group, std::string_view name, const Tally& tally,
