@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/detections_json.hpp"
+#include "apps/option_names.hpp"
 #include "apps/presets.hpp"
 
 namespace trivet::apps {
@@ -14,20 +15,6 @@ std::vector<std::string> improvement_names() {
   std::vector<std::string> names;
   for (const ImprovementName& known : kImprovements) names.emplace_back(known.name);
   return names;
-}
-
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const MethodName& known : kMethods) names.emplace_back(known.name);
-  return names;
-}
-
-// In the order of the enumerations.
-const std::vector<std::string> kDetectors{"uniform", "iss", "harris"};
-const std::vector<std::string> kGroupings{"frames", "consistency", "ransac"};
-
-std::ptrdiff_t place_of(const std::string& name, const std::vector<std::string>& names) {
-  return std::ranges::find(names, name) - names.begin();
 }
 
 std::string describe_methods() {
@@ -48,7 +35,7 @@ std::string describe_improvements() {
 
 void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
   command.add_option("--method", arguments.method, describe_methods())
-      ->check(CLI::IsMember(method_names()).description(""))
+      ->check(CLI::IsMember(option_names<Method>()).description(""))
       ->capture_default_str();
   command.add_option("--preset", arguments.preset, "fast, balanced or accurate")
       ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
@@ -73,7 +60,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
           "--keypoints", arguments.keypoints,
           "trisi: points of the scene that are described: spread evenly, by intrinsic shape "
           "signatures, or by Harris 3D")
-      ->check(CLI::IsMember(kDetectors))
+      ->check(CLI::IsMember(option_names<Detector>()))
       ->capture_default_str();
   command.add_option("--keypoint-spacing", arguments.keypoint_spacing,
                      "trisi: between them, in 1/80 of the models' diameter, 1 to 20 (default 3)");
@@ -95,7 +82,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       .add_option("--grouping", arguments.grouping,
                   "trisi: how matches become poses: each by its two frames, or together by "
                   "geometric consistency or RANSAC")
-      ->check(CLI::IsMember(kGroupings))
+      ->check(CLI::IsMember(option_names<Grouping>()))
       ->capture_default_str();
   command.add_option("--min-cluster-share", arguments.min_cluster_share,
                      "Clusters of poses with less than this share of the best one's votes are "
@@ -128,16 +115,14 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
 
 Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
   RecogniseOptions options = recognise_presets().at(arguments.preset);
-  for (const MethodName& known : kMethods) {
-    if (known.name == arguments.method) options.method = known.method;
-  }
+  options.method = option_names<Method>().at(arguments.method);
   if (arguments.min_score) options.min_score = *arguments.min_score;
   options.normal_window = arguments.normal_window;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;
   if (arguments.max_votes) options.vote.max_votes = *arguments.max_votes;
-  options.match.detector = static_cast<Detector>(place_of(arguments.keypoints, kDetectors));
-  options.match.grouping = static_cast<Grouping>(place_of(arguments.grouping, kGroupings));
+  options.match.detector = option_names<Detector>().at(arguments.keypoints);
+  options.match.grouping = option_names<Grouping>().at(arguments.grouping);
   options.match.weigh_by_ratio = arguments.weigh_by_ratio;
   if (arguments.keypoint_spacing) options.match.spacing = *arguments.keypoint_spacing;
   if (arguments.max_lean) options.match.limits.max_lean = *arguments.max_lean;

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "apps/commands.hpp"
 #include "apps/inputs.hpp"
+#include "apps/option_names.hpp"
 #include "engine/make_parts.hpp"
 #include "engine/render_scenes.hpp"
 
@@ -22,11 +22,6 @@ struct ScanArguments {
   ScanModelOptions model_options;
   ScanOptions options;
 };
-
-const std::map<std::string, Sensor> kSensors{{"structured-light", Sensor::structured_light},
-                                             {"time-of-flight", Sensor::time_of_flight},
-                                             {"stereo", Sensor::stereo},
-                                             {"laser", Sensor::laser}};
 
 constexpr std::uint32_t kMaxParts = 1000;
 
@@ -173,8 +168,8 @@ void add_scan(CLI::App& app, Context& context) {
                    "depth comes in steps of 1/16 pixel of disparity.\n"
                    "laser: a plane of light from 200 mm beside the camera; wide shadows, noise "
                    "below 0.1 mm at 0.7 m, steps of 0.02 mm, range up to 1.3 m")
-      ->transform(CLI::CheckedTransformer(kSensors).description(
-          "{structured-light,time-of-flight,stereo,laser}"))
+      ->transform(CLI::CheckedTransformer(option_names<Sensor>())
+                      .description("{structured-light,time-of-flight,stereo,laser}"))
       ->default_str("structured-light")
       ->group(how);
   command
