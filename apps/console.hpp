@@ -14,7 +14,8 @@ class Console {
 
   void line(std::string_view text) const;     ///< to standard error, unless quiet
   void warning(std::string_view text) const;  ///< to standard error, always
-  /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise.
+  /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise; with
+  /// the time that is left.
   Progress progress(std::string_view verb, std::stop_token stop) const;
 };
 
