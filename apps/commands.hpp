@@ -27,5 +27,6 @@ void add_evaluate(CLI::App& app, Context& context);
 void add_scan(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
+void add_study(CLI::App& app, Context& context);
 
 }  // namespace trivet::apps

@@ -9,9 +9,9 @@ namespace {
 /// below each other.
 constexpr std::string_view kStyle = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
---right:#16803f;--wrong:#c92a2a;--missed:#1f66c7;--neutral:#6b7380;--doubtful:#946200}
+--right:#16803f;--wrong:#c92a2a;--missed:#1f66c7;--neutral:#6b7380;--doubtful:#946200;--ppf:#3b6fd1;--trisi:#c9700c;--fused:#14866d}
 @media(prefers-color-scheme:dark){:root{--page:#111318;--card:#1a1d24;--text:#e7eaf0;--dim:#98a1b0;--line:#2c313b;--bar:#6f9df0;
---range:#6f9df040;--right:#3ecf7f;--wrong:#ff6b6b;--missed:#5aa6ff;--neutral:#9aa3b0;--doubtful:#f2b83b}}
+--range:#6f9df040;--right:#3ecf7f;--wrong:#ff6b6b;--missed:#5aa6ff;--neutral:#9aa3b0;--doubtful:#f2b83b;--ppf:#7aa7f7;--trisi:#f0a04b;--fused:#46c9a8}}
 *{box-sizing:border-box}
 body{margin:0 auto;padding:20px 16px 48px;max-width:1360px;background:var(--page);color:var(--text);
 font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,sans-serif;font-variant-numeric:tabular-nums}
@@ -48,6 +48,13 @@ line-height:1.35;white-space:nowrap;border-bottom:2px solid;pointer-events:none}
 .chart .best{fill:var(--card);stroke:var(--doubtful);stroke-width:2.5}.chart .reported{fill:var(--right)}
 .dot{width:11px;height:11px;border-radius:50%;flex:none}.dot.best{border:2.5px solid var(--doubtful)}.dot.reported{background:var(--right)}
 p.key{margin:6px 4px 8px;color:var(--dim)}
+.chart .line{fill:none;stroke-width:2;stroke-linejoin:round}.chart .whisker{stroke-width:1.6;opacity:.6}
+.chart g.ppf{stroke:var(--ppf)}.chart g.trisi{stroke:var(--trisi)}.chart g.fused{stroke:var(--fused)}
+circle.ppf{fill:var(--ppf)}circle.trisi{fill:var(--trisi)}circle.fused{fill:var(--fused)}
+.dot.ppf{background:var(--ppf)}.dot.trisi{background:var(--trisi)}.dot.fused{background:var(--fused)}
+.findings{max-width:74rem;padding-left:1.3em;margin:10px 0}.findings li{margin:7px 0}.about{max-width:62rem}
+.charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));gap:12px}
+.panel{margin-bottom:20px}.panel>h3{font-size:1rem;margin:18px 0 8px}.panel>.table{margin-top:12px}.usual td{background:var(--range)}
 figure h3{font-size:1rem;margin:16px 2px 4px;font-weight:600}.wrap{overflow-x:auto}.words{white-space:normal;min-width:15em;overflow-wrap:anywhere}
 figure td:first-child{min-width:0}figure td.id{min-width:2.2em;width:2.2em;white-space:nowrap;color:var(--dim)}.table+figure{margin-top:18px}
 .rejected{display:grid;grid-template-columns:1fr 1fr;gap:10px;margin-top:16px;align-items:start}.rejected h3{margin-top:0}
@@ -57,12 +64,12 @@ pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
 @media(max-width:760px){.pair,.rejected{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
-@media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.headline{font-size:1.05rem}.words{min-width:10.5em}
+@media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):nth-child(2){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
 .parts :is(td,th):is(:nth-child(2),:nth-child(3)){display:none}.found :is(td,th):is(:nth-child(4),:nth-child(5),:nth-child(6)){display:none}.parts th{writing-mode:vertical-rl;padding:0 0 4px}.parts th span{display:none}.parts td:not(.id){padding-right:3px}.parts .dim{font-size:.68rem}}
 @media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
 .tables{columns:auto;display:grid;grid-template-columns:1fr 1fr;gap:0 12px;align-items:start}.tables>.wide{grid-column:1/-1}.table{overflow:visible}
 .cards{grid-template-columns:repeat(6,1fr);gap:6px}.card{padding:6px 8px}.gallery,.rejected{grid-template-columns:1fr 1fr}.pair{grid-template-columns:var(--left,1fr) 1fr}.wrap{overflow:visible}.key{break-after:avoid}
-figure,.card,.table,.chart,.pair,.rejected,tr{break-inside:avoid}figure.long{break-inside:auto}h2,h3,figcaption{break-after:avoid}.bar,.bar i,.part,.part i,.swatch,.tag,.dot{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+figure,.card,.table,.chart,.charts,.pair,.rejected,tr{break-inside:avoid}.charts{grid-template-columns:1fr 1fr}.study.table{break-inside:auto}figure.long{break-inside:auto}h2,h3,figcaption{break-after:avoid}.bar,.bar i,.part,.part i,.swatch,.tag,.dot,.usual td{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )css";
 
 }  // namespace

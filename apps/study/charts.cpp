@@ -1,0 +1,260 @@
+#include "apps/study/charts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "apps/option_names.hpp"
+#include "apps/report_html.hpp"
+
+namespace trivet::apps {
+namespace {
+
+// In the units of the drawing.
+constexpr double kWidth = 460;
+constexpr double kLeft = 58, kRight = 14, kTop = 22, kPlotHeight = 230;  // of curves
+constexpr double kNamesLeft = 176, kRowHeight = 13, kRowGap = 12;        // of rows with names
+constexpr double kMarkStep = 8;  // between methods at one place of a curve
+
+/// From values to 0..1, and where to put numbers.
+struct Scale {
+  double low = 0, high = 1;
+  bool logarithmic = false;
+  std::vector<double> ticks;
+
+  double operator()(double value) const {
+    const double clamped = std::clamp(value, low, high);
+    if (logarithmic) return std::log(clamped / low) / std::log(high / low);
+    return (clamped - low) / (high - low);
+  }
+};
+
+/// Of shares: from 0, or from nearer below what is drawn, in steps of a fifth of the whole.
+Scale rate_scale(const Panel& panel) {
+  double least = 1;
+  for (const std::vector<PanelCell>& column : panel.cells) {
+    for (const PanelCell& cell : column) {
+      if (cell.found.all > 0) least = std::min(least, cell.found.interval().first);
+    }
+  }
+  Scale scale;
+  scale.low = least > 0.8 ? 0.75 : least > 0.55 ? 0.5 : 0;
+  for (int i = 0; i <= 5; ++i) scale.ticks.push_back(scale.low + i * (1 - scale.low) / 5);
+  return scale;
+}
+
+/// Round numbers from 0 on, or by powers of ten where the largest is more than 12 times the least.
+Scale time_scale(double least, double most) {
+  Scale scale;
+  scale.logarithmic = least > 0 && most > 12 * least;
+  const auto nice = [](double value, bool up) {
+    const double power = std::pow(10, std::floor(std::log10(value)));
+    const double digits = value / power;
+    for (const double step : {1.0, 2.0, 5.0, 10.0}) {
+      if (up && step >= digits - 1e-9) return step * power;
+    }
+    return (digits >= 5 ? 5 : digits >= 2 ? 2 : 1) * power;
+  };
+  if (!scale.logarithmic) {
+    const double step = nice(std::max(most, 1e-6) / 5, true);
+    scale.low = 0;
+    scale.high = step * std::ceil(most / step - 1e-9);
+    for (int i = 0; i * step <= scale.high + 1e-9; ++i) scale.ticks.push_back(i * step);
+    return scale;
+  }
+  scale.low = nice(least, false);
+  scale.high = nice(most, true);
+  for (double tick = scale.low; tick < 1.001 * scale.high; tick = nice(1.01 * tick, true))
+    scale.ticks.push_back(tick);
+  return scale;
+}
+
+std::string_view colour(Method method) {
+  switch (method) {
+    case Method::ppf:
+      return "ppf";
+    case Method::trisi:
+      return "trisi";
+    case Method::fused:
+      return "fused";
+  }
+  return "";
+}
+
+/// A value to draw.
+struct Mark {
+  double value = 0, low = 0, high = 0;
+  std::string title;
+};
+
+/// What is drawn of a panel: of each method, one mark a row, or none.
+struct Drawing {
+  Scale scale;
+  std::string unit, label;  ///< of the numbers, and of the axis
+  std::vector<std::vector<std::optional<Mark>>> marks;
+
+  std::string number(double value) const {
+    return unit == "%" ? fmt::format("{:.0f} %", 100 * value) : fmt::format("{:g}{}", value, unit);
+  }
+};
+
+std::string svg_start(double height, const std::string& label) {
+  return fmt::format(
+      "<svg class=\"chart\" viewBox=\"0 0 {} {:.0f}\" role=\"img\" aria-label=\"{}\">", kWidth,
+      height, escape_html(label));
+}
+
+std::string dot(Method method, double x, double y, const std::string& title) {
+  return fmt::format(
+      "<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.6\"><title>{}"
+      "</title></circle>",
+      colour(method), x, y, escape_html(title));
+}
+
+/// Rows from left to right, values upward, a line for each method.
+std::string curve_chart(const Panel& panel, const Drawing& drawing) {
+  const double plot = kWidth - kLeft - kRight, bottom = kTop + kPlotHeight;
+  const auto n = static_cast<double>(panel.rows.size());
+  const auto across = [&](std::size_t row) {
+    return kLeft + plot * (static_cast<double>(row) + 0.5) / n;
+  };
+  const auto down = [&](double value) { return bottom - kPlotHeight * drawing.scale(value); };
+  std::string out = svg_start(bottom + 46, drawing.label + " over " + panel.axis);
+  for (const double tick : drawing.scale.ticks) {
+    out += fmt::format(
+        "<path class=\"grid\" d=\"M{} {:.1f}H{}\"/><text class=\"end\" x=\"{}\" "
+        "y=\"{:.1f}\">{}</text>",
+        kLeft, down(tick), kWidth - kRight, kLeft - 6, down(tick) + 4, drawing.number(tick));
+  }
+  for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+    out += fmt::format("<text class=\"mid\" x=\"{:.1f}\" y=\"{}\">{}</text>", across(row),
+                       bottom + 17, escape_html(panel.rows[row]));
+  }
+  out += fmt::format("<text class=\"mid name\" x=\"{:.1f}\" y=\"{}\">{}</text>", kLeft + plot / 2,
+                     bottom + 38, escape_html(panel.axis));
+  if (panel.reference == Reference::fixed) {
+    const double x = across(panel.reference_row);
+    out += fmt::format(
+        "<path class=\"ideal\" d=\"M{:.1f} {}V{}\"/><text class=\"mid\" x=\"{:.1f}\" "
+        "y=\"{}\">default</text>",
+        x, kTop, bottom, x, kTop - 6);
+  }
+  for (std::size_t m = 0; m < panel.methods.size(); ++m) {
+    const double shift =
+        kMarkStep * (static_cast<double>(m) - static_cast<double>(panel.methods.size() - 1) / 2);
+    std::string path, marks;
+    for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+      const std::optional<Mark>& mark = drawing.marks[m][row];
+      if (!mark) continue;
+      const double x = across(row) + shift;
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', x, down(mark->value));
+      if (mark->high > mark->low) {
+        marks += fmt::format("<path class=\"whisker\" d=\"M{:.1f} {:.1f}V{:.1f}\"/>", x,
+                             down(mark->low), down(mark->high));
+      }
+      marks += dot(panel.methods[m], x, down(mark->value), mark->title);
+    }
+    out += fmt::format("<g class=\"{0}\"><path class=\"line\" d=\"{1}\"/>{2}</g>",
+                       colour(panel.methods[m]), path, marks);
+  }
+  return out + "</svg>\n";
+}
+
+/// Rows from top to bottom, values to the right.
+std::string row_chart(const Panel& panel, const Drawing& drawing) {
+  const double plot = kWidth - kNamesLeft - kRight - 8;
+  const auto num_methods = static_cast<double>(panel.methods.size());
+  const double row_height = kRowHeight * num_methods + kRowGap;
+  const double bottom = 8 + row_height * static_cast<double>(panel.rows.size());
+  const auto across = [&](double value) { return kNamesLeft + plot * drawing.scale(value); };
+  std::string out = svg_start(bottom + 44, drawing.label);
+  for (const double tick : drawing.scale.ticks) {
+    out += fmt::format(
+        "<path class=\"grid\" d=\"M{:.1f} 8V{:.1f}\"/><text class=\"mid\" "
+        "x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
+        across(tick), bottom, across(tick), bottom + 17, drawing.number(tick));
+  }
+  out += fmt::format("<text class=\"mid name\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
+                     kNamesLeft + plot / 2, bottom + 37, drawing.label);
+  for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+    const double top = 8 + row_height * static_cast<double>(row);
+    const bool usual = panel.reference == Reference::fixed && row == panel.reference_row;
+    out +=
+        fmt::format("<text class=\"end{}\" x=\"{}\" y=\"{:.1f}\">{}</text>", usual ? " name" : "",
+                    kNamesLeft - 10, top + row_height / 2 + 4, escape_html(panel.rows[row]));
+    for (std::size_t m = 0; m < panel.methods.size(); ++m) {
+      const std::optional<Mark>& mark = drawing.marks[m][row];
+      if (!mark) continue;
+      const double y = top + kRowGap / 2 + kRowHeight * (static_cast<double>(m) + 0.5);
+      out += fmt::format("<g class=\"{}\">", colour(panel.methods[m]));
+      if (mark->high > mark->low) {
+        out += fmt::format("<path class=\"whisker\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>",
+                           across(mark->low), y, across(mark->high));
+      }
+      out += dot(panel.methods[m], across(mark->value), y, mark->title) + "</g>";
+    }
+  }
+  return out + "</svg>\n";
+}
+
+std::string draw(const Panel& panel, const Drawing& drawing) {
+  return panel.is_curve ? curve_chart(panel, drawing) : row_chart(panel, drawing);
+}
+
+}  // namespace
+
+std::string rate_chart(const Panel& panel) {
+  Drawing drawing{rate_scale(panel), "%", "found", {}};
+  for (std::size_t m = 0; m < panel.methods.size(); ++m) {
+    std::vector<std::optional<Mark>> marks;
+    for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+      const PanelCell& cell = panel.cells[m][row];
+      const auto [low, high] = cell.found.interval();
+      marks.push_back(
+          cell.found.all == 0
+              ? std::nullopt
+              : std::optional(
+                    Mark{cell.found.value(), low, high,
+                         fmt::format("{}, {}: {} of {}, {:.1f} %", option_name(panel.methods[m]),
+                                     panel.rows[row], cell.found.right, cell.found.all,
+                                     100 * cell.found.value())}));
+    }
+    drawing.marks.push_back(std::move(marks));
+  }
+  return draw(panel, drawing);
+}
+
+std::string time_chart(const Panel& panel) {
+  Drawing drawing{{}, " s", "a scene on one core", {}};
+  double least = 0, most = 0;
+  for (std::size_t m = 0; m < panel.methods.size(); ++m) {
+    std::vector<std::optional<Mark>> marks;
+    for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+      const std::optional<double>& seconds = panel.cells[m][row].seconds;
+      marks.emplace_back();
+      if (!seconds) continue;
+      least = most == 0 ? *seconds : std::min(least, *seconds);
+      most = std::max(most, *seconds);
+      marks.back() = Mark{*seconds, *seconds, *seconds,
+                          fmt::format("{}, {}: {:.2f} s", option_name(panel.methods[m]),
+                                      panel.rows[row], *seconds)};
+    }
+    drawing.marks.push_back(std::move(marks));
+  }
+  if (most == 0) return "";
+  drawing.scale = time_scale(least, most);
+  return draw(panel, drawing);
+}
+
+std::string chart_key(const Panel& panel) {
+  std::string out = "<p class=\"key\">";
+  for (const Method method : panel.methods) {
+    out +=
+        fmt::format("<span><i class=\"dot {}\"></i>{}</span>", colour(method), option_name(method));
+  }
+  return out + "</p>\n";
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,19 @@
+/// The curves of a study's report, as SVG within the page.
+#pragma once
+
+#include <string>
+
+#include "apps/study/results.hpp"
+
+namespace trivet::apps {
+
+/// The share found, with Wilson intervals: a curve over a quantity, else a row for each name.
+std::string rate_chart(const Panel& panel);
+
+/// Seconds of a scene on one core; empty where they are not known.
+std::string time_chart(const Panel& panel);
+
+/// What the colours mean.
+std::string chart_key(const Panel& panel);
+
+}  // namespace trivet::apps

@@ -1,0 +1,224 @@
+#include "apps/study/page.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <thread>
+
+#include "apps/option_names.hpp"
+#include "apps/report_html.hpp"
+#include "apps/report_pictures.hpp"
+#include "apps/study/charts.hpp"
+#include "apps/study/words.hpp"
+#include "engine/manifest_inputs.hpp"
+#include "storage/file.hpp"
+
+namespace trivet::apps {
+namespace {
+
+std::string anchor(const Experiment& experiment) {
+  std::string out;
+  for (const char c : experiment.name)
+    out += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return out;
+}
+
+/// The processor's name, where the system tells it.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("model name") && line.find(": ") != std::string::npos)
+      return line.substr(line.find(": ") + 2);
+  }
+  return "unknown";
+}
+
+// Words.
+
+std::string summary(const Study& study, const std::vector<std::vector<std::string>>& words) {
+  std::string out = "<ul class=\"findings\">\n";
+  for (std::size_t e = 0; e < study.experiments.size(); ++e) {
+    const Experiment& experiment = study.experiments[e];
+    out += fmt::format("<li><a href=\"#{}\">{}</a>. {}\n", anchor(experiment),
+                       escape_html(experiment.title), words[e].front());
+  }
+  return out + "</ul>\n";
+}
+
+// Tables.
+
+std::string rate_cells(const PanelCell& cell) {
+  if (cell.found.all == 0) return "<td class=\"n\"><td><td>";
+  const auto [low, high] = cell.found.interval();
+  return fmt::format(
+      "<td class=\"n\">{} / {}<td class=\"n\">{:.1f} %<td class=\"n dim\">{:.1f} – {:.1f}",
+      cell.found.right, cell.found.all, 100 * cell.found.value(), 100 * low, 100 * high);
+}
+
+std::string difference_cell(const std::optional<PairedComparison>& comparison) {
+  if (!comparison) return "<td><td>";
+  const std::string p = comparison->p < 0.001 ? "&lt; 0.001" : fmt::format("{:.2g}", comparison->p);
+  return fmt::format(
+      "<td class=\"n\">{}{:+.1f}{} <span class=\"dim\">({:+.1f} – {:+.1f})</span><td class=\"n "
+      "dim\">{}",
+      beyond_chance(*comparison) ? "<b>" : "", 100 * comparison->difference,
+      beyond_chance(*comparison) ? "</b>" : "", 100 * comparison->low, 100 * comparison->high, p);
+}
+
+/// What the columns of differences hold: against another row, or against another method.
+enum class Against : std::uint8_t { nothing, row, method };
+
+Against against(const Panel& panel, std::size_t m) {
+  if (m > 0) return Against::method;
+  for (const PanelCell& cell : panel.cells[m]) {
+    if (cell.change) return Against::row;
+  }
+  return Against::nothing;
+}
+
+std::string difference_head(const Panel& panel, Against what) {
+  if (what == Against::nothing) return "";
+  const std::string other = what == Against::method ? option_name(panel.methods[0])
+                            : panel.reference == Reference::previous
+                                ? std::string("the row above")
+                                : escape_html(panel.rows[panel.reference_row]);
+  return fmt::format("<th class=\"n\">less {}, points<th class=\"n\">p", other);
+}
+
+std::string method_table(const Experiment& experiment, const Panel& panel, std::size_t m) {
+  const Against what = against(panel, m);
+  const bool best_f1 = experiment.threshold == Threshold::best_f1;
+  std::string rows;
+  for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+    const PanelCell& cell = panel.cells[m][row];
+    const bool usual = panel.reference == Reference::fixed && row == panel.reference_row;
+    rows += fmt::format("<tr{}><td>{}{}", usual ? " class=\"usual\"" : "",
+                        escape_html(panel.rows[row]), rate_cells(cell));
+    rows += cell.false_positives ? fmt::format("<td class=\"n\">{}", *cell.false_positives)
+                                 : std::string("<td>");
+    if (best_f1) rows += fmt::format("<td class=\"n\">{:.3f}", cell.f1);
+    if (what != Against::nothing)
+      rows += difference_cell(what == Against::row ? cell.change : cell.lead);
+    rows +=
+        cell.seconds ? fmt::format("<td class=\"n\">{:.2f} s", *cell.seconds) : std::string("<td>");
+    rows += '\n';
+  }
+  return fmt::format(
+      "<div class=\"table study\"><table><tr><th>{} <span class=\"dim\">{}</span><th "
+      "class=\"n\">found<th class=\"n\">share<th class=\"n\">95 %<th class=\"n\">false{}{}<th "
+      "class=\"n\">time\n{}</table></div>\n",
+      option_name(panel.methods[m]), escape_html(panel.axis), best_f1 ? "<th class=\"n\">F1" : "",
+      difference_head(panel, what), rows);
+}
+
+std::string panel_section(const Experiment& experiment, const Panel& panel) {
+  std::string out = "<div class=\"panel\">\n";
+  if (!panel.title.empty()) out += fmt::format("<h3>{}</h3>\n", escape_html(panel.title));
+  out += "<div class=\"charts\"><div class=\"table\">" + rate_chart(panel) + chart_key(panel) +
+         "</div>";
+  if (const std::string times = time_chart(panel); !times.empty())
+    out += "<div class=\"table\">" + times + chart_key(panel) + "</div>";
+  out += "</div>\n";
+  for (std::size_t m = 0; m < panel.methods.size(); ++m) out += method_table(experiment, panel, m);
+  return out + "</div>\n";
+}
+
+std::string experiment_section(const Experiment& experiment, const ExperimentResults& results,
+                               const std::vector<std::string>& words) {
+  std::string out = fmt::format("<section id=\"{}\"><h2>{}</h2>\n", anchor(experiment),
+                                escape_html(experiment.title));
+  if (!experiment.about.empty())
+    out += fmt::format("<p class=\"dim about\">{}</p>\n", escape_html(experiment.about));
+  out += "<ul class=\"findings\">\n";
+  for (const std::string& sentence : words) out += "<li>" + sentence + "\n";
+  out += "</ul>\n";
+  for (const Panel& panel : results.panels) out += panel_section(experiment, panel);
+  return out + "</section>\n";
+}
+
+// Pictures.
+
+Result<std::string> picture_section(const StudyResults& results, const StudyFolder& folder) {
+  if (results.pictures.empty()) return std::string();
+  std::string out =
+      "<h2>Scenes</h2>\n<p class=\"dim\">One of each kind, that of the median share found. Filled "
+      "with the model's colour, paler where something is in front of it.</p>\n" +
+      picture_key();
+  PictureStore store(folder.path(), {.within_page = true, .as_files = false});
+  for (const StudyPicture& picture : results.pictures) {
+    Manifest manifest = results.sets[picture.set];
+    manifest.scenes = {manifest.scenes[picture.scene]};
+    manifest.scenes[0].name = picture.caption;
+    const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(manifest);
+    if (!meshes) return meshes.error();
+    Result<SceneDrawing> drawing = open_scene(scenes_of(manifest, manifest.unit).front(), *meshes);
+    if (!drawing) return drawing.error();
+    const std::vector<std::optional<SceneResult>> result{picture.result};
+    const BopScores none;
+    const Result<std::string> figure =
+        scene_figure({manifest, *meshes, picture.evaluation, none, result, ""}, 0, *drawing, store);
+    if (!figure) return figure.error();
+    out += *figure;
+  }
+  return out;
+}
+
+// How it was done.
+
+std::string method_notes() {
+  return "<section><h2>How to read it</h2>\n<ul class=\"findings\">\n"
+         "<li>An instance is found when a reported pose is off by less than a tenth of the "
+         "diameter and 12°, but for the symmetries of the model (Drost et al., CVPR 2010). "
+         "Instances of which less than 15 % is visible count neither way.\n"
+         "<li>Ranges behind a share are Wilson's 95 % intervals. They take instances for "
+         "independent, though those of a scene are not quite.\n"
+         "<li>Differences are between the same instances in the same scenes. Their ranges are 95 % "
+         "of 2,000 bootstraps over scenes; p is McNemar's exact test. <b>Bold</b>: beyond chance, "
+         "that is p below 0.05 and a range without 0. Of twenty comparisons of equals, one looks "
+         "so.\n"
+         "<li>A false alarm is a reported pose at which the truth has no such model.\n"
+         "<li>Times are medians of whole scenes on one core, while the other cores had scenes of "
+         "their own. They are measurements: everything else is the same in each run.\n"
+         "</ul></section>\n";
+}
+
+std::string origin(const Study& study, const StudyResults& results, const std::string& command) {
+  std::string rows;
+  for (const auto& [name, value] : std::initializer_list<std::pair<const char*, std::string>>{
+           {"program", "trivet " TRIVET_VERSION},
+           {"processor",
+            fmt::format("{}, {}", processor(),
+                        counted(std::thread::hardware_concurrency(), "thread", "threads"))},
+           {"scenes",
+            fmt::format("{} with {} instances", results.num_scenes, results.num_instances)},
+           {"recognitions", fmt::format("{}", results.num_recognitions)}}) {
+    rows += fmt::format("<tr><td>{}<td class=\"words\">{}\n", name, escape_html(value));
+  }
+  return fmt::format(
+      "<section><h2>To repeat it</h2><div class=\"table\"><pre>{}</pre><table>{}</table>"
+      "<details><summary>the configuration</summary><pre>{}</pre></details></div></section>\n",
+      escape_html(command), rows, escape_html(study.text));
+}
+
+}  // namespace
+
+Result<void> write_study_page(const Study& study, const StudyResults& results,
+                              const StudyFolder& folder, const std::string& command) {
+  std::vector<std::vector<std::string>> words;
+  for (std::size_t e = 0; e < study.experiments.size(); ++e)
+    words.push_back(findings(study.experiments[e], results.experiments[e]));
+  const std::string title = study.title.empty() ? "Trivet: a study" : study.title;
+  std::string content = fmt::format("<h1>{}</h1>\n", escape_html(title));
+  if (!study.about.empty())
+    content += fmt::format("<p class=\"headline\">{}</p>\n", escape_html(study.about));
+  content += summary(study, words);
+  for (std::size_t e = 0; e < study.experiments.size(); ++e)
+    content += experiment_section(study.experiments[e], results.experiments[e], words[e]);
+  const Result<std::string> pictures = picture_section(results, folder);
+  if (!pictures) return pictures.error();
+  content += *pictures + method_notes() + origin(study, results, command);
+  const std::string page = html_page(title, content);
+  return publish_file(folder.path() / "index.html", std::as_bytes(std::span(page)));
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,79 @@
+/// What a study found, arranged as its report shows it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/study/plan.hpp"
+#include "apps/study/run.hpp"
+#include "apps/study/study.hpp"
+#include "engine/compare_paired.hpp"
+#include "engine/evaluate.hpp"
+
+namespace trivet::apps {
+
+/// Successes of some trials, with what Wilson's interval says of their rate.
+struct Rate {
+  std::size_t right = 0, all = 0;
+  double value() const noexcept;  ///< 0 without trials
+  std::pair<double, double> interval() const noexcept;
+};
+
+/// One method under one condition.
+struct PanelCell {
+  Rate found;
+  /// Detections that no truth has. None in a bin of truths, which no detection belongs to.
+  std::optional<std::size_t> false_positives;
+  std::size_t num_scenes = 0, num_add_right = 0;
+  double f1 = 0;
+  double threshold = 0;           ///< of the scores that count as reported
+  std::optional<double> seconds;  ///< a scene on one core, median
+  std::optional<double> translation_error, rotation_error_deg;  ///< medians, of right ones
+  std::optional<PairedComparison> change;                       ///< this row less its reference
+  std::optional<PairedComparison> lead;  ///< this method less the panel's first
+};
+
+/// What a row of a panel is compared with.
+enum class Reference : std::uint8_t { none, fixed, previous };
+
+/// A table and its curves: methods under the conditions that the rows are.
+struct Panel {
+  std::string title;
+  std::string axis;       ///< what the rows are
+  bool is_curve = false;  ///< rows are in the order of a quantity, not names
+  std::vector<std::string> rows;
+  std::vector<Method> methods;
+  std::vector<std::vector<PanelCell>> cells;  ///< of each method, one a row
+  Reference reference = Reference::none;
+  std::size_t reference_row = 0;                       ///< with Reference::fixed
+  std::vector<std::optional<PairedComparison>> leads;  ///< one a method, over all rows
+};
+
+struct ExperimentResults {
+  std::vector<Panel> panels;
+  bool tunes = false;  ///< it varies a parameter of training or recognition, not a condition
+};
+
+/// A scene to be shown, with what one method found in it.
+struct StudyPicture {
+  std::size_t set = 0, scene = 0;  ///< of the plan
+  std::string caption;
+  SceneResult result;
+  Evaluation evaluation;  ///< of this scene alone
+};
+
+struct StudyResults {
+  std::vector<Manifest> sets;
+  std::vector<ExperimentResults> experiments;
+  std::vector<StudyPicture> pictures;
+  std::size_t num_recognitions = 0, num_scenes = 0, num_instances = 0;
+};
+
+/// Judge all cells. Errors: of reading and evaluating.
+Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
+                                    const StudyFolder& folder);
+
+}  // namespace trivet::apps

@@ -1,0 +1,183 @@
+#include "apps/study/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "apps/detections_json.hpp"
+#include "apps/inputs.hpp"
+#include "apps/json_output.hpp"
+#include "apps/report_html.hpp"
+#include "engine/manifest_inputs.hpp"
+#include "engine/recognise_cells.hpp"
+#include "storage/file.hpp"
+
+namespace trivet::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The models of some groups, as they lie in scenes.
+Result<std::vector<ScanModel>> gather_models(const Study& study,
+                                             const std::vector<std::size_t>& groups) {
+  std::vector<ScanModel> models;
+  std::set<std::string> names;
+  for (const std::size_t index : groups) {
+    const ModelGroup& group = study.models[index];
+    const Result<ModelInputs> inputs = collect_models(group.files);
+    if (!inputs) return inputs.error();
+    Result<std::vector<ScanModel>> read =
+        read_scan_models(inputs->sources, inputs->unit.value_or(LengthUnit::metre), group.options);
+    if (!read) return read.error();
+    for (ScanModel& part : make_scan_models(group.num_parts, study.seed, group.families))
+      read->push_back(std::move(part));
+    for (ScanModel& model : *read) {
+      if (!names.insert(model.name).second) {
+        return Error{ErrorCode::usage, fmt::format("models.{}: expected each model's name once in "
+                                                   "a scene, found '{}' again",
+                                                   group.name, model.name)};
+      }
+      models.push_back(std::move(model));
+    }
+  }
+  return models;
+}
+
+Result<void> render_missing(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
+                            const ProgressOf& progress_of) {
+  std::vector<const SceneSet*> missing;
+  for (const SceneSet& set : plan.sets) {
+    if (!fs::exists(folder.manifest(set))) missing.push_back(&set);
+  }
+  const Progress progress = progress_of("rendered");
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const Result<std::vector<ScanModel>> models = gather_models(study, missing[i]->models);
+    if (!models) return models.error();
+    const fs::path whole = folder.scenes(*missing[i]), part = whole.string() + ".part";
+    std::error_code error;
+    fs::remove_all(part, error);
+    const Result<Manifest> rendered =
+        render_scenes(*models, LengthUnit::metre, missing[i]->options, part, {{}, progress.stop});
+    if (!rendered) return rendered.error();
+    fs::rename(part, whole, error);
+    if (error)
+      return Error{ErrorCode::cannot_create,
+                   fmt::format("{}: {}", whole.string(), error.message())};
+    progress(i + 1, missing.size(), fmt::format("{} scenes", missing[i]->options.num_scenes));
+  }
+  return {};
+}
+
+Result<std::vector<ModelSource>> training_sources(const LibraryPlan& library,
+                                                  const std::vector<Manifest>& sets) {
+  std::vector<ModelSource> sources = models_of(sets[library.set]);
+  const std::size_t num_own = sources.size();
+  std::set<std::string> names;
+  for (const ModelSource& source : sources) names.insert(source.name);
+  for (const std::size_t other : library.others) {
+    for (ModelSource& source : models_of(sets[other])) {
+      if (sources.size() - num_own == library.num_others) break;
+      if (names.insert(source.name).second) sources.push_back(std::move(source));
+    }
+  }
+  if (sources.size() - num_own < library.num_others) {
+    return Error{ErrorCode::usage,
+                 fmt::format("train.others: expected at most {}, as many as the other groups have, "
+                             "found {}",
+                             sources.size() - num_own, library.num_others)};
+  }
+  return sources;
+}
+
+Result<void> train_missing(const StudyPlan& plan, const StudyFolder& folder,
+                           const std::vector<Manifest>& sets, const std::set<std::size_t>& needed,
+                           const ProgressOf& progress_of) {
+  const Progress progress = progress_of("trained");
+  std::size_t done = 0;
+  for (const std::size_t index : needed) {
+    const LibraryPlan& library = plan.libraries[index];
+    const fs::path file = folder.library(library);
+    if (!fs::exists(file)) {
+      const Result<std::vector<ModelSource>> sources = training_sources(library, sets);
+      if (!sources) return sources.error();
+      const Result<LibraryStats> stats = train_library(*sources, sets[library.set].unit,
+                                                       library.options, file, {{}, progress.stop});
+      if (!stats) return stats.error();
+    }
+    progress(++done, needed.size(),
+             counted(sets[library.set].models.size() + library.num_others, "model", "models"));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder& folder) {
+  std::vector<Manifest> sets;
+  for (const SceneSet& set : plan.sets) {
+    Result<Manifest> manifest = read_manifest(folder.manifest(set));
+    if (!manifest) return manifest.error();
+    sets.push_back(std::move(*manifest));
+  }
+  return sets;
+}
+
+Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
+                       const ProgressOf& progress_of) {
+  for (const char* const part : {"scenes", "libraries", "cells"}) {
+    if (const Result<void> made = make_folder(folder.path() / part); !made) return made;
+  }
+  if (const Result<void> done = render_missing(study, plan, folder, progress_of); !done)
+    return done;
+  const Result<std::vector<Manifest>> sets = read_sets(plan, folder);
+  if (!sets) return sets.error();
+
+  std::vector<std::size_t> missing;
+  std::set<std::size_t> libraries;
+  for (std::size_t i = 0; i < plan.cells.size(); ++i) {
+    if (fs::exists(folder.cell(plan.cells[i]))) continue;
+    missing.push_back(i);
+    libraries.insert(plan.cells[i].library);
+  }
+  if (const Result<void> done = train_missing(plan, folder, *sets, libraries, progress_of); !done)
+    return done;
+
+  std::vector<fs::path> files;
+  for (const LibraryPlan& library : plan.libraries) files.push_back(folder.library(library));
+  std::vector<RecognitionCell> cells;
+  for (const std::size_t i : missing) {
+    const Cell& cell = plan.cells[i];
+    const Manifest& set = (*sets)[cell.set];
+    cells.push_back({cell.library, scenes_of(set, set.unit)[cell.scene], cell.degrade,
+                     cell.degrade_seed, cell.options});
+  }
+  return recognise_cells(
+      files, cells, progress_of("recognised"),
+      [&](std::size_t i, const SceneResult& result) -> Result<void> {
+        const Cell& cell = plan.cells[missing[i]];
+        const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
+        nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
+        scenes.push_back(scene_json(name, result));
+        return write_json(folder.cell(cell).string(), {{"scenes", std::move(scenes)}});
+      });
+}
+
+Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan,
+                                                           const StudyFolder& folder,
+                                                           const std::vector<Manifest>& sets,
+                                                           const StudyPoint& point) {
+  std::vector<std::optional<SceneResult>> results;
+  for (const std::size_t index : point.cells) {
+    const Cell& cell = plan.cells[index];
+    Manifest one;
+    one.scenes.push_back(sets[cell.set].scenes[cell.scene]);
+    Result<std::vector<std::optional<SceneResult>>> result =
+        read_detections(folder.cell(cell), one);
+    if (!result) return result.error();
+    results.push_back(std::move((*result)[0]));
+  }
+  return results;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,54 @@
+/// Compute what a study has planned and its folder does not hold yet.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "apps/study/plan.hpp"
+#include "apps/study/study.hpp"
+#include "engine/evaluate.hpp"
+#include "storage/manifest.hpp"
+
+namespace trivet::apps {
+
+/// Where a study keeps what it has computed: FOLDER/scenes/KEY/manifest.json, libraries/KEY.h5 and
+/// cells/KEY.json, each whole or not there.
+class StudyFolder {
+ public:
+  explicit StudyFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  const std::filesystem::path& path() const { return folder_; }
+  std::filesystem::path scenes(const SceneSet& set) const { return folder_ / "scenes" / set.key; }
+  std::filesystem::path manifest(const SceneSet& set) const {
+    return set.manifest.empty() ? scenes(set) / "manifest.json" : set.manifest;
+  }
+  std::filesystem::path library(const LibraryPlan& library) const {
+    return folder_ / "libraries" / (library.key + ".h5");
+  }
+  std::filesystem::path cell(const Cell& cell) const {
+    return folder_ / "cells" / (cell.key + ".json");
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Tells what a run does: a Progress for each of its steps, by its verb.
+using ProgressOf = std::function<Progress(std::string_view verb)>;
+
+/// Render, train and recognise what is missing. Stopped or killed at any time, the next run goes on
+/// with what is not there yet. Errors: of each step; resumable when stopped.
+Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
+                       const ProgressOf& progress);
+
+/// The truth of each set. Errors: of reading.
+Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder& folder);
+
+/// What was found in the scenes of a point, in their order. Errors: of reading.
+Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan,
+                                                           const StudyFolder& folder,
+                                                           const std::vector<Manifest>& sets,
+                                                           const StudyPoint& point);
+
+}  // namespace trivet::apps

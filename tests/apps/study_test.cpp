@@ -1,0 +1,291 @@
+/// Studies as a person runs them: resumed, repeated, and with faults in the configuration.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <sstream>
+
+#include "apps/program.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kConfig = R"toml(
+title = "Two parts <and> noise"
+seed = 3
+pictures = 1
+
+[models.parts]
+parts = 2
+
+[models.others]
+parts = 2
+families = ["washer"]
+
+[scenes.heaps]
+title = "Heaps"
+models = ["parts"]
+others = ["others"]
+set = { scan.scenes = 3, scan.instances = 2, scan.sensor = "laser" }
+
+[[experiments]]
+name = "noise"
+title = "Noise"
+scenes = ["heaps"]
+methods = ["ppf", "trisi"]
+vary = "degrade.noise"
+values = [0, 4]
+set = { degrade.scattered = true }
+
+[[experiments]]
+name = "rotation"
+scenes = ["heaps"]
+methods = ["ppf"]
+vary = "recognise.cluster-rotation"
+values = [8, 15]
+
+[[experiments]]
+name = "steps"
+scenes = ["heaps"]
+methods = ["ppf"]
+threshold = "best-f1"
+[[experiments.variants]]
+name = "without rays"
+set = { recognise.without = ["rays", "waves", "second-round", "rivals"], recognise.min-score = 0 }
+[[experiments.variants]]
+name = "all"
+
+[[experiments]]
+name = "library"
+scenes = ["heaps"]
+methods = ["ppf"]
+vary = "train.others"
+values = [0, 2]
+
+[[experiments]]
+name = "occlusion"
+scenes = ["heaps"]
+methods = ["ppf", "trisi"]
+curve = "occlusion"
+)toml";
+
+class Study : public testing::Test {
+ protected:
+  test::Outcome run(const std::vector<std::string>& arguments,
+                    const std::function<void(pid_t, const std::string&)>& watch = {}) const {
+    return test::run_trivet(arguments,
+                            {.folder = folder_.path(), .environment = {}, .watch = watch});
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  std::string read(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  /// The rows of results.csv without their last field, which is a time.
+  std::string results(const std::string& name) const {
+    return std::regex_replace(read(name + "/results.csv"), std::regex(",[^,\n]*\n"), "\n");
+  }
+  /// The page without times and without what is drawn by them.
+  std::string page(const std::string& name) const {
+    std::string text = read(name + "/index.html");
+    text = std::regex_replace(text, std::regex(R"([0-9.]+ s\b)"), "TIME");
+    // A chart of times stands second in its panel.
+    std::string out;
+    for (std::size_t at = 0;;) {
+      const std::size_t chart = text.find("aria-label=\"a scene on one core", at);
+      out += text.substr(at, chart == std::string::npos ? chart : chart - at);
+      if (chart == std::string::npos) return std::regex_replace(out, std::regex(name), "OUT");
+      at = text.find("</svg>", chart);
+    }
+  }
+  /// Field `column` of the row that starts with these fields.
+  static std::string field(const std::string& csv, const std::string& start, std::size_t column) {
+    std::istringstream lines(csv);
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.starts_with(start)) continue;
+      std::istringstream fields(line);
+      std::string value;
+      for (std::size_t i = 0; i <= column; ++i) std::getline(fields, value, ',');
+      return value;
+    }
+    ADD_FAILURE() << "no row " << start;
+    return "";
+  }
+  const test::TempDir folder_;
+};
+
+TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
+  write("study.toml", kConfig);
+  const test::Outcome whole = run({"study", "study.toml", "-o", "run_a"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.error;
+
+  // Kill it once some cells are there, twice.
+  std::size_t num_cells = 0;
+  for (const std::size_t enough : {4U, 9U}) {
+    const test::Outcome killed = run(
+        {"study", "study.toml", "-o", "run_b", "--threads", "1"},
+        [&](pid_t process, const std::string&) {
+          std::error_code error;
+          const auto cells = fs::directory_iterator(folder_ / "run_b/cells", error);
+          num_cells = error ? 0 : static_cast<std::size_t>(std::distance(begin(cells), end(cells)));
+          if (num_cells >= enough) kill(process, SIGKILL);
+        });
+    ASSERT_EQ(killed.exit_code, 128 + SIGKILL) << killed.error;
+    EXPECT_FALSE(fs::exists(folder_ / "run_b/index.html"));
+  }
+  std::map<fs::path, fs::file_time_type> kept;
+  for (const auto& entry : fs::directory_iterator(folder_ / "run_b/cells")) {
+    if (entry.path().extension() == ".json") kept[entry.path()] = entry.last_write_time();
+  }
+  ASSERT_GE(kept.size(), 8U);
+  const test::Outcome resumed = run({"study", "study.toml", "-o", "run_b", "--threads", "1"});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.error;
+  for (const auto& [file, time] : kept)
+    EXPECT_EQ(fs::last_write_time(file), time) << file << " was computed twice";
+  EXPECT_EQ(results("run_b"), results("run_a"));
+  const std::string other = std::regex_replace(page("run_b"), std::regex(" --threads 1"), "");
+  EXPECT_EQ(other, page("run_a"));
+}
+
+TEST_F(Study, ComputesNothingTwice) {
+  write("study.toml", kConfig);
+  ASSERT_EQ(run({"study", "study.toml", "-o", "out", "--quiet"}).exit_code, 0);
+  const std::string first = read("out/index.html");
+  // Of 8 points on 3 scenes, the default of ppf stands in four, that of trisi is apart from noise.
+  std::size_t num_cells = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out/cells"))
+    num_cells += entry.path().extension() == ".json" ? 1 : 0;
+  // noise: 2 x 2; rotation: 2, of which 15 is the default; without rays; 2 others; trisi: 1.
+  EXPECT_EQ(num_cells, 3U * (4 + 2 + 1 + 1 + 1));
+  const test::Outcome again = run({"study", "study.toml", "-o", "out"});
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_EQ(again.error.find("recognised"), std::string::npos) << again.error;
+  EXPECT_EQ(again.error.find("trained"), std::string::npos) << again.error;
+  EXPECT_EQ(std::regex_replace(read("out/index.html"), std::regex("<pre>[^<]*</pre>"), ""),
+            std::regex_replace(first, std::regex("<pre>[^<]*</pre>"), ""));
+}
+
+TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
+  write("study.toml", kConfig);
+  const test::Outcome outcome = run({"study", "study.toml", "-o", "out"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const std::string csv = read("out/results.csv");
+  const auto number = [&](const std::string& row, std::size_t column) {
+    return std::stod(field(csv, row, column));
+  };
+  constexpr std::size_t kFound = 6, kInstances = 7, kShare = 8, kLow = 9, kHigh = 10, kChange = 17;
+  const std::string axis = "Gaussian noise [resolution of the scan]",
+                    clean = "noise,Heaps,ppf," + axis + ",0,",
+                    noisy = "noise,Heaps,ppf," + axis + ",4,";
+  EXPECT_GT(number(clean, kInstances), 3);
+  EXPECT_GT(number(clean, kFound), number(noisy, kFound));
+  EXPECT_NEAR(number(clean, kShare), number(clean, kFound) / number(clean, kInstances), 1e-6);
+  EXPECT_LT(number(clean, kLow), number(clean, kShare));
+  EXPECT_LE(number(clean, kShare), number(clean, kHigh));
+  EXPECT_NEAR(number(noisy, kChange), number(noisy, kShare) - number(clean, kShare), 1e-6);
+  // One cell counts alike wherever it stands.
+  const std::string usual = "rotation,Heaps,ppf,rotation threshold of clustering [°],15,";
+  const std::string all = "occlusion,Heaps,ppf,occlusion,all,";
+  EXPECT_EQ(number(usual, kFound), number(all, kFound));
+  EXPECT_EQ(number(usual, kInstances), number(all, kInstances));
+
+  const std::string page = read("out/index.html");
+  for (const char* const outside : {"src=\"http", "href=\"http", "<script", "@import", "url("})
+    EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+  EXPECT_EQ(page.find("<and>"), std::string::npos) << "the title goes in as text";
+  EXPECT_NE(page.find("Two parts &lt;and&gt; noise"), std::string::npos);
+  EXPECT_NE(page.find("data:image/png;base64,"), std::string::npos);
+  // Tags close in the order in which they open.
+  for (const char* const tag : {"div", "section", "table", "svg", "figure", "ul", "g"}) {
+    const std::string open = std::string("<") + tag, close = std::string("</") + tag + ">";
+    const auto count = [&](const std::regex& pattern) {
+      return std::distance(std::sregex_iterator(page.begin(), page.end(), pattern), {});
+    };
+    EXPECT_EQ(count(std::regex(open + "[ >]")), count(std::regex(close))) << tag;
+  }
+}
+
+TEST_F(Study, NamesEveryFaultOfAConfiguration) {
+  write("bad.toml", R"toml(
+titel = "x"
+[models.parts]
+parts = 2
+families = ["spoon"]
+[scenes.heaps]
+models = ["partz"]
+set = { scan.sensor = "sonar", scan.nose = 1 }
+[[experiments]]
+name = "a"
+scenes = ["heaps"]
+methods = ["icp"]
+vary = "train.relative-step"
+values = [0.04, "fine"]
+)toml");
+  const test::Outcome outcome = run({"study", "bad.toml", "-o", "out"});
+  EXPECT_EQ(outcome.exit_code, 65);
+  for (const char* const text :
+       {"bad.toml:2: ", "titel", "spoon", "hex_nut", "partz", "sonar", "structured-light",
+        "scan.nose", "scan.noise", "icp", "bad.toml:14: ", "fine"}) {
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << text << " in\n" << outcome.error;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(Study, RefusesWhatItCannotRun) {
+  const auto fails = [&](const std::string& text, int exit_code, const std::string& reason) {
+    write("bad.toml", text);
+    const test::Outcome outcome = run({"study", "bad.toml", "-o", "out"});
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.error;
+    EXPECT_NE(outcome.error.find(reason), std::string::npos) << outcome.error;
+  };
+  const std::string base = "[models.parts]\nparts = 2\n[scenes.heaps]\nmodels = [\"parts\"]\n";
+  fails("title = ", 65, "bad.toml:1");
+  fails(base, 65, "[[experiments]]");
+  fails(base +
+            "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nvary = \"scan.instances\"\n"
+            "values = [500]\n",
+        65, "1 to 200");
+  fails(base + "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nset = { recognise = 3 }\n", 65,
+        "recognise");
+  fails(
+      "[models.files]\nfiles = [\"absent.ply\"]\n[scenes.heaps]\nmodels = [\"files\"]\n"
+      "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\n",
+      66, "absent.ply");
+  fails(
+      "[scenes.real]\nmanifest = \"absent.json\"\n[[experiments]]\nname = \"a\"\n"
+      "scenes = [\"real\"]\n",
+      66, "absent.json");
+  const test::Outcome absent = run({"study", "absent.toml", "-o", "out"});
+  EXPECT_EQ(absent.exit_code, 66);
+}
+
+TEST_F(Study, JudgesScenesOfAManifest) {
+  const test::Outcome scanned = run({"scan", "--parts", "2", "-o", "scans", "--scenes", "2",
+                                     "--instances", "2", "--sensor", "laser"});
+  ASSERT_EQ(scanned.exit_code, 0) << scanned.error;
+  write("study.toml",
+        "[scenes.real]\ntitle = \"Real\"\nmanifest = \"scans/manifest.json\"\n[[experiments]]\n"
+        "name = \"a\"\nscenes = [\"real\"]\nmethods = [\"ppf\"]\n");
+  const test::Outcome outcome = run({"study", "study.toml", "-o", "out"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const std::string csv = read("out/results.csv");
+  ASSERT_EQ(run({"train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5"}).exit_code, 0);
+  const test::Outcome judged =
+      run({"evaluate", "l.h5", "scans/manifest.json", "--method", "ppf", "--csv", "scores"});
+  ASSERT_EQ(judged.exit_code, 0) << judged.error;
+  const std::string summary = read("scores/summary.csv");
+  EXPECT_NE(summary.find(field(csv, "a,,ppf,scenes,Real,", 6)), std::string::npos) << summary;
+}
+
+}  // namespace
+}  // namespace trivet
