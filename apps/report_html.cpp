@@ -64,7 +64,7 @@ pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
 @media(max-width:760px){.pair,.rejected{grid-template-columns:1fr}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
-@media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):nth-child(2){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
+@media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):is(:nth-child(2),:nth-child(4)){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
 .parts :is(td,th):is(:nth-child(2),:nth-child(3)){display:none}.found :is(td,th):is(:nth-child(4),:nth-child(5),:nth-child(6)){display:none}.parts th{writing-mode:vertical-rl;padding:0 0 4px}.parts th span{display:none}.parts td:not(.id){padding-right:3px}.parts .dim{font-size:.68rem}}
 @media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
 .tables{columns:auto;display:grid;grid-template-columns:1fr 1fr;gap:0 12px;align-items:start}.tables>.wide{grid-column:1/-1}.table{overflow:visible}

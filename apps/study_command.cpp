@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <memory>
 #include <string>
 
@@ -6,6 +8,7 @@
 #include "apps/study/plan.hpp"
 #include "apps/study/results.hpp"
 #include "apps/study/run.hpp"
+#include "apps/study/settings.hpp"
 #include "apps/study/study.hpp"
 #include "apps/study/tables.hpp"
 
@@ -38,6 +41,16 @@ Result<void> conduct(const StudyArguments& arguments, const Context& context) {
   return {};
 }
 
+std::string describe_settings() {
+  std::string text = "Settings, with their defaults:";
+  const StudySettings usual;
+  for (const Setting& setting : all_settings()) {
+    text += fmt::format("\n  {:<32}{} ({})", setting.name, setting.label,
+                        value_text(setting.get(usual)));
+  }
+  return text + "\nThe configurations in docs/study are examples.";
+}
+
 }  // namespace
 
 void add_study(CLI::App& app, Context& context) {
@@ -49,6 +62,7 @@ void add_study(CLI::App& app, Context& context) {
       "trained and scenes recognised, each once; what the folder holds already is not computed\n"
       "again, so that a study that was stopped goes on. It ends with index.html, a report with\n"
       "curves, tables and pictures, and results.csv.");
+  command->footer(describe_settings);
   command->add_option("CONFIG", arguments->config, "What to compare (TOML)")->required();
   command
       ->add_option("-o,--output", arguments->output,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <vector>
 
 #include "apps/option_names.hpp"
@@ -14,8 +15,8 @@ namespace {
 
 // In the units of the drawing.
 constexpr double kWidth = 460;
-constexpr double kLeft = 58, kRight = 14, kTop = 22, kPlotHeight = 230;  // of curves
-constexpr double kNamesLeft = 176, kRowHeight = 13, kRowGap = 12;        // of rows with names
+constexpr double kLeft = 58, kRight = 14, kTop = 22, kPlotHeight = 230;              // of curves
+constexpr double kNamesLeft = 176, kRowHeight = 13, kRowGap = 12, kLineHeight = 13;  // of rows
 constexpr double kMarkStep = 8;  // between methods at one place of a curve
 
 /// From values to 0..1, and where to put numbers.
@@ -162,11 +163,27 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
   return out + "</svg>\n";
 }
 
+/// A name in lines of about so many letters, broken at spaces.
+std::vector<std::string> lines_of(const std::string& name) {
+  constexpr std::size_t kLetters = 25;
+  std::vector<std::string> lines{""};
+  std::istringstream words(name);
+  for (std::string word; words >> word;) {
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > kLetters)
+      lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+  }
+  return lines;
+}
+
 /// Rows from top to bottom, values to the right.
 std::string row_chart(const Panel& panel, const Drawing& drawing) {
   const double plot = kWidth - kNamesLeft - kRight - 8;
   const auto num_methods = static_cast<double>(panel.methods.size());
-  const double row_height = kRowHeight * num_methods + kRowGap;
+  std::size_t num_lines = 1;  // of the longest name
+  for (const std::string& name : panel.rows) num_lines = std::max(num_lines, lines_of(name).size());
+  const double row_height =
+      std::max(kRowHeight * num_methods, kLineHeight * static_cast<double>(num_lines)) + kRowGap;
   const double bottom = 8 + row_height * static_cast<double>(panel.rows.size());
   const auto across = [&](double value) { return kNamesLeft + plot * drawing.scale(value); };
   std::string out = svg_start(bottom + 44, drawing.label);
@@ -181,13 +198,18 @@ std::string row_chart(const Panel& panel, const Drawing& drawing) {
   for (std::size_t row = 0; row < panel.rows.size(); ++row) {
     const double top = 8 + row_height * static_cast<double>(row);
     const bool usual = panel.reference == Reference::fixed && row == panel.reference_row;
-    out +=
-        fmt::format("<text class=\"end{}\" x=\"{}\" y=\"{:.1f}\">{}</text>", usual ? " name" : "",
-                    kNamesLeft - 10, top + row_height / 2 + 4, escape_html(panel.rows[row]));
+    const std::vector<std::string> lines = lines_of(panel.rows[row]);
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const double middle = static_cast<double>(k) - static_cast<double>(lines.size() - 1) / 2;
+      out += fmt::format("<text class=\"end{}\" x=\"{}\" y=\"{:.1f}\">{}</text>",
+                         usual ? " name" : "", kNamesLeft - 10,
+                         top + row_height / 2 + 4 + kLineHeight * middle, escape_html(lines[k]));
+    }
     for (std::size_t m = 0; m < panel.methods.size(); ++m) {
       const std::optional<Mark>& mark = drawing.marks[m][row];
       if (!mark) continue;
-      const double y = top + kRowGap / 2 + kRowHeight * (static_cast<double>(m) + 0.5);
+      const double y =
+          top + row_height / 2 + kRowHeight * (static_cast<double>(m) + 0.5 - num_methods / 2);
       out += fmt::format("<g class=\"{}\">", colour(panel.methods[m]));
       if (mark->high > mark->low) {
         out += fmt::format("<path class=\"whisker\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>",

@@ -9,6 +9,7 @@
 #include "apps/report_html.hpp"
 #include "apps/report_pictures.hpp"
 #include "apps/study/charts.hpp"
+#include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"
 #include "engine/manifest_inputs.hpp"
 #include "storage/file.hpp"
@@ -35,12 +36,12 @@ std::string processor() {
 
 // Words.
 
-std::string summary(const Study& study, const std::vector<std::vector<std::string>>& words) {
+std::string summary(const Study& study, const StudyResults& results) {
   std::string out = "<ul class=\"findings\">\n";
   for (std::size_t e = 0; e < study.experiments.size(); ++e) {
     const Experiment& experiment = study.experiments[e];
     out += fmt::format("<li><a href=\"#{}\">{}</a>. {}\n", anchor(experiment),
-                       escape_html(experiment.title), words[e].front());
+                       escape_html(experiment.title), headline(experiment, results.experiments[e]));
   }
   return out + "</ul>\n";
 }
@@ -58,35 +59,35 @@ std::string rate_cells(const PanelCell& cell) {
 std::string difference_cell(const std::optional<PairedComparison>& comparison) {
   if (!comparison) return "<td><td>";
   const std::string p = comparison->p < 0.001 ? "&lt; 0.001" : fmt::format("{:.2g}", comparison->p);
+  const bool bold = beyond_chance(*comparison);
   return fmt::format(
-      "<td class=\"n\">{}{:+.1f}{} <span class=\"dim\">({:+.1f} – {:+.1f})</span><td class=\"n "
-      "dim\">{}",
-      beyond_chance(*comparison) ? "<b>" : "", 100 * comparison->difference,
-      beyond_chance(*comparison) ? "</b>" : "", 100 * comparison->low, 100 * comparison->high, p);
+      "<td class=\"n\">{}{}{} <span class=\"dim\">({} to {})</span><td class=\"n dim\">{}",
+      bold ? "<b>" : "", points_text(comparison->difference), bold ? "</b>" : "",
+      points_text(comparison->low), points_text(comparison->high), p);
 }
 
 /// What the columns of differences hold: against another row, or against another method.
-enum class Against : std::uint8_t { nothing, row, method };
+enum class Compared : std::uint8_t { nothing, row, method };
 
-Against against(const Panel& panel, std::size_t m) {
-  if (m > 0) return Against::method;
+Compared compared(const Panel& panel, std::size_t m) {
+  if (m > 0) return Compared::method;
   for (const PanelCell& cell : panel.cells[m]) {
-    if (cell.change) return Against::row;
+    if (cell.change) return Compared::row;
   }
-  return Against::nothing;
+  return Compared::nothing;
 }
 
-std::string difference_head(const Panel& panel, Against what) {
-  if (what == Against::nothing) return "";
-  const std::string other = what == Against::method ? option_name(panel.methods[0])
+std::string difference_head(const Panel& panel, Compared what) {
+  if (what == Compared::nothing) return "";
+  const std::string other = what == Compared::method ? option_name(panel.methods[0])
                             : panel.reference == Reference::previous
                                 ? std::string("the row above")
                                 : escape_html(panel.rows[panel.reference_row]);
-  return fmt::format("<th class=\"n\">less {}, points<th class=\"n\">p", other);
+  return fmt::format("<th class=\"n\">against {}, points<th class=\"n\">p", other);
 }
 
 std::string method_table(const Experiment& experiment, const Panel& panel, std::size_t m) {
-  const Against what = against(panel, m);
+  const Compared what = compared(panel, m);
   const bool best_f1 = experiment.threshold == Threshold::best_f1;
   std::string rows;
   for (std::size_t row = 0; row < panel.rows.size(); ++row) {
@@ -97,8 +98,8 @@ std::string method_table(const Experiment& experiment, const Panel& panel, std::
     rows += cell.false_positives ? fmt::format("<td class=\"n\">{}", *cell.false_positives)
                                  : std::string("<td>");
     if (best_f1) rows += fmt::format("<td class=\"n\">{:.3f}", cell.f1);
-    if (what != Against::nothing)
-      rows += difference_cell(what == Against::row ? cell.change : cell.lead);
+    if (what != Compared::nothing)
+      rows += difference_cell(what == Compared::row ? cell.change : cell.lead);
     rows +=
         cell.seconds ? fmt::format("<td class=\"n\">{:.2f} s", *cell.seconds) : std::string("<td>");
     rows += '\n';
@@ -123,14 +124,13 @@ std::string panel_section(const Experiment& experiment, const Panel& panel) {
   return out + "</div>\n";
 }
 
-std::string experiment_section(const Experiment& experiment, const ExperimentResults& results,
-                               const std::vector<std::string>& words) {
+std::string experiment_section(const Experiment& experiment, const ExperimentResults& results) {
   std::string out = fmt::format("<section id=\"{}\"><h2>{}</h2>\n", anchor(experiment),
                                 escape_html(experiment.title));
   if (!experiment.about.empty())
     out += fmt::format("<p class=\"dim about\">{}</p>\n", escape_html(experiment.about));
   out += "<ul class=\"findings\">\n";
-  for (const std::string& sentence : words) out += "<li>" + sentence + "\n";
+  for (const std::string& sentence : findings(experiment, results)) out += "<li>" + sentence + "\n";
   out += "</ul>\n";
   for (const Panel& panel : results.panels) out += panel_section(experiment, panel);
   return out + "</section>\n";
@@ -204,16 +204,13 @@ std::string origin(const Study& study, const StudyResults& results, const std::s
 
 Result<void> write_study_page(const Study& study, const StudyResults& results,
                               const StudyFolder& folder, const std::string& command) {
-  std::vector<std::vector<std::string>> words;
-  for (std::size_t e = 0; e < study.experiments.size(); ++e)
-    words.push_back(findings(study.experiments[e], results.experiments[e]));
   const std::string title = study.title.empty() ? "Trivet: a study" : study.title;
   std::string content = fmt::format("<h1>{}</h1>\n", escape_html(title));
   if (!study.about.empty())
     content += fmt::format("<p class=\"headline\">{}</p>\n", escape_html(study.about));
-  content += summary(study, words);
+  content += summary(study, results);
   for (std::size_t e = 0; e < study.experiments.size(); ++e)
-    content += experiment_section(study.experiments[e], results.experiments[e], words[e]);
+    content += experiment_section(study.experiments[e], results.experiments[e]);
   const Result<std::string> pictures = picture_section(results, folder);
   if (!pictures) return pictures.error();
   content += *pictures + method_notes() + origin(study, results, command);

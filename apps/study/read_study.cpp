@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <toml++/toml.h>
 
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
 #include <set>
 #include <string_view>
-
-#include <toml++/toml.h>
 
 #include "apps/option_names.hpp"
 #include "apps/study/study.hpp"
@@ -293,7 +292,7 @@ void read_values(Reader& reader, const toml::table& table, Experiment& experimen
 
 Experiment read_experiment(Reader& reader, const toml::table& table, const Study& study) {
   reader.allow(table, {"name", "title", "about", "scenes", "methods", "vary", "values", "variants",
-                       "set", "repetitions", "threshold", "curve"});
+                       "set", "repetitions", "threshold", "curve", "against"});
   Experiment experiment;
   reader.read(table, "name", experiment.name);
   if (experiment.name.empty()) reader.fault(table, "expected the experiment's name");
@@ -321,6 +320,10 @@ Experiment read_experiment(Reader& reader, const toml::table& table, const Study
       table, "curve",
       {{"variants", Curve::variants}, {"occlusion", Curve::occlusion}, {"clutter", Curve::clutter}},
       experiment.curve);
+
+  reader.choose<Against>(table, "against",
+                         {{"default", Against::usual}, {"previous", Against::previous}},
+                         experiment.against);
 
   read_values(reader, table, experiment);
   if (const toml::node* const variants = table.get("variants")) {
@@ -359,9 +362,8 @@ Result<toml::table> parse(const fs::path& file, std::string_view text) {
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}:{}: {}", file.filename().string(), error.source().begin.line,
-                             error.description())};
+    return Error{ErrorCode::bad_data, fmt::format("{}:{}: {}", file.filename().string(),
+                                                  error.source().begin.line, error.description())};
   }
 }
 

@@ -166,20 +166,25 @@ PanelCell cell_of(const JudgedPoint& judged) {
 std::optional<std::size_t> default_variant(const Study& study, const Experiment& experiment,
                                            const SceneGroup& scenes, Method method) {
   const Setting* const setting = find_setting(experiment.vary);
-  if (!setting) return std::nullopt;
   Experiment plain = experiment;
   plain.changes.clear();
   const Result<StudySettings> usual = settings_of(study, plain, scenes, method, {"", {}, {}});
   for (std::size_t v = 0; usual && v < experiment.variants.size(); ++v) {
-    if (experiment.variants[v].changes.front().value == setting->get(*usual)) return v;
+    const std::vector<SettingChange>& changes = experiment.variants[v].changes;
+    if (setting ? changes.front().value == setting->get(*usual) : changes.empty()) return v;
   }
   return std::nullopt;
 }
 
-/// What a library holds beside the models of the scenes is no parameter.
-bool tunes(const Experiment& experiment) {
-  if (experiment.vary == "train.others") return false;
-  return experiment.vary.starts_with("train.") || experiment.vary.starts_with("recognise.");
+ExperimentKind kind_of(const Experiment& experiment) {
+  if (experiment.curve != Curve::variants) return ExperimentKind::bins;
+  if (experiment.variants.size() == 1) return ExperimentKind::groups;
+  if (experiment.against == Against::previous) return ExperimentKind::steps;
+  const bool tunes = experiment.vary.empty() || experiment.vary.starts_with("train.") ||
+                     experiment.vary.starts_with("recognise.");
+  // What a library holds beside the models of the scenes is no parameter.
+  return tunes && experiment.vary != "train.others" ? ExperimentKind::parameter
+                                                    : ExperimentKind::conditions;
 }
 
 class Arranger {
@@ -188,17 +193,26 @@ class Arranger {
       : study_(study), experiment_(study.experiments[experiment]), points_(std::move(points)) {}
 
   ExperimentResults arrange() const {
-    ExperimentResults out;
-    out.tunes = tunes(experiment_);
-    if (experiment_.curve != Curve::variants) {
-      if (experiment_.scenes.size() > 1)
-        out.panels.push_back(bins(experiment_.scenes, "All scenes together"));
-      for (const std::size_t group : experiment_.scenes)
-        out.panels.push_back(bins({group}, study_.scenes[group].title));
-    } else if (experiment_.variants.size() == 1) {
-      out.panels.push_back(groups());
-    } else {
-      for (const std::size_t group : experiment_.scenes) out.panels.push_back(variants(group));
+    ExperimentResults out{kind_of(experiment_), {}};
+    switch (out.kind) {
+      case ExperimentKind::bins:
+        if (experiment_.scenes.size() > 1)
+          out.panels.push_back(bins(experiment_.scenes, "All scenes together"));
+        for (const std::size_t group : experiment_.scenes)
+          out.panels.push_back(bins({group}, study_.scenes[group].title));
+        break;
+      case ExperimentKind::groups:
+        out.panels.push_back(groups());
+        break;
+      case ExperimentKind::steps:
+      case ExperimentKind::parameter:
+      case ExperimentKind::conditions:
+        for (const std::size_t group : experiment_.scenes) {
+          out.panels.push_back(variants(group));
+          // Without the default among the values there is nothing to hold them against.
+          if (out.panels.back().reference == Reference::none) out.kind = ExperimentKind::conditions;
+        }
+        break;
     }
     return out;
   }
@@ -244,13 +258,12 @@ class Arranger {
       panel.rows.push_back(variant.name);
       panel.is_curve = panel.is_curve && variant.number.has_value();
     }
-    panel.reference = Reference::previous;
-    if (!experiment_.vary.empty()) {
-      const std::optional<std::size_t> usual =
-          default_variant(study_, experiment_, study_.scenes[group], experiment_.methods.front());
-      panel.reference = usual ? Reference::fixed : Reference::none;
-      panel.reference_row = usual.value_or(0);
-    }
+    const std::optional<std::size_t> usual =
+        default_variant(study_, experiment_, study_.scenes[group], experiment_.methods.front());
+    panel.reference = experiment_.against == Against::previous ? Reference::previous
+                      : usual                                  ? Reference::fixed
+                                                               : Reference::none;
+    panel.reference_row = usual.value_or(0);
     for (std::size_t m = 0; m < panel.methods.size(); ++m) {
       for (std::size_t row = 0; row < panel.rows.size(); ++row) {
         if (panel.reference == Reference::none) continue;
@@ -377,11 +390,9 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
     for (const std::size_t group : experiment.scenes) {
       if (out.pictures.size() == study.num_pictures || !shown.insert(group).second) continue;
       const std::size_t method = experiment.methods.size() - 1;
-      const Setting* const varied = find_setting(experiment.vary);
-      const std::size_t variant = varied ? default_variant(study, experiment, study.scenes[group],
-                                                           experiment.methods[method])
-                                               .value_or(0)
-                                         : experiment.variants.size() - 1;
+      const std::size_t variant =
+          default_variant(study, experiment, study.scenes[group], experiment.methods[method])
+              .value_or(0);
       Result<StudyPicture> picture =
           judge.picture(arranger.at(group, method, variant),
                         fmt::format("{}, {}", study.scenes[group].title,

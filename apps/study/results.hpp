@@ -52,9 +52,18 @@ struct Panel {
   std::vector<std::optional<PairedComparison>> leads;  ///< one a method, over all rows
 };
 
+/// What an experiment asks.
+enum class ExperimentKind : std::uint8_t {
+  bins,        ///< which truths are found: rows are bins of truths, then all
+  groups,      ///< how the methods do: rows are groups of scenes
+  steps,       ///< what each adds: rows are variants, compared with the one before
+  parameter,   ///< where a default lies: rows are values, compared with it
+  conditions,  ///< what the methods bear: rows are values of something that is not the method's
+};
+
 struct ExperimentResults {
+  ExperimentKind kind = ExperimentKind::groups;
   std::vector<Panel> panels;
-  bool tunes = false;  ///< it varies a parameter of training or recognition, not a condition
 };
 
 /// A scene to be shown, with what one method found in it.

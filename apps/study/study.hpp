@@ -46,6 +46,12 @@ enum class Threshold : std::uint8_t {
 /// What its curves run over.
 enum class Curve : std::uint8_t { variants, occlusion, clutter };
 
+/// What named variants are compared with.
+enum class Against : std::uint8_t {
+  usual,     ///< the variant that changes nothing
+  previous,  ///< each with the one before: steps that build on one another
+};
+
 struct Experiment {
   std::string name, title, about;
   std::vector<std::size_t> scenes;
@@ -56,6 +62,7 @@ struct Experiment {
   std::uint32_t repetitions = 1;  ///< each with other scenes
   Threshold threshold = Threshold::setting;
   Curve curve = Curve::variants;
+  Against against = Against::usual;
 };
 
 struct Study {

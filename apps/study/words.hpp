@@ -1,4 +1,4 @@
-/// What the numbers of a study say, in sentences.
+/// What an experiment says, in sentences drawn from its numbers. All text is HTML.
 #pragma once
 
 #include <string>
@@ -9,20 +9,10 @@
 
 namespace trivet::apps {
 
-/// "97.2 %".
-std::string percent(double share);
+/// In short, for the top of the report.
+std::string headline(const Experiment& experiment, const ExperimentResults& results);
 
-/// "97.2 % (94.1 to 98.7)".
-std::string rate_text(const Rate& rate);
-
-/// "+1.2 points (0.3 to 2.1, p 0.012)".
-std::string difference_text(const PairedComparison& comparison);
-
-/// Whether chance alone explains a difference badly: McNemar's p below 0.05, and an interval that
-/// leaves 0 out.
-bool beyond_chance(const PairedComparison& comparison);
-
-/// Sentences as HTML; the first of them is the most important.
+/// With intervals, false alarms and times, a paragraph each.
 std::vector<std::string> findings(const Experiment& experiment, const ExperimentResults& results);
 
 }  // namespace trivet::apps
