@@ -16,8 +16,6 @@ namespace {
 /// What a close-up takes within the page, about [byte].
 constexpr std::size_t kExhibitBytes = 75'000;
 
-std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
 // The result in words.
 
 /// "Of 3 missed, 2 are occluded by 70 % or more", where occlusion is known of all.

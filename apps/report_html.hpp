@@ -17,6 +17,9 @@ std::string escape_html(std::string_view text);
 /// "1 scene", "3 scenes".
 std::string counted(std::size_t n, std::string_view one, std::string_view many);
 
+/// "97.2 %".
+std::string percent(double share);
+
 /// A number that stands out, with its title and a note. HTML goes in as it is.
 std::string card(std::string_view title, std::string_view value, std::string_view note);
 

@@ -40,7 +40,7 @@ const Detection& detection_of(const ReportInput& input, std::size_t scene,
   return input.results[scene]->detections[judged.detection];
 }
 
-std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string whole_percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
 /// "91 % occluded, 84 % clutter": what the manifest tells of a truth.
 std::string conditions(const TruthInstance& truth) {
@@ -48,7 +48,7 @@ std::string conditions(const TruthInstance& truth) {
   for (const auto& [value, text] : {std::pair{truth.occlusion, "occluded"},
                                     {truth.clutter, "clutter"},
                                     {truth.visible_fraction, "visible"}}) {
-    if (value) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", percent(*value), text);
+    if (value) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", whole_percent(*value), text);
   }
   return out;
 }
@@ -118,7 +118,7 @@ std::string score_parts(const Detection& detection) {
                                     {detection.violation, "looked through"},
                                     {detection.contour, "of the outline free"}}) {
     if (std::isfinite(value))
-      out += fmt::format(", {} {}", percent(static_cast<double>(value)), text);
+      out += fmt::format(", {} {}", whole_percent(static_cast<double>(value)), text);
   }
   return out;
 }

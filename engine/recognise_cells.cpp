@@ -68,6 +68,7 @@ Result<SceneResult> recognise_cell(const OpenLibrary& library, const Recognition
   read_options.camera = cell.scene.camera;
   Result<Cloud> cloud = read_cloud(cell.scene.file, read_options);
   if (!cloud) return cloud.error();
+  if (cell.scene.viewpoint) cloud->viewpoint = cell.scene.viewpoint;
   const float diameter = library.mean_diameter / static_cast<float>(cell.scene.scale);
   if (const Result<void> done = degrade_scene(*cloud, cell.degrade, diameter, cell.degrade_seed);
       !done) {

@@ -72,18 +72,6 @@ Scale time_scale(double least, double most) {
   return scale;
 }
 
-std::string_view colour(Method method) {
-  switch (method) {
-    case Method::ppf:
-      return "ppf";
-    case Method::trisi:
-      return "trisi";
-    case Method::fused:
-      return "fused";
-  }
-  return "";
-}
-
 /// A value to draw.
 struct Mark {
   double value = 0, low = 0, high = 0;
@@ -111,10 +99,11 @@ std::string dot(Method method, double x, double y, const std::string& title) {
   return fmt::format(
       "<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.6\"><title>{}"
       "</title></circle>",
-      colour(method), x, y, escape_html(title));
+      option_name(method), x, y, escape_html(title));
 }
 
-/// Rows from left to right, values upward, a line for each method.
+/// Rows from left to right, values upward, a line for each method. Methods have styles by their
+/// names.
 std::string curve_chart(const Panel& panel, const Drawing& drawing) {
   const double plot = kWidth - kLeft - kRight, bottom = kTop + kPlotHeight;
   const auto n = static_cast<double>(panel.rows.size());
@@ -158,7 +147,7 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
       marks += dot(panel.methods[m], x, down(mark->value), mark->title);
     }
     out += fmt::format("<g class=\"{0}\"><path class=\"line\" d=\"{1}\"/>{2}</g>",
-                       colour(panel.methods[m]), path, marks);
+                       option_name(panel.methods[m]), path, marks);
   }
   return out + "</svg>\n";
 }
@@ -210,7 +199,7 @@ std::string row_chart(const Panel& panel, const Drawing& drawing) {
       if (!mark) continue;
       const double y =
           top + row_height / 2 + kRowHeight * (static_cast<double>(m) + 0.5 - num_methods / 2);
-      out += fmt::format("<g class=\"{}\">", colour(panel.methods[m]));
+      out += fmt::format("<g class=\"{}\">", option_name(panel.methods[m]));
       if (mark->high > mark->low) {
         out += fmt::format("<path class=\"whisker\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>",
                            across(mark->low), y, across(mark->high));
@@ -273,8 +262,8 @@ std::string time_chart(const Panel& panel) {
 std::string chart_key(const Panel& panel) {
   std::string out = "<p class=\"key\">";
   for (const Method method : panel.methods) {
-    out +=
-        fmt::format("<span><i class=\"dot {}\"></i>{}</span>", colour(method), option_name(method));
+    out += fmt::format("<span><i class=\"dot {}\"></i>{}</span>", option_name(method),
+                       option_name(method));
   }
   return out + "</p>\n";
 }

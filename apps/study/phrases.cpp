@@ -16,8 +16,6 @@ constexpr std::string_view kStronglyOccluded = ">84%";
 
 }  // namespace
 
-std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
 std::string rate_text(const Rate& rate) {
   const auto [low, high] = rate.interval();
   return fmt::format("{} ({:.1f} to {:.1f})", percent(rate.value()), 100 * low, 100 * high);

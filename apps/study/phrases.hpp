@@ -11,9 +11,6 @@
 
 namespace trivet::apps {
 
-/// "97.2 %".
-std::string percent(double share);
-
 /// "97.2 % (94.1 to 98.7)".
 std::string rate_text(const Rate& rate);
 

@@ -254,6 +254,8 @@ SceneGroup read_scenes(Reader& reader, const std::string& name, const toml::tabl
   reader.changes_at(table, "set", group.changes);
   if (group.models.empty() == manifest.empty())
     reader.fault(table, fmt::format("scenes.{}: expected either models or a manifest", name));
+  if (!manifest.empty() && !group.others.empty())
+    reader.fault(table, fmt::format("scenes.{}: expected no others beside a manifest", name));
   return group;
 }
 
@@ -339,10 +341,33 @@ Experiment read_experiment(Reader& reader, const toml::table& table, const Study
   return experiment;
 }
 
+/// Scenes of a manifest are there already: nothing of how they are made may vary.
+void check_listed(Reader& reader, const toml::table& where, const SceneGroup& scenes,
+                  const Experiment& experiment) {
+  if (scenes.manifest.empty()) return;
+  std::vector<SettingChange> all = scenes.changes;
+  all.insert(all.end(), experiment.changes.begin(), experiment.changes.end());
+  for (const Variant& variant : experiment.variants)
+    all.insert(all.end(), variant.changes.begin(), variant.changes.end());
+  for (const SettingChange& change : all) {
+    if (!change.name.starts_with("scan.")) continue;
+    reader.fault(where, fmt::format("experiment {}: expected nothing of scan. for scenes of a "
+                                    "manifest, found {}",
+                                    experiment.name, change.name));
+    return;
+  }
+  if (experiment.repetitions > 1) {
+    reader.fault(where, fmt::format("experiment {}: expected one repetition for scenes of a "
+                                    "manifest, found {}",
+                                    experiment.name, experiment.repetitions));
+  }
+}
+
 /// Settings that fit each by itself may not fit together.
 void check_settings(Reader& reader, const toml::table& where, const Study& study,
                     const Experiment& experiment) {
   for (const std::size_t group : experiment.scenes) {
+    check_listed(reader, where, study.scenes[group], experiment);
     for (const Method method : experiment.methods) {
       for (const Variant& variant : experiment.variants) {
         const Result<StudySettings> settings =

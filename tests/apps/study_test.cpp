@@ -265,6 +265,12 @@ TEST_F(Study, RefusesWhatItCannotRun) {
       "[scenes.real]\nmanifest = \"absent.json\"\n[[experiments]]\nname = \"a\"\n"
       "scenes = [\"real\"]\n",
       66, "absent.json");
+  const std::string real =
+      "[scenes.real]\nmanifest = \"m.json\"\n[[experiments]]\nname = \"a\"\n"
+      "scenes = [\"real\"]\n";
+  fails(real + "vary = \"scan.sensor\"\nvalues = [\"laser\"]\n", 65, "nothing of scan.");
+  fails(real + "repetitions = 2\n", 65, "one repetition");
+  fails(real + "[[experiments]]\nname = \"a\"\nscenes = [\"real\"]\n", 65, "a second experiment");
   const test::Outcome absent = run({"study", "absent.toml", "-o", "out"});
   EXPECT_EQ(absent.exit_code, 66);
 }
