@@ -1,5 +1,5 @@
 /// What recognition does beyond voting and clustering, by name, so that each part can be left out
-/// and its worth measured: `scripts/ladder` climbs from nothing of it to all of it.
+/// and its worth measured: docs/study/ladder.toml climbs from nothing of it to all of it.
 #pragma once
 
 #include <array>
