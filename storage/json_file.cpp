@@ -194,8 +194,14 @@ Result<void> with_json(const std::filesystem::path& file,
                        const OnJsonKey& on_key) {
   const auto mapped = MappedFile::open(file, kMaxBytes);
   if (!mapped) return mapped.error();
+  return with_json(mapped->bytes(), file.string(), walk, on_key);
+}
+
+Result<void> with_json(std::span<const std::byte> bytes, const std::string& name,
+                       const std::function<void(const JsonNode& root)>& walk,
+                       const OnJsonKey& on_key) {
   const auto refuse = [&](std::string_view what) {
-    return Error{ErrorCode::bad_data, fmt::format("{}: {}", file.string(), what)};
+    return Error{ErrorCode::bad_data, fmt::format("{}: {}", name, what)};
   };
 
   using Event = nlohmann::json::parse_event_t;
@@ -205,8 +211,8 @@ Result<void> with_json(const std::filesystem::path& file,
     return true;
   };
   try {
-    const auto* const first = reinterpret_cast<const char*>(mapped->bytes().data());
-    const auto document = nlohmann::json::parse(first, first + mapped->bytes().size(), on_event);
+    const auto* const first = reinterpret_cast<const char*>(bytes.data());
+    const auto document = nlohmann::json::parse(first, first + bytes.size(), on_event);
     walk(JsonNode(document, ""));
     return {};
   } catch (const JsonFault& fault) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,6 +36,9 @@ class JsonNode {
   std::vector<JsonNode> elements() const;                         ///< of an array
   std::vector<std::pair<std::string, JsonNode>> members() const;  ///< of an object, sorted by key
 
+  bool is_array() const { return value_->is_array(); }
+  bool is_string() const { return value_->is_string(); }
+  bool is_boolean() const { return value_->is_boolean(); }
   double number() const;                 ///< finite
   int integer(int low, int high) const;  ///< within these bounds, both included
   bool boolean() const;
@@ -64,6 +68,11 @@ using OnJsonKey = std::function<void(int depth, const std::string& key)>;
 /// Parse a file of at most 256 MB and 32 levels and walk over it.
 /// Errors: missing_input, io, bad_data (names the byte or the path of the fault).
 Result<void> with_json(const std::filesystem::path& file,
+                       const std::function<void(const JsonNode& root)>& walk,
+                       const OnJsonKey& on_key = {});
+
+/// The same of bytes that came otherwise; `name` stands for the file in messages.
+Result<void> with_json(std::span<const std::byte> bytes, const std::string& name,
                        const std::function<void(const JsonNode& root)>& walk,
                        const OnJsonKey& on_key = {});
 

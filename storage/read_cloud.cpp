@@ -65,4 +65,9 @@ Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& o
   return formats::read({file, mapped->bytes(), options});
 }
 
+Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,
+                         const ReadOptions& options) {
+  return formats::read({name, bytes, options});
+}
+
 }  // namespace trivet

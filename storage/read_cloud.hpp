@@ -2,8 +2,10 @@
 /// against the bytes that are there before memory is taken for it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
@@ -25,6 +27,11 @@ struct ReadOptions {
 /// are refused.
 /// Errors: missing_input, io, bad_data (file, line or byte, expected, found, what to do).
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
+
+/// The same of bytes that came otherwise. `name` stands for the file in messages; its extension
+/// tells the format.
+Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,
+                         const ReadOptions& options = {});
 
 /// Whether the extension is one that read_cloud knows (case-insensitive). Depth images are
 /// excluded, and so is .txt, as the text files of a folder are mostly notes.
