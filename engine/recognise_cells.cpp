@@ -24,11 +24,9 @@ struct OpenLibrary {
 
   explicit OpenLibrary(Library&& library) : recogniser(std::move(library)) {
     const std::vector<Model>& models = recogniser.library().models;
-    for (std::uint32_t m = 0; m < models.size(); ++m) {
-      mean_diameter += models[m].diameter / static_cast<float>(models.size());
-      (void)recogniser.surface(m);
-    }
-    (void)recogniser.features();
+    for (const Model& model : models)
+      mean_diameter += model.diameter / static_cast<float>(models.size());
+    recogniser.build_all();
   }
 };
 

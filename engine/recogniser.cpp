@@ -49,4 +49,9 @@ const std::vector<engine::FeatureLevel>& Recogniser::features() const {
   return features_->levels;
 }
 
+void Recogniser::build_all() const {
+  for (std::uint32_t model = 0; model < library_.models.size(); ++model) (void)surface(model);
+  (void)features();
+}
+
 }  // namespace trivet

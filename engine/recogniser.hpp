@@ -33,6 +33,8 @@ class Recogniser {
   const Result<kernels::RayScene>& surface(std::uint32_t model) const;
   /// The Tri-Spin-Images of all models, indexed when they are first asked for.
   const std::vector<engine::FeatureLevel>& features() const;
+  /// Build all that would be built when it is first asked for, so that no scene waits for it.
+  void build_all() const;
 
  private:
   struct Surface;
