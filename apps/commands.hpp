@@ -27,6 +27,8 @@ void add_evaluate(CLI::App& app, Context& context);
 void add_scan(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
+void add_serve(CLI::App& app, Context& context);
+void add_load(CLI::App& app, Context& context);
 void add_study(CLI::App& app, Context& context);
 
 }  // namespace trivet::apps

@@ -114,6 +114,8 @@ int main(int argc, char** argv) {
   apps::add_mesh(app, context);
   apps::add_calibrate(app, context);
   apps::add_study(app, context);
+  apps::add_serve(app, context);
+  apps::add_load(app, context);
   apps::add_library(app, context);
 
   try {

@@ -1,0 +1,75 @@
+/// HTTP/1.1 within bounds: slow, large, broken and too many clients cost their own connection only.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct HttpLimits {
+  std::size_t max_header_bytes = 8192;
+  std::size_t max_body_bytes = 64 << 20;
+  std::size_t max_connections = 1024;
+  std::chrono::milliseconds request_timeout{10'000};  ///< to send a whole request
+  std::chrono::milliseconds idle_timeout{60'000};     ///< between requests
+  std::chrono::milliseconds write_timeout{30'000};    ///< to take a whole response
+};
+
+struct HttpRequest {
+  std::string method, target;  ///< the target with its query
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers;  ///< names in lower case
+  /// Whether the client has closed its connection. From any thread, while the request is answered.
+  std::function<bool()> is_gone;
+
+  /// Empty where there is none.
+  std::string header(std::string_view name) const;
+};
+
+struct HttpResponse {
+  unsigned status = 200;
+  std::string body, content_type = "application/json";
+  std::vector<std::pair<std::string, std::string>> headers{};
+};
+
+/// Called once, from any thread.
+using HttpAnswer = std::function<void(HttpResponse)>;
+/// Called on the network's thread; answers at once or later.
+using HttpHandler = std::function<void(HttpRequest, HttpAnswer)>;
+
+/// Listens and serves on a thread of its own until it is destroyed.
+class HttpServer {
+ public:
+  /// port  0: any free one
+  /// Errors: usage (address), cannot_create (the port is taken).
+  static Result<HttpServer> start(const std::string& address, std::uint16_t port,
+                                  const HttpLimits& limits, HttpHandler handler);
+  HttpServer(HttpServer&&) noexcept;
+  HttpServer& operator=(HttpServer&&) noexcept;
+  ~HttpServer();
+
+  std::uint16_t port() const;
+  std::size_t num_connections() const;
+  /// Accept no more connections; those that are open get `Connection: close` with their next
+  /// answer.
+  void stop_accepting();
+  /// Wait until every request that came in was answered, up to `deadline`. Returns whether it was.
+  bool wait_until_idle(std::chrono::steady_clock::time_point deadline) const;
+  /// Call the handler no more. Answers may still come, up to the end of the server's life.
+  void stop();
+
+ private:
+  struct State;
+  explicit HttpServer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trivet::apps

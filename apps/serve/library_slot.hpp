@@ -1,0 +1,49 @@
+/// The library that a service answers with, read anew aside while the old one answers.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "apps/serve/metrics.hpp"
+#include "engine/recognition_service.hpp"
+
+namespace trivet::apps {
+
+/// Open a library and build all that its first scene would wait for. Errors: of opening.
+Result<std::shared_ptr<const LibraryGeneration>> load_generation(const std::filesystem::path& file,
+                                                                 std::uint64_t number);
+
+/// Reads on a thread of its own, one after the other. A bad file leaves the old library answering.
+class LibrarySlot {
+ public:
+  using Done = std::function<void(Result<void>)>;
+  /// `service` answers with generation 1 of `file`. Both outlive the slot.
+  LibrarySlot(std::filesystem::path file, RecognitionService& service, Metrics& metrics);
+  LibrarySlot(const LibrarySlot&) = delete;
+  LibrarySlot& operator=(const LibrarySlot&) = delete;
+  ~LibrarySlot();
+
+  /// `done` is called from the slot's thread. Requests that come while a read waits share it.
+  void reload(Done done);
+
+ private:
+  void work();
+
+  const std::filesystem::path file_;
+  RecognitionService& service_;
+  Metrics& metrics_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Done> asked_;
+  bool is_closed_ = false;
+  std::uint64_t next_number_ = 2;
+  std::thread thread_;
+};
+
+}  // namespace trivet::apps

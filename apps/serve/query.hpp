@@ -1,0 +1,24 @@
+/// The target of a request: its path and parameters.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct Target {
+  std::string path;
+  std::vector<std::pair<std::string, std::string>> parameters;  ///< decoded, in their order
+
+  std::optional<std::string> parameter(std::string_view name) const;
+};
+
+/// Split and decode (RFC 3986, 2.1; plus signs stay). Errors: usage (a broken escape).
+Result<Target> parse_target(std::string_view target);
+
+}  // namespace trivet::apps

@@ -1,0 +1,444 @@
+/// The service as its clients meet it: answers, refusals, overload, reloads, and its end.
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "apps/program.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// A connection that a test writes to and reads from byte by byte.
+class Connection {
+ public:
+  explicit Connection(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in where{};
+    where.sin_family = AF_INET;
+    where.sin_port = htons(static_cast<std::uint16_t>(port));
+    where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval patience{60, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    is_open_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&where), sizeof where) == 0;
+  }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  ~Connection() { ::close(socket_); }
+
+  bool is_open() const { return is_open_; }
+  void send(const std::string& text) const {
+    for (std::size_t sent = 0; sent < text.size();) {
+      const ssize_t n = ::send(socket_, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+      if (n <= 0) return;
+      sent += static_cast<std::size_t>(n);
+    }
+  }
+  /// Until the other side closes.
+  std::string receive() const {
+    std::string all;
+    char part[65536];
+    for (ssize_t n = 0; (n = ::recv(socket_, part, sizeof part, 0)) > 0;)
+      all.append(part, static_cast<std::size_t>(n));
+    return all;
+  }
+
+ private:
+  int socket_;
+  bool is_open_ = false;
+};
+
+struct Answer {
+  int status = 0;
+  std::string head, body;
+  double seconds = 0;
+  nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
+};
+
+Answer ask(int port, const std::string& method, const std::string& target,
+           const std::string& body = "", const std::string& headers = "") {
+  const auto start = Clock::now();
+  const Connection connection(port);
+  connection.send(method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
+                  headers + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  const std::string all = connection.receive();
+  Answer answer;
+  answer.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const std::size_t end = all.find("\r\n\r\n");
+  if (end == std::string::npos || all.size() < 12) return answer;
+  answer.status = std::stoi(all.substr(9, 3));
+  answer.head = all.substr(0, end);
+  answer.body = all.substr(end + 4);
+  return answer;
+}
+
+std::string read(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// A library of two parts, scans of them, and a service.
+class Serve : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto run = [&](const std::vector<std::string>& arguments) {
+      const test::Outcome outcome =
+          test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    };
+    run({"scan", "--parts", "2", "-o", "scans", "--scenes", "1", "--instances", "3", "--sensor",
+         "laser"});
+    run({"train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5"});
+    depth_ = folder_ / "scans/test/000001/depth/000000.png";
+    const nlohmann::json camera =
+        nlohmann::json::parse(read(folder_ / "scans/manifest.json"))["scenes"][0]["camera"];
+    std::ofstream(folder_ / "camera.json") << camera;
+    std::string numbers;
+    for (const char* const key : {"fx", "fy", "cx", "cy", "depth_scale"})
+      numbers += (numbers.empty() ? "" : ",") + camera[key].dump();
+    query_ = "/v1/recognize?method=ppf&format=png&camera=" + numbers;
+  }
+
+  /// Run the service with these arguments while `body(port)` runs, then end it.
+  test::Outcome serve(std::vector<std::string> arguments, const std::function<void(int)>& body) {
+    arguments.insert(arguments.begin(), {"serve", "l.h5", "--port", "0", "--drain-grace-ms", "50"});
+    std::thread client;
+    std::atomic<bool> done{false};
+    told_ = false;
+    test::Outcome outcome = test::run_trivet(
+        arguments, {.folder = folder_.path(),
+                    .environment = {},
+                    .watch = [&](pid_t process, const std::string& error) {
+                      process_ = process;
+                      std::smatch found;
+                      if (!client.joinable() &&
+                          std::regex_search(error, found, std::regex("http://[0-9.]+:([0-9]+)"))) {
+                        client = std::thread([&, port = std::stoi(found[1])] {
+                          body(port);
+                          done = true;
+                        });
+                      }
+                      if (done) tell_to_end();
+                    }});
+    if (client.joinable()) client.join();
+    return outcome;
+  }
+
+  /// Once: a second signal ends it at once.
+  void tell_to_end() {
+    if (!told_.exchange(true)) kill(process_, SIGTERM);
+  }
+
+  const test::TempDir folder_;
+  fs::path depth_;
+  std::string query_;
+  std::atomic<pid_t> process_{0};
+  std::atomic<bool> told_{false};
+};
+
+TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
+  const test::Outcome direct =
+      test::run_trivet({"recognize", "l.h5", depth_.string(), "--camera", "camera.json", "--method",
+                        "ppf", "--json", "-"},
+                       {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(direct.exit_code, 0) << direct.error;
+  const nlohmann::json expected = nlohmann::json::parse(direct.out)["scenes"][0]["detections"];
+  ASSERT_FALSE(expected.empty());
+  const test::Outcome outcome = serve({}, [&](int port) {
+    const Answer answer = ask(port, "POST", query_, read(depth_),
+                              "X-Request-Id: call-7\r\ntraceparent: 00-ab-cd-01\r\n");
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    EXPECT_EQ(answer.json()["scenes"][0]["detections"].dump(), expected.dump());
+    EXPECT_EQ(answer.json()["request_id"], "call-7");
+    EXPECT_EQ(answer.json()["library"]["generation"], 1);
+    EXPECT_NE(answer.head.find("X-Request-Id: call-7"), std::string::npos) << answer.head;
+    EXPECT_NE(answer.head.find("00-ab-cd-01"), std::string::npos) << answer.head;
+    EXPECT_EQ(ask(port, "GET", "/v1/models").json()["models"].size(), 2U);
+    EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
+    EXPECT_EQ(ask(port, "GET", "/v2/health/ready").status, 200);
+    const std::string metrics = ask(port, "GET", "/metrics").body;
+    for (const char* const line :
+         {"trivet_requests_total{route=\"recognize\",code=\"200\"} 1", "trivet_library_models 2",
+          "trivet_stage_duration_seconds_count{stage=\"vote\"} 1"}) {
+      EXPECT_NE(metrics.find(line), std::string::npos) << line << " in\n" << metrics;
+    }
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, SpeaksTheOpenInferenceProtocol) {
+  // The scan as points, and what the command line finds in them.
+  const test::Outcome meshed =
+      test::run_trivet({"mesh", depth_.string(), "--camera", "camera.json", "-o", "scan.ply"},
+                       {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(meshed.exit_code, 0) << meshed.error;
+  const Result<Cloud> scan = read_cloud(folder_ / "scan.ply");
+  ASSERT_TRUE(scan);
+  std::ofstream xyz(folder_ / "scan.xyz");
+  std::string binary;
+  nlohmann::json numbers = nlohmann::json::array();
+  for (std::size_t i = 0; i < scan->points.size(); ++i) {
+    const Eigen::Vector3f p = scan->points[i];
+    xyz << fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+    binary.append(reinterpret_cast<const char*>(p.data()), 12);
+    numbers.push_back({p.x(), p.y(), p.z()});
+  }
+  xyz.close();
+  const test::Outcome direct = test::run_trivet(
+      {"recognize", "l.h5", "scan.xyz", "--method", "ppf", "--json", "-", "--viewpoint", "0,0,0"},
+      {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(direct.exit_code, 0) << direct.error;
+  const nlohmann::json expected = nlohmann::json::parse(direct.out)["scenes"][0]["detections"];
+  ASSERT_FALSE(expected.empty());
+  const std::size_t n = scan->points.size(), m = expected.size();
+
+  const test::Outcome outcome = serve({}, [&](int port) {
+    EXPECT_EQ(ask(port, "GET", "/v2").json()["extensions"][0], "binary_tensor_data");
+    EXPECT_EQ(ask(port, "GET", "/v2/models/l").json()["inputs"][0]["shape"][1], 3);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/l/versions/1/ready").status, 200);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/other").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/..%2f..%2fetc").status, 404);
+    nlohmann::json request{
+        {"id", "7"},
+        {"parameters", {{"method", "ppf"}}},
+        {"inputs",
+         {{{"name", "points"}, {"datatype", "FP32"}, {"shape", {n, 3}}, {"data", numbers}},
+          {{"name", "viewpoint"}, {"datatype", "FP32"}, {"shape", {3}}, {"data", {0, 0, 0}}}}}};
+    const Answer plain = ask(port, "POST", "/v2/models/l/infer", request.dump());
+    ASSERT_EQ(plain.status, 200) << plain.body;
+    const nlohmann::json outputs = plain.json()["outputs"];
+    EXPECT_EQ(plain.json()["id"], "7");
+    ASSERT_EQ(outputs[0]["shape"], nlohmann::json({m, 4, 4}));
+    for (std::size_t d = 0; d < m; ++d) {
+      EXPECT_EQ(outputs[1]["data"][d], expected[d]["score"]);
+      EXPECT_EQ(outputs[2]["data"][d], expected[d]["model"]);
+      for (std::size_t k = 0; k < 16; ++k)
+        EXPECT_EQ(outputs[0]["data"][16 * d + k], expected[d]["T_scene_model"][k / 4][k % 4]);
+    }
+
+    request["inputs"][0].erase("data");
+    request["inputs"][0]["parameters"]["binary_data_size"] = binary.size();
+    request["parameters"]["binary_data_output"] = true;
+    const std::string header = request.dump();
+    const std::string length =
+        "Inference-Header-Content-Length: " + std::to_string(header.size()) + "\r\n";
+    const Answer packed = ask(port, "POST", "/v2/models/l/infer", header + binary, length);
+    ASSERT_EQ(packed.status, 200) << packed.body;
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(packed.head, found,
+                                  std::regex("Inference-Header-Content-Length: ([0-9]+)")));
+    const std::size_t size = std::stoul(found[1]);
+    EXPECT_EQ(nlohmann::json::parse(
+                  packed.body.substr(0, size))["outputs"][0]["parameters"]["binary_data_size"],
+              64 * m);
+    std::vector<float> poses(16 * m);
+    std::memcpy(poses.data(), packed.body.data() + size, 64 * m);
+    for (std::size_t k = 0; k < poses.size(); ++k)
+      EXPECT_EQ(poses[k], outputs[0]["data"][k].get<float>());
+
+    const auto refuses = [&](const std::string& body, const std::string& reason,
+                             const std::string& headers = "") {
+      const Answer answer = ask(port, "POST", "/v2/models/l/infer", body, headers);
+      EXPECT_EQ(answer.status, 400) << answer.body;
+      EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+    };
+    refuses("", "no JSON");
+    refuses(std::string(100'000, '['), "32 levels");
+    refuses(R"({"inputs":[{"name":"points","datatype":"FP32","shape":[4,3],"data":[1,2]}]})",
+            "12 numbers");
+    refuses(R"({"inputs":[{"name":"points","datatype":"FP64","shape":[0,3],"data":[]}]})", "FP32");
+    refuses(R"({"inputs":[],"parameters":{"expected":"/etc/passwd"}})", "expected");
+    refuses(header + binary.substr(12), "at most", length);
+    refuses(header + binary + "x", "belong to no tensor", length);
+    refuses(header, "Content-Length", "Inference-Header-Content-Length: 99999999\r\n");
+    refuses(header, "Content-Length", "Inference-Header-Content-Length: many\r\n");
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
+  const test::Outcome outcome = serve({"--max-body-mb", "1"}, [&](int port) {
+    const auto refuses = [&](int status, const std::string& reason, const std::string& method,
+                             const std::string& target, const std::string& body = "",
+                             const std::string& headers = "") {
+      const Answer answer = ask(port, method, target, body, headers);
+      EXPECT_EQ(answer.status, status) << target << "\n" << answer.body;
+      EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+    };
+    refuses(404, "no such path", "GET", "/v1/../../etc/passwd");
+    refuses(405, "expected POST", "GET", query_);
+    refuses(400, "format", "POST", "/v1/recognize", "ply");
+    refuses(400, "body.ply", "POST", "/v1/recognize?format=ply", "ply\nnonsense");
+    refuses(400, "body.png", "POST", query_, read(depth_).substr(0, 500));
+    refuses(400, "is empty", "POST", query_, "");
+    refuses(400, "min-score", "POST", query_ + "&min-score=high", read(depth_));
+    refuses(400, "0 to 1", "POST", query_ + "&min-score=7", read(depth_));
+    refuses(400, "expected", "POST", query_ + "&expected=/etc/passwd", read(depth_));
+    refuses(400, "spoon", "POST", query_ + "&models=spoon", read(depth_));
+    refuses(400, "hexadecimal", "POST", query_ + "&models=%zz", read(depth_));
+    refuses(400, "X-Deadline-Ms", "POST", query_, read(depth_), "X-Deadline-Ms: soon\r\n");
+    refuses(504, "deadline", "POST", query_, read(depth_), "X-Deadline-Ms: 1\r\n");
+    refuses(413, "1048576", "POST", query_, std::string(2 << 20, 'x'));
+    refuses(431, "headers", "GET", "/metrics", "", "X-Long: " + std::string(20'000, 'x') + "\r\n");
+    const Connection garbage(port);
+    garbage.send("\x01\x02 not http\r\n\r\n");
+    EXPECT_NE(garbage.receive().find(" 400 "), std::string::npos);
+    EXPECT_EQ(ask(port, "POST", query_, read(depth_)).status, 200);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, RefusesAtOnceWhatWouldOnlyWait) {
+  const test::Outcome outcome = serve({"--parallel", "1", "--max-waiting", "2"}, [&](int port) {
+    std::vector<std::thread> clients;
+    std::vector<Answer> answers(24);
+    for (Answer& answer : answers)
+      clients.emplace_back([&] { answer = ask(port, "POST", query_, read(depth_)); });
+    for (std::thread& client : clients) client.join();
+    std::size_t num_right = 0, num_refused = 0;
+    for (const Answer& answer : answers) {
+      num_right += answer.status == 200 ? 1 : 0;
+      if (answer.status != 503) continue;
+      ++num_refused;
+      EXPECT_NE(answer.head.find("Retry-After"), std::string::npos) << answer.head;
+    }
+    EXPECT_EQ(num_right + num_refused, answers.size());
+    EXPECT_GE(num_right, 3U);
+    EXPECT_GE(num_refused, 10U);
+    EXPECT_EQ(ask(port, "POST", query_, read(depth_)).status, 200) << "after the storm";
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, IsMeasuredUnderLoad) {
+  const std::string parameters = query_.substr(query_.find("method="));
+  const test::Outcome outcome = serve({"--parallel", "1", "--max-waiting", "2"}, [&](int port) {
+    const auto load = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> arguments{"load",    depth_.string(), "--port", std::to_string(port),
+                                         "--query", parameters,      "--json", "load.json"};
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      const test::Outcome run =
+          test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+      EXPECT_EQ(run.exit_code, 0) << run.error;
+      return nlohmann::json::parse(read(folder_ / "load.json"))["runs"];
+    };
+    const nlohmann::json gentle = load({"--rate", "1", "--seconds", "2"})[0];
+    EXPECT_EQ(gentle["codes"]["200"], 2);
+    EXPECT_LE(gentle["p50"], gentle["p99"]);
+    // Far more than one thread can do: what is too much is refused, nothing is lost.
+    const nlohmann::json storm = load({"--rate", "300", "--seconds", "1"})[0];
+    EXPECT_EQ(storm["codes"]["200"].get<int>() + storm["codes"]["503"].get<int>(), 300);
+    EXPECT_GT(storm["codes"]["503"].get<int>(), 100);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, SlowClientsHoldUpNobody) {
+  const test::Outcome outcome = serve({}, [&](int port) {
+    std::vector<std::unique_ptr<Connection>> slow;
+    for (int i = 0; i < 200; ++i) {
+      slow.push_back(std::make_unique<Connection>(port));
+      slow.back()->send("POST /v1/recognize?format=ply HTTP/1.1\r\nContent-Le");
+    }
+    for (int i = 0; i < 10; ++i) {
+      const Answer answer = ask(port, "GET", "/v2/health/live");
+      EXPECT_EQ(answer.status, 200);
+      EXPECT_LT(answer.seconds, 2) << "of a machine that does other things, too";
+    }
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, ReadsItsLibraryAnewWhileItAnswers) {
+  const std::string good = read(folder_ / "l.h5");
+  const test::Outcome outcome = serve({}, [&](int port) {
+    std::atomic<bool> stop{false};
+    std::atomic<int> num_failed{0}, num_answered{0};
+    std::thread client([&] {
+      while (!stop) {
+        const Answer answer = ask(port, "POST", query_, read(depth_));
+        ++(answer.status == 200 ? num_answered : num_failed);
+      }
+    });
+    int generation = 1;
+    for (int i = 0; i < 10; ++i) {
+      const bool is_good = i % 2 == 0;
+      const fs::path next = folder_ / "next.h5";
+      std::ofstream(next, std::ios::binary) << (is_good ? good : good.substr(0, good.size() / 2));
+      fs::rename(next, folder_ / "l.h5");
+      const Answer answer = ask(port, "POST", "/v1/library/reload");
+      EXPECT_EQ(answer.status, is_good ? 200 : 409) << answer.body;
+      generation += is_good ? 1 : 0;
+      EXPECT_EQ(ask(port, "GET", "/v1/models").json()["generation"], generation);
+    }
+    stop = true;
+    client.join();
+    EXPECT_EQ(num_failed, 0);
+    EXPECT_GT(num_answered, 0);
+    kill(process_, SIGHUP);
+    for (int i = 0; i < 100 && ask(port, "GET", "/v1/models").json()["generation"] == generation;
+         ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    EXPECT_EQ(ask(port, "GET", "/v1/models").json()["error"], nlohmann::json());
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, AnswersWhatItHasTakenBeforeItEnds) {
+  std::vector<Answer> answers(8);
+  const test::Outcome outcome = serve({"--parallel", "1"}, [&](int port) {
+    std::vector<std::thread> clients;
+    for (Answer& answer : answers)
+      clients.emplace_back([&] { answer = ask(port, "POST", query_, read(depth_)); });
+    // All have been taken once the queue has had them.
+    for (int i = 0; i < 200; ++i) {
+      const std::string metrics = ask(port, "GET", "/metrics").body;
+      std::smatch waiting;
+      if (std::regex_search(metrics, waiting, std::regex("\ntrivet_queue_depth ([0-9]+)")) &&
+          std::stoi(waiting[1]) >= 5) {
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    tell_to_end();
+    for (std::thread& client : clients) client.join();
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const Answer& answer : answers) EXPECT_EQ(answer.status, 200) << answer.body;
+}
+
+TEST_F(Serve, SaysAtOnceWhatItCannotServe) {
+  const auto fails = [&](const std::vector<std::string>& arguments, int exit_code,
+                         const std::string& reason) {
+    const test::Outcome outcome =
+        test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.error;
+    EXPECT_NE(outcome.error.find(reason), std::string::npos) << outcome.error;
+  };
+  fails({"serve", "absent.h5"}, 66, "absent.h5");
+  fails({"serve", "l.h5", "--address", "nowhere"}, 2, "nowhere");
+  fails({"serve", "l.h5", "--max-waiting", "0"}, 2, "waiting");
+  serve({}, [&](int port) {
+    fails({"serve", "l.h5", "--port", std::to_string(port)}, 73, std::to_string(port));
+  });
+}
+
+}  // namespace
+}  // namespace trivet
