@@ -102,11 +102,13 @@ std::string dot(Method method, double x, double y, const std::string& title) {
       option_name(method), x, y, escape_html(title));
 }
 
+std::size_t num_drawn(const Panel& panel) { return panel.rows.size() - (panel.has_total ? 1 : 0); }
+
 /// Rows from left to right, values upward, a line for each method. Methods have styles by their
 /// names.
 std::string curve_chart(const Panel& panel, const Drawing& drawing) {
   const double plot = kWidth - kLeft - kRight, bottom = kTop + kPlotHeight;
-  const auto n = static_cast<double>(panel.rows.size());
+  const auto n = static_cast<double>(num_drawn(panel));
   const auto across = [&](std::size_t row) {
     return kLeft + plot * (static_cast<double>(row) + 0.5) / n;
   };
@@ -118,7 +120,7 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
         "y=\"{:.1f}\">{}</text>",
         kLeft, down(tick), kWidth - kRight, kLeft - 6, down(tick) + 4, drawing.number(tick));
   }
-  for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+  for (std::size_t row = 0; row < num_drawn(panel); ++row) {
     out += fmt::format("<text class=\"mid\" x=\"{:.1f}\" y=\"{}\">{}</text>", across(row),
                        bottom + 17, escape_html(panel.rows[row]));
   }
@@ -135,7 +137,7 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
     const double shift =
         kMarkStep * (static_cast<double>(m) - static_cast<double>(panel.methods.size() - 1) / 2);
     std::string path, marks;
-    for (std::size_t row = 0; row < panel.rows.size(); ++row) {
+    for (std::size_t row = 0; row < num_drawn(panel); ++row) {
       const std::optional<Mark>& mark = drawing.marks[m][row];
       if (!mark) continue;
       const double x = across(row) + shift;
@@ -238,6 +240,7 @@ std::string rate_chart(const Panel& panel) {
 }
 
 std::string time_chart(const Panel& panel) {
+  if (panel.has_total) return "";  // times are of scenes, not of bins of truths
   Drawing drawing{{}, " s", "a scene on one core", {}};
   double least = 0, most = 0;
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {

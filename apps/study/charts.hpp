@@ -10,7 +10,7 @@ namespace trivet::apps {
 /// The share found, with Wilson intervals: a curve over a quantity, else a row for each name.
 std::string rate_chart(const Panel& panel);
 
-/// Seconds of a scene on one core; empty where they are not known.
+/// Seconds of a scene on one core; empty where they are not known, and for bins of truths.
 std::string time_chart(const Panel& panel);
 
 /// What the colours mean.

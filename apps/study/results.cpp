@@ -319,6 +319,7 @@ class Arranger {
       panel.cells.push_back(std::move(column));
     }
     panel.rows.emplace_back("all");
+    panel.has_total = true;
     return panel;
   }
 

@@ -45,6 +45,7 @@ struct Panel {
   std::string axis;       ///< what the rows are
   bool is_curve = false;  ///< rows are in the order of a quantity, not names
   std::vector<std::string> rows;
+  bool has_total = false;  ///< the last row is all others together, and no part of a curve
   std::vector<Method> methods;
   std::vector<std::vector<PanelCell>> cells;  ///< of each method, one a row
   Reference reference = Reference::none;
