@@ -145,12 +145,13 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
 
   std::vector<fs::path> files;
   for (const LibraryPlan& library : plan.libraries) files.push_back(folder.library(library));
+  std::vector<std::vector<SceneInput>> inputs;  // of each set
+  for (const Manifest& set : *sets) inputs.push_back(scenes_of(set, set.unit));
   std::vector<RecognitionCell> cells;
   for (const std::size_t i : missing) {
     const Cell& cell = plan.cells[i];
-    const Manifest& set = (*sets)[cell.set];
-    cells.push_back({cell.library, scenes_of(set, set.unit)[cell.scene], cell.degrade,
-                     cell.degrade_seed, cell.options});
+    cells.push_back({cell.library, inputs[cell.set][cell.scene], cell.degrade, cell.degrade_seed,
+                     cell.options});
   }
   return recognise_cells(
       files, cells, progress_of("recognised"),
