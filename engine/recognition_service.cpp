@@ -103,7 +103,7 @@ struct RecognitionService::State {
             Running{ServiceClock::now(), next.job.deadline, next.job.is_gone, {}, {}});
       }
       ServiceOutcome outcome = answer(next, *here, arena);
-      next.job.scenes = {};  // the memory goes before the answer
+      next.job.read = {};  // the memory goes before the answer
       {
         const std::lock_guard lock(mutex);
         if (here->refusal) outcome = *here->refusal;
@@ -129,10 +129,12 @@ struct RecognitionService::State {
     }
     out.queue_seconds = seconds_between(next.since, here.since);
     try {
-      for (std::size_t s = 0; s < next.job.scenes.size(); ++s) {
-        Result<SceneResult> result = arena.execute([&] {
-          return recognise(out.generation->recogniser, next.job.scenes[s], next.job.inputs[s],
-                           next.job.options, here.stop.get_token());
+      for (std::size_t s = 0; s < next.job.inputs.size(); ++s) {
+        Result<SceneResult> result = arena.execute([&]() -> Result<SceneResult> {
+          const Result<Cloud> scene = next.job.read(s);
+          if (!scene) return scene.error();
+          return recognise(out.generation->recogniser, *scene, next.job.inputs[s], next.job.options,
+                           here.stop.get_token());
         });
         if (!result) return result.error();
         out.results.push_back(std::move(*result));

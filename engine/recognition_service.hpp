@@ -35,7 +35,9 @@ using ServiceClock = std::chrono::steady_clock;
 
 /// One scene, or several, of one request.
 struct ServiceJob {
-  std::vector<Cloud> scenes;
+  /// Gives a scene by its index in `inputs`, once; called when the job's turn has come, by the
+  /// thread that recognises it, so that decoding holds up nobody else.
+  std::function<Result<Cloud>(std::size_t scene)> read;
   std::vector<SceneInput> inputs;  ///< one a scene
   RecogniseOptions options{};
   std::size_t num_bytes = 0;  ///< that the job holds

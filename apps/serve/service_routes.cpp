@@ -181,15 +181,12 @@ void ServiceRoutes::recognise(HttpRequest request, HttpAnswer answer, const std:
   if (!query) return fail(query.error());
   const Result<ServiceClock::time_point> deadline = deadline_of(request);
   if (!deadline) return fail(deadline.error());
-  Result<Cloud> cloud = read_body(request.body, *format, query->scene);
-  if (!cloud) return fail(cloud.error());
 
   ServiceJob job;
-  job.num_bytes = request.body.size() + cloud->points.size() * 24;
-  SceneInput input = input_of(query->scene);
-  input.camera = cloud->camera;
-  job.scenes.push_back(std::move(*cloud));
-  job.inputs.push_back(std::move(input));
+  job.num_bytes = request.body.size();
+  job.inputs.push_back(input_of(query->scene));
+  job.read = [body = std::make_shared<const std::string>(std::move(request.body)), name = *format,
+              scene = query->scene](std::size_t) { return read_body(*body, name, scene); };
   job.options = std::move(query->options);
   job.deadline = *deadline;
   job.is_gone = std::move(request.is_gone);
@@ -242,8 +239,11 @@ void ServiceRoutes::infer(HttpRequest request, HttpAnswer answer) {
   inference->points = Points();
   SceneInput input = input_of(query->scene);
   if (inference->viewpoint) input.viewpoint = inference->viewpoint;
-  job.scenes.push_back(std::move(cloud));
   job.inputs.push_back(std::move(input));
+  // A copyable function, for a cloud that is handed over once.
+  job.read = [points = std::make_shared<Cloud>(std::move(cloud))](std::size_t) -> Result<Cloud> {
+    return std::move(*points);
+  };
   job.options = std::move(query->options);
   job.deadline = *deadline;
   job.is_gone = std::move(request.is_gone);
