@@ -25,6 +25,44 @@ nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
   return json;
 }
 
+/// What each part adds to the log odds.
+nlohmann::ordered_json evidence_json(const kernels::ScoreParts& parts) {
+  nlohmann::ordered_json json;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    json[std::string(kernels::kScoreParts[k].name)] =
+        kernels::part_evidence(kernels::default_score(), parts, k);
+  }
+  return json;
+}
+
+std::string_view name_of(Rejection reason) {
+  switch (reason) {
+    case Rejection::too_low:
+      return "too_low";
+    case Rejection::explained:
+      return "explained";
+    case Rejection::too_many:
+      return "too_many";
+  }
+  return "";
+}
+
+nlohmann::ordered_json rejected_json(const std::vector<RejectedPose>& rejected) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const RejectedPose& pose : rejected) {
+    json.push_back(
+        {{"model", pose.model},
+         {"score", pose.score},
+         {"T_scene_model", matrix_json(pose.T_scene_model)},
+         {"parts", parts_json(pose.parts)},
+         {"evidence", evidence_json(pose.parts)},
+         {"reason", name_of(pose.reason)},
+         {"explained_by", pose.explained_by ? nlohmann::ordered_json(*pose.explained_by) : nullptr},
+         {"explained_share", pose.explained_share}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json rivals_json(const std::vector<Pose>& rivals) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const Pose& rival : rivals) json.push_back(matrix_json(rival));
@@ -74,7 +112,8 @@ bool ends_with(const std::filesystem::path& path, const std::string& name) {
 
 }  // namespace
 
-nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result) {
+nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
+                                  bool with_rejected) {
   nlohmann::ordered_json seconds, detections = nlohmann::ordered_json::array();
   for (const auto& [stage, value] : result.stats.times.seconds) seconds[stage] = value;
   seconds["total"] = result.stats.total_seconds;
@@ -87,24 +126,27 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"contour", detection.contour},
                           {"rmse", detection.rmse},
                           {"parts", parts_json(detection.parts)},
+                          {"evidence", evidence_json(detection.parts)},
                           {"ambiguous", !detection.rivals.empty()},
                           {"rivals", rivals_json(detection.rivals)},
                           {"method", name_of(detection.source)}});
   }
   const SceneStats& stats = result.stats;
-  return {{"scene", file},
-          {"points", stats.num_points},
-          {"invalid_points", stats.num_invalid},
-          {"noise", stats.noise},
-          {"seconds", std::move(seconds)},
-          {"counts",
-           {{"references", stats.num_references},
-            {"pairs", stats.num_pairs},
-            {"votes", stats.num_votes},
-            {"hypotheses", stats.num_hypotheses},
-            {"refined", stats.num_refined},
-            {"examined", stats.num_examined}}},
-          {"detections", std::move(detections)}};
+  nlohmann::ordered_json json{{"scene", file},
+                              {"points", stats.num_points},
+                              {"invalid_points", stats.num_invalid},
+                              {"noise", stats.noise},
+                              {"seconds", std::move(seconds)},
+                              {"counts",
+                               {{"references", stats.num_references},
+                                {"pairs", stats.num_pairs},
+                                {"votes", stats.num_votes},
+                                {"hypotheses", stats.num_hypotheses},
+                                {"refined", stats.num_refined},
+                                {"examined", stats.num_examined}}},
+                              {"detections", std::move(detections)}};
+  if (with_rejected) json["rejected"] = rejected_json(result.rejected);
+  return json;
 }
 
 Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file) {

@@ -12,8 +12,9 @@
 
 namespace trivet::apps {
 
-/// One element of "scenes".
-nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result);
+/// One element of "scenes"; with what was rejected where it is asked for.
+nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
+                                  bool with_rejected = false);
 
 /// The poses of all scenes of such a document, as expected ones. Errors: as read_detections.
 Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file);

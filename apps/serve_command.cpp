@@ -1,16 +1,21 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include "apps/commands.hpp"
+#include "apps/serve/examples.hpp"
 #include "apps/serve/http_server.hpp"
 #include "apps/serve/library_slot.hpp"
 #include "apps/serve/metrics.hpp"
+#include "apps/serve/request_log.hpp"
+#include "apps/serve/serve_settings.hpp"
 #include "apps/serve/service_routes.hpp"
 #include "engine/recognition_service.hpp"
 
@@ -19,69 +24,96 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPollInterval{100};
-
-struct ServeArguments {
-  std::string library, address = "127.0.0.1";
-  std::uint16_t port = 8080;
-  ServiceOptions service;
-  std::size_t max_waiting_mb = 512, max_body_mb = 64;
-  HttpLimits http;
-  std::uint32_t deadline_ms = 10'000, drain_grace_ms = 2000, exit_timeout_ms = 30'000;
-};
+constexpr milliseconds kPollInterval{50};
 
 std::atomic<bool> reload_asked{false};
 
-Result<void> serve(const ServeArguments& arguments, const Context& context) {
-  ServiceOptions options = arguments.service;
-  options.max_waiting_bytes = arguments.max_waiting_mb << 20;
-  if (const Result<void> valid = validate(options); !valid) return valid;
-  Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(arguments.library, 1);
+/// Until told to stop.
+void wait_for_signals(const Context& context, LibrarySlot& slot, RequestLog& log) {
+  while (!context.stop.stop_requested()) {
+    std::this_thread::sleep_for(kPollInterval);
+    if (!reload_asked.exchange(false)) continue;
+    slot.reload([&log](const Result<void>& done) {
+      if (done) {
+        log.write("info", "library read anew");
+      } else {
+        log.write("error", "library not read anew", {{"error", done.error().message}});
+      }
+    });
+  }
+}
+
+Result<void> serve(const ServeSettings& settings, const Context& context) {
+  std::signal(SIGHUP, [](int) { reload_asked = true; });
+  Result<std::vector<Example>> examples = settings.examples.empty()
+                                              ? Result<std::vector<Example>>(std::vector<Example>())
+                                              : list_examples(settings.examples);
+  if (!examples) return examples.error();
+  RequestLog log(settings.log == "none" ? -1 : STDERR_FILENO);  // outlives all that may write
+  Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.library, 1);
   if (!first) return first.error();
 
   std::optional<HttpServer> server;  // outlives all that may still answer
   Metrics metrics;
-  RecognitionService service(options, *first);
+  RecognitionService service(settings.service(), *first);
   first = std::shared_ptr<const LibraryGeneration>();
-  LibrarySlot slot(arguments.library, service, metrics);
-  ServiceRoutes routes(service, metrics, {milliseconds(arguments.deadline_ms)},
-                       [&](LibrarySlot::Done done) { slot.reload(std::move(done)); });
+  std::optional<LibrarySlot> slot(std::in_place, settings.library, service, metrics);
+  ServiceRoutes routes(service, metrics, log,
+                       {milliseconds(settings.deadline_ms), settings.service().max_waiting_bytes},
+                       std::move(*examples),
+                       [&](LibrarySlot::Done done) { slot->reload(std::move(done)); });
   std::atomic<const HttpServer*> listening{nullptr};
   routes.set_num_connections([&] {
     const HttpServer* const open = listening;
     return open ? open->num_connections() : 0;
   });
-  HttpLimits limits = arguments.http;
-  limits.max_body_bytes = arguments.max_body_mb << 20;
-  Result<HttpServer> started = HttpServer::start(
-      arguments.address, arguments.port, limits, [&](HttpRequest request, HttpAnswer answer) {
-        routes.handle(std::move(request), std::move(answer));
-      });
+  Result<HttpServer> started =
+      HttpServer::start(settings.address, settings.port, settings.http(),
+                        {[&](HttpRequest request, HttpAnswer answer) {
+                           routes.handle(std::move(request), std::move(answer));
+                         },
+                         [&](std::string_view target, std::size_t body_bytes) {
+                           return routes.admit(target, body_bytes);
+                         }});
   if (!started) return started.error();
   server = std::move(*started);
   listening = &*server;
-  std::signal(SIGHUP, [](int) { reload_asked = true; });
   routes.set_ready(true);
-  context.console.line(fmt::format("serving {} on http://{}:{}", arguments.library,
-                                   arguments.address, server->port()));
+  context.console.line(fmt::format("serving {} on http://{}:{}", settings.library, settings.address,
+                                   server->port()));
+  wait_for_signals(context, *slot, log);
 
-  while (!context.stop.stop_requested()) {
-    std::this_thread::sleep_for(kPollInterval);
-    if (reload_asked.exchange(false)) {
-      slot.reload([&](const Result<void>& done) {
-        context.console.line(done ? "library read anew" : "error: " + done.error().message);
-      });
-    }
-  }
   // Balancers see it first; then nothing new; then all that came in is answered.
+  log.write("info", "ending");
   routes.set_ready(false);
-  std::this_thread::sleep_for(milliseconds(arguments.drain_grace_ms));
+  std::this_thread::sleep_for(milliseconds(settings.drain_grace_ms));
   server->stop_accepting();
-  const auto deadline = ServiceClock::now() + milliseconds(arguments.exit_timeout_ms);
+  const auto deadline = ServiceClock::now() + milliseconds(settings.exit_timeout_ms);
   const bool all = service.drain(deadline);
   server->wait_until_idle(deadline + std::chrono::seconds(1));
   server->stop();
-  context.console.line(all ? "every request was answered" : "some requests were not answered");
+  slot.reset();  // a library that is being read is answered for, too
+  log.write(all ? "info" : "warning",
+            all ? "every request was answered" : "some requests were not answered");
+  return {};
+}
+
+struct ServeArguments {
+  std::string config;
+  bool check_config = false;
+  std::map<std::string, std::string> values;  // by the name of the setting
+};
+
+Result<void> run(const ServeArguments& arguments, const CLI::App& command, const Context& context) {
+  std::map<std::string, std::string> flags;
+  for (const auto& [name, value] : arguments.values) {
+    const std::string option = name == "library" ? "LIBRARY" : "--" + name;
+    if (command.get_option(option)->count() > 0) flags[name] = value;
+  }
+  const Result<ServeSettings> settings = read_serve_settings(arguments.config, flags);
+  if (!settings) return settings.error();
+  if (!arguments.check_config) return serve(*settings, context);
+  context.console.line("the configuration is good");
   return {};
 }
 
@@ -91,49 +123,25 @@ void add_serve(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command = app.add_subcommand(
       "serve",
-      "Recognise over HTTP\n\n"
+      "Recognise over HTTP, with a page to try it\n\n"
       "POST /v1/recognize?format=ply takes a scan as its body and the options of `trivet "
       "recognize`\n"
-      "as parameters; GET /v1/models, /v2/health/live, /v2/health/ready, /metrics. SIGHUP or\n"
-      "POST /v1/library/reload read the library anew; SIGTERM answers what came in, then ends.");
-  command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")
-      ->required();
-  command->add_option("--address", arguments->address, "To listen on")->capture_default_str();
-  command->add_option("--port", arguments->port, "To listen on; 0: any free one")
-      ->capture_default_str();
-  command
-      ->add_option("--parallel", arguments->service.num_parallel,
-                   "Scenes at a time, each with its share of the cores: 1 for the shortest answer, "
-                   "0, one a core, for the most answers")
-      ->capture_default_str();
-  command
-      ->add_option("--max-waiting", arguments->service.max_waiting,
-                   "Requests that may wait; more get 503")
-      ->capture_default_str();
-  command
-      ->add_option("--max-waiting-mb", arguments->max_waiting_mb,
-                   "Memory of requests that wait and run; more get 503")
-      ->capture_default_str();
-  command->add_option("--max-body-mb", arguments->max_body_mb, "Larger bodies get 413")
-      ->capture_default_str();
-  command
-      ->add_option("--max-connections", arguments->http.max_connections,
-                   "Open at a time; more wait")
-      ->capture_default_str();
-  command
-      ->add_option("--deadline-ms", arguments->deadline_ms,
-                   "For an answer, where a request has no X-Deadline-Ms; then 504")
-      ->capture_default_str();
-  command
-      ->add_option("--drain-grace-ms", arguments->drain_grace_ms,
-                   "Between not being ready and taking no more")
-      ->capture_default_str();
-  command
-      ->add_option("--exit-timeout-ms", arguments->exit_timeout_ms,
-                   "For what came in, after SIGTERM")
-      ->capture_default_str();
-  command->callback([arguments, &context] {
-    context.run = [arguments, &context] { return serve(*arguments, context); };
+      "as parameters; / is the page. SIGHUP or POST /v1/library/reload read the library anew;\n"
+      "SIGTERM answers what came in, then ends.");
+  const ServeSettings defaults;
+  for (const ServeSetting& setting : serve_settings()) {
+    const std::string name(setting.name);
+    command
+        ->add_option(name == "library" ? "LIBRARY" : "--" + name, arguments->values[name],
+                     std::string(setting.meaning))
+        ->default_str(setting.text(defaults));
+  }
+  command->add_option("--config", arguments->config,
+                      "TOML file of these settings, as max-waiting = 32; flags go before it");
+  command->add_flag("--check-config", arguments->check_config,
+                    "Say everything that is wrong with the settings, and end");
+  command->callback([arguments, command, &context] {
+    context.run = [arguments, command, &context] { return run(*arguments, *command, context); };
   });
 }
 

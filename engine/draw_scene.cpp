@@ -8,6 +8,7 @@
 
 #include "engine/parallel.hpp"
 #include "engine/prepare_scene.hpp"
+#include "engine/shade.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/render_depth.hpp"
 #include "kernels/visibility.hpp"
@@ -16,6 +17,7 @@ namespace trivet {
 namespace {
 
 using Eigen::Vector3f;
+using engine::shade;
 using kernels::RangeImage;
 using kernels::RayScene;
 
@@ -28,11 +30,10 @@ struct Widths {
 constexpr Widths kWhole{640, 1024, 320}, kDetail{360, 720, 130};
 constexpr float kSurroundings = 1.6F;       // side of a detail, in extents of what it shows
 constexpr std::int64_t kSmallestSide = 24;  // of a detail [pixel of the scan]
-constexpr float kAmbient = 0.2F;
-constexpr float kHiddenShare = 0.35F;    // of a model's colour where the scan is in front
-constexpr float kHiddenDepth = 0.03F;    // in front: by so many diameters
-constexpr float kGreyOfUnknown = 0.35F;  // measured, but without a normal
-constexpr float kDimmed = 0.6F;          // planes larger than the models: tables, floors, walls
+constexpr float kHiddenShare = 0.35F;       // of a model's colour where the scan is in front
+constexpr float kHiddenDepth = 0.03F;       // in front: by so many diameters
+constexpr float kGreyOfUnknown = 0.35F;     // measured, but without a normal
+constexpr float kDimmed = 0.6F;             // planes larger than the models: tables, floors, walls
 constexpr std::size_t kRowGrain = 32;
 const Vector3f kBackground(22, 25, 31);  // no measurement
 const Vector3f kScanColour(226, 228, 232);
@@ -40,12 +41,6 @@ const Vector3f kScanColour(226, 228, 232);
 Vector3f to_vector(const Colour& colour) {
   return {static_cast<float>(colour.red), static_cast<float>(colour.green),
           static_cast<float>(colour.blue)};
-}
-
-/// Lambert's law, the light above the left shoulder of the camera.
-float shade(const Vector3f& normal) {
-  static const Vector3f kToLight = Vector3f(-0.35F, -0.55F, -0.76F).normalized();
-  return kAmbient + (1 - kAmbient) * std::max(0.0F, normal.dot(kToLight));
 }
 
 /// A picture under construction.

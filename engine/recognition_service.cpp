@@ -1,5 +1,6 @@
 #include "engine/recognition_service.hpp"
 
+#include <fmt/format.h>
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
@@ -9,8 +10,9 @@
 #include <exception>
 #include <list>
 #include <mutex>
-#include <stop_token>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "engine/check_range.hpp"
@@ -19,8 +21,9 @@ namespace trivet {
 namespace {
 
 using Done = std::function<void(ServiceOutcome)>;
+using Failure = std::variant<Refusal, Error>;
 
-/// How often running jobs are looked at, and how long none should take.
+/// How often jobs are looked at, and how long no part should take.
 constexpr std::chrono::milliseconds kLookInterval{20};
 constexpr std::chrono::seconds kStuckAfter{120};
 
@@ -28,24 +31,43 @@ double seconds_between(ServiceClock::time_point from, ServiceClock::time_point t
   return std::chrono::duration<double>(to - from).count();
 }
 
-struct Waiting {
+/// A job that was taken. What changes is guarded by the service's mutex.
+struct Taken {
   ServiceJob job;
   Done done;
-  ServiceClock::time_point since;
+  std::shared_ptr<const LibraryGeneration> generation;
+  ServiceClock::time_point since, begun{};
+  std::size_t num_left = 0;  ///< parts that are not done with
+  std::optional<Failure> failure{};
+  std::stop_source stop{};
+
+  void fail(Failure why) {
+    if (!failure) failure = std::move(why);
+    stop.request_stop();
+  }
+  /// Why the answer has become useless.
+  std::optional<Refusal> overtaken(ServiceClock::time_point now) const {
+    if (now >= job.deadline) return Refusal::too_late;
+    if (job.is_gone && job.is_gone()) return Refusal::gone;
+    return std::nullopt;
+  }
 };
 
-struct Running {
-  ServiceClock::time_point since, deadline;
-  std::function<bool()> is_gone;
-  std::stop_source stop;
-  std::optional<Refusal> refusal;  ///< why it was stopped
+struct Part {
+  std::shared_ptr<Taken> of;
+  std::size_t index = 0;
+  ServiceClock::time_point begun{};
 };
 
-std::optional<Refusal> overtaken(ServiceClock::time_point now, ServiceClock::time_point deadline,
-                                 const std::function<bool()>& is_gone) {
-  if (now >= deadline) return Refusal::too_late;
-  if (is_gone && is_gone()) return Refusal::gone;
-  return std::nullopt;
+void tell(Taken& job) {
+  job.job.work = {};  // the memory goes before the answer
+  if (!job.failure) {
+    job.done(ServiceAnswer{std::move(job.generation), seconds_between(job.since, job.begun),
+                           seconds_between(job.begun, ServiceClock::now())});
+    return;
+  }
+  job.generation.reset();
+  std::visit([&](auto& why) { job.done(std::move(why)); }, *job.failure);
 }
 
 }  // namespace
@@ -53,97 +75,112 @@ std::optional<Refusal> overtaken(ServiceClock::time_point now, ServiceClock::tim
 struct RecognitionService::State {
   State(const ServiceOptions& service_options, std::shared_ptr<const LibraryGeneration> first)
       : options(service_options), generation(std::move(first)) {
-    const auto num_cores = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
-    const unsigned num_parallel =
-        options.num_parallel > 0 ? options.num_parallel : std::max(1U, num_cores);
-    threads_each = static_cast<int>(std::max(1U, num_cores / num_parallel));
-    for (unsigned i = 0; i < num_parallel; ++i) workers.emplace_back([this] { work(); });
+    num_cores = tbb::this_task_arena::max_concurrency();
+    const unsigned num_workers =
+        options.num_parallel > 0 ? options.num_parallel : static_cast<unsigned>(num_cores);
+    for (unsigned i = 0; i < num_workers; ++i) workers.emplace_back([this] { work(); });
     watch = std::jthread([this](const std::stop_token& stop) { look_after(stop); });
   }
 
   ~State() {
-    {
-      const std::lock_guard lock(mutex);
-      is_closed = true;
-      for (Running& job : running) stop_running(job, Refusal::closed);
-    }
-    refuse_waiting(Refusal::closed);
-    changed.notify_all();
+    close(Refusal::closed);
     workers.clear();  // joins
   }
 
-  static void stop_running(Running& job, Refusal refusal) {
-    if (!job.refusal) job.refusal = refusal;
-    job.stop.request_stop();
+  bool is_full(std::size_t num_parts, std::size_t num_more) const {
+    return waiting.size() + num_parts > options.max_waiting ||
+           num_bytes + num_more > options.max_waiting_bytes;
   }
 
-  void refuse_waiting(Refusal refusal) {
-    std::deque<Waiting> refused;
+  /// Take no more, drop what waits, stop what runs.
+  void close(Refusal why) {
     {
       const std::lock_guard lock(mutex);
-      refused.swap(waiting);
-      for (const Waiting& job : refused) num_bytes -= job.job.num_bytes;
+      is_closed = true;
+      for (const Part& part : running) part.of->fail(why);
     }
-    for (Waiting& job : refused) job.done(refusal);
+    drop_waiting([&](const Taken&) { return std::optional(why); });
+    changed.notify_all();
+  }
+
+  /// Count parts that are done with. Returns whether the job is. Pre: locked.
+  bool finish(Taken& job, std::size_t num_parts) {
+    job.num_left -= num_parts;
+    if (job.num_left > 0) return false;
+    num_bytes -= job.job.num_bytes;
+    return true;
+  }
+
+  /// Take out of the queue what there is a reason to fail.
+  template <class Why>
+  void drop_waiting(const Why& why) {
+    std::vector<std::shared_ptr<Taken>> told;
+    {
+      const std::lock_guard lock(mutex);
+      std::erase_if(waiting, [&](const Part& part) {
+        if (!part.of->failure) {
+          const std::optional<Refusal> refusal = why(*part.of);
+          if (!refusal) return false;
+          part.of->fail(*refusal);
+        }
+        if (finish(*part.of, 1)) told.push_back(part.of);
+        return true;
+      });
+      num_telling += told.size();
+    }
+    for (const std::shared_ptr<Taken>& job : told) tell(*job);
+    {
+      const std::lock_guard lock(mutex);
+      num_telling -= told.size();
+    }
+    changed.notify_all();
   }
 
   void work() {
-    tbb::task_arena arena(threads_each);
+    // Each may use all cores: a scene alone has them to itself, and many share them.
+    tbb::task_arena arena(num_cores);
     for (;;) {
-      Waiting next;
-      std::list<Running>::iterator here;
+      std::list<Part>::iterator part;
       {
         std::unique_lock lock(mutex);
         changed.wait(lock, [&] { return is_closed || !waiting.empty(); });
         if (waiting.empty()) return;
-        next = std::move(waiting.front());
+        running.push_back(std::move(waiting.front()));
         waiting.pop_front();
-        here = running.insert(
-            running.end(),
-            Running{ServiceClock::now(), next.job.deadline, next.job.is_gone, {}, {}});
+        part = std::prev(running.end());
+        part->begun = ServiceClock::now();
+        Taken& job = *part->of;
+        if (job.begun == ServiceClock::time_point{}) job.begun = part->begun;
+        if (const std::optional<Refusal> refusal = job.overtaken(part->begun)) job.fail(*refusal);
       }
-      ServiceOutcome outcome = answer(next, *here, arena);
-      next.job.read = {};  // the memory goes before the answer
+      Taken& job = *part->of;
+      std::optional<Error> error;
+      if (!job.stop.stop_requested()) error = do_part(*part, arena);
+      bool is_last = false;
       {
         const std::lock_guard lock(mutex);
-        if (here->refusal) outcome = *here->refusal;
-        num_bytes -= next.job.num_bytes;
+        if (error) job.fail(std::move(*error));
+        is_last = finish(job, 1);
       }
-      next.done(std::move(outcome));
+      if (is_last) tell(job);
       {
         const std::lock_guard lock(mutex);
-        running.erase(here);
+        running.erase(part);
       }
       changed.notify_all();
     }
   }
 
-  ServiceOutcome answer(const Waiting& next, Running& here, tbb::task_arena& arena) {
-    if (const std::optional<Refusal> refusal = overtaken(here.since, here.deadline, here.is_gone)) {
-      return *refusal;
-    }
-    ServiceAnswer out;
-    {
-      const std::lock_guard lock(mutex);
-      out.generation = generation;
-    }
-    out.queue_seconds = seconds_between(next.since, here.since);
+  static std::optional<Error> do_part(const Part& part, tbb::task_arena& arena) {
     try {
-      for (std::size_t s = 0; s < next.job.inputs.size(); ++s) {
-        Result<SceneResult> result = arena.execute([&]() -> Result<SceneResult> {
-          const Result<Cloud> scene = next.job.read(s);
-          if (!scene) return scene.error();
-          return recognise(out.generation->recogniser, *scene, next.job.inputs[s], next.job.options,
-                           here.stop.get_token());
-        });
-        if (!result) return result.error();
-        out.results.push_back(std::move(*result));
-      }
+      const Result<void> done = arena.execute([&] {
+        return part.of->job.work(part.index, *part.of->generation, part.of->stop.get_token());
+      });
+      if (done) return std::nullopt;
+      return done.error();
     } catch (const std::exception& error) {
       return Error{ErrorCode::internal, error.what()};
     }
-    out.work_seconds = seconds_between(here.since, ServiceClock::now());
-    return out;
   }
 
   /// Stop what has become useless, and notice what hangs.
@@ -151,25 +188,26 @@ struct RecognitionService::State {
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(kLookInterval);
       const auto now = ServiceClock::now();
+      drop_waiting([&](const Taken& job) { return job.overtaken(now); });
       const std::lock_guard lock(mutex);
-      bool stuck = false;
-      for (Running& job : running) {
-        if (const std::optional<Refusal> refusal = overtaken(now, job.deadline, job.is_gone))
-          stop_running(job, *refusal);
-        stuck = stuck || now - job.since > kStuckAfter;
+      is_stuck = false;
+      for (const Part& part : running) {
+        if (part.of->num_left == 0) continue;  // being answered
+        if (const std::optional<Refusal> refusal = part.of->overtaken(now)) part.of->fail(*refusal);
+        is_stuck = is_stuck || now - part.begun > kStuckAfter;
       }
-      is_stuck = stuck;
     }
   }
 
   const ServiceOptions options;
-  int threads_each = 1;
+  int num_cores = 1;
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::shared_ptr<const LibraryGeneration> generation;
-  std::deque<Waiting> waiting;
-  std::list<Running> running;
+  std::deque<Part> waiting;
+  std::list<Part> running;
   std::size_t num_bytes = 0;
+  std::size_t num_telling = 0;  ///< jobs that were dropped and are being answered
   bool is_closed = false, is_stuck = false;
   std::vector<std::jthread> workers;
   std::jthread watch;  // last: it ends first
@@ -191,24 +229,36 @@ RecognitionService::RecognitionService(const ServiceOptions& options,
     : state_(std::make_unique<State>(options, std::move(first))) {}
 RecognitionService::~RecognitionService() = default;
 
-void RecognitionService::submit(ServiceJob job, std::function<void(ServiceOutcome)> done) {
-  const auto now = ServiceClock::now();
-  std::optional<Refusal> refusal = overtaken(now, job.deadline, job.is_gone);
+void RecognitionService::submit(ServiceJob job, Done done) {
+  const std::size_t num_parts = job.num_parts;
+  if (num_parts > state_->options.max_waiting) {
+    return done(Error{ErrorCode::usage, fmt::format("expected at most {} scenes in a request, as "
+                                                    "many as may wait, found {}",
+                                                    state_->options.max_waiting, num_parts)});
+  }
+  auto taken = std::make_shared<Taken>(
+      Taken{std::move(job), std::move(done), nullptr, ServiceClock::now(), {}, num_parts});
+  std::optional<Refusal> refusal = taken->overtaken(taken->since);
   {
     const std::lock_guard lock(state_->mutex);
     if (state_->is_closed) {
       refusal = Refusal::closed;
-    } else if (state_->waiting.size() >= state_->options.max_waiting ||
-               state_->num_bytes + job.num_bytes > state_->options.max_waiting_bytes) {
+    } else if (state_->is_full(num_parts, taken->job.num_bytes)) {
       refusal = Refusal::full;
     }
     if (!refusal) {
-      state_->num_bytes += job.num_bytes;
-      state_->waiting.push_back({std::move(job), done, now});
+      taken->generation = state_->generation;
+      state_->num_bytes += taken->job.num_bytes;
+      for (std::size_t i = 0; i < num_parts; ++i) state_->waiting.push_back({taken, i});
     }
   }
-  if (refusal) return done(*refusal);
-  state_->changed.notify_one();
+  if (refusal) return taken->done(*refusal);
+  state_->changed.notify_all();
+}
+
+bool RecognitionService::is_full(std::size_t num_bytes) const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->is_full(1, num_bytes);
 }
 
 void RecognitionService::publish(std::shared_ptr<const LibraryGeneration> next) {
@@ -222,21 +272,20 @@ std::shared_ptr<const LibraryGeneration> RecognitionService::generation() const 
 }
 
 bool RecognitionService::drain(ServiceClock::time_point deadline) {
-  bool all = false;
-  {
-    std::unique_lock lock(state_->mutex);
-    state_->is_closed = true;
-    state_->changed.notify_all();
-    all = state_->changed.wait_until(
-        lock, deadline, [&] { return state_->waiting.empty() && state_->running.empty(); });
-    if (!all) {
-      for (Running& job : state_->running) State::stop_running(job, Refusal::closed);
-    }
-  }
-  state_->refuse_waiting(Refusal::closed);
-  // What was told to stop does so at the end of its stage.
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait(lock, [&] { return state_->running.empty(); });
+  state_->is_closed = true;
+  state_->changed.notify_all();
+  const auto is_idle = [&] {
+    return state_->waiting.empty() && state_->running.empty() && state_->num_telling == 0;
+  };
+  const bool all = state_->changed.wait_until(lock, deadline, is_idle);
+  if (!all) {
+    lock.unlock();
+    state_->close(Refusal::closed);
+    lock.lock();
+    // What was told to stop does so at the end of its stage.
+    state_->changed.wait(lock, is_idle);
+  }
   return all;
 }
 

@@ -6,19 +6,18 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
+#include <stop_token>
 #include <variant>
 
-#include "engine/recognise.hpp"
+#include "engine/recogniser.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
 
 struct ServiceOptions {
-  std::size_t max_waiting = 64;               ///< jobs, 1..100000; more are refused
+  std::size_t max_waiting = 64;               ///< parts of jobs, 1..100000; more are refused
   std::size_t max_waiting_bytes = 512 << 20;  ///< of jobs, waiting and running, >= 1
-  unsigned num_parallel =
-      0;  ///< scenes at a time, 0..1024; 0: one a core. Each has its share of cores
+  unsigned num_parallel = 0;                  ///< parts at a time, 0..1024; 0: one a core
   bool operator==(const ServiceOptions&) const = default;
 };
 
@@ -33,24 +32,23 @@ struct LibraryGeneration {
 
 using ServiceClock = std::chrono::steady_clock;
 
-/// One scene, or several, of one request.
+/// What one request asks for: in parts, such as scenes, that are worked on each by itself.
 struct ServiceJob {
-  /// Gives a scene by its index in `inputs`, once; called when the job's turn has come, by the
-  /// thread that recognises it, so that decoding holds up nobody else.
-  std::function<Result<Cloud>(std::size_t scene)> read;
-  std::vector<SceneInput> inputs;  ///< one a scene
-  RecogniseOptions options{};
+  std::size_t num_parts = 1;  ///< >= 1
+  /// Does a part, once, on the thread whose turn has come; ends early when stopped. All parts are
+  /// done with the library that answered when the job was taken. The first error is the job's.
+  std::function<Result<void>(std::size_t part, const LibraryGeneration&, std::stop_token)> work;
   std::size_t num_bytes = 0;  ///< that the job holds
   ServiceClock::time_point deadline = ServiceClock::time_point::max();
   /// Whether nobody waits for the answer any more. Called from any thread; empty: somebody does.
   std::function<bool()> is_gone{};
 };
 
-/// What became of a job.
+/// Every part of a job is done.
 struct ServiceAnswer {
   std::shared_ptr<const LibraryGeneration> generation;  ///< that answered
-  std::vector<SceneResult> results;                     ///< one a scene
-  double queue_seconds = 0, work_seconds = 0;
+  double queue_seconds = 0;                             ///< until the first part was begun
+  double work_seconds = 0;                              ///< from then until the last was done
 };
 enum class Refusal : std::uint8_t {
   full,      ///< as many wait as may
@@ -61,8 +59,9 @@ enum class Refusal : std::uint8_t {
 using ServiceOutcome = std::variant<ServiceAnswer, Refusal, Error>;
 
 struct ServiceState {
-  std::size_t num_waiting = 0, num_running = 0, num_bytes = 0;
-  bool is_stuck = false;  ///< some job runs far longer than any should
+  std::size_t num_waiting = 0, num_running = 0;  ///< parts
+  std::size_t num_bytes = 0;
+  bool is_stuck = false;  ///< some part runs far longer than any should
 };
 
 /// A queue, and threads that take from it. All members may be called from any thread.
@@ -74,12 +73,15 @@ class RecognitionService {
   RecognitionService& operator=(const RecognitionService&) = delete;
   ~RecognitionService();  ///< ends what runs, refuses what waits
 
-  /// `done` is called once: at once when the job is refused, else from a thread of the service. A
-  /// job whose deadline has passed, or that nobody waits for, is not begun; one that runs is
-  /// stopped between its stages.
+  /// `done` is called once: at once when the job is refused, else from a thread of the service,
+  /// when no part of the job is worked on any more. A job whose deadline has passed, or that nobody
+  /// waits for, is not begun, and stopped where it has begun. A job with more parts than may wait
+  /// is an error.
   void submit(ServiceJob job, std::function<void(ServiceOutcome)> done);
+  /// Whether a job of so many bytes would be refused now.
+  bool is_full(std::size_t num_bytes) const;
 
-  /// Answer with this library from the next job on; jobs that run keep theirs.
+  /// Answer with this library from the next job on; those that were taken keep theirs.
   void publish(std::shared_ptr<const LibraryGeneration> next);
   std::shared_ptr<const LibraryGeneration> generation() const;
 

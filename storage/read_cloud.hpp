@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
@@ -37,8 +38,11 @@ Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem
 /// excluded, and so is .txt, as the text files of a folder are mostly notes.
 bool is_cloud_file(const std::filesystem::path& file);
 
-/// Write points, with normals and triangles where there are any, as binary little-endian PLY.
-/// The file appears whole or not at all. Errors: cannot_create, io.
+/// Points, with normals and triangles where there are any, as the bytes of a binary little-endian
+/// PLY file.
+std::string encode_ply(const Cloud& cloud);
+
+/// Write them to a file, which appears whole or not at all. Errors: cannot_create, io.
 Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud);
 
 /// Read the camera of depth images, in one of three forms, each with "depth_scale" (1 if absent):

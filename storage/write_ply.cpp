@@ -42,7 +42,7 @@ std::string header_of(const Cloud& cloud) {
 
 }  // namespace
 
-Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud) {
+std::string encode_ply(const Cloud& cloud) {
   std::string out = header_of(cloud);
   out.reserve(out.size() + 24 * cloud.points.size() + 13 * cloud.triangles.size());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -55,7 +55,12 @@ Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud) {
     append(out, cloud.triangles.b[t]);
     append(out, cloud.triangles.c[t]);
   }
-  return publish_file(file, std::as_bytes(std::span(out)));
+  return out;
+}
+
+Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud) {
+  const std::string bytes = encode_ply(cloud);
+  return publish_file(file, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace trivet

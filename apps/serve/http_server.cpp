@@ -16,6 +16,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <cctype>
+#include <map>
 #include <thread>
 
 namespace trivet::apps {
@@ -27,16 +28,26 @@ namespace http = beast::http;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
-/// After a refusal so much more is read and thrown away, so that the client reads the answer before
-/// the connection breaks.
-constexpr std::size_t kMaxDiscarded = 1 << 20;
-constexpr std::chrono::milliseconds kPauseWhenFull{50};
+constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000};
 
 std::string lower(beast::string_view text) {
   std::string out(text);
   std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
   return out;
 }
+
+/// Counts while it lives.
+class Share {
+ public:
+  Share(std::size_t& sum, std::size_t n) : sum_(sum), n_(n) { sum_ += n_; }
+  Share(const Share&) = delete;
+  Share& operator=(const Share&) = delete;
+  ~Share() { sum_ -= n_; }
+
+ private:
+  std::size_t& sum_;
+  std::size_t n_;
+};
 
 HttpResponse refusal(unsigned status, const std::string& reason) {
   std::string text;
@@ -92,10 +103,35 @@ struct HttpServer::State {
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
         continue;
       }
+      const tcp::endpoint from = socket.remote_endpoint(error);
       ++num_connections;
-      asio::co_spawn(context, serve(beast::tcp_stream(std::move(socket))),
-                     [this](const std::exception_ptr&) { --num_connections; });
+      const bool is_welcome = ++per_address[from.address()] <= limits.max_connections_per_address;
+      asio::co_spawn(context,
+                     is_welcome ? serve(beast::tcp_stream(std::move(socket)))
+                                : send_away(beast::tcp_stream(std::move(socket))),
+                     [this, address = from.address()](const std::exception_ptr&) {
+                       --num_connections;
+                       const auto entry = per_address.find(address);
+                       if (--entry->second == 0) per_address.erase(entry);
+                     });
     }
+  }
+
+  asio::awaitable<void> send_away(beast::tcp_stream stream) {
+    co_await write(stream, busy("too many connections from this address"), 11, false);
+  }
+
+  static HttpResponse busy(const std::string& reason) {
+    HttpResponse response = refusal(503, reason);
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
+
+  /// Before the body is read.
+  std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes) const {
+    if (num_arriving + body_bytes > limits.max_arriving_bytes)
+      return busy("as many bytes arrive as may");
+    return handler.admit(target, body_bytes);
   }
 
   /// One connection, request after request.
@@ -118,21 +154,25 @@ struct HttpServer::State {
       stream.expires_after(limits.request_timeout);
       co_await http::async_read_header(stream, buffer, parser,
                                        asio::redirect_error(asio::use_awaitable, error));
-      if (!error && beast::iequals(parser.get()[http::field::expect], "100-continue")) {
-        http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
-        co_await http::async_write(stream, go_on, asio::redirect_error(asio::use_awaitable, error));
-      }
-      if (!error) {
-        co_await http::async_read(stream, buffer, parser,
-                                  asio::redirect_error(asio::use_awaitable, error));
-      }
+      std::optional<HttpResponse> refused;
       if (error) {
-        if (const std::optional<HttpResponse> response = refusal_of(error, limits)) {
-          co_await write(stream, *response, 11, false);
-          co_await discard(stream);
+        refused = refusal_of(error, limits);
+      } else {
+        const std::size_t body_bytes =
+            parser.content_length().value_or(parser.chunked() ? limits.max_body_bytes : 0);
+        const Share share(num_arriving, body_bytes);
+        const auto target = parser.get().target();
+        refused = admit({target.data(), target.size()}, body_bytes);
+        if (!refused) {
+          co_await read_body(stream, buffer, parser, error);
+          if (error) refused = refusal_of(error, limits);
         }
-        break;
       }
+      if (refused) {
+        co_await write(stream, *refused, 11, false);
+        co_await discard(stream);
+      }
+      if (error || refused) break;
       const unsigned version = parser.get().version();
       const bool keep_alive = parser.get().keep_alive() && !is_closing;
       stream.expires_never();
@@ -143,6 +183,19 @@ struct HttpServer::State {
       if (!written || !keep_alive || is_closing) break;
     }
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
+  }
+
+  asio::awaitable<void> read_body(beast::tcp_stream& stream, beast::flat_buffer& buffer,
+                                  http::request_parser<http::string_body>& parser,
+                                  error_code& error) {
+    if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+      http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
+      co_await http::async_write(stream, go_on, asio::redirect_error(asio::use_awaitable, error));
+    }
+    if (!error) {
+      co_await http::async_read(stream, buffer, parser,
+                                asio::redirect_error(asio::use_awaitable, error));
+    }
   }
 
   /// Hand a request to the handler and wait for its answer.
@@ -162,7 +215,7 @@ struct HttpServer::State {
     auto initiate = [this](auto completion, HttpRequest asked) {
       // A handler may be copied; a completion may not.
       auto shared = std::make_shared<decltype(completion)>(std::move(completion));
-      handler(std::move(asked), [this, shared](HttpResponse response) {
+      handler.handle(std::move(asked), [this, shared](HttpResponse response) {
         asio::post(context, [shared, response = std::move(response)]() mutable {
           (*shared)(std::move(response));
         });
@@ -186,12 +239,14 @@ struct HttpServer::State {
     co_return !error;
   }
 
+  /// Read what a refused client still sends, and throw it away: most clients read the answer when
+  /// they have sent all.
   asio::awaitable<void> discard(beast::tcp_stream& stream) {
     error_code error;
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
-    stream.expires_after(std::chrono::seconds(1));
+    stream.expires_after(kMaxDiscardTime);
     std::string rest(65'536, '\0');
-    for (std::size_t sum = 0; sum < kMaxDiscarded && !error;) {
+    for (std::size_t sum = 0; sum < limits.max_body_bytes && !error;) {
       sum += co_await stream.async_read_some(asio::buffer(rest),
                                              asio::redirect_error(asio::use_awaitable, error));
     }
@@ -202,6 +257,8 @@ struct HttpServer::State {
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
   std::atomic<std::size_t> num_connections{0}, num_busy{0};
+  std::size_t num_arriving = 0;  // bytes of bodies; of the network's thread, as the next
+  std::map<asio::ip::address, std::size_t> per_address;
   std::atomic<bool> is_closing{false};
   std::uint16_t port = 0;
   std::thread thread;

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,9 @@ namespace trivet::apps {
 struct HttpLimits {
   std::size_t max_header_bytes = 8192;
   std::size_t max_body_bytes = 64 << 20;
+  std::size_t max_arriving_bytes = 512 << 20;  ///< of bodies on their way, all together
   std::size_t max_connections = 1024;
+  std::size_t max_connections_per_address = 512;
   std::chrono::milliseconds request_timeout{10'000};  ///< to send a whole request
   std::chrono::milliseconds idle_timeout{60'000};     ///< between requests
   std::chrono::milliseconds write_timeout{30'000};    ///< to take a whole response
@@ -42,8 +46,14 @@ struct HttpResponse {
 
 /// Called once, from any thread.
 using HttpAnswer = std::function<void(HttpResponse)>;
-/// Called on the network's thread; answers at once or later.
-using HttpHandler = std::function<void(HttpRequest, HttpAnswer)>;
+
+/// Both are called on the network's thread.
+struct HttpHandler {
+  /// Answers at once or later.
+  std::function<void(HttpRequest, HttpAnswer)> handle;
+  /// Refuses a request by its target and the size of its body before that is read; none: go on.
+  std::function<std::optional<HttpResponse>(std::string_view target, std::size_t body_bytes)> admit;
+};
 
 /// Listens and serves on a thread of its own until it is destroyed.
 class HttpServer {

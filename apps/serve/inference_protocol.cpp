@@ -78,22 +78,13 @@ void read_input(const JsonNode& input, InferenceRequest& request, Rest& rest) {
     request.points.push_back({numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]});
 }
 
-std::string option_text(const JsonNode& node) {
-  if (node.is_string()) return node.string();
-  if (node.is_boolean()) return node.boolean() ? "true" : "false";
-  return fmt::format("{}", node.number());
-}
-
 void read_request(const JsonNode& root, InferenceRequest& request, Rest& rest) {
   if (root.has("id")) request.id = root.at("id").string();
   if (root.has("parameters")) {
-    for (const auto& [name, value] : root.at("parameters").members()) {
-      if (name == "binary_data_output") {
-        request.all_binary = value.boolean();
-      } else {
-        request.options.emplace_back(name, option_text(value));
-      }
-    }
+    constexpr std::string_view kBinary = "binary_data_output";
+    const JsonNode parameters = root.at("parameters");
+    request.options = parameters_of(parameters, kBinary);
+    if (parameters.has(kBinary)) request.all_binary = parameters.at(kBinary).boolean();
   }
   for (const JsonNode& input : root.at("inputs").elements()) read_input(input, request, rest);
   if (!root.has("outputs")) return;
@@ -164,6 +155,19 @@ Result<InferenceRequest> parse_inference(std::string_view body,
         fmt::format("request: found {} bytes that belong to no tensor", rest.bytes.size())};
   }
   return request;
+}
+
+Cloud take_cloud(InferenceRequest& request) {
+  Cloud cloud;
+  for (std::size_t i = 0; i < request.points.size(); ++i) {
+    if (request.points[i].allFinite()) {
+      cloud.points.push_back(request.points[i]);
+    } else {
+      ++cloud.num_invalid;
+    }
+  }
+  request.points = Points();
+  return cloud;
 }
 
 InferenceResponse write_inference(const InferenceRequest& request, const SceneResult& result,

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "apps/serve/recognise_query.hpp"
 #include "engine/recognise.hpp"
 #include "storage/points.hpp"
 #include "storage/result.hpp"
@@ -23,8 +23,7 @@ struct InferenceRequest {
   std::string id;
   Points points;                             ///< input "points", FP32 [N, 3]
   std::optional<Eigen::Vector3f> viewpoint;  ///< input "viewpoint", FP32 [3]
-  /// Parameters of the request, named as the options of `trivet recognize`.
-  std::vector<std::pair<std::string, std::string>> options;
+  Parameters options;  ///< parameters of the request, for parse_recognise_query
   std::vector<std::string> binary_outputs;  ///< outputs that are to be binary
   bool all_binary = false;
 };
@@ -33,6 +32,9 @@ struct InferenceRequest {
 /// Errors: bad_data (names the path of the fault, what was expected and found).
 Result<InferenceRequest> parse_inference(std::string_view body,
                                          std::optional<std::size_t> header_size);
+
+/// The finite points, which the request then has no more.
+Cloud take_cloud(InferenceRequest& request);
 
 struct InferenceResponse {
   std::string body;

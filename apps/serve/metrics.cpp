@@ -93,6 +93,8 @@ std::string Metrics::text(const Gauges& gauges) const {
   gauge("trivet_connections", "Open connections.", gauges.connections, out);
   gauge("trivet_library_models", "Models of the library.", gauges.library_models, out);
   gauge("trivet_library_bytes", "Size of the library's file.", gauges.library_bytes, out);
+  describe("trivet_log_dropped_total", "counter", "Lines of the log that nobody took.", out);
+  fmt::format_to(to, "trivet_log_dropped_total {}\n", gauges.dropped_lines);
   gauge("trivet_library_generation", "Of the library that answers, from 1.", gauges.generation,
         out);
   return out;

@@ -28,7 +28,7 @@ class Metrics {
   struct Gauges {
     std::size_t waiting = 0, running = 0, queue_bytes = 0, connections = 0;
     std::size_t library_models = 0, library_bytes = 0;
-    std::uint64_t generation = 0;
+    std::uint64_t generation = 0, dropped_lines = 0;
   };
   std::string text(const Gauges& gauges) const;
 

@@ -11,9 +11,12 @@
 
 namespace trivet::apps {
 
+/// Names with values as texts, in their order.
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
 struct Target {
   std::string path;
-  std::vector<std::pair<std::string, std::string>> parameters;  ///< decoded, in their order
+  Parameters parameters;  ///< decoded
 
   std::optional<std::string> parameter(std::string_view name) const;
 };

@@ -5,62 +5,90 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "apps/serve/examples.hpp"
 #include "apps/serve/http_server.hpp"
 #include "apps/serve/metrics.hpp"
+#include "apps/serve/model_views.hpp"
+#include "apps/serve/request_log.hpp"
+#include "engine/recognise.hpp"
 #include "engine/recognition_service.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {
 
-/// How a scene is to be read.
-struct ServedScene {
-  std::vector<double> camera;  ///< fx, fy, cx, cy, depth scale (1 if absent); or none
-  std::vector<float> viewpoint;
-  std::string unit;  ///< m or mm; empty: the library's
-};
-
 struct RouteOptions {
   std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
+  std::size_t max_waiting_bytes = 0;                   ///< that the service takes
 };
 
-/// POST /v1/recognize; GET /v1/models; POST /v1/library/reload; the Open Inference Protocol:
-/// GET /v2, /v2/health/live, /v2/health/ready, /v2/models/NAME[/versions/N][/ready], POST
-/// .../infer; GET /metrics. Any member may be called from any thread.
+/// All members may be called from any thread.
 class ServiceRoutes {
  public:
   /// Calls back once the library was read anew, or could not be.
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
   /// All that is given outlives the routes.
-  ServiceRoutes(RecognitionService& service, Metrics& metrics, const RouteOptions& options,
-                Reload reload)
-      : service_(service), metrics_(metrics), options_(options), reload_(std::move(reload)) {}
+  ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
+                const RouteOptions& options, std::vector<Example> examples, Reload reload)
+      : service_(service),
+        metrics_(metrics),
+        log_(log),
+        options_(options),
+        examples_(std::move(examples)),
+        reload_(std::move(reload)) {}
 
   void handle(HttpRequest request, HttpAnswer answer);
+  /// What needs work is refused before its body is read where no more is taken.
+  std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
   void set_ready(bool ready) { is_ready_ = ready; }
   void set_num_connections(std::function<std::size_t()> num) { num_connections_ = std::move(num); }
 
+  /// One request on its way, and what is told of it in the log.
+  struct Call;
+  using CallPtr = std::shared_ptr<Call>;
+
  private:
-  void recognise(HttpRequest request, HttpAnswer answer, const std::string& request_id);
-  void infer(HttpRequest request, HttpAnswer answer);
-  /// rest  of the path, behind /v2/models/
-  void handle_model(std::string rest, HttpRequest request,
-                    const std::function<HttpAnswer(const std::string& route)>& finish);
-  /// Answer with what `write` makes of the result, or with the refusal or error.
-  void submit(ServiceJob job, HttpAnswer answer,
+  struct Route;
+  static const std::vector<Route>& routes();
+
+  // Each takes what of the path lies behind that of its route.
+  void page(const CallPtr& call, std::string_view rest);
+  void recognise(const CallPtr& call, std::string_view rest);
+  void points(const CallPtr& call, std::string_view rest);
+  void list_models(const CallPtr& call, std::string_view rest);
+  void view_model(const CallPtr& call, std::string_view rest);
+  void examples(const CallPtr& call, std::string_view rest);
+  void score_parts(const CallPtr& call, std::string_view rest);
+  void reload(const CallPtr& call, std::string_view rest);
+  void live(const CallPtr& call, std::string_view rest);
+  void ready(const CallPtr& call, std::string_view rest);
+  void server(const CallPtr& call, std::string_view rest);
+  void inference_model(const CallPtr& call, std::string_view rest);
+  void infer(const CallPtr& call, std::string_view rest);
+  void metrics(const CallPtr& call, std::string_view rest);
+
+  /// Answer with what `write` makes of the job's answer, or with the refusal or error.
+  void submit(const CallPtr& call, ServiceJob job,
               std::function<HttpResponse(const ServiceAnswer&)> write);
-  /// By the header X-Deadline-Ms. Errors: usage.
-  Result<ServiceClock::time_point> deadline_of(const HttpRequest& request) const;
-  SceneInput input_of(const ServedScene& scene) const;
-  HttpResponse models() const;
-  HttpResponse metrics() const;
+  /// A small job: `work` gives the answer.
+  void submit_one(const CallPtr& call,
+                  std::function<Result<HttpResponse>(const LibraryGeneration&)> work);
+  void tell_recognition(const CallPtr& call, const ServiceAnswer& found,
+                        std::span<const SceneResult> results);
+  void reply(const CallPtr& call, HttpResponse response);
 
   RecognitionService& service_;
   Metrics& metrics_;
-  RouteOptions options_;
-  Reload reload_;
+  RequestLog& log_;
+  const RouteOptions options_;
+  const std::vector<Example> examples_;
+  const Reload reload_;
+  Thumbnails thumbnails_;
   std::function<std::size_t()> num_connections_;
   std::atomic<bool> is_ready_{false};
 };

@@ -8,12 +8,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "apps/program.hpp"
@@ -109,6 +111,7 @@ class Serve : public testing::Test {
     const nlohmann::json camera =
         nlohmann::json::parse(read(folder_ / "scans/manifest.json"))["scenes"][0]["camera"];
     std::ofstream(folder_ / "camera.json") << camera;
+    camera_ = Camera{camera["fx"], camera["fy"], camera["cx"], camera["cy"], camera["depth_scale"]};
     std::string numbers;
     for (const char* const key : {"fx", "fy", "cx", "cy", "depth_scale"})
       numbers += (numbers.empty() ? "" : ",") + camera[key].dump();
@@ -147,6 +150,7 @@ class Serve : public testing::Test {
 
   const test::TempDir folder_;
   fs::path depth_;
+  Camera camera_;
   std::string query_;
   std::atomic<pid_t> process_{0};
   std::atomic<bool> told_{false};
@@ -161,14 +165,16 @@ TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
   const nlohmann::json expected = nlohmann::json::parse(direct.out)["scenes"][0]["detections"];
   ASSERT_FALSE(expected.empty());
   const test::Outcome outcome = serve({}, [&](int port) {
-    const Answer answer = ask(port, "POST", query_, read(depth_),
-                              "X-Request-Id: call-7\r\ntraceparent: 00-ab-cd-01\r\n");
+    const Answer answer =
+        ask(port, "POST", query_, read(depth_),
+            "X-Request-Id: call-7\r\n"
+            "traceparent: 00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01\r\n");
     EXPECT_EQ(answer.status, 200) << answer.body;
     EXPECT_EQ(answer.json()["scenes"][0]["detections"].dump(), expected.dump());
     EXPECT_EQ(answer.json()["request_id"], "call-7");
     EXPECT_EQ(answer.json()["library"]["generation"], 1);
     EXPECT_NE(answer.head.find("X-Request-Id: call-7"), std::string::npos) << answer.head;
-    EXPECT_NE(answer.head.find("00-ab-cd-01"), std::string::npos) << answer.head;
+    EXPECT_NE(answer.head.find("traceparent: 00-0af76519"), std::string::npos) << answer.head;
     EXPECT_EQ(ask(port, "GET", "/v1/models").json()["models"].size(), 2U);
     EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
     EXPECT_EQ(ask(port, "GET", "/v2/health/ready").status, 200);
@@ -180,6 +186,170 @@ TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
     }
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
+  const std::string scan = read(depth_);
+  const nlohmann::json camera = nlohmann::json::parse(read(folder_ / "camera.json"));
+  const auto part = [](const std::string& head, const std::string& content) {
+    return "--edge\r\nContent-Disposition: form-data; " + head + "\r\n\r\n" + content + "\r\n";
+  };
+  const auto scene = [&](const std::string& name, const std::string& content) {
+    return part("name=\"scene\"; filename=\"" + name + "\"", content);
+  };
+  const auto options = [&](const nlohmann::json& json) {
+    return part("name=options", json.dump());
+  };
+  const std::string form = "Content-Type: multipart/form-data; boundary=edge\r\n";
+  const test::Outcome outcome = serve({"--max-waiting", "3"}, [&](int port) {
+    const nlohmann::json one = ask(port, "POST", query_, scan).json()["scenes"][0];
+    const auto post = [&](const std::string& body) {
+      return ask(port, "POST", "/v1/recognize", body + "--edge--\r\n", form);
+    };
+    const Answer both = post(options({{"method", "ppf"}, {"camera", camera}}) +
+                             scene("a.png", scan) + scene("b.png", scan));
+    ASSERT_EQ(both.status, 200) << both.body;
+    ASSERT_EQ(both.json()["scenes"].size(), 2U);
+    EXPECT_EQ(both.json()["scenes"][0]["scene"], "a.png");
+    for (const nlohmann::json& answered : both.json()["scenes"])
+      EXPECT_EQ(answered["detections"], one["detections"]);
+    // Each scan may have a camera of its own: with half the focal length nothing is as it was.
+    nlohmann::json wide = camera;
+    wide["fx"] = wide["fx"].get<double>() / 2;
+    const nlohmann::json apart =
+        post(options({{"method", "ppf"}, {"scenes", {{{"camera", camera}}, {{"camera", wide}}}}}) +
+             scene("a.png", scan) + scene("b.png", scan))
+            .json()["scenes"];
+    EXPECT_EQ(apart[0]["detections"], one["detections"]);
+    EXPECT_NE(apart[1]["detections"], one["detections"]);
+
+    const auto refuses = [&](const std::string& reason, const std::string& body) {
+      const Answer answer = post(body);
+      EXPECT_EQ(answer.status, 400) << answer.body;
+      EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+    };
+    refuses("part scene", "");
+    refuses("part scene", options({{"method", "ppf"}}));
+    refuses("b.png", options({{"camera", camera}}) + scene("a.png", scan) + scene("b.png", "no"));
+    refuses("'a'", scene("a", scan));
+    refuses("'../a.exe'", scene("../a.exe", scan));
+    refuses("'other'", part("name=other", "x"));
+    refuses("name=", part("filename=a.png", scan));
+    refuses("as many as parts",
+            options({{"scenes", nlohmann::json::array({{{"camera", camera}}})}}) +
+                scene("a.png", scan) + scene("b.png", scan));
+    refuses("camera, viewpoint or unit",
+            options({{"scenes", {{{"method", "ppf"}}}}}) + scene("a.png", scan));
+    refuses("options", part("name=options", "{") + scene("a.png", scan));
+    refuses("expected at most 3 scenes", options({{"camera", camera}}) + scene("a.png", scan) +
+                                             scene("b.png", scan) + scene("c.png", scan) +
+                                             scene("d.png", scan));
+    EXPECT_EQ(
+        ask(port, "POST", "/v1/recognize", scan, "Content-Type: multipart/form-data\r\n").status,
+        400);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
+  const test::Outcome outcome = serve({"--examples", "scans/manifest.json"}, [&](int port) {
+    const nlohmann::json examples = ask(port, "GET", "/v1/examples").json()["examples"];
+    ASSERT_EQ(examples.size(), 1U);
+    const Answer scan = ask(port, "GET", examples[0]["url"]);
+    EXPECT_EQ(scan.body, read(depth_));
+    EXPECT_EQ(ask(port, "GET", "/v1/examples/1").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/examples/x").status, 404);
+
+    const std::string query = examples[0]["query"];
+    const Answer all = ask(port, "POST", "/v1/points?max-points=5000000&" + query, scan.body);
+    ASSERT_EQ(all.status, 200) << all.body;
+    const Result<Cloud> cloud = read_cloud(depth_, {.camera = camera_});
+    ASSERT_TRUE(cloud);
+    ASSERT_EQ(all.body.size(), 12 * cloud->points.size());
+    Eigen::Vector3f last;
+    std::memcpy(last.data(), all.body.data() + all.body.size() - 12, 12);
+    EXPECT_EQ(last, cloud->points[cloud->points.size() - 1]);
+    const Answer few = ask(port, "POST", "/v1/points?max-points=1000&" + query, scan.body);
+    EXPECT_NEAR(static_cast<double>(few.body.size()) / 12, 1000, 20);
+    EXPECT_NE(few.head.find("X-Points: " + std::to_string(cloud->points.size())),
+              std::string::npos);
+    EXPECT_EQ(ask(port, "POST", "/v1/points?max-points=0&" + query, scan.body).status, 400);
+    EXPECT_EQ(ask(port, "POST", "/v1/points?" + query, "no PNG").status, 400);
+
+    const nlohmann::json models = ask(port, "GET", "/v1/models").json()["models"];
+    for (const nlohmann::json& model : models) {
+      const Answer picture = ask(port, "GET", model["thumbnail"]);
+      EXPECT_EQ(picture.body.substr(1, 3), "PNG");
+      EXPECT_EQ(ask(port, "GET", model["thumbnail"]).body, picture.body);
+      const Answer mesh = ask(port, "GET", model["mesh"]);
+      const Result<Cloud> surface = read_cloud(std::as_bytes(std::span(mesh.body)), "mesh.ply");
+      ASSERT_TRUE(surface) << surface.error().message;
+      EXPECT_GT(surface->triangles.size(), 10U);
+    }
+    EXPECT_EQ(ask(port, "GET", "/v1/models/spoon/mesh.ply").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/models/..%2f..%2fetc%2fpasswd").status, 404);
+
+    const nlohmann::json words = ask(port, "GET", "/v1/score-parts").json();
+    const nlohmann::json scene =
+        ask(port, "POST", query_ + "&rejected=5", scan.body).json()["scenes"][0];
+    ASSERT_FALSE(scene["detections"].empty());
+    double log_odds = words["bias"];
+    for (const nlohmann::json& part : words["parts"])
+      log_odds += scene["detections"][0]["evidence"][part["name"].get<std::string>()].get<double>();
+    EXPECT_NEAR(scene["detections"][0]["score"].get<double>(), 1 / (1 + std::exp(-log_odds)), 1e-3);
+    EXPECT_FALSE(scene["rejected"].empty());
+    EXPECT_EQ(ask(port, "POST", query_ + "&rejected=101", scan.body).status, 400);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, LogsALineARecognition) {
+  const test::Outcome outcome = serve({}, [&](int port) {
+    EXPECT_EQ(ask(port, "POST", query_, read(depth_), "X-Request-Id: seen\r\n").status, 200);
+    EXPECT_EQ(ask(port, "POST", query_, "no PNG", "X-Request-Id: a\"b\r\n").status, 400);
+    EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  std::istringstream lines(outcome.error);
+  std::vector<nlohmann::json> logged;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("{")) logged.push_back(nlohmann::json::parse(line));
+  }
+  ASSERT_EQ(logged.size(), 4U) << outcome.error;
+  EXPECT_EQ(logged[0]["request_id"], "seen");
+  EXPECT_EQ(logged[0]["route"], "recognize");
+  EXPECT_EQ(logged[0]["code"], 200);
+  EXPECT_GT(logged[0]["work_seconds"], 0.0);
+  EXPECT_GT(logged[0]["detections"], 0);
+  EXPECT_EQ(logged[1]["code"], 400);
+  EXPECT_NE(logged[1]["request_id"], "a\"b") << "only plain ids are taken over";
+  EXPECT_EQ(logged[2]["msg"], "ending");
+  EXPECT_EQ(logged[3]["msg"], "every request was answered");
+}
+
+TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
+  const auto check = [&](const std::string& toml, std::vector<std::string> flags) {
+    std::ofstream(folder_ / "serve.toml") << toml;
+    flags.insert(flags.begin(), {"serve", "--config", "serve.toml", "--check-config"});
+    return test::run_trivet(flags, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  };
+  const test::Outcome good = check("library = 'l.h5'\nmax-waiting = 8\n", {});
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  const test::Outcome bad = check(
+      "library = 'absent.h5'\nmax-waitings = 8\nport = 70000\nparallel = 1.5\nlog = 'loud'\n"
+      "max-body-mb = 600\n",
+      {"--deadline-ms", "soon"});
+  EXPECT_EQ(bad.exit_code, 2);
+  for (const char* const fault :
+       {"serve.toml:2: expected one of", "found 'max-waitings'", "serve.toml:3: port",
+        "serve.toml:4: parallel", "serve.toml:5: log", "absent.h5: no such file", "--deadline-ms",
+        "max-body-mb: expected at most max-waiting-mb"}) {
+    EXPECT_NE(bad.error.find(fault), std::string::npos) << fault << " in\n" << bad.error;
+  }
+  // A flag stands in for the file's value, good or bad.
+  EXPECT_EQ(check("library = 'absent.h5'\nport = 70000\n", {"l.h5", "--port", "0"}).exit_code, 0);
+  EXPECT_NE(check("library = \n", {}).error.find("serve.toml:1"), std::string::npos);
+  EXPECT_EQ(check("", {}).exit_code, 2) << "no library";
 }
 
 TEST_F(Serve, SpeaksTheOpenInferenceProtocol) {
@@ -273,34 +443,41 @@ TEST_F(Serve, SpeaksTheOpenInferenceProtocol) {
 }
 
 TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
-  const test::Outcome outcome = serve({"--max-body-mb", "1"}, [&](int port) {
-    const auto refuses = [&](int status, const std::string& reason, const std::string& method,
-                             const std::string& target, const std::string& body = "",
-                             const std::string& headers = "") {
-      const Answer answer = ask(port, method, target, body, headers);
-      EXPECT_EQ(answer.status, status) << target << "\n" << answer.body;
-      EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
-    };
-    refuses(404, "no such path", "GET", "/v1/../../etc/passwd");
-    refuses(405, "expected POST", "GET", query_);
-    refuses(400, "format", "POST", "/v1/recognize", "ply");
-    refuses(400, "body.ply", "POST", "/v1/recognize?format=ply", "ply\nnonsense");
-    refuses(400, "body.png", "POST", query_, read(depth_).substr(0, 500));
-    refuses(400, "is empty", "POST", query_, "");
-    refuses(400, "min-score", "POST", query_ + "&min-score=high", read(depth_));
-    refuses(400, "0 to 1", "POST", query_ + "&min-score=7", read(depth_));
-    refuses(400, "expected", "POST", query_ + "&expected=/etc/passwd", read(depth_));
-    refuses(400, "spoon", "POST", query_ + "&models=spoon", read(depth_));
-    refuses(400, "hexadecimal", "POST", query_ + "&models=%zz", read(depth_));
-    refuses(400, "X-Deadline-Ms", "POST", query_, read(depth_), "X-Deadline-Ms: soon\r\n");
-    refuses(504, "deadline", "POST", query_, read(depth_), "X-Deadline-Ms: 1\r\n");
-    refuses(413, "1048576", "POST", query_, std::string(2 << 20, 'x'));
-    refuses(431, "headers", "GET", "/metrics", "", "X-Long: " + std::string(20'000, 'x') + "\r\n");
-    const Connection garbage(port);
-    garbage.send("\x01\x02 not http\r\n\r\n");
-    EXPECT_NE(garbage.receive().find(" 400 "), std::string::npos);
-    EXPECT_EQ(ask(port, "POST", query_, read(depth_)).status, 200);
-  });
+  const test::Outcome outcome =
+      serve({"--max-body-mb", "1", "--max-connections-per-address", "20"}, [&](int port) {
+        const auto refuses = [&](int status, const std::string& reason, const std::string& method,
+                                 const std::string& target, const std::string& body = "",
+                                 const std::string& headers = "") {
+          const Answer answer = ask(port, method, target, body, headers);
+          EXPECT_EQ(answer.status, status) << target << "\n" << answer.body;
+          EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+        };
+        refuses(404, "no such path", "GET", "/v1/../../etc/passwd");
+        refuses(405, "expected POST", "GET", query_);
+        refuses(400, "format", "POST", "/v1/recognize", "ply");
+        refuses(400, "body.ply", "POST", "/v1/recognize?format=ply", "ply\nnonsense");
+        refuses(400, "body.png", "POST", query_, read(depth_).substr(0, 500));
+        refuses(400, "is empty", "POST", query_, "");
+        refuses(400, "min-score", "POST", query_ + "&min-score=high", read(depth_));
+        refuses(400, "0 to 1", "POST", query_ + "&min-score=7", read(depth_));
+        refuses(400, "expected", "POST", query_ + "&expected=/etc/passwd", read(depth_));
+        refuses(400, "spoon", "POST", query_ + "&models=spoon", read(depth_));
+        refuses(400, "hexadecimal", "POST", query_ + "&models=%zz", read(depth_));
+        refuses(400, "X-Deadline-Ms", "POST", query_, read(depth_), "X-Deadline-Ms: soon\r\n");
+        refuses(504, "deadline", "POST", query_, read(depth_), "X-Deadline-Ms: 1\r\n");
+        refuses(413, "1048576", "POST", query_, std::string(2 << 20, 'x'));
+        refuses(431, "headers", "GET", "/metrics", "",
+                "X-Long: " + std::string(20'000, 'x') + "\r\n");
+        std::vector<std::unique_ptr<Connection>> many;
+        for (int i = 0; i < 20; ++i) many.push_back(std::make_unique<Connection>(port));
+        refuses(503, "from this address", "GET", "/metrics");
+        many.clear();
+        while (ask(port, "GET", "/metrics").status == 503) continue;  // until it has seen them go
+        const Connection garbage(port);
+        garbage.send("\x01\x02 not http\r\n\r\n");
+        EXPECT_NE(garbage.receive().find(" 400 "), std::string::npos);
+        EXPECT_EQ(ask(port, "POST", query_, read(depth_)).status, 200);
+      });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
@@ -432,9 +609,10 @@ TEST_F(Serve, SaysAtOnceWhatItCannotServe) {
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.error;
     EXPECT_NE(outcome.error.find(reason), std::string::npos) << outcome.error;
   };
-  fails({"serve", "absent.h5"}, 66, "absent.h5");
+  fails({"serve", "absent.h5"}, 2, "absent.h5: no such file");
+  fails({"serve", "camera.json"}, 65, "camera.json");
   fails({"serve", "l.h5", "--address", "nowhere"}, 2, "nowhere");
-  fails({"serve", "l.h5", "--max-waiting", "0"}, 2, "waiting");
+  fails({"serve", "l.h5", "--max-waiting", "0"}, 2, "1 to 100000");
   serve({}, [&](int port) {
     fails({"serve", "l.h5", "--port", std::to_string(port)}, 73, std::to_string(port));
   });

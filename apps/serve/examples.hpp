@@ -1,0 +1,21 @@
+/// Scans that the page offers to those who have none at hand.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct Example {
+  std::string name;
+  std::filesystem::path file;
+  std::string query;  ///< parameters of a recognition, format among them
+};
+
+/// The scenes of a manifest or a BOP data set. Errors: those of read_listing.
+Result<std::vector<Example>> list_examples(const std::string& listing);
+
+}  // namespace trivet::apps

@@ -1,0 +1,119 @@
+#include "apps/serve/recognise_query.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "apps/inputs.hpp"
+#include "apps/recognise_arguments.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet::apps {
+namespace {
+
+constexpr std::uint32_t kMaxRejected = 100;
+
+struct QueryArguments {
+  RecogniseArguments recognise;
+  std::vector<double> camera;
+  std::vector<float> viewpoint;
+  std::string unit;
+  std::uint32_t rejected = 0;
+};
+
+void add_query_options(CLI::App& app, QueryArguments& arguments) {
+  app.set_help_flag();
+  add_recognise_options(app, arguments.recognise);
+  app.remove_option(app.get_option("--expected"));  // names a file of this machine
+  app.add_option("--camera", arguments.camera)->delimiter(',')->expected(4, 5);
+  app.add_option("--viewpoint", arguments.viewpoint)->delimiter(',')->expected(3);
+  app.add_option("--unit", arguments.unit)->check(CLI::IsMember({"m", "mm"}));
+  app.add_option("--rejected", arguments.rejected)->check(CLI::Range(0U, kMaxRejected));
+}
+
+std::string text_of(const JsonNode& value) {
+  if (value.is_string()) return value.string();
+  if (value.is_boolean()) return value.boolean() ? "true" : "false";
+  if (value.is_array()) {
+    std::vector<std::string> texts;
+    for (const JsonNode& element : value.elements()) {
+      if (element.is_array()) element.refuse("expected a text or a number");
+      texts.push_back(text_of(element));
+    }
+    return fmt::format("{}", fmt::join(texts, ","));
+  }
+  return fmt::format("{}", value.number());
+}
+
+}  // namespace
+
+SceneInput ServedScene::input(LengthUnit library_unit) const {
+  SceneInput out;
+  out.viewpoint = viewpoint;
+  if (unit) out.scale = unit_scale(*unit, library_unit);
+  return out;
+}
+
+Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters) {
+  QueryArguments arguments;
+  CLI::App app;
+  add_query_options(app, arguments);
+  std::vector<std::string> words;
+  for (const auto& [name, value] : parameters)
+    words.push_back("--" + name + (value.empty() ? "" : "=" + value));
+  std::ranges::reverse(words);  // as the parser takes them
+  try {
+    app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    return Error{ErrorCode::usage, error.what()};
+  }
+  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  if (!options) return options.error();
+  options->max_rejected = arguments.rejected;
+  if (const Result<void> valid = validate(*options); !valid) return valid.error();
+
+  RecogniseQuery query{std::move(*options), {}};
+  if (const std::vector<double>& c = arguments.camera; !c.empty())
+    query.scene.camera = Camera{c[0], c[1], c[2], c[3], c.size() > 4 ? c[4] : 1};
+  if (const std::vector<float>& v = arguments.viewpoint; !v.empty())
+    query.scene.viewpoint = Eigen::Vector3f(v[0], v[1], v[2]);
+  if (!arguments.unit.empty()) query.scene.unit = parse_unit(arguments.unit);
+  return query;
+}
+
+std::vector<std::string> recognise_parameter_names() {
+  QueryArguments arguments;
+  CLI::App app;
+  add_query_options(app, arguments);
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : app.get_options())
+    names.push_back(option->get_single_name());
+  std::ranges::sort(names);
+  return names;
+}
+
+Parameters parameters_of(const JsonNode& object, std::string_view without) {
+  Parameters parameters;
+  for (const auto& [name, value] : object.members()) {
+    if (name == without) continue;
+    if (name == "camera" && !value.is_array() && !value.is_string()) {
+      const Camera c = value.camera();
+      parameters.emplace_back(name,
+                              fmt::format("{},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale));
+    } else {
+      parameters.emplace_back(name, text_of(value));
+    }
+  }
+  return parameters;
+}
+
+Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
+                        const ServedScene& scene) {
+  ReadOptions options;
+  options.camera = scene.camera;
+  return read_cloud(bytes, name, options);
+}
+
+}  // namespace trivet::apps
