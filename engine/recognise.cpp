@@ -160,6 +160,29 @@ std::vector<RejectedPose> report_rejected(const Library& library, const SceneSea
   return out;
 }
 
+/// Candidates that were taken: chosen, or one too many of their model.
+std::vector<std::uint32_t> taken_of(const engine::Selection& selection) {
+  std::vector<std::uint32_t> taken = selection.chosen;
+  for (const engine::Refusal& refusal : selection.refused) {
+    if (refusal.reason == Rejection::too_many) taken.push_back(refusal.candidate);
+  }
+  return taken;
+}
+
+SceneClaims report_claims(const Library& library, const PreparedScene& scene,
+                          const SceneSearch& search, std::span<const std::uint32_t> taken,
+                          const RecogniseOptions& options) {
+  SceneClaims claims{engine::sizes_of(scene), {}};
+  for (const std::uint32_t c : taken) {
+    const engine::Candidate& candidate = search.candidates()[c];
+    const Model& model = library.models[candidate.model];
+    PoseClaim claim{model.name, engine::rank_of(model, candidate, options), {}};
+    if (!options.without.contains(Improvement::explained)) claim.explained = candidate.explained;
+    claims.poses.push_back(std::move(claim));
+  }
+  return claims;
+}
+
 }  // namespace
 
 Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
@@ -177,6 +200,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   SceneStats& stats = result.stats;
   stats.num_points = cloud.points.size();
   stats.num_invalid = cloud.num_invalid;
+  if (options.tell_claims) result.claims = SceneClaims{};
   if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) return result;
   const auto start = std::chrono::steady_clock::now();
   Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times, options);
@@ -190,6 +214,9 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
     if (const Result<void> done = search.search(round); !done) return done.error();
   }
+  // As they were chosen: rivals change scores, and move poses.
+  const std::vector<std::uint32_t> taken = taken_of(search.selection());
+  if (options.tell_claims) result.claims = report_claims(library, *scene, search, taken, options);
   const Result<std::vector<engine::Candidate>> chosen = search.chosen();
   if (!chosen) return chosen.error();
   std::vector<std::size_t> order(chosen->size());
@@ -199,6 +226,11 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   });
   for (const std::size_t c : order)
     result.detections.push_back(report(library, (*chosen)[c], input.scale));
+  for (std::size_t d = 0; options.tell_claims && d < order.size(); ++d) {
+    const std::uint32_t candidate = search.selection().chosen[order[d]];
+    const auto claim = std::ranges::find(taken, candidate) - taken.begin();
+    result.claims->poses[static_cast<std::size_t>(claim)].detection = d;
+  }
   if (options.max_rejected > 0) {
     result.rejected =
         report_rejected(library, search, *chosen, order, options.max_rejected, input.scale);

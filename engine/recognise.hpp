@@ -15,6 +15,7 @@
 #include "engine/pose_limits.hpp"
 #include "engine/progress.hpp"
 #include "engine/recogniser.hpp"
+#include "kernels/examine_pose.hpp"
 #include "kernels/pose_score.hpp"
 #include "kernels/tri_spin_image.hpp"
 #include "storage/cloud.hpp"
@@ -111,6 +112,7 @@ struct RecogniseOptions {
   std::optional<float> doubtful_score{};
   std::uint32_t max_instances = 100;  ///< per model
   std::uint32_t max_rejected = 0;     ///< poses per model that are told with the reason
+  bool tell_claims = false;           ///< in SceneResult::claims; without doubtful_score
   std::vector<std::string> models{};  ///< names to look for; empty: all
   PoseLimits limits{};
   /// Tested before any voting, which is then for what they leave unexplained.
@@ -168,6 +170,26 @@ struct RejectedPose {
   float explained_share = 0;
 };
 
+/// A pose that was taken, also if it is not reported: what decides between it and others in its
+/// place.
+struct PoseClaim {
+  std::string model;
+  float rank = 0;                      ///< higher ones choose first; depends on the library's unit
+  kernels::ExplainedPixels explained;  ///< none where Improvement::explained is left out
+  std::optional<std::size_t> detection{};  ///< index of the detection that it became
+};
+
+struct ImageSize {
+  std::uint32_t width = 0, height = 0;  ///< [pixel]
+  bool operator==(const ImageSize&) const = default;
+};
+
+/// What the poses that were taken claim of the images that the scene was looked at in.
+struct SceneClaims {
+  std::vector<ImageSize> images;
+  std::vector<PoseClaim> poses;  ///< in the order of taking
+};
+
 struct SceneStats {
   StageTimes times;
   double total_seconds = 0;
@@ -179,8 +201,9 @@ struct SceneStats {
 };
 
 struct SceneResult {
-  std::vector<Detection> detections;   ///< by falling score, then model name
-  std::vector<RejectedPose> rejected;  ///< by falling score; no two of one placement
+  std::vector<Detection> detections;    ///< by falling score, then model name
+  std::vector<RejectedPose> rejected;   ///< by falling score; no two of one placement
+  std::optional<SceneClaims> claims{};  ///< if they are asked for
   SceneStats stats;
 };
 

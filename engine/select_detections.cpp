@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace trivet::engine {
@@ -24,12 +25,12 @@ struct Cover {
 /// The pixels of all images, marked with the accepted candidate that explained them first.
 class PixelMarks {
  public:
-  PixelMarks(std::span<const kernels::RangeImage> images, std::size_t num_candidates)
+  PixelMarks(std::span<const ImageSize> images, std::size_t num_candidates)
       : images_(images), counts_(num_candidates + 1, 0) {
     std::size_t n = 0;
-    for (const kernels::RangeImage& image : images) {
+    for (const ImageSize& image : images) {
       first_.push_back(n);
-      n += image.depth.size();
+      n += std::size_t{image.width} * image.height;
     }
     marks_.assign(n, 0);
   }
@@ -63,8 +64,8 @@ class PixelMarks {
                           std::upper_bound(first_.begin(), first_.end(), pixel) - first_.begin()) -
                       1;
       const auto local = static_cast<std::ptrdiff_t>(pixel - first_[at]);
-      const auto width = static_cast<std::ptrdiff_t>(images_[at].geometry.width);
-      const auto height = static_cast<std::ptrdiff_t>(images_[at].geometry.height);
+      const auto width = static_cast<std::ptrdiff_t>(images_[at].width);
+      const auto height = static_cast<std::ptrdiff_t>(images_[at].height);
       const std::ptrdiff_t u = local % width, v = local / width;
       for (std::ptrdiff_t y = std::max<std::ptrdiff_t>(0, v - before);
            y <= std::min(height - 1, v + after); ++y) {
@@ -87,7 +88,7 @@ class PixelMarks {
   }
 
  private:
-  std::span<const kernels::RangeImage> images_;
+  std::span<const ImageSize> images_;
   std::vector<std::size_t> first_;
   std::vector<std::uint32_t> marks_;   // index of the candidate + 1
   std::vector<std::uint32_t> counts_;  // by mark; all zero between calls
@@ -95,54 +96,39 @@ class PixelMarks {
 
 }  // namespace
 
-Selection select_detections(const Library& library, const PreparedScene& scene,
-                            std::span<const Candidate> candidates,
-                            const RecogniseOptions& options) {
-  const bool by_pixels = !options.without.contains(Improvement::explained);
-  std::vector<float> rank(candidates.size());
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    const float diameter = library.models[candidates[c].model].diameter;
-    const float area = candidates[c].examination.area * diameter * diameter;
-    rank[c] = candidates[c].score * (by_pixels ? std::pow(area, 0.25F) : 1);
-  }
-  std::vector<std::uint32_t> order(candidates.size());
+Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
+                        const RecogniseOptions& options, const Repeats& repeats) {
+  std::vector<std::uint32_t> order(claims.size());
   std::iota(order.begin(), order.end(), 0U);
   const float likely = std::min(options.min_score, kLikely);
-  const auto doubtful = [&](std::uint32_t c) { return candidates[c].score < likely; };
+  const auto doubtful = [&](std::uint32_t c) { return claims[c].score < likely; };
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return doubtful(a) != doubtful(b) ? doubtful(b) : rank[a] > rank[b];
+    return doubtful(a) != doubtful(b) ? doubtful(b) : claims[a].rank > claims[b].rank;
   });
 
   Selection selection;
-  PixelMarks marks(scene.images, candidates.size());
-  std::vector<std::uint32_t> instances(library.models.size(), 0);
-  const auto repeats = [&](const Candidate& candidate) {
-    return std::any_of(selection.chosen.begin(), selection.chosen.end(), [&](std::uint32_t taken) {
-      return candidates[taken].model == candidate.model &&
-             same_placement(library.models[candidate.model], candidates[taken].T_scene_model,
-                            candidate.T_scene_model);
-    });
-  };
+  PixelMarks marks(images, claims.size());
+  std::map<std::uint32_t, std::uint32_t> instances;  // by model
   for (const std::uint32_t c : order) {
-    const Candidate& candidate = candidates[c];
-    const Cover cover = marks.cover_of(candidate.explained);
+    const Claim& claim = claims[c];
+    const Cover cover = marks.cover_of(*claim.explained);
     const bool explained =
-        by_pixels ? cover.share > options.verify.max_overlap : repeats(candidate);
+        repeats ? repeats(selection.chosen, c) : cover.share > options.verify.max_overlap;
     const auto refuse = [&](Rejection reason) {
       Refusal refusal{c, reason};
-      if (explained && by_pixels) {
+      if (explained && !repeats) {
         refusal.explained_by = cover.most_by;
         refusal.explained_share = cover.most_share;
       }
       selection.refused.push_back(refusal);
     };
-    if (doubtful(c) && !(candidate.score >= options.doubtful_score.value_or(1))) {
+    if (doubtful(c) && !(claim.score >= options.doubtful_score.value_or(1))) {
       refuse(Rejection::too_low);
     } else if (explained) {
       refuse(Rejection::explained);
     } else {
-      marks.mark(c, candidate.explained);
-      if (instances[candidate.model]++ < options.max_instances) {
+      marks.mark(c, *claim.explained);
+      if (instances[claim.model]++ < options.max_instances) {
         selection.chosen.push_back(c);
       } else {
         refuse(Rejection::too_many);
@@ -150,8 +136,44 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
     }
   }
   const float sure = std::max(options.min_score, kSure);
-  selection.explained = marks.marked([&](std::uint32_t c) { return candidates[c].score >= sure; });
+  selection.explained = marks.marked([&](std::uint32_t c) { return claims[c].score >= sure; });
   return selection;
+}
+
+float rank_of(const Model& model, const Candidate& candidate, const RecogniseOptions& options) {
+  if (options.without.contains(Improvement::explained)) return candidate.score;
+  const float area = candidate.examination.area * model.diameter * model.diameter;
+  return candidate.score * std::pow(area, 0.25F);
+}
+
+std::vector<ImageSize> sizes_of(const PreparedScene& scene) {
+  std::vector<ImageSize> sizes;
+  for (const kernels::RangeImage& image : scene.images)
+    sizes.push_back({image.geometry.width, image.geometry.height});
+  return sizes;
+}
+
+Selection select_detections(const Library& library, const PreparedScene& scene,
+                            std::span<const Candidate> candidates,
+                            const RecogniseOptions& options) {
+  std::vector<Claim> claims;
+  for (const Candidate& candidate : candidates) {
+    claims.push_back({candidate.model, candidate.score,
+                      rank_of(library.models[candidate.model], candidate, options),
+                      &candidate.explained});
+  }
+  Repeats repeats;
+  if (options.without.contains(Improvement::explained)) {
+    repeats = [&](std::span<const std::uint32_t> taken, std::uint32_t c) {
+      const Candidate& candidate = candidates[c];
+      return std::ranges::any_of(taken, [&](std::uint32_t other) {
+        return candidates[other].model == candidate.model &&
+               same_placement(library.models[candidate.model], candidates[other].T_scene_model,
+                              candidate.T_scene_model);
+      });
+    };
+  }
+  return select_claims(sizes_of(scene), claims, options, repeats);
 }
 
 std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,14 @@
 #include "engine/recognise.hpp"
 
 namespace trivet::engine {
+
+/// A candidate as the selection sees it.
+struct Claim {
+  std::uint32_t model = 0;
+  float score = 0;
+  float rank = 0;  ///< higher ones choose first
+  const kernels::ExplainedPixels* explained = nullptr;
+};
 
 /// A candidate that was not taken.
 struct Refusal {
@@ -29,10 +38,23 @@ struct Selection {
   std::vector<Refusal> refused;  ///< all others, from the best to the worst
 };
 
-/// Take candidates by falling score x area^0.25 (large surfaces prove more), each unless better
-/// ones already explain more than max_overlap of its pixels: copies of one object fall out whatever
-/// their symmetry, and of two objects claiming one place the better explained stays. Ties go to the
-/// earlier candidate. Doubtful candidates come after all others.
+/// Whether a claim is one of those that are taken again.
+using Repeats = std::function<bool(std::span<const std::uint32_t> taken, std::uint32_t claim)>;
+
+/// Take claims by falling rank, each unless better ones already explain more than max_overlap of
+/// its pixels: copies of one object fall out whatever their symmetry, and of two objects claiming
+/// one place the better explained stays. Ties go to the earlier claim. Doubtful ones come after all
+/// others.
+/// repeats  if given, decides instead of the pixels
+Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
+                        const RecogniseOptions& options, const Repeats& repeats = {});
+
+/// The rank of a candidate, score x area^0.25: large surfaces prove more.
+float rank_of(const Model& model, const Candidate& candidate, const RecogniseOptions& options);
+
+std::vector<ImageSize> sizes_of(const PreparedScene& scene);
+
+/// Select by the pixels that candidates explain; by their poses alone where that is left out.
 Selection select_detections(const Library& library, const PreparedScene& scene,
                             std::span<const Candidate> candidates, const RecogniseOptions& options);
 
