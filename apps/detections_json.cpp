@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "apps/claims_json.hpp"
 #include "storage/json_file.hpp"
 
 namespace trivet::apps {
@@ -146,6 +147,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                                 {"examined", stats.num_examined}}},
                               {"detections", std::move(detections)}};
   if (with_rejected) json["rejected"] = rejected_json(result.rejected);
+  if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;
 }
 

@@ -12,7 +12,8 @@
 
 namespace trivet::apps {
 
-/// One element of "scenes"; with what was rejected where it is asked for.
+/// One element of "scenes"; with what was rejected where it is asked for, and with
+/// "claims" where the result holds them.
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
                                   bool with_rejected = false);
 

@@ -39,6 +39,7 @@ class JsonNode {
   bool is_array() const { return value_->is_array(); }
   bool is_string() const { return value_->is_string(); }
   bool is_boolean() const { return value_->is_boolean(); }
+  const nlohmann::json& value() const { return *value_; }
   double number() const;                 ///< finite
   int integer(int low, int high) const;  ///< within these bounds, both included
   bool boolean() const;

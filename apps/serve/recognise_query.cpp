@@ -21,6 +21,7 @@ struct QueryArguments {
   std::vector<float> viewpoint;
   std::string unit;
   std::uint32_t rejected = 0;
+  bool claims = false;
 };
 
 void add_query_options(CLI::App& app, QueryArguments& arguments) {
@@ -31,6 +32,7 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   app.add_option("--viewpoint", arguments.viewpoint)->delimiter(',')->expected(3);
   app.add_option("--unit", arguments.unit)->check(CLI::IsMember({"m", "mm"}));
   app.add_option("--rejected", arguments.rejected)->check(CLI::Range(0U, kMaxRejected));
+  app.add_flag("--claims", arguments.claims);
 }
 
 std::string text_of(const JsonNode& value) {
@@ -72,6 +74,7 @@ Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters) {
   Result<RecogniseOptions> options = options_of(arguments.recognise);
   if (!options) return options.error();
   options->max_rejected = arguments.rejected;
+  options->tell_claims = arguments.claims;
   if (const Result<void> valid = validate(*options); !valid) return valid.error();
 
   RecogniseQuery query{std::move(*options), {}};

@@ -30,8 +30,9 @@ struct RecogniseQuery {
 };
 
 /// The options have the names, ranges and faults that they have on the command line. Beside them
-/// camera (fx,fy,cx,cy and the depth scale, 1 if absent), viewpoint (x,y,z), unit (m or mm) and
-/// rejected (poses per model that are told with the reason, 0 to 100). Errors: usage.
+/// camera (fx,fy,cx,cy and the depth scale, 1 if absent), viewpoint (x,y,z), unit (m or mm),
+/// rejected (poses per model that are told with the reason, 0 to 100) and claims (tell what a
+/// router merges by). Errors: usage.
 Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters);
 
 /// The names that parse_recognise_query knows, sorted.
