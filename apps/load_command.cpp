@@ -8,34 +8,34 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "apps/commands.hpp"
 #include "apps/json_output.hpp"
+#include "apps/serve/http_client.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
 using tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using boost::system::error_code;
 
-constexpr std::uint64_t kMaxAnswerBytes = 256ULL << 20;
+constexpr std::uint64_t kMaxSceneBytes = 256ULL << 20;
 constexpr int kSearchSteps = 5;
 
 struct LoadArguments {
-  std::string scene, address = "127.0.0.1", query, json;
+  std::vector<std::string> scenes;
+  std::string address = "127.0.0.1", query, json;
   std::uint16_t port = 8080;
   double rate = 1, seconds = 10, timeout = 30, max_p99 = 0;
 };
@@ -44,30 +44,40 @@ Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+/// Of rising numbers; NaN without any.
+double quantile(const std::vector<double>& rising, double share) {
+  if (rising.empty()) return std::nan("");
+  const auto place =
+      static_cast<std::size_t>(std::ceil(share * static_cast<double>(rising.size())));
+  return rising[std::max<std::size_t>(place, 1) - 1];
+}
+
 /// What became of the requests of one run.
 struct LoadResult {
-  double rate = 0;           ///< asked for [1/s]
-  std::vector<double> good;  ///< seconds of answers with 200, rising, from when each was due
+  double rate = 0;  ///< asked for [1/s]
+  /// Seconds of answers with 200 and with 503, rising, from when each was due.
+  std::vector<double> good, refused;
   std::map<int, std::size_t> codes;  ///< of all; 0: no answer
-  double slowest_refusal = 0;        ///< seconds of the slowest 503
   double seconds = 0;                ///< until the last answer
 
-  double quantile(double share) const {
-    if (good.empty()) return std::nan("");
-    const auto place =
-        static_cast<std::size_t>(std::ceil(share * static_cast<double>(good.size())));
-    return good[std::max<std::size_t>(place, 1) - 1];
-  }
+  double quantile(double share) const { return apps::quantile(good, share); }
   double goodput() const { return static_cast<double>(good.size()) / seconds; }
 };
 
+/// A request that is sent again and again.
+struct LoadScene {
+  MappedFile body;
+  std::string target;
+};
+
 /// Sends requests when they are due, whatever became of those before: an open loop, in which a slow
-/// answer holds up no other request and its wait counts in full.
+/// answer holds up no other request and its wait counts in full. Each has a connection of its own,
+/// as a new client would, so that none leans on those before.
 class LoadRun {
  public:
-  LoadRun(const LoadArguments& arguments, const tcp::endpoint& where, const std::string& target,
-          std::span<const std::byte> body)
-      : arguments_(arguments), where_(where), target_(target), body_(body) {}
+  LoadRun(const LoadArguments& arguments, const tcp::endpoint& where,
+          std::span<const LoadScene> scenes)
+      : arguments_(arguments), where_(where), scenes_(scenes) {}
 
   LoadResult run(double rate) {
     result_.rate = rate;
@@ -76,6 +86,7 @@ class LoadRun {
     context_.run();
     result_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     std::ranges::sort(result_.good);
+    std::ranges::sort(result_.refused);
     return std::move(result_);
   }
 
@@ -88,42 +99,30 @@ class LoadRun {
       timer.expires_at(due);
       error_code ignored;
       co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-      asio::co_spawn(context_, send_one(due), asio::detached);
+      asio::co_spawn(context_, send_one(scenes_[i % scenes_.size()], due), asio::detached);
     }
   }
 
-  asio::awaitable<void> send_one(Clock::time_point due) {
-    int code = 0;
-    error_code error;
-    beast::tcp_stream stream(context_);
-    stream.expires_after(duration_of(arguments_.timeout));
-    co_await stream.async_connect(where_, asio::redirect_error(asio::use_awaitable, error));
-    if (!error) {
-      http::request<http::span_body<const std::byte>> request(http::verb::post, target_, 11);
-      request.set(http::field::host, arguments_.address);
-      request.keep_alive(false);
-      request.body() = {body_.data(), body_.size()};
-      request.prepare_payload();
-      co_await http::async_write(stream, request, asio::redirect_error(asio::use_awaitable, error));
-      // A refusal may come before the whole body was taken, so an error of writing is no answer.
-      http::response_parser<http::string_body> response;
-      response.body_limit(kMaxAnswerBytes);
-      beast::flat_buffer buffer;
-      co_await http::async_read(stream, buffer, response,
-                                asio::redirect_error(asio::use_awaitable, error));
-      if (!error) code = static_cast<int>(response.get().result_int());
-    }
+  asio::awaitable<void> send_one(const LoadScene& scene, Clock::time_point due) {
+    const HttpCall call{"POST", arguments_.address, scene.target, {}, scene.body.bytes()};
+    const HttpOutcome outcome =
+        co_await client_.ask(where_, call, Clock::now() + duration_of(arguments_.timeout));
+    const HttpResponse* const answer = std::get_if<HttpResponse>(&outcome);
+    const int code = answer ? static_cast<int>(answer->status) : 0;
     const double seconds = std::chrono::duration<double>(Clock::now() - due).count();
     ++result_.codes[code];
     if (code == 200) result_.good.push_back(seconds);
-    if (code == 503) result_.slowest_refusal = std::max(result_.slowest_refusal, seconds);
+    if (code == 503) result_.refused.push_back(seconds);
   }
 
   const LoadArguments& arguments_;
   tcp::endpoint where_;
-  std::string target_;
-  std::span<const std::byte> body_;
+  std::span<const LoadScene> scenes_;
   asio::io_context context_{1};
+  // Connecting has the time of the whole.
+  HttpClient client_{context_,
+                     {.connect_timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
+                          duration_of(arguments_.timeout))}};
   LoadResult result_;
 };
 
@@ -133,12 +132,15 @@ std::string line_of(const LoadResult& result) {
     codes += fmt::format("{}{} {}", codes.empty() ? "" : ", ", n,
                          code == 0 ? std::string("without answer") : fmt::format("with {}", code));
   }
+  const std::string refused =
+      result.refused.empty() ? ""
+                             : fmt::format("; 503 p99 {:.3f} s, slowest {:.3f}",
+                                           quantile(result.refused, 0.99), result.refused.back());
   return fmt::format(
       "{:.2f} /s asked, {:.2f} /s answered; p50 {:.3f} s, p90 {:.3f}, p99 {:.3f}, p99.9 {:.3f}; "
-      "{}; "
-      "slowest 503 {:.3f} s\n",
+      "{}{}\n",
       result.rate, result.goodput(), result.quantile(0.5), result.quantile(0.9),
-      result.quantile(0.99), result.quantile(0.999), codes, result.slowest_refusal);
+      result.quantile(0.99), result.quantile(0.999), codes, refused);
 }
 
 nlohmann::ordered_json json_of(const LoadResult& result) {
@@ -151,7 +153,8 @@ nlohmann::ordered_json json_of(const LoadResult& result) {
           {"p90", result.quantile(0.9)},
           {"p99", result.quantile(0.99)},
           {"p99_9", result.quantile(0.999)},
-          {"slowest_503", result.slowest_refusal},
+          {"p99_503", quantile(result.refused, 0.99)},
+          {"slowest_503", quantile(result.refused, 1)},
           {"codes", std::move(codes)}};
 }
 
@@ -161,8 +164,6 @@ bool is_borne(const LoadResult& result, double max_p99) {
 }
 
 Result<void> load(const LoadArguments& arguments, const Context& context) {
-  const Result<MappedFile> body = MappedFile::open(arguments.scene, kMaxAnswerBytes);
-  if (!body) return body.error();
   error_code error;
   const asio::ip::address address = asio::ip::make_address(arguments.address, error);
   if (error) {
@@ -170,15 +171,20 @@ Result<void> load(const LoadArguments& arguments, const Context& context) {
                  fmt::format("--address: expected an IP address as 127.0.0.1, found '{}'",
                              arguments.address)};
   }
-  std::string extension = std::filesystem::path(arguments.scene).extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  const std::string target =
-      "/v1/recognize?format=" + extension + (arguments.query.empty() ? "" : "&" + arguments.query);
+  std::vector<LoadScene> scenes;
+  for (const std::string& file : arguments.scenes) {
+    Result<MappedFile> body = MappedFile::open(file, kMaxSceneBytes);
+    if (!body) return body.error();
+    std::string extension = std::filesystem::path(file).extension().string();
+    if (!extension.empty()) extension.erase(0, 1);
+    scenes.push_back({std::move(*body), "/v1/recognize?format=" + extension +
+                                            (arguments.query.empty() ? "" : "&") +
+                                            arguments.query});
+  }
 
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();
   const auto run = [&](double rate) {
-    LoadResult result =
-        LoadRun(arguments, {address, arguments.port}, target, body->bytes()).run(rate);
+    LoadResult result = LoadRun(arguments, {address, arguments.port}, scenes).run(rate);
     fmt::print("{}", line_of(result));
     runs.push_back(json_of(result));
     return result;
@@ -215,7 +221,8 @@ void add_load(CLI::App& app, Context& context) {
       "Requests are sent at a fixed rate, whether those before have been answered or not, and "
       "times\n"
       "count from when a request was due: a service that is too slow cannot hide it.");
-  command->add_option("SCENE", arguments->scene, "Scan that every request sends")->required();
+  command->add_option("SCENE", arguments->scenes, "Scans that the requests send in turn")
+      ->required();
   command->add_option("--address", arguments->address, "Of the service")->capture_default_str();
   command->add_option("--port", arguments->port, "Of the service")->capture_default_str();
   command->add_option("--query", arguments->query,
