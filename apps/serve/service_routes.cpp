@@ -5,18 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <mutex>
-#include <random>
 
 #include "apps/detections_json.hpp"
 #include "apps/inputs.hpp"
 #include "apps/score_words.hpp"
+#include "apps/serve/http_messages.hpp"
 #include "apps/serve/inference_protocol.hpp"
 #include "apps/serve/page.hpp"
 #include "apps/serve/query.hpp"
-#include "apps/serve/responses.hpp"
 #include "apps/serve/scan_request.hpp"
 #include "storage/file.hpp"
 
@@ -25,56 +23,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxDeadlineMs = 3.6e6;
 constexpr std::size_t kDefaultShownPoints = 250'000, kMaxShownPoints = 5'000'000;
 constexpr std::uint64_t kMaxExampleBytes = 256 << 20;
 constexpr const char* kBytes = "application/octet-stream";
 
 /// What the inference protocol calls the library.
 std::string model_name(const Library& library) { return library.file.stem().string(); }
-
-bool is_plain(const std::string& id) {
-  return !id.empty() && id.size() <= 128 && std::ranges::all_of(id, [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
-  });
-}
-
-/// The client's, or one of our own.
-std::string request_id(const HttpRequest& request) {
-  const std::string given = request.header("x-request-id");
-  if (is_plain(given)) return given;
-  thread_local std::mt19937_64 random{std::random_device{}()};
-  return fmt::format("{:016x}", random());
-}
-
-/// W3C Trace Context, 3.2: version, trace, parent and flags in lower-case hexadecimal digits.
-std::string trace_parent(const HttpRequest& request) {
-  const std::string given = request.header("traceparent");
-  static constexpr std::string_view kForm =
-      "xx-xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx-xxxxxxxxxxxxxxxx-xx";
-  const bool good =
-      given.size() == kForm.size() &&
-      std::equal(given.begin(), given.end(), kForm.begin(), [](char c, char form) {
-        return form == '-' ? c == '-' : (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-      });
-  return good ? given : "";
-}
-
-/// By the header X-Deadline-Ms. Errors: usage.
-Result<ServiceClock::time_point> deadline_of(const HttpRequest& request,
-                                             std::chrono::milliseconds deadline) {
-  if (const std::string asked = request.header("x-deadline-ms"); !asked.empty()) {
-    char* end = nullptr;
-    const double value = std::strtod(asked.c_str(), &end);
-    if (*end != '\0' || !(value > 0) || value > kMaxDeadlineMs) {
-      return Error{ErrorCode::usage,
-                   fmt::format("X-Deadline-Ms: expected above 0 to {:.0f}, found '{}'",
-                               kMaxDeadlineMs, asked)};
-    }
-    deadline = std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(value)));
-  }
-  return ServiceClock::now() + deadline;
-}
 
 /// The points of a scan as floats, at most so many of them: spread over all without a pattern.
 std::string shown_points(const Points& points, std::size_t max_points) {
