@@ -1,18 +1,15 @@
 /// Counters and histograms of the service, in Prometheus' text format.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
-#include <vector>
+#include <utility>
+
+#include "apps/serve/prometheus.hpp"
 
 namespace trivet::apps {
-
-/// Seconds from a millisecond to a minute.
-inline constexpr std::array<double, 14> kDurationBounds{0.005, 0.01, 0.025, 0.05, 0.1, 0.2, 0.35,
-                                                        0.5,   0.75, 1,     2,    5,   10,  60};
 
 /// All members may be called from any thread.
 class Metrics {
@@ -33,13 +30,6 @@ class Metrics {
   std::string text(const Gauges& gauges) const;
 
  private:
-  struct Histogram {
-    std::array<std::uint64_t, kDurationBounds.size()> counts{};
-    std::uint64_t all = 0;
-    double sum = 0;
-    void observe(double seconds);
-    void write(const std::string& name, const std::string& labels, std::string& out) const;
-  };
   mutable std::mutex mutex_;
   std::map<std::pair<std::string, unsigned>, std::uint64_t> requests_;
   std::map<std::string, std::uint64_t> rejections_;
