@@ -1,0 +1,393 @@
+import { Matrix4, Vector3 } from "three";
+
+import { adviceOnNothing } from "./advice.js";
+import { detectionColours } from "./colours.js";
+import { byId, element, moveByArrows, terms } from "./dom.js";
+import { LibraryPanel } from "./library_panel.js";
+import { listenForFiles } from "./open_files.js";
+import { PoseList } from "./pose_list.js";
+import { worthTelling } from "./rejected.js";
+import { readFiles, scanOfExample } from "./scan.js";
+import * as service from "./service.js";
+import { Settings } from "./settings.js";
+import { timesView } from "./times.js";
+import { Meshes } from "./view/meshes.js";
+import { SceneView } from "./view/scene_view.js";
+import {
+  countWords,
+  lengthWords,
+  numbered,
+  pointWords,
+  rejectionWords,
+  secondsWords,
+} from "./words.js";
+
+const kAloneColour = "#8fa3b8"; // of a model shown by itself
+
+const meshes = new Meshes();
+const view = makeView();
+const lists = {
+  found: new PoseList(byId("found"), (id) => select(id)),
+  rejected: new PoseList(byId("rejected"), (id) => select(id)),
+};
+const libraryPanel = new LibraryPanel((model) => showModel(model));
+
+let library = { unit: "m", models: [], generation: 0 };
+let scoreParts = null;
+let settings = null;
+let scan = null;
+let points = null; // of the scan: { key, positions, total }
+let running = null; // the AbortController of what is being asked
+let selected = null;
+
+function makeView() {
+  try {
+    return new SceneView(byId("canvas"), byId("marks"));
+  } catch {
+    byId("no-webgl").hidden = false;
+    byId("canvas").hidden = true;
+    return null;
+  }
+}
+
+// What the panel says.
+
+function say(headline) {
+  byId("headline").textContent = headline;
+  document.title = scan ? `${headline} – ${scan.name} – Trivet` : "Trivet";
+}
+
+function setBusy(busy) {
+  byId("progress").hidden = !busy;
+  byId("result").setAttribute("aria-busy", busy);
+}
+
+function showProblem(message, again) {
+  byId("problem").replaceChildren(
+    element("p", {}, message),
+    again ? element("button", { type: "button", onclick: again }, "Try again") : "",
+  );
+}
+
+function clearResult() {
+  selected = null;
+  for (const id of ["problem", "advice"]) byId(id).replaceChildren();
+  for (const id of ["found", "rejected", "times", "answer"]) byId(`${id}-section`).hidden = true;
+  for (const list of Object.values(lists)) list.show([]);
+  view?.setThings([]);
+}
+
+function tellScan(scene) {
+  const facts = [
+    scan.name,
+    points && numbered(points.total, "point", "points"),
+    points && points.total > points.positions.length / 3 &&
+      `${countWords(points.positions.length / 3)} drawn`,
+    scene?.invalid_points > 0 && `${countWords(scene.invalid_points)} invalid`,
+    scene?.noise > 0 && `noise ${lengthWords(scene.noise, library.unit)}`,
+  ];
+  byId("scan-facts").textContent = facts.filter(Boolean).slice(1).join(", ");
+  byId("view-title").textContent = scan.name;
+}
+
+// Scans.
+
+function openScan(next, camera) {
+  scan = next;
+  points = null;
+  view?.clear();
+  byId("welcome").hidden = true;
+  byId("examples-box").open = false;
+  byId("recognise").disabled = false;
+  settings.adopt(scan, camera);
+  showTab("result");
+  return run();
+}
+
+async function openFiles(files) {
+  try {
+    const read = await readFiles(files);
+    if (read.scan) return await openScan(read.scan, read.camera);
+    settings.setCamera(read.camera);
+    if (scan?.format === "png") return await run();
+    showProblem("The camera is kept for the next depth image.");
+  } catch (error) {
+    showTab("result");
+    showProblem(error.message);
+  }
+}
+
+/** Show the scan as the service reads it, unless it is shown already. */
+async function showPoints(signal) {
+  const parameters = settings.pointParameters(scan);
+  const key = parameters.toString();
+  if (points?.key === key) return;
+  const fetched = await service.fetchPoints(scan, parameters, signal);
+  points = { key, ...fetched };
+  view?.showScan(points.positions, settings.viewpoint);
+  showTools();
+  byId("canvas").setAttribute("aria-label", `Scan ${scan.name}`);
+  tellScan();
+}
+
+/** Ask the service about the scan with the present settings; what was being asked is dropped. */
+async function run() {
+  running?.abort();
+  const asking = new AbortController();
+  running = asking;
+  clearResult();
+  const fault = settings.fault(scan);
+  settings.mark(fault);
+  tellScan();
+  setBusy(!fault);
+  if (fault) {
+    say("Settings are missing");
+    return showProblem(fault.message);
+  }
+  say("Recognising …");
+  try {
+    scan.body ??= await service.fetchBytes(scan.url, asking.signal);
+    const [result] = await Promise.all([
+      service.recognise(scan, settings.parameters(scan), asking.signal),
+      showPoints(asking.signal),
+    ]);
+    await showResult(result, asking.signal);
+  } catch (error) {
+    if (asking.signal.aborted) return;
+    say(error instanceof service.ServiceError ? "Not recognised" : "Not shown");
+    showProblem(error.message, error.mayPass && run);
+  } finally {
+    if (running === asking) setBusy(false);
+  }
+}
+
+// Results.
+
+async function showResult(result, signal) {
+  const { answer } = result;
+  const [scene] = answer.scenes;
+  if (answer.library.generation !== library.generation) await loadLibrary();
+  const { detections, rejected = [] } = scene;
+  const colours = detectionColours(detections);
+  const told = worthTelling(rejected, detections);
+  const things = [
+    ...detections.map((pose, k) => ({
+      id: `found-${k}`, kind: "found", label: `${k + 1}`, colour: colours[k], pose,
+    })),
+    ...told.map((pose, k) => ({
+      id: `rejected-${k}`, kind: "rejected", label: `R${k + 1}`, pose,
+      reason: rejectionWords(pose, detections, settings.minScore),
+    })),
+  ];
+
+  say(detections.length ? `${detections.length} found in ${secondsWords(answer.seconds.work)}` : "No model found");
+  tellScan(scene);
+  const kinds = { found: things.slice(0, detections.length), rejected: things.slice(detections.length) };
+  lists.found.show(kinds.found, settings.unit, scoreParts);
+  lists.rejected.show(kinds.rejected, settings.unit, scoreParts);
+  byId("found-section").hidden = !detections.length;
+  byId("rejected-note").textContent = rejectedNote(rejected.length, told.length);
+  showLayer("rejected", isShown("rejected"));
+  if (!detections.length) {
+    byId("advice").replaceChildren(...adviceOnNothing({
+      positions: points?.positions, unit: settings.unit, library, rejected,
+      minScore: settings.minScore, format: scan.format,
+    }));
+  }
+  byId("times").replaceChildren(...timesView(answer, result.seconds));
+  byId("times-section").hidden = false;
+  showAnswer(result);
+  await pose(things, signal);
+}
+
+function rejectedNote(all, told) {
+  if (!all) return "No other pose was tested in full.";
+  const rest = all - told;
+  return rest ? `${numbered(rest, "more scores", "more score")} next to nothing, or lie where a better pose of the same model was found.` : "";
+}
+
+function showAnswer({ text, answer }) {
+  byId("answer").replaceChildren(terms([
+    ["request", element("code", {}, answer.request_id)],
+    ["library", `${answer.library.file}, generation ${answer.library.generation}`],
+  ]));
+  byId("copy").hidden = !navigator.clipboard;
+  byId("copy").textContent = "Copy JSON";
+  byId("copy").onclick = async () => {
+    await navigator.clipboard.writeText(text);
+    byId("copy").textContent = "Copied";
+  };
+  const download = byId("download");
+  URL.revokeObjectURL(download.href);
+  download.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
+  download.download = `${scan.name.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.trivet.json`;
+  byId("answer-section").hidden = false;
+}
+
+/** Vertices of a model, in the library's unit, to the scan's frame and unit. */
+function poseMatrix(rows) {
+  const perMetre = { m: 1, mm: 1000 };
+  const scale = perMetre[settings.unit] / perMetre[library.unit];
+  return new Matrix4().set(...rows.flat()).scale(new Vector3().setScalar(scale));
+}
+
+/** Draw the things into the view. */
+async function pose(things, signal) {
+  if (!view) return;
+  meshes.keep(new Set(things.map((thing) => thing.pose.model)));
+  const drawn = await Promise.all(things.map(async (thing) => ({
+    id: thing.id,
+    kind: thing.kind,
+    label: thing.label,
+    colour: thing.colour,
+    geometry: await meshes.get(thing.pose.model),
+    pose: poseMatrix(thing.pose.T_scene_model),
+    rivals: (thing.pose.rivals ?? []).map(poseMatrix),
+  })));
+  if (signal.aborted) return;
+  view.setThings(drawn);
+  view.select(selected);
+  const found = things.filter((thing) => thing.kind === "found");
+  byId("canvas").setAttribute("aria-label", `Scan ${scan.name} with ${numbered(found.length, "model", "models")} drawn in`);
+}
+
+function select(id) {
+  selected = id;
+  for (const list of Object.values(lists)) list.open(id);
+  view?.select(id);
+}
+
+// Layers of the view.
+
+const isShown = (layer) => byId(`layer-${layer}`).getAttribute("aria-pressed") === "true";
+
+function showLayer(layer, shown) {
+  byId(`layer-${layer}`).setAttribute("aria-pressed", shown);
+  view?.setLayers({ [layer]: shown });
+  if (layer !== "rejected") return;
+  byId("rejected-section").hidden = !shown || byId("times-section").hidden;
+  if (!shown && selected?.startsWith("rejected")) select(null);
+}
+
+/** Fit, when there is something to see; the layers, when that is a scan. */
+function showTools(model = false) {
+  byId("tools").hidden = !view || !(points || model);
+  for (const layer of ["scan", "found", "rejected"]) byId(`layer-${layer}`).hidden = model;
+}
+
+const toggleLayer = (layer) => showLayer(layer, !isShown(layer));
+
+// The library.
+
+async function loadLibrary() {
+  library = await service.fetchLibrary();
+  meshes.setModels(library.models);
+  libraryPanel.show(library);
+  byId("library-facts").textContent =
+    `${numbered(library.models.length, "model", "models")}, generation ${library.generation}`;
+}
+
+async function showModel(model) {
+  try {
+    const geometry = await meshes.get(model.name);
+    if (byId("models").hidden) return;
+    view?.showModel(geometry, kAloneColour);
+    libraryPanel.mark(model);
+    showTools(true);
+    byId("welcome").hidden = true;
+    byId("view-title").textContent = model.name;
+  } catch (error) {
+    byId("models-count").textContent = error.message;
+  }
+}
+
+function showTab(name) {
+  for (const other of ["result", "models"]) {
+    byId(other).hidden = other !== name;
+    byId(`tab-${other}`).setAttribute("aria-selected", other === name);
+  }
+  if (name === "models") return;
+  view?.closeModel();
+  libraryPanel.mark(null);
+  showTools();
+  byId("welcome").hidden = Boolean(scan) || !view;
+  byId("view-title").textContent = scan?.name ?? "";
+}
+
+// The rest of the page.
+
+async function showExamples() {
+  const examples = await service.fetchExamples();
+  byId("examples-box").hidden = !examples.length;
+  byId("examples-count").textContent = countWords(examples.length);
+  byId("examples").replaceChildren(...examples.map((example) =>
+    element("li", {}, element(
+      "button",
+      { type: "button", onclick: () => openScan(scanOfExample(example)) },
+      element("span", { className: "name" }, example.name),
+      element("span", { className: "dim" }, `${example.format}, ${countWords(Math.ceil(example.bytes / 1000))} kB`),
+    )),
+  ));
+}
+
+function listen() {
+  listenForFiles(openFiles);
+  byId("fit").onclick = () => view?.fit();
+  for (const layer of ["scan", "found", "rejected"]) {
+    byId(`layer-${layer}`).onclick = () => toggleLayer(layer);
+  }
+  for (const name of ["result", "models"]) byId(`tab-${name}`).onclick = () => showTab(name);
+  moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
+  moveByArrows(byId("tools"), "button");
+  moveByArrows(byId("examples"), "button");
+  byId("show-help").onclick = () => byId("help").showModal();
+  addEventListener("keydown", onShortcut);
+  if (!view) return;
+  view.onPick = (id) => select(id);
+  view.onLook = (point, distance) => {
+    byId("look").textContent = point
+      ? `looking at ${pointWords(point, settings.unit)}, from ${lengthWords(distance, settings.unit)}`
+      : "";
+  };
+}
+
+function onShortcut(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (byId("help").open || event.target.matches("input, select, textarea")) return;
+  const run_shortcut = {
+    o: () => byId("files").click(),
+    f: () => view?.fit(),
+    s: () => toggleLayer("scan"),
+    d: () => toggleLayer("found"),
+    r: () => toggleLayer("rejected"),
+    m: () => {
+      const opens = byId("models").hidden;
+      showTab(opens ? "models" : "result");
+      if (opens) libraryPanel.focus();
+      else byId("tab-result").focus();
+    },
+    "?": () => byId("help").showModal(),
+    Escape: () => select(null),
+  }[event.key];
+  if (!run_shortcut) return;
+  event.preventDefault();
+  run_shortcut();
+}
+
+async function start() {
+  try {
+    await loadLibrary();
+    scoreParts = await service.fetchScoreParts();
+    settings = new Settings(library.unit);
+    settings.onSubmit(run);
+    listen();
+    showTab("result");
+    await showExamples();
+    say("Ready for a scan");
+  } catch (error) {
+    say("Not ready");
+    showProblem(error.message, () => location.reload());
+  }
+}
+
+start();

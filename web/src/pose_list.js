@@ -1,0 +1,110 @@
+import { element, moveByArrows, terms } from "./dom.js";
+import { scoreBars } from "./score_bars.js";
+import {
+  lengthWords,
+  methodWords,
+  numbered,
+  percentWords,
+  pointWords,
+  scoreWords,
+} from "./words.js";
+
+const position = (pose) => pose.T_scene_model.slice(0, 3).map((row) => row[3]);
+
+function noteOf({ kind, pose, reason }, unit) {
+  if (kind === "rejected") return reason;
+  return `${percentWords(pose.visible_fraction)} visible, rmse ${lengthWords(pose.rmse, unit)}`;
+}
+
+function copyPose(pose) {
+  if (!navigator.clipboard) return null; // of a page that is neither local nor encrypted
+  const button = element("button", {
+    type: "button",
+    onclick: async () => {
+      await navigator.clipboard.writeText(JSON.stringify(pose.T_scene_model));
+      button.textContent = "Copied";
+    },
+  }, "Copy pose");
+  return button;
+}
+
+function detailsOf({ kind, pose }, unit, scoreParts) {
+  const found = kind === "found";
+  return [
+    terms([
+      ["position", pointWords(position(pose), unit)],
+      found && ["outline free", percentWords(pose.contour)],
+      found && ["looked through", percentWords(pose.violation)],
+      found && ["proposed by", methodWords(pose.method)],
+      pose.ambiguous && [
+        "ambiguous",
+        `the scan cannot tell it from ${numbered(pose.rivals.length, "other pose", "other poses")}, drawn as outlines`,
+      ],
+    ]),
+    pose.evidence && scoreParts && scoreBars(pose.evidence, scoreParts),
+    element("p", { className: "buttons" }, copyPose(pose)),
+  ].flat();
+}
+
+/** A list of posed models; one at a time is open, with its details beneath. */
+export class PoseList {
+  #list;
+  #rows = new Map();
+
+  /** list  an `ol`; onOpen(id) is called when a row is opened, onOpen(null) when it is closed */
+  constructor(list, onOpen) {
+    this.#list = list;
+    this.onOpen = onOpen;
+    moveByArrows(list, "button.pose");
+  }
+
+  /**
+   * things      [{ id, kind, label, colour, pose: as the service gave it, reason }]
+   * unit        of the scan
+   * scoreParts  of the service, or null
+   */
+  show(things, unit, scoreParts) {
+    this.#rows.clear();
+    const rows = things.map((thing) => {
+      const details = element("div", { className: "details", hidden: true, id: `about-${thing.id}` });
+      const swatch = element("span", { className: `swatch ${thing.kind}`, "aria-hidden": "true" });
+      if (thing.colour) swatch.style.background = thing.colour;
+      const meter = element("span", { className: "meter", "aria-hidden": "true" });
+      meter.style.setProperty("--score", thing.pose.score);
+      const button = element(
+        "button",
+        {
+          type: "button",
+          className: "pose",
+          "aria-expanded": "false",
+          "aria-controls": details.id,
+          onclick: () => this.onOpen(button.getAttribute("aria-expanded") === "true" ? null : thing.id),
+        },
+        swatch,
+        element("span", { className: "label" }, thing.label),
+        element("span", { className: "name" }, thing.pose.model, " ",
+          thing.pose.ambiguous && element("span", { className: "tag" }, "ambiguous")),
+        element("span", { className: "score" },
+          element("span", { className: "unseen" }, "score "), scoreWords(thing.pose.score)),
+        element("span", { className: "note dim" }, noteOf(thing, unit)),
+        meter,
+      );
+      const fill = () => details.replaceChildren(...detailsOf(thing, unit, scoreParts).filter(Boolean));
+      this.#rows.set(thing.id, { button, details, fill });
+      return element("li", {}, button, details);
+    });
+    this.#list.replaceChildren(...rows);
+  }
+
+  /** Open the row of this id, and close the others; null or an unknown id: close all. */
+  open(id) {
+    for (const [other, { button, details, fill }] of this.#rows) {
+      const opens = other === id;
+      button.setAttribute("aria-expanded", opens);
+      details.hidden = !opens;
+      if (!opens) continue;
+      fill();
+      button.closest("li").scrollIntoView({ block: "nearest" });
+    }
+  }
+}

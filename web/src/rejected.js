@@ -1,0 +1,16 @@
+const kHopeful = 0.01; // poses that score less are not told
+
+/**
+ * The rejected poses that are worth a row, best first: those with a chance that are not just a worse
+ * guess at a detection of their own model, and the best one of each model without any detection.
+ */
+export function worthTelling(rejected, detections) {
+  const seen = new Set(detections.map(({ model }) => model));
+  return rejected.filter((pose) => {
+    const first = !seen.has(pose.model);
+    seen.add(pose.model);
+    const beneathItsLike =
+      pose.reason === "too_low" && detections[pose.explained_by]?.model === pose.model;
+    return first || (pose.score >= kHopeful && !beneathItsLike);
+  });
+}

@@ -1,0 +1,58 @@
+/** What a user opens: scans, and camera files beside them. */
+
+const kFormats = ["ply", "pcd", "obj", "stl", "off", "xyz", "png"];
+export const kAccepted = [...kFormats, "json"].map((format) => `.${format}`).join(",");
+
+export const kCameraKeys = ["fx", "fy", "cx", "cy", "depth_scale"];
+
+const extension = (name) => name.slice(name.lastIndexOf(".") + 1).toLowerCase();
+
+async function readCamera(file) {
+  let camera;
+  try {
+    camera = JSON.parse(await file.text());
+  } catch {
+    throw new Error(`${file.name}: expected a camera in JSON, found something else.`);
+  }
+  const missing = kCameraKeys.filter((key) => !Number.isFinite(camera?.[key]));
+  if (missing.length) {
+    throw new Error(
+      `${file.name}: expected the numbers ${kCameraKeys.join(", ")}; missing: ${missing.join(", ")}.`,
+    );
+  }
+  return Object.fromEntries(kCameraKeys.map((key) => [key, String(camera[key])]));
+}
+
+/**
+ * Read dropped or chosen files.
+ *
+ * Returns { scan: or null, camera: or null }; a scan is { name, format, body, bytes, query }.
+ * Errors: no scan of a known format, several scans, a camera file without the numbers.
+ */
+export async function readFiles(files) {
+  const all = [...files];
+  const scans = all.filter((file) => kFormats.includes(extension(file.name)));
+  const cameras = all.filter((file) => extension(file.name) === "json");
+  if (scans.length > 1) throw new Error(`Expected one scan, found ${scans.length}: drop one at a time.`);
+  if (!scans.length && !cameras.length) {
+    throw new Error(
+      `${all[0]?.name ?? "The drop"}: expected a scan (${kFormats.join(", ")}), and for a depth ` +
+        "image a camera file (json).",
+    );
+  }
+  const camera = cameras.length ? await readCamera(cameras[0]) : null;
+  if (!scans.length) return { scan: null, camera };
+  const [file] = scans;
+  const scan = { name: file.name, format: extension(file.name), body: file, bytes: file.size };
+  return { scan: { ...scan, query: null }, camera };
+}
+
+/** A scan that the service offers; its body is still to be fetched from `url`. */
+export const scanOfExample = (example) => ({
+  name: example.name,
+  format: example.format,
+  bytes: example.bytes,
+  query: new URLSearchParams(example.query),
+  url: example.url,
+  body: null,
+});

@@ -1,0 +1,86 @@
+/** What the service refused, or that it did not answer, as a sentence for the user. */
+export class ServiceError extends Error {
+  /** status  of HTTP; 0: there was no answer */
+  constructor(message, status) {
+    super(message);
+    this.status = status;
+  }
+
+  /** Whether the same request may be answered another time. */
+  get mayPass() {
+    return this.status === 0 || this.status >= 500;
+  }
+}
+
+const kHints = {
+  413: "The file is larger than the service takes.",
+  503: "The service is busy.",
+  504: "The service took longer than it may.",
+};
+
+async function ask(target, options = {}) {
+  let response;
+  try {
+    response = await fetch(target, options);
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new ServiceError("The service does not answer. Is `trivet serve` still running?", 0);
+  }
+  if (response.ok) return response;
+  let reason = response.statusText;
+  try {
+    reason = (await response.json()).error ?? reason;
+  } catch {
+    // Not of the service's own: a proxy's page, say. The status has to do.
+  }
+  const hint = kHints[response.status];
+  const wait = response.headers.get("Retry-After");
+  throw new ServiceError(
+    [hint, reason, wait && `Try again in ${wait} s.`].filter(Boolean).join(" "),
+    response.status,
+  );
+}
+
+const getJson = async (target) => (await ask(target)).json();
+
+/** { generation, unit, models: [{ name, diameter, symmetries, symmetry_axis, thumbnail, mesh }] } */
+export const fetchLibrary = () => getJson("/v1/models");
+
+/** [{ name, format, bytes, query, url }] */
+export const fetchExamples = async () => (await getJson("/v1/examples")).examples;
+
+/** { bias, parts: [{ name, label, meaning, most_evidence }] } */
+export const fetchScoreParts = () => getJson("/v1/score-parts");
+
+/** The bytes at an address of the service. */
+export const fetchBytes = async (address, signal) => (await ask(address, { signal })).arrayBuffer();
+
+const post = (path, parameters, body, signal) =>
+  ask(`${path}?${parameters}`, { method: "POST", body, signal });
+
+/**
+ * Points of a scan, thinned to what can be drawn.
+ *
+ * Returns { positions: x, y, z of each in the scan's unit and frame, total: before thinning }.
+ */
+export async function fetchPoints(scan, parameters, signal) {
+  const response = await post("/v1/points", parameters, scan.body, signal);
+  const positions = new Float32Array(await response.arrayBuffer());
+  return { positions, total: Number(response.headers.get("X-Points")) || positions.length / 3 };
+}
+
+/**
+ * Recognise a scan.
+ *
+ * Returns { text: the answer as it came, answer: parsed, seconds: from sending to the end of it }.
+ */
+export async function recognise(scan, parameters, signal) {
+  performance.clearResourceTimings();
+  const start = performance.now();
+  const response = await post("/v1/recognize", parameters, scan.body, signal);
+  const text = await response.text();
+  // The network's own clock, where there is one: the page's also counts what the page drew meanwhile.
+  const sent = performance.getEntriesByName(response.url).at(-1);
+  const ms = sent ? sent.responseEnd - sent.startTime : performance.now() - start;
+  return { text, answer: JSON.parse(text), seconds: ms / 1000 };
+}

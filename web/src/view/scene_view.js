@@ -1,0 +1,405 @@
+import {
+  Color,
+  CylinderGeometry,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  HemisphereLight,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  Sphere,
+  Spherical,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+import { element } from "../dom.js";
+import { frameOf, frameOfSphere } from "./frame.js";
+import { outlineMaterial, Picture } from "./picture.js";
+import { makeScanPoints } from "./scan_points.js";
+
+const kFieldOfView = 40; // [degrees]
+const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
+const kFlightSeconds = 0.45;
+const kTurn = Math.PI / 24; // of an arrow key
+const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
+
+/** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
+const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispose());
+
+/** The axes of a model's frame: x red, y green, z blue, of length 1; drawn over everything. */
+function makeAxes() {
+  const axes = new Group();
+  const bar = new CylinderGeometry(0.012, 0.012, 1, 8).translate(0, 0.5, 0);
+  const turns = [[0, 0, -Math.PI / 2], [0, 0, 0], [Math.PI / 2, 0, 0]];
+  ["#e5484d", "#3fae5a", "#4a7dff"].forEach((color, k) => {
+    const mesh = new Mesh(bar, new MeshBasicMaterial({ color, depthTest: false }));
+    mesh.rotation.set(...turns[k]);
+    mesh.renderOrder = 1;
+    axes.add(mesh);
+  });
+  axes.matrixAutoUpdate = false;
+  axes.visible = false;
+  return axes;
+}
+
+/**
+ * The 3-D view: one scan with posed models, or one model by itself.
+ *
+ * It draws only when something changed. Things are posed in the scan's frame; `onPick(id)` tells
+ * which one was clicked (null: none), `onLook(point, distance)` where the camera looks, in the
+ * scan's frame and unit.
+ */
+export class SceneView {
+  #canvas;
+  #marks;
+  #renderer;
+  #picture;
+  #camera = new PerspectiveCamera(kFieldOfView);
+  #controls;
+  #solid = new Scene();
+  #outlined = new Scene();
+  #lamp = new DirectionalLight("#ffffff", 2.2);
+  #axes = makeAxes();
+  #frame = null;
+  #points = null;
+  #found = new Group();
+  #model = null; // shown by itself
+  #things = []; // { id, kind, mesh, outline, mark, centre, radius, colour, axes, rivals }
+  #layers = { scan: true, found: true, rejected: false };
+  #selected = null;
+  #saved = null; // the camera of the scan while a model is shown
+  #asked = 0;
+  #flight = 0;
+
+  onPick = () => {};
+  onLook = () => {};
+
+  /** Errors: there is no WebGL 2. */
+  constructor(canvas, marks) {
+    this.#canvas = canvas;
+    this.#marks = marks;
+    this.#renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "default" });
+    this.#picture = new Picture(this.#renderer);
+    this.#controls = new OrbitControls(this.#camera, canvas);
+    this.#controls.zoomToCursor = true;
+    this.#controls.addEventListener("change", () => this.#draw());
+    this.#controls.addEventListener("start", () => cancelAnimationFrame(this.#flight));
+    this.#solid.add(new HemisphereLight("#ffffff", "#6f7680", 1.4), this.#camera, this.#found);
+    this.#lamp.position.set(-0.4, 0.6, 1);
+    this.#camera.add(this.#lamp);
+    this.#solid.add(this.#axes);
+    this.#camera.position.set(0, 0.5, 3);
+    this.readColours();
+
+    new ResizeObserver(() => this.#resize()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColours());
+    canvas.addEventListener("webglcontextrestored", () => this.#draw());
+    canvas.addEventListener("keydown", (event) => this.#onKey(event));
+    this.#listenForPicks();
+  }
+
+  /** Take the colours of the scene from the style sheet. */
+  readColours() {
+    const style = getComputedStyle(this.#canvas);
+    const colour = (name) => new Color(style.getPropertyValue(name).trim());
+    this.colours = {
+      scan: colour("--scan"),
+      selected: colour("--selected"),
+      rejected: colour("--rejected"),
+    };
+    this.#solid.background = colour("--view");
+    if (this.#points) this.#points.material.uniforms.colour.value = this.colours.scan;
+    for (const thing of this.#things) this.#paint(thing);
+    this.#draw();
+  }
+
+  /** positions  x, y, z of each point; viewpoint  of the sensor; both in the scan's frame */
+  showScan(positions, viewpoint) {
+    this.clear();
+    if (!positions.length) return;
+    this.#frame = frameOf(positions, viewpoint);
+    this.#points = makeScanPoints(positions, this.#frame);
+    this.#points.material.uniforms.colour.value = this.colours.scan;
+    this.#solid.add(this.#points);
+    this.#arrange();
+    this.fit(false);
+  }
+
+  /** Forget the scan and all that is posed in it. */
+  clear() {
+    this.closeModel();
+    this.setThings([]);
+    this.#points?.removeFromParent();
+    this.#points?.geometry.dispose();
+    this.#points?.material.dispose();
+    this.#points = null;
+    this.#frame = null;
+    this.#draw();
+  }
+
+  /**
+   * Pose models in the scan.
+   *
+   * things  [{ id, kind: "found" or "rejected", geometry, pose: Matrix4 of the geometry's points in
+   *         the scan's frame, colour, label, rivals: other such poses }]
+   */
+  setThings(things) {
+    this.#selected = null;
+    freeMaterials(this.#found);
+    for (const { outline } of this.#things) freeMaterials(outline);
+    this.#found.clear();
+    this.#outlined.clear();
+    this.#marks.replaceChildren();
+    this.#things = this.#frame ? things.map((thing, k) => this.#make(thing, k)) : [];
+    this.#arrange();
+  }
+
+  #make(thing, index) {
+    const matrix = this.#frame.toWorld.clone().multiply(thing.pose);
+    const pose = (mesh, world) => {
+      mesh.matrixAutoUpdate = false;
+      mesh.matrix.copy(world);
+      return mesh;
+    };
+    const outline = new Group();
+    const addOutline = (world, id) =>
+      outline.add(pose(new Mesh(thing.geometry, outlineMaterial(id, new Color())), world));
+    addOutline(matrix, thing.kind === "found" ? kSelected : index + 2);
+    for (const rival of thing.rivals ?? []) {
+      addOutline(this.#frame.toWorld.clone().multiply(rival), index + 2);
+    }
+    this.#outlined.add(outline);
+    let mesh = null;
+    if (thing.kind === "found") {
+      const material = new MeshLambertMaterial({ flatShading: true, side: DoubleSide });
+      mesh = pose(new Mesh(thing.geometry, material), matrix);
+      mesh.userData.id = thing.id;
+      this.#found.add(mesh);
+    }
+    const sphere = new Sphere().copy(thing.geometry.boundingSphere).applyMatrix4(matrix);
+    const mark = element("span", { className: `mark ${thing.kind}` }, thing.label);
+    mark.style.setProperty("--ink", thing.colour ?? "");
+    this.#marks.append(mark);
+    const made = { ...thing, matrix, outline, mesh, mark, centre: sphere.center, radius: sphere.radius };
+    this.#paint(made);
+    return made;
+  }
+
+  #paint(thing) {
+    const fades = this.#selected !== null && thing.id !== this.#selected;
+    thing.mesh?.material.color
+      .set(thing.colour ?? 0)
+      .lerp(this.colours.scan, fades ? 0.6 : 0);
+    const ink = thing.id === this.#selected ? this.colours.selected : this.colours.rejected;
+    for (const { material } of thing.outline.children) material.uniforms.colour.value.copy(ink);
+  }
+
+  /** Show or hide { scan, found, rejected }. */
+  setLayers(layers) {
+    Object.assign(this.#layers, layers);
+    this.#arrange();
+  }
+
+  #shows(thing) {
+    return !this.#model && (this.#layers[thing.kind] || thing.id === this.#selected);
+  }
+
+  #arrange() {
+    const chosen = this.#things.find((thing) => thing.id === this.#selected);
+    if (this.#points) this.#points.visible = this.#layers.scan && !this.#model;
+    for (const thing of this.#things) {
+      const shown = this.#shows(thing);
+      if (thing.mesh) thing.mesh.visible = shown;
+      thing.outline.visible = shown && (thing.kind === "rejected" || thing === chosen);
+      thing.mark.hidden = !shown;
+      thing.mark.classList.toggle("selected", thing === chosen);
+      this.#paint(thing);
+    }
+    this.#axes.visible = Boolean(chosen) && !this.#model;
+    if (chosen) {
+      const length = (1.1 * chosen.radius) / chosen.matrix.getMaxScaleOnAxis();
+      this.#axes.matrix.copy(chosen.matrix).scale(new Vector3().setScalar(length));
+    }
+    this.#draw();
+  }
+
+  /** Highlight the thing with this id and fly to it; null: none. */
+  select(id) {
+    this.#selected = id;
+    this.#arrange();
+    const thing = this.#things.find((other) => other.id === id);
+    if (!thing || this.#model) return;
+    const back = this.#camera.position.clone().sub(this.#controls.target).normalize();
+    this.#flyTo(thing.centre, back, this.#distanceFor(1.9 * thing.radius));
+  }
+
+  /** Show one model by itself, until closeModel(). */
+  showModel(geometry, colour) {
+    this.closeModel(false);
+    this.#saved ??= [this.#camera.position.clone(), this.#controls.target.clone()];
+    const material = new MeshLambertMaterial({ color: colour, flatShading: true, side: DoubleSide });
+    const mesh = new Mesh(geometry, material);
+    mesh.matrixAutoUpdate = false;
+    this.#model = { mesh, frame: frameOfSphere(geometry.boundingSphere) };
+    mesh.matrix.copy(this.#model.frame.toWorld);
+    this.#solid.add(mesh);
+    this.#arrange();
+    this.fit(false);
+  }
+
+  /** Show the scan again, from where it was seen. */
+  closeModel(back = true) {
+    if (this.#model) {
+      this.#model.mesh.removeFromParent();
+      this.#model.mesh.material.dispose();
+      this.#model = null;
+    }
+    if (!back) return;
+    if (this.#saved) {
+      cancelAnimationFrame(this.#flight);
+      this.#camera.position.copy(this.#saved[0]);
+      this.#controls.target.copy(this.#saved[1]);
+      this.#controls.update();
+      this.#saved = null;
+    }
+    this.#arrange();
+  }
+
+  /** Show all of it, from where the sensor was. */
+  fit(flies = true) {
+    const frame = this.#model?.frame ?? this.#frame;
+    if (!frame) return;
+    const radius = this.#model ? 1.05 : 0.86; // of a scan, corners may be cut
+    this.#flyTo(new Vector3(), frame.direction, this.#distanceFor(radius), flies);
+  }
+
+  #distanceFor(radius) {
+    const half = Math.tan((kFieldOfView * Math.PI) / 360) * Math.min(1, this.#camera.aspect);
+    return radius / Math.sin(Math.atan(half));
+  }
+
+  #flyTo(target, direction, distance, flies = true) {
+    cancelAnimationFrame(this.#flight);
+    const position = target.clone().addScaledVector(direction, distance);
+    const [fromPosition, fromTarget] = [this.#camera.position.clone(), this.#controls.target.clone()];
+    const still = !flies || matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const start = performance.now();
+    const step = (now) => {
+      const part = still ? 1 : Math.min(1, Math.max(0, now - start) / 1000 / kFlightSeconds);
+      const eased = part * part * (3 - 2 * part);
+      this.#camera.position.lerpVectors(fromPosition, position, eased);
+      this.#controls.target.lerpVectors(fromTarget, target, eased);
+      this.#controls.update();
+      this.#draw();
+      if (part < 1) this.#flight = requestAnimationFrame(step);
+    };
+    step(start);
+  }
+
+  #onKey(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+    const nearer = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
+    const turn = turns[event.key];
+    if (!turn && !nearer) return;
+    event.preventDefault();
+    cancelAnimationFrame(this.#flight);
+    const { target } = this.#controls;
+    const offset = this.#camera.position.clone().sub(target);
+    if (turn && event.shiftKey) {
+      const step = offset.length() * 0.05;
+      const across = new Vector3().setFromMatrixColumn(this.#camera.matrix, turn[0] ? 0 : 1);
+      target.addScaledVector(across, step * (turn[0] || -turn[1]));
+    } else if (turn) {
+      const angles = new Spherical().setFromVector3(offset);
+      angles.theta += kTurn * turn[0];
+      angles.phi += kTurn * turn[1];
+      offset.setFromSpherical(angles.makeSafe());
+    } else {
+      offset.multiplyScalar(nearer);
+    }
+    this.#camera.position.copy(target).add(offset);
+    this.#controls.update();
+    this.#draw();
+  }
+
+  #listenForPicks() {
+    const caster = new Raycaster();
+    const start = new Vector2();
+    this.#canvas.addEventListener("pointerdown", (event) => start.set(event.clientX, event.clientY));
+    this.#canvas.addEventListener("click", (event) => {
+      const moved = start.distanceTo(new Vector2(event.clientX, event.clientY)) > 4;
+      if (moved || this.#model || !this.#frame) return;
+      const { offsetX, offsetY } = event;
+      const { clientWidth, clientHeight } = this.#canvas;
+      caster.setFromCamera(
+        new Vector2((2 * offsetX) / clientWidth - 1, 1 - (2 * offsetY) / clientHeight),
+        this.#camera,
+      );
+      const hit = caster.intersectObjects(this.#found.children.filter((mesh) => mesh.visible), false)[0];
+      this.onPick(hit ? hit.object.userData.id : null);
+    });
+  }
+
+  #resize() {
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    if (!width || !height) return;
+    const ratio = Math.min(devicePixelRatio, 2, Math.sqrt(kMostPixels / (width * height)));
+    this.#renderer.setPixelRatio(ratio);
+    this.#renderer.setSize(width, height, false);
+    this.#picture.resize(this.#canvas.width, this.#canvas.height, ratio);
+    this.#camera.aspect = width / height;
+    this.#camera.updateProjectionMatrix();
+    this.#draw();
+  }
+
+  #draw() {
+    this.#asked ||= requestAnimationFrame(() => {
+      this.#asked = 0;
+      this.#drawNow();
+    });
+  }
+
+  #drawNow() {
+    const distance = this.#camera.position.distanceTo(this.#controls.target);
+    this.#camera.near = Math.max(0.002, distance / 100);
+    this.#camera.far = distance + 20;
+    this.#camera.updateProjectionMatrix();
+    if (this.#points) {
+      const { pixelsPerUnit, smallest } = this.#points.material.uniforms;
+      pixelsPerUnit.value =
+        this.#canvas.height / 2 / Math.tan((kFieldOfView * Math.PI) / 360);
+      smallest.value = 1.2 * this.#renderer.getPixelRatio();
+    }
+    this.#picture.render(this.#solid, this.#outlined, this.#camera);
+    this.#placeMarks();
+    this.#tellLook(distance);
+  }
+
+  #placeMarks() {
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    for (const thing of this.#things) {
+      if (thing.mark.hidden) continue;
+      const seen = thing.centre.clone().project(this.#camera);
+      const x = ((seen.x + 1) / 2) * width;
+      const y = ((1 - seen.y) / 2) * height;
+      thing.mark.style.visibility = Math.abs(seen.z) < 1 ? "visible" : "hidden";
+      thing.mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
+    }
+  }
+
+  #tellLook(distance) {
+    const frame = this.#model ? null : this.#frame;
+    if (!frame) return this.onLook(null);
+    const point = this.#controls.target.clone().applyMatrix4(new Matrix4().copy(frame.toWorld).invert());
+    return this.onLook(point.toArray(), distance * frame.radius);
+  }
+}
