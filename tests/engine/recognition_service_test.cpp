@@ -1,0 +1,253 @@
+/// The queue of the service: what is taken, refused, stopped and answered, and by which library.
+#include "engine/recognition_service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <latch>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace trivet {
+namespace {
+
+using std::chrono::milliseconds;
+
+std::shared_ptr<const LibraryGeneration> generation(std::uint64_t number) {
+  return std::make_shared<LibraryGeneration>(LibraryGeneration{Recogniser(Library{}), number});
+}
+
+using Work = std::function<Result<void>(std::size_t, const LibraryGeneration&, std::stop_token)>;
+
+ServiceJob job(Work work, std::size_t num_parts = 1) {
+  ServiceJob out;
+  out.num_parts = num_parts;
+  out.work = std::move(work);
+  return out;
+}
+
+/// What a job comes to.
+std::future<ServiceOutcome> submit(RecognitionService& service, ServiceJob job) {
+  auto promise = std::make_shared<std::promise<ServiceOutcome>>();
+  std::future<ServiceOutcome> outcome = promise->get_future();
+  service.submit(std::move(job),
+                 [promise](ServiceOutcome out) { promise->set_value(std::move(out)); });
+  return outcome;
+}
+
+Refusal refusal_of(std::future<ServiceOutcome> outcome) {
+  const ServiceOutcome out = outcome.get();
+  EXPECT_TRUE(std::holds_alternative<Refusal>(out));
+  return std::get<Refusal>(out);
+}
+
+Result<void> nothing(std::size_t, const LibraryGeneration&, const std::stop_token&) { return {}; }
+
+/// Keeps workers busy until it is opened.
+struct Gate {
+  std::latch opened{1};
+  std::latch reached;
+  explicit Gate(std::ptrdiff_t num_workers) : reached(num_workers) {}
+  Work work() {
+    return [this](std::size_t, const LibraryGeneration&, const std::stop_token&) -> Result<void> {
+      reached.count_down();
+      opened.wait();
+      return {};
+    };
+  }
+};
+
+void wait_until_stopped(const std::stop_token& stop) {
+  while (!stop.stop_requested()) std::this_thread::sleep_for(milliseconds(1));
+}
+
+TEST(RecognitionService, DoesEachPartOnceAndAnswersOnce) {
+  RecognitionService service({.num_parallel = 3}, generation(1));
+  std::vector<std::atomic<int>> done(50);
+  const auto outcome = submit(service, job(
+                                           [&](std::size_t part, const LibraryGeneration& library,
+                                               const std::stop_token&) -> Result<void> {
+                                             EXPECT_EQ(library.number, 1U);
+                                             ++done[part];
+                                             return {};
+                                           },
+                                           done.size()))
+                           .get();
+  ASSERT_TRUE(std::holds_alternative<ServiceAnswer>(outcome));
+  EXPECT_EQ(std::get<ServiceAnswer>(outcome).generation->number, 1U);
+  for (const std::atomic<int>& n : done) EXPECT_EQ(n, 1);
+}
+
+TEST(RecognitionService, TakesAllPartsOfAJobOrNone) {
+  RecognitionService service({.max_waiting = 4, .num_parallel = 1}, generation(1));
+  Gate gate(1);
+  auto running = submit(service, job(gate.work()));
+  gate.reached.wait();
+  auto waiting = submit(service, job(nothing, 3));
+  EXPECT_EQ(refusal_of(submit(service, job(nothing, 2))), Refusal::full);
+  EXPECT_EQ(service.state().num_waiting, 3U) << "no part of what was refused";
+  auto last = submit(service, job(nothing));
+  EXPECT_TRUE(service.is_full(0));
+  const ServiceOutcome too_many = submit(service, job(nothing, 5)).get();
+  ASSERT_TRUE(std::holds_alternative<Error>(too_many));
+  EXPECT_EQ(std::get<Error>(too_many).code, ErrorCode::usage);
+  gate.opened.count_down();
+  for (auto* const outcome : {&running, &waiting, &last})
+    EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(outcome->get()));
+}
+
+TEST(RecognitionService, CountsTheBytesOfWhatItHolds) {
+  RecognitionService service({.max_waiting_bytes = 100, .num_parallel = 1}, generation(1));
+  Gate gate(1);
+  ServiceJob large = job(gate.work(), 2);
+  large.num_bytes = 70;
+  auto outcome = submit(service, std::move(large));
+  gate.reached.wait();
+  EXPECT_EQ(service.state().num_bytes, 70U) << "once, whatever the number of parts";
+  EXPECT_TRUE(service.is_full(31));
+  EXPECT_FALSE(service.is_full(30));
+  ServiceJob more = job(nothing);
+  more.num_bytes = 31;
+  EXPECT_EQ(refusal_of(submit(service, std::move(more))), Refusal::full);
+  gate.opened.count_down();
+  (void)outcome.get();
+  EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
+  EXPECT_EQ(service.state().num_bytes, 0U);
+}
+
+TEST(RecognitionService, RefusesInTheQueueWhatItsDeadlineOvertakes) {
+  RecognitionService service({.num_parallel = 1}, generation(1));
+  Gate gate(1);
+  auto running = submit(service, job(gate.work()));
+  gate.reached.wait();
+  std::atomic<bool> was_begun{false};
+  ServiceJob late = job([&](std::size_t, const LibraryGeneration&, const std::stop_token&) {
+    was_begun = true;
+    return Result<void>();
+  });
+  late.deadline = ServiceClock::now() + milliseconds(50);
+  // Before its turn has come: the only worker is busy.
+  EXPECT_EQ(refusal_of(submit(service, std::move(late))), Refusal::too_late);
+  ServiceJob passed = job(nothing);
+  passed.deadline = ServiceClock::now();
+  EXPECT_EQ(refusal_of(submit(service, std::move(passed))), Refusal::too_late);
+  gate.opened.count_down();
+  (void)running.get();
+  EXPECT_FALSE(was_begun);
+}
+
+TEST(RecognitionService, StopsWhatNobodyWaitsForAnyMore) {
+  RecognitionService service({.num_parallel = 2}, generation(1));
+  std::atomic<bool> is_gone{false};
+  std::latch begun(2);
+  ServiceJob left = job(
+      [&](std::size_t, const LibraryGeneration&, const std::stop_token& stop) -> Result<void> {
+        begun.count_down();
+        wait_until_stopped(stop);
+        return {};
+      },
+      2);
+  left.is_gone = [&] { return is_gone.load(); };
+  auto outcome = submit(service, std::move(left));
+  begun.wait();
+  is_gone = true;
+  EXPECT_EQ(refusal_of(std::move(outcome)), Refusal::gone);
+}
+
+TEST(RecognitionService, StopsTheOtherPartsOfAJobThatFails) {
+  RecognitionService service({.num_parallel = 2}, generation(1));
+  std::atomic<int> num_begun{0};
+  const ServiceOutcome outcome =
+      submit(service, job(
+                          [&](std::size_t part, const LibraryGeneration&,
+                              const std::stop_token& stop) -> Result<void> {
+                            ++num_begun;
+                            if (part == 0) return Error{ErrorCode::bad_data, "part 0 is broken"};
+                            wait_until_stopped(stop);
+                            return {};
+                          },
+                          10))
+          .get();
+  ASSERT_TRUE(std::holds_alternative<Error>(outcome));
+  EXPECT_EQ(std::get<Error>(outcome).message, "part 0 is broken");
+  EXPECT_LE(num_begun, 2);
+}
+
+TEST(RecognitionService, SurvivesWorkThatThrows) {
+  RecognitionService service({.num_parallel = 1}, generation(1));
+  const ServiceOutcome outcome =
+      submit(service,
+             job([](std::size_t, const LibraryGeneration&, const std::stop_token&) -> Result<void> {
+               throw std::runtime_error("thrown");
+             }))
+          .get();
+  ASSERT_TRUE(std::holds_alternative<Error>(outcome));
+  EXPECT_EQ(std::get<Error>(outcome).code, ErrorCode::internal);
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(submit(service, job(nothing)).get()));
+}
+
+TEST(RecognitionService, AnswersWithTheLibraryThatThereWasAndLetsItGo) {
+  auto first = generation(1);
+  const std::weak_ptr<const LibraryGeneration> watched = first;
+  RecognitionService service({.num_parallel = 1}, std::move(first));
+  Gate gate(1);
+  auto running = submit(service, job(gate.work()));
+  gate.reached.wait();
+  std::atomic<std::uint64_t> seen{0};
+  auto waiting = submit(service, job([&](std::size_t, const LibraryGeneration& library,
+                                         const std::stop_token&) -> Result<void> {
+                          seen = library.number;
+                          return {};
+                        }));
+  service.publish(generation(2));
+  gate.opened.count_down();
+  EXPECT_EQ(std::get<ServiceAnswer>(running.get()).generation->number, 1U);
+  EXPECT_EQ(std::get<ServiceAnswer>(waiting.get()).generation->number, 1U);
+  EXPECT_EQ(seen, 1U) << "taken before the new one was there";
+  EXPECT_EQ(std::get<ServiceAnswer>(submit(service, job(nothing)).get()).generation->number, 2U);
+  EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
+  EXPECT_TRUE(watched.expired()) << "its memory goes with the last of its answers";
+}
+
+TEST(RecognitionService, AnswersWhatItTookBeforeItCloses) {
+  RecognitionService service({.max_waiting = 100'000, .num_parallel = 1}, generation(1));
+  Gate gate(1);
+  std::vector<std::future<ServiceOutcome>> outcomes;
+  outcomes.push_back(submit(service, job(gate.work())));
+  gate.reached.wait();
+  for (int i = 0; i < 5; ++i) outcomes.push_back(submit(service, job(nothing)));
+  std::thread opener([&] {
+    // What comes once it drains is refused; what came before is among what it answers.
+    for (bool is_closed = false; !is_closed;) {
+      auto outcome = submit(service, job(nothing));
+      is_closed = outcome.wait_for(milliseconds(1)) == std::future_status::ready &&
+                  std::holds_alternative<Refusal>(outcome.get());
+    }
+    gate.opened.count_down();
+  });
+  EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
+  opener.join();
+  for (auto& outcome : outcomes) EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(outcome.get()));
+}
+
+TEST(RecognitionService, EndsAtTheDeadlineOfItsDrain) {
+  RecognitionService service({.num_parallel = 1}, generation(1));
+  std::latch begun(1);
+  auto running = submit(service, job([&](std::size_t, const LibraryGeneration&,
+                                         const std::stop_token& stop) -> Result<void> {
+                          begun.count_down();
+                          wait_until_stopped(stop);
+                          return {};
+                        }));
+  begun.wait();
+  auto waiting = submit(service, job(nothing));
+  EXPECT_FALSE(service.drain(ServiceClock::now() + milliseconds(20)));
+  EXPECT_EQ(refusal_of(std::move(running)), Refusal::closed);
+  EXPECT_EQ(refusal_of(std::move(waiting)), Refusal::closed);
+}
+
+}  // namespace
+}  // namespace trivet
