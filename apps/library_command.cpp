@@ -6,6 +6,7 @@
 #include "apps/commands.hpp"
 #include "apps/inputs.hpp"
 #include "storage/library.hpp"
+#include "storage/split_library.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -71,10 +72,19 @@ Result<void> info(const std::string& file) {
   return {};
 }
 
+Result<void> split(const std::string& file, std::size_t num_parts, const std::string& folder) {
+  const Result<Library> library = open_library(file);
+  if (!library) return library.error();
+  const auto files = split_library(*library, num_parts, folder);
+  if (!files) return files.error();
+  for (const auto& part : *files) fmt::print("{}\n", part.string());
+  return {};
+}
+
 }  // namespace
 
 void add_library(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("library", "Look into a library file");
+  CLI::App* command = app.add_subcommand("library", "Look into a library file, or split it");
   command->require_subcommand(1);
   auto file = std::make_shared<std::string>();
   CLI::App* list_command = command->add_subcommand("list", "Print the models' names, one a line");
@@ -84,6 +94,16 @@ void add_library(CLI::App& app, Context& context) {
       command->add_subcommand("info", "Print what the file holds, after checking all of it");
   info_command->add_option("LIBRARY", *file, "Library file")->required();
   info_command->callback([file, &context] { context.run = [file] { return info(*file); }; });
+  auto num_parts = std::make_shared<std::size_t>(2);
+  auto folder = std::make_shared<std::string>();
+  CLI::App* split_command = command->add_subcommand(
+      "split", "Write parts for several machines (`trivet route`) and print their files");
+  split_command->add_option("LIBRARY", *file, "Library file")->required();
+  split_command->add_option("-n,--parts", *num_parts, "Parts, of about equal size")
+      ->capture_default_str();
+  split_command->add_option("-o,--output", *folder, "Folder for them")->required();
+  split_command->callback(
+      [=, &context] { context.run = [=] { return split(*file, *num_parts, *folder); }; });
 }
 
 }  // namespace trivet::apps
