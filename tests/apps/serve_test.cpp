@@ -1,10 +1,6 @@
 /// The service as its clients meet it: answers, refusals, overload, reloads, and its end.
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -18,6 +14,7 @@
 #include <sstream>
 #include <thread>
 
+#include "apps/http_client.hpp"
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
 #include "support/temp_dir.hpp"
@@ -26,69 +23,9 @@ namespace trivet {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-/// A connection that a test writes to and reads from byte by byte.
-class Connection {
- public:
-  explicit Connection(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in where{};
-    where.sin_family = AF_INET;
-    where.sin_port = htons(static_cast<std::uint16_t>(port));
-    where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience{60, 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    is_open_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&where), sizeof where) == 0;
-  }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
-  ~Connection() { ::close(socket_); }
-
-  bool is_open() const { return is_open_; }
-  void send(const std::string& text) const {
-    for (std::size_t sent = 0; sent < text.size();) {
-      const ssize_t n = ::send(socket_, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
-      if (n <= 0) return;
-      sent += static_cast<std::size_t>(n);
-    }
-  }
-  /// Until the other side closes.
-  std::string receive() const {
-    std::string all;
-    char part[65536];
-    for (ssize_t n = 0; (n = ::recv(socket_, part, sizeof part, 0)) > 0;)
-      all.append(part, static_cast<std::size_t>(n));
-    return all;
-  }
-
- private:
-  int socket_;
-  bool is_open_ = false;
-};
-
-struct Answer {
-  int status = 0;
-  std::string head, body;
-  double seconds = 0;
-  nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
-};
-
-Answer ask(int port, const std::string& method, const std::string& target,
-           const std::string& body = "", const std::string& headers = "") {
-  const auto start = Clock::now();
-  const Connection connection(port);
-  connection.send(method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
-                  headers + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
-  const std::string all = connection.receive();
-  Answer answer;
-  answer.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  const std::size_t end = all.find("\r\n\r\n");
-  if (end == std::string::npos || all.size() < 12) return answer;
-  answer.status = std::stoi(all.substr(9, 3));
-  answer.head = all.substr(0, end);
-  answer.body = all.substr(end + 4);
-  return answer;
-}
+using test::Answer;
+using test::ask;
+using test::Connection;
 
 std::string read(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
