@@ -115,6 +115,7 @@ int main(int argc, char** argv) {
   apps::add_calibrate(app, context);
   apps::add_study(app, context);
   apps::add_serve(app, context);
+  apps::add_route(app, context);
   apps::add_load(app, context);
   apps::add_library(app, context);
 

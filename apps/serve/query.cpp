@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <sstream>
 
@@ -25,6 +26,17 @@ Result<std::string> decode(std::string_view text) {
     }
     out += static_cast<char>(value);
     i += 2;
+  }
+  return out;
+}
+
+std::string encode(std::string_view text, std::string_view also_plain = "") {
+  std::string out;
+  for (const char c : text) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                          std::string_view("-._~").find(c) != std::string_view::npos ||
+                          also_plain.find(c) != std::string_view::npos;
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return out;
 }
@@ -53,6 +65,16 @@ Result<Target> parse_target(std::string_view target) {
     Result<std::string> value = decode(pair.substr(std::min(equals + 1, pair.size())));
     if (!value) return value.error();
     out.parameters.emplace_back(std::move(*key), std::move(*value));
+  }
+  return out;
+}
+
+std::string write_target(const Target& target) {
+  std::string out = encode(target.path, "/");
+  char mark = '?';
+  for (const auto& [key, value] : target.parameters) {
+    out += mark + encode(key) + "=" + encode(value, ",");
+    mark = '&';
   }
   return out;
 }

@@ -23,5 +23,7 @@ struct Target {
 
 /// Split and decode (RFC 3986, 2.1; plus signs stay). Errors: usage (a broken escape).
 Result<Target> parse_target(std::string_view target);
+/// The reverse.
+std::string write_target(const Target& target);
 
 }  // namespace trivet::apps
