@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 #include <thread>
 
@@ -39,6 +40,8 @@ class Connection {
       sent += static_cast<std::size_t>(n);
     }
   }
+  /// Say that nothing more will be sent.
+  void finish() const { ::shutdown(socket_, SHUT_WR); }
   /// Until the other side closes.
   std::string receive() const {
     std::string all;
@@ -60,20 +63,28 @@ struct Answer {
   nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
 };
 
+/// The first answer in what a connection has received; none: status 0.
+inline Answer parse_answer(const std::string& received) {
+  Answer answer;
+  const std::size_t end = received.find("\r\n\r\n");
+  if (end == std::string::npos || received.size() < 12) return answer;
+  answer.status = std::stoi(received.substr(9, 3));
+  answer.head = received.substr(0, end);
+  std::smatch length;
+  const bool has_length =
+      std::regex_search(answer.head, length, std::regex("\r\nContent-Length: ([0-9]+)"));
+  answer.body = received.substr(end + 4, has_length ? std::stoul(length[1]) : received.npos);
+  return answer;
+}
+
 inline Answer ask(int port, const std::string& method, const std::string& target,
                   const std::string& body = "", const std::string& headers = "") {
   const auto start = std::chrono::steady_clock::now();
   const Connection connection(port);
   connection.send(method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
                   headers + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
-  const std::string all = connection.receive();
-  Answer answer;
+  Answer answer = parse_answer(connection.receive());
   answer.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::size_t end = all.find("\r\n\r\n");
-  if (end == std::string::npos || all.size() < 12) return answer;
-  answer.status = std::stoi(all.substr(9, 3));
-  answer.head = all.substr(0, end);
-  answer.body = all.substr(end + 4);
   return answer;
 }
 

@@ -8,16 +8,15 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
-#include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 #include <thread>
 
 #include "apps/http_client.hpp"
-#include "apps/program.hpp"
+#include "apps/serve_fixture.hpp"
 #include "storage/read_cloud.hpp"
-#include "support/temp_dir.hpp"
 
 namespace trivet {
 namespace {
@@ -26,72 +25,9 @@ namespace fs = std::filesystem;
 using test::Answer;
 using test::ask;
 using test::Connection;
+using test::read_bytes;
 
-std::string read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// A library of two parts, scans of them, and a service.
-class Serve : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto run = [&](const std::vector<std::string>& arguments) {
-      const test::Outcome outcome =
-          test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
-      ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
-    };
-    run({"scan", "--parts", "2", "-o", "scans", "--scenes", "1", "--instances", "3", "--sensor",
-         "laser"});
-    run({"train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5"});
-    depth_ = folder_ / "scans/test/000001/depth/000000.png";
-    const nlohmann::json camera =
-        nlohmann::json::parse(read(folder_ / "scans/manifest.json"))["scenes"][0]["camera"];
-    std::ofstream(folder_ / "camera.json") << camera;
-    camera_ = Camera{camera["fx"], camera["fy"], camera["cx"], camera["cy"], camera["depth_scale"]};
-    std::string numbers;
-    for (const char* const key : {"fx", "fy", "cx", "cy", "depth_scale"})
-      numbers += (numbers.empty() ? "" : ",") + camera[key].dump();
-    query_ = "/v1/recognize?method=ppf&format=png&camera=" + numbers;
-  }
-
-  /// Run the service with these arguments while `body(port)` runs, then end it.
-  test::Outcome serve(std::vector<std::string> arguments, const std::function<void(int)>& body) {
-    arguments.insert(arguments.begin(), {"serve", "l.h5", "--port", "0", "--drain-grace-ms", "50"});
-    std::thread client;
-    std::atomic<bool> done{false};
-    told_ = false;
-    test::Outcome outcome = test::run_trivet(
-        arguments, {.folder = folder_.path(),
-                    .environment = {},
-                    .watch = [&](pid_t process, const std::string& error) {
-                      process_ = process;
-                      std::smatch found;
-                      if (!client.joinable() &&
-                          std::regex_search(error, found, std::regex("http://[0-9.]+:([0-9]+)"))) {
-                        client = std::thread([&, port = std::stoi(found[1])] {
-                          body(port);
-                          done = true;
-                        });
-                      }
-                      if (done) tell_to_end();
-                    }});
-    if (client.joinable()) client.join();
-    return outcome;
-  }
-
-  /// Once: a second signal ends it at once.
-  void tell_to_end() {
-    if (!told_.exchange(true)) kill(process_, SIGTERM);
-  }
-
-  const test::TempDir folder_;
-  fs::path depth_;
-  Camera camera_;
-  std::string query_;
-  std::atomic<pid_t> process_{0};
-  std::atomic<bool> told_{false};
-};
+class Serve : public test::ServeFixture {};
 
 TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
   const test::Outcome direct =
@@ -103,7 +39,7 @@ TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
   ASSERT_FALSE(expected.empty());
   const test::Outcome outcome = serve({}, [&](int port) {
     const Answer answer =
-        ask(port, "POST", query_, read(depth_),
+        ask(port, "POST", query_, read_bytes(depth_),
             "X-Request-Id: call-7\r\n"
             "traceparent: 00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01\r\n");
     EXPECT_EQ(answer.status, 200) << answer.body;
@@ -126,8 +62,8 @@ TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
 }
 
 TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
-  const std::string scan = read(depth_);
-  const nlohmann::json camera = nlohmann::json::parse(read(folder_ / "camera.json"));
+  const std::string scan = read_bytes(depth_);
+  const nlohmann::json camera = nlohmann::json::parse(read_bytes(folder_ / "camera.json"));
   const auto part = [](const std::string& head, const std::string& content) {
     return "--edge\r\nContent-Disposition: form-data; " + head + "\r\n\r\n" + content + "\r\n";
   };
@@ -193,7 +129,7 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
     const nlohmann::json examples = ask(port, "GET", "/v1/examples").json()["examples"];
     ASSERT_EQ(examples.size(), 1U);
     const Answer scan = ask(port, "GET", examples[0]["url"]);
-    EXPECT_EQ(scan.body, read(depth_));
+    EXPECT_EQ(scan.body, read_bytes(depth_));
     EXPECT_EQ(ask(port, "GET", "/v1/examples/1").status, 404);
     EXPECT_EQ(ask(port, "GET", "/v1/examples/x").status, 404);
 
@@ -242,7 +178,7 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
 
 TEST_F(Serve, LogsALineARecognition) {
   const test::Outcome outcome = serve({}, [&](int port) {
-    EXPECT_EQ(ask(port, "POST", query_, read(depth_), "X-Request-Id: seen\r\n").status, 200);
+    EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_), "X-Request-Id: seen\r\n").status, 200);
     EXPECT_EQ(ask(port, "POST", query_, "no PNG", "X-Request-Id: a\"b\r\n").status, 400);
     EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
   });
@@ -393,15 +329,16 @@ TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
         refuses(405, "expected POST", "GET", query_);
         refuses(400, "format", "POST", "/v1/recognize", "ply");
         refuses(400, "body.ply", "POST", "/v1/recognize?format=ply", "ply\nnonsense");
-        refuses(400, "body.png", "POST", query_, read(depth_).substr(0, 500));
+        refuses(400, "body.png", "POST", query_, read_bytes(depth_).substr(0, 500));
         refuses(400, "is empty", "POST", query_, "");
-        refuses(400, "min-score", "POST", query_ + "&min-score=high", read(depth_));
-        refuses(400, "0 to 1", "POST", query_ + "&min-score=7", read(depth_));
-        refuses(400, "expected", "POST", query_ + "&expected=/etc/passwd", read(depth_));
-        refuses(400, "spoon", "POST", query_ + "&models=spoon", read(depth_));
-        refuses(400, "hexadecimal", "POST", query_ + "&models=%zz", read(depth_));
-        refuses(400, "X-Deadline-Ms", "POST", query_, read(depth_), "X-Deadline-Ms: soon\r\n");
-        refuses(504, "deadline", "POST", query_, read(depth_), "X-Deadline-Ms: 1\r\n");
+        refuses(400, "min-score", "POST", query_ + "&min-score=high", read_bytes(depth_));
+        refuses(400, "0 to 1", "POST", query_ + "&min-score=7", read_bytes(depth_));
+        refuses(400, "expected", "POST", query_ + "&expected=/etc/passwd", read_bytes(depth_));
+        refuses(400, "spoon", "POST", query_ + "&models=spoon", read_bytes(depth_));
+        refuses(400, "hexadecimal", "POST", query_ + "&models=%zz", read_bytes(depth_));
+        refuses(400, "X-Deadline-Ms", "POST", query_, read_bytes(depth_),
+                "X-Deadline-Ms: soon\r\n");
+        refuses(504, "deadline", "POST", query_, read_bytes(depth_), "X-Deadline-Ms: 1\r\n");
         refuses(413, "1048576", "POST", query_, std::string(2 << 20, 'x'));
         refuses(431, "headers", "GET", "/metrics", "",
                 "X-Long: " + std::string(20'000, 'x') + "\r\n");
@@ -413,7 +350,7 @@ TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
         const Connection garbage(port);
         garbage.send("\x01\x02 not http\r\n\r\n");
         EXPECT_NE(garbage.receive().find(" 400 "), std::string::npos);
-        EXPECT_EQ(ask(port, "POST", query_, read(depth_)).status, 200);
+        EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_)).status, 200);
       });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
@@ -423,7 +360,7 @@ TEST_F(Serve, RefusesAtOnceWhatWouldOnlyWait) {
     std::vector<std::thread> clients;
     std::vector<Answer> answers(24);
     for (Answer& answer : answers)
-      clients.emplace_back([&] { answer = ask(port, "POST", query_, read(depth_)); });
+      clients.emplace_back([&] { answer = ask(port, "POST", query_, read_bytes(depth_)); });
     for (std::thread& client : clients) client.join();
     std::size_t num_right = 0, num_refused = 0;
     for (const Answer& answer : answers) {
@@ -435,7 +372,7 @@ TEST_F(Serve, RefusesAtOnceWhatWouldOnlyWait) {
     EXPECT_EQ(num_right + num_refused, answers.size());
     EXPECT_GE(num_right, 3U);
     EXPECT_GE(num_refused, 10U);
-    EXPECT_EQ(ask(port, "POST", query_, read(depth_)).status, 200) << "after the storm";
+    EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_)).status, 200) << "after the storm";
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
@@ -450,7 +387,7 @@ TEST_F(Serve, IsMeasuredUnderLoad) {
       const test::Outcome run =
           test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
       EXPECT_EQ(run.exit_code, 0) << run.error;
-      return nlohmann::json::parse(read(folder_ / "load.json"))["runs"];
+      return nlohmann::json::parse(read_bytes(folder_ / "load.json"))["runs"];
     };
     const nlohmann::json gentle = load({"--rate", "1", "--seconds", "2"})[0];
     EXPECT_EQ(gentle["codes"]["200"], 2);
@@ -480,13 +417,13 @@ TEST_F(Serve, SlowClientsHoldUpNobody) {
 }
 
 TEST_F(Serve, ReadsItsLibraryAnewWhileItAnswers) {
-  const std::string good = read(folder_ / "l.h5");
+  const std::string good = read_bytes(folder_ / "l.h5");
   const test::Outcome outcome = serve({}, [&](int port) {
     std::atomic<bool> stop{false};
     std::atomic<int> num_failed{0}, num_answered{0};
     std::thread client([&] {
       while (!stop) {
-        const Answer answer = ask(port, "POST", query_, read(depth_));
+        const Answer answer = ask(port, "POST", query_, read_bytes(depth_));
         ++(answer.status == 200 ? num_answered : num_failed);
       }
     });
@@ -520,7 +457,7 @@ TEST_F(Serve, AnswersWhatItHasTakenBeforeItEnds) {
   const test::Outcome outcome = serve({"--parallel", "1"}, [&](int port) {
     std::vector<std::thread> clients;
     for (Answer& answer : answers)
-      clients.emplace_back([&] { answer = ask(port, "POST", query_, read(depth_)); });
+      clients.emplace_back([&] { answer = ask(port, "POST", query_, read_bytes(depth_)); });
     // All have been taken once the queue has had them.
     for (int i = 0; i < 200; ++i) {
       const std::string metrics = ask(port, "GET", "/metrics").body;
