@@ -137,7 +137,8 @@ std::span<const std::byte> Taker::data(const StoredGroup& group, const format::D
 void Taker::expect_only(const StoredGroup& group, std::string_view spec_group,
                         std::initializer_list<std::string_view> below, const std::string& path) {
   if (minor_ > kLibraryVersionMinor) return;
-  for (const auto& [name, dataset] : group.datasets) {
+  for (const auto& entry : group.datasets) {
+    const std::string& name = entry.first;
     const bool known = std::ranges::any_of(format::kDatasets, [&](const format::DatasetSpec& spec) {
       return spec.group == spec_group && spec.name == name && spec.since <= minor_;
     });

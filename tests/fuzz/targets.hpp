@@ -1,0 +1,43 @@
+/// What an untrusted client can send, as functions that take any bytes: to be searched by a fuzzer,
+/// and replayed on seeds and past findings by the ordinary tests.
+#pragma once
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trivet::fuzz {
+
+/// A promise of the code under test that did not hold.
+struct Broken : std::logic_error {
+  using std::logic_error::logic_error;
+};
+inline void require(bool holds, const std::string& promise) {
+  if (!holds) throw Broken(promise);
+}
+
+void parse_target(std::string_view input);
+/// The header, then, where there are tensors behind it, a zero byte and these.
+void parse_inference(std::string_view input);
+/// A digit for the format, then the body.
+void read_scan(std::string_view input);
+
+struct Target {
+  const char* name;
+  void (*run)(std::string_view input);
+  std::vector<std::string> (*seeds)();  ///< small valid inputs to begin from
+};
+
+std::vector<std::string> parse_target_seeds();
+std::vector<std::string> parse_inference_seeds();
+std::vector<std::string> read_scan_seeds();
+
+inline constexpr std::array kTargets{
+    Target{"parse_target", parse_target, parse_target_seeds},
+    Target{"parse_inference", parse_inference, parse_inference_seeds},
+    Target{"read_scan", read_scan, read_scan_seeds},
+};
+
+}  // namespace trivet::fuzz
