@@ -46,6 +46,9 @@ Result<ModelGroups> group_models(const Library& library, const std::vector<std::
   return groups;
 }
 
+bool is_direction(const Eigen::Vector3f& v) { return v.norm() > 0 && std::isfinite(v.norm()); }
+bool is_place(const Eigen::Vector3f& v) { return v.cwiseAbs().maxCoeff() <= 1e9F && v.allFinite(); }
+
 Result<void> validate(const VoteOptions& options) {
   return engine::check_ranges({
       {options.radius > 0 && options.radius <= 1, "radius of pairs [diameters]", "above 0 to 1",
@@ -189,6 +192,8 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
                               const SceneInput& input, const RecogniseOptions& asked,
                               std::stop_token stop) {
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
+  if (input.viewpoint && !is_place(*input.viewpoint))
+    return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e9"};
   const RecogniseOptions options = engine::leave_out(asked);
   const Library& library = recogniser.library();
   if (const Result<void> trained = check_methods(library, options.method); !trained)
@@ -252,6 +257,8 @@ Result<void> validate(const RecogniseOptions& options) {
        "spacing of keypoints [resolutions]", "1 to 20", options.match.spacing},
       {options.match.num_neighbours >= 1 && options.match.num_neighbours <= 10, "neighbours",
        "1 to 10", static_cast<double>(options.match.num_neighbours)},
+      {options.match.limits.max_lean >= 0, "maximum lean [radii]", "at least 0",
+       options.match.limits.max_lean},
       {options.match.max_distance > 0, "maximum distance of features", "above 0",
        options.match.max_distance},
       {options.match.max_ratio > 0 && options.match.max_ratio <= 1, "maximum ratio", "above 0 to 1",
@@ -263,10 +270,10 @@ Result<void> validate(const RecogniseOptions& options) {
       {!options.limits.region ||
            (options.limits.region->low.array() <= options.limits.region->high.array()).all(),
        "region", "a box whose low corner is below its high corner", 0},
-      {!options.limits.tilt || (options.limits.tilt->model_direction.norm() > 0 &&
-                                options.limits.tilt->scene_direction.norm() > 0 &&
+      {!options.limits.tilt || (is_direction(options.limits.tilt->model_direction) &&
+                                is_direction(options.limits.tilt->scene_direction) &&
                                 options.limits.tilt->max_angle_deg >= 0),
-       "tilt", "two directions of any length above 0 and an angle of at least 0", 0},
+       "tilt", "two directions of a length above 0 and an angle of at least 0", 0},
       {options.pose.cluster_translation > 0, "cluster translation [diameters]", "above 0",
        options.pose.cluster_translation},
       {options.pose.cluster_rotation_deg > 0, "cluster rotation [deg]", "above 0",

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kMaxBytes = 256ULL << 20;
 constexpr int kMaxDepth = 32;
+constexpr double kMaxCoordinate = 1e9;
 
 using Matrix3d = Eigen::Matrix3d;
 using Matrix4d = Eigen::Matrix4d;
@@ -82,8 +83,28 @@ int JsonNode::integer(int low, int high) const {
   return static_cast<int>(value);
 }
 
+std::vector<double> JsonNode::flat_numbers() const {
+  if (!value_->is_array()) refuse("expected an array");
+  std::vector<double> numbers;
+  const auto take = [&](const nlohmann::json& value, const auto&... indices) {
+    if (value.is_number() && std::isfinite(value.get<double>())) {
+      numbers.push_back(value.get<double>());
+    } else {
+      std::string path = path_;
+      ((path += fmt::format("[{}]", indices)), ...);
+      JsonNode(value, path).refuse("expected a number");
+    }
+  };
+  for (std::size_t i = 0; i < value_->size(); ++i) {
+    const nlohmann::json& element = (*value_)[i];
+    if (!element.is_array()) take(element, i);
+    for (std::size_t j = 0; element.is_array() && j < element.size(); ++j) take(element[j], i, j);
+  }
+  return numbers;
+}
+
 double JsonNode::coordinate() const {
-  if (!(std::abs(number()) <= 1e9)) refuse("expected a number of at most 1e9");
+  if (!(std::abs(number()) <= kMaxCoordinate)) refuse("expected a number of at most 1e9");
   return number();
 }
 
@@ -125,16 +146,12 @@ Eigen::Matrix3f JsonNode::rotation() const {
 }
 
 Pose JsonNode::pose() const {
-  std::vector<double> numbers;
-  for (const JsonNode& row : elements()) {
-    if (!row.value_->is_array()) {
-      numbers.push_back(row.coordinate());
-      continue;
-    }
-    for (const JsonNode& entry : row.elements()) numbers.push_back(entry.coordinate());
-  }
+  const std::vector<double> numbers = flat_numbers();
   if (numbers.size() != 16)
     refuse(fmt::format("expected 4 x 4 numbers instead of {}", numbers.size()));
+  for (const double number : numbers) {
+    if (!(std::abs(number) <= kMaxCoordinate)) refuse("expected numbers of at most 1e9");
+  }
 
   const Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());

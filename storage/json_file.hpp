@@ -44,6 +44,8 @@ class JsonNode {
   int integer(int low, int high) const;  ///< within these bounds, both included
   bool boolean() const;
   std::string string() const;
+  /// Of an array of numbers, or of rows of them; needs little memory beside them.
+  std::vector<double> flat_numbers() const;
   double coordinate() const;        ///< a number of at most 1e9
   Eigen::Vector3d vector3() const;  ///< three coordinates
   /// A rigid motion as four rows of four numbers, or 16 numbers row by row. A rotation within 1e-2

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <set>
 #include <span>
 
 #include "storage/json_file.hpp"
@@ -17,6 +18,7 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "tensors are little-endian");
 
 constexpr int kMaxPoints = 100'000'000;
+constexpr std::size_t kMaxJsonBytes = 16 << 20;  ///< a parsed document takes up to 20 times as much
 
 /// Bytes after the header that no tensor has taken yet.
 struct Rest {
@@ -45,15 +47,8 @@ std::vector<float> read_numbers(const JsonNode& input, std::size_t count, Rest& 
     std::memcpy(numbers.data(), bytes.data(), bytes.size());
     return numbers;
   }
-  // Nested rows or one flat list.
-  for (const JsonNode& element : input.at("data").elements()) {
-    if (!element.is_array()) {
-      numbers.push_back(static_cast<float>(element.number()));
-      continue;
-    }
-    for (const JsonNode& inner : element.elements())
-      numbers.push_back(static_cast<float>(inner.number()));
-  }
+  for (const double number : input.at("data").flat_numbers())
+    numbers.push_back(static_cast<float>(number));
   if (numbers.size() != count)
     input.at("data").refuse(fmt::format("expected {} numbers, as the shape says", count));
   return numbers;
@@ -86,7 +81,13 @@ void read_request(const JsonNode& root, InferenceRequest& request, Rest& rest) {
     request.options = parameters_of(parameters, kBinary);
     if (parameters.has(kBinary)) request.all_binary = parameters.at(kBinary).boolean();
   }
-  for (const JsonNode& input : root.at("inputs").elements()) read_input(input, request, rest);
+  std::set<std::string> names;
+  for (const JsonNode& input : root.at("inputs").elements()) {
+    read_input(input, request, rest);
+    if (!names.insert(input.at("name").string()).second)
+      input.at("name").refuse("expected each input once");
+  }
+  if (!names.contains("points")) root.at("inputs").refuse("expected an input named points");
   if (!root.has("outputs")) return;
   for (const JsonNode& output : root.at("outputs").elements()) {
     if (output.has("parameters") && output.at("parameters").has("binary_data") &&
@@ -142,6 +143,12 @@ Result<InferenceRequest> parse_inference(std::string_view body,
                              "bytes, found {}",
                              body.size(), size)};
   }
+  if (size > kMaxJsonBytes) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("request: expected at most {} bytes of JSON, found {}; send larger "
+                             "tensors as binary ones",
+                             kMaxJsonBytes, size)};
+  }
   InferenceRequest request;
   Rest rest{body.substr(size)};
   const std::string_view header = body.substr(0, size);
@@ -196,7 +203,8 @@ InferenceResponse write_inference(const InferenceRequest& request, const SceneRe
   Json json{{"model_name", model}, {"model_version", std::to_string(version)}};
   if (!request.id.empty()) json["id"] = request.id;
   json["outputs"] = outputs.take_outputs();
-  InferenceResponse response{json.dump(), 0};
+  // Models are named by files, which need not be UTF-8.
+  InferenceResponse response{json.dump(-1, ' ', false, Json::error_handler_t::replace), 0};
   response.header_size = response.body.size();
   response.body += outputs.bytes();
   return response;
