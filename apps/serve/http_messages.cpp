@@ -106,7 +106,10 @@ std::string trace_parent(const HttpRequest& request) {
       std::equal(given.begin(), given.end(), kForm.begin(), [](char c, char form) {
         return form == '-' ? c == '-' : (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
       });
-  return good ? given : "";
+  const auto is_zero = [&](std::size_t at, std::size_t count) {
+    return given.find_first_not_of('0', at) >= at + count;
+  };
+  return good && !given.starts_with("ff") && !is_zero(3, 32) && !is_zero(36, 16) ? given : "";
 }
 
 Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,

@@ -29,7 +29,7 @@ bool has_method(const HttpRequest& request, std::string_view method, const HttpA
 std::string request_id(const HttpRequest& request);
 
 /// The header traceparent as W3C Trace Context, 3.2, has it: version, trace, parent and flags in
-/// lower-case hexadecimal digits; empty where it is anything else.
+/// lower-case hexadecimal digits, trace and parent not zero; empty where it is anything else.
 std::string trace_parent(const HttpRequest& request);
 
 /// When a request must be answered: X-Deadline-Ms, above 0 to an hour, from now. Errors: usage.

@@ -28,7 +28,7 @@ namespace http = beast::http;
 using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000};
+constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000}, kPatience{1000};
 
 std::string lower(beast::string_view text) {
   std::string out(text);
@@ -64,13 +64,60 @@ std::optional<HttpResponse> refusal_of(const error_code& error, const HttpLimits
     return refusal(431,
                    fmt::format("expected headers of at most {} bytes", limits.max_header_bytes));
   }
-  if (error == beast::error::timeout) return refusal(408, "the request took too long to arrive");
   if (error == http::error::end_of_stream || error == http::error::partial_message ||
       error.category() != http::make_error_code(http::error::bad_value).category()) {
     return std::nullopt;
   }
   return refusal(400, fmt::format("not an HTTP request: {}", error.message()));
 }
+
+/// What a well-formed request may still not be; none: it may be read on.
+std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& head) {
+  // RFC 9112, 3.2: whoever routes by the host must not be told two things.
+  if (head.version() >= 11 && head.count(http::field::host) != 1)
+    return refusal(400, "expected one Host header");
+  // RFC 9112, 6.1: other codings would hide where the body ends.
+  const std::size_t num_codings = head.count(http::field::transfer_encoding);
+  if (num_codings > 1 ||
+      (num_codings == 1 &&
+       (head.version() < 11 || !beast::iequals(head[http::field::transfer_encoding], "chunked")))) {
+    return refusal(400, "expected no Transfer-Encoding but chunked, and that of HTTP/1.1");
+  }
+  if (head.count(http::field::content_encoding) > 0 &&
+      !beast::iequals(head[http::field::content_encoding], "identity")) {
+    HttpResponse response = refusal(415, "expected a body without Content-Encoding");
+    response.headers.emplace_back("Accept-Encoding", "identity");
+    return response;
+  }
+  return std::nullopt;
+}
+
+/// A time after which whatever a socket waits for ends, with the socket still open for an answer:
+/// the stream's own expiry would close it.
+class Deadline {
+ public:
+  Deadline(tcp::socket& socket, std::chrono::milliseconds after)
+      : timer_(socket.get_executor(), after) {
+    timer_.async_wait([&socket, state = state_](const error_code& error) {
+      if (error || !state->is_awaited) return;  // the socket may be gone
+      state->has_passed = true;
+      error_code ignored;
+      socket.cancel(ignored);
+    });
+  }
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+  ~Deadline() { state_->is_awaited = false; }
+
+  bool has_passed() const { return state_->has_passed; }
+
+ private:
+  struct State {
+    bool is_awaited = true, has_passed = false;
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+  asio::steady_timer timer_;
+};
 
 }  // namespace
 
@@ -118,7 +165,7 @@ struct HttpServer::State {
   }
 
   asio::awaitable<void> send_away(beast::tcp_stream stream) {
-    co_await write(stream, busy("too many connections from this address"), 11, false);
+    co_await write(stream, busy("too many connections from this address"), 11, false, false);
   }
 
   static HttpResponse busy(const std::string& reason) {
@@ -151,61 +198,68 @@ struct HttpServer::State {
         if (error) break;
         buffer.commit(n);
       }
-      stream.expires_after(limits.request_timeout);
-      co_await http::async_read_header(stream, buffer, parser,
-                                       asio::redirect_error(asio::use_awaitable, error));
-      std::optional<HttpResponse> refused;
-      if (error) {
-        refused = refusal_of(error, limits);
-      } else {
-        const std::size_t body_bytes =
-            parser.content_length().value_or(parser.chunked() ? limits.max_body_bytes : 0);
-        const Share share(num_arriving, body_bytes);
-        const auto target = parser.get().target();
-        refused = admit({target.data(), target.size()}, body_bytes);
-        if (!refused) {
-          co_await read_body(stream, buffer, parser, error);
-          if (error) refused = refusal_of(error, limits);
-        }
-      }
+      const std::optional<HttpResponse> refused = co_await read(stream, buffer, parser, error);
       if (refused) {
-        co_await write(stream, *refused, 11, false);
+        co_await write(stream, *refused, 11, false, false);
         co_await discard(stream);
       }
       if (error || refused) break;
       const unsigned version = parser.get().version();
       const bool keep_alive = parser.get().keep_alive() && !is_closing;
+      const bool is_head = parser.get().method() == http::verb::head;
       stream.expires_never();
       ++num_busy;
       const HttpResponse response = co_await answer(stream, parser.release());
-      const bool written = co_await write(stream, response, version, keep_alive && !is_closing);
+      const bool written =
+          co_await write(stream, response, version, keep_alive && !is_closing, is_head);
       --num_busy;
       if (!written || !keep_alive || is_closing) break;
     }
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
   }
 
-  asio::awaitable<void> read_body(beast::tcp_stream& stream, beast::flat_buffer& buffer,
-                                  http::request_parser<http::string_body>& parser,
-                                  error_code& error) {
-    if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
-      http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
-      co_await http::async_write(stream, go_on, asio::redirect_error(asio::use_awaitable, error));
-    }
+  /// Read a whole request. Returns what to answer instead; with `error` and nothing there is nobody
+  /// to answer.
+  asio::awaitable<std::optional<HttpResponse>> read(beast::tcp_stream& stream,
+                                                    beast::flat_buffer& buffer,
+                                                    http::request_parser<http::string_body>& parser,
+                                                    error_code& error) {
+    const auto token = [&error] { return asio::redirect_error(asio::use_awaitable, error); };
+    const Deadline deadline(stream.socket(), limits.request_timeout);
+    stream.expires_after(limits.request_timeout + kPatience);  // if it passes between two reads
+    co_await http::async_read_header(stream, buffer, parser, token());
     if (!error) {
-      co_await http::async_read(stream, buffer, parser,
-                                asio::redirect_error(asio::use_awaitable, error));
+      if (std::optional<HttpResponse> refused = refusal_of(parser.get())) co_return refused;
+      const std::size_t body_bytes =
+          parser.content_length().value_or(parser.chunked() ? limits.max_body_bytes : 0);
+      const Share share(num_arriving, body_bytes);
+      const auto target = parser.get().target();
+      if (std::optional<HttpResponse> refused = admit({target.data(), target.size()}, body_bytes))
+        co_return refused;
+      if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+        http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
+        co_await http::async_write(stream, go_on, token());
+      }
+      if (!error) co_await http::async_read(stream, buffer, parser, token());
     }
+    if (deadline.has_passed()) {
+      co_return refusal(408, fmt::format("expected the whole request within {} ms",
+                                         limits.request_timeout.count()));
+    }
+    if (!error) co_return std::nullopt;
+    co_return refusal_of(error, limits);
   }
 
   /// Hand a request to the handler and wait for its answer.
   asio::awaitable<HttpResponse> answer(beast::tcp_stream& stream,
                                        http::request<http::string_body> message) {
-    HttpRequest request{std::string(message.method_string()),
-                        std::string(message.target()),
-                        std::move(message.body()),
-                        {},
-                        {}};
+    // HEAD is answered as GET is, less the body.
+    HttpRequest request{
+        message.method() == http::verb::head ? "GET" : std::string(message.method_string()),
+        std::string(message.target()),
+        std::move(message.body()),
+        {},
+        {}};
     for (const auto& field : message.base())
       request.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
     request.is_gone = [descriptor = stream.socket().native_handle()] {
@@ -226,8 +280,10 @@ struct HttpServer::State {
   }
 
   asio::awaitable<bool> write(beast::tcp_stream& stream, const HttpResponse& response,
-                              unsigned version, bool keep_alive) {
-    http::response<http::string_body> message(http::int_to_status(response.status), version);
+                              unsigned version, bool keep_alive, bool is_head) {
+    http::response<http::string_body> message;
+    message.version(version);
+    message.result(response.status);
     message.set(http::field::content_type, response.content_type);
     for (const auto& [name, value] : response.headers) message.set(name, value);
     message.keep_alive(keep_alive);
@@ -235,7 +291,14 @@ struct HttpServer::State {
     message.prepare_payload();
     stream.expires_after(limits.write_timeout);
     error_code error;
-    co_await http::async_write(stream, message, asio::redirect_error(asio::use_awaitable, error));
+    http::response_serializer<http::string_body> serializer(message);
+    if (is_head) {
+      co_await http::async_write_header(stream, serializer,
+                                        asio::redirect_error(asio::use_awaitable, error));
+    } else {
+      co_await http::async_write(stream, serializer,
+                                 asio::redirect_error(asio::use_awaitable, error));
+    }
     co_return !error;
   }
 
