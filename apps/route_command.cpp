@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "apps/commands.hpp"
 #include "apps/route/router.hpp"
 #include "apps/serve/http_server.hpp"
+#include "apps/serve/request_log.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -51,27 +53,34 @@ Result<void> route(const RouteArguments& arguments, const Context& context) {
   options.max_inflight_bytes = arguments.max_inflight_mb << 20;
   HttpLimits limits = arguments.http;
   limits.max_body_bytes = arguments.max_body_mb << 20;
+  limits.max_arriving_bytes = options.max_inflight_bytes;
 
+  RequestLog log(STDERR_FILENO);     // outlives all that may write
   std::optional<HttpServer> server;  // outlives all that may still answer
-  Router router(*shards, options, [&](const std::string& line) { context.console.line(line); });
-  Result<HttpServer> started = HttpServer::start(
-      arguments.address, arguments.port, limits, [&](HttpRequest request, HttpAnswer answer) {
-        router.handle(std::move(request), std::move(answer));
-      });
+  Router router(*shards, options, log);
+  Result<HttpServer> started =
+      HttpServer::start(arguments.address, arguments.port, limits,
+                        {[&](HttpRequest request, HttpAnswer answer) {
+                           router.handle(std::move(request), std::move(answer));
+                         },
+                         [&](std::string_view target, std::size_t body_bytes) {
+                           return router.admit(target, body_bytes);
+                         }});
   if (!started) return started.error();
   server = std::move(*started);
-  router.set_num_connections([&] { return server->num_connections(); });
   context.console.line(fmt::format("routing to {} shards on http://{}:{}", shards->size(),
                                    arguments.address, server->port()));
 
   while (!context.stop.stop_requested()) std::this_thread::sleep_for(kPollInterval);
+  log.write("info", "ending");
   router.set_closing();
   std::this_thread::sleep_for(milliseconds(arguments.drain_grace_ms));
   server->stop_accepting();
   const bool all = server->wait_until_idle(std::chrono::steady_clock::now() +
                                            milliseconds(arguments.exit_timeout_ms));
   server->stop();
-  context.console.line(all ? "every request was answered" : "some requests were not answered");
+  log.write(all ? "info" : "warning",
+            all ? "every request was answered" : "some requests were not answered");
   return {};
 }
 

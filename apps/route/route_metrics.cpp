@@ -48,7 +48,6 @@ std::string RouteMetrics::text(const Gauges& gauges, std::span<const Shard> shar
   }
   write_gauge("trivet_inflight", "Recognitions that run.", gauges.inflight, out);
   write_gauge("trivet_queue_bytes", "Of recognitions that run.", gauges.inflight_bytes, out);
-  write_gauge("trivet_connections", "Open connections of clients.", gauges.connections, out);
   return out;
 }
 

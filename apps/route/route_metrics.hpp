@@ -21,7 +21,7 @@ class RouteMetrics {
 
   /// What is now, told with the counters.
   struct Gauges {
-    std::size_t inflight = 0, inflight_bytes = 0, connections = 0;
+    std::size_t inflight = 0, inflight_bytes = 0;
   };
   std::string text(const Gauges& gauges, std::span<const Shard> shards) const;
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
@@ -19,7 +20,9 @@
 #include "apps/route/merge_answers.hpp"
 #include "apps/route/route_metrics.hpp"
 #include "apps/serve/http_messages.hpp"
+#include "apps/serve/multipart.hpp"
 #include "apps/serve/query.hpp"
+#include "storage/json_file.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -105,17 +108,31 @@ HttpResponse nothing_found(const std::vector<Missing>& missing) {
   return response;
 }
 
-HttpResponse busy(const std::string& reason) {
-  HttpResponse response = error_response(503, reason);
-  response.headers.emplace_back("Retry-After", "1");
-  return response;
+/// A form may hold options of its own, which the router does not look for; but these it must know.
+Result<void> check_form(const HttpRequest& request) {
+  const std::string type = request.header("content-type");
+  if (!is_form(type)) return {};
+  const Result<std::vector<FormPart>> parts = split_form(type, request.body);
+  if (!parts) return parts.error();
+  for (const FormPart& part : *parts) {
+    if (part.name != "options") continue;
+    const Result<void> good =
+        with_json(std::as_bytes(std::span(part.content)), "options", [](const JsonNode& root) {
+          for (const char* const name : {"models", "claims"}) {
+            if (root.has(name))
+              root.at(name).refuse("expected none behind a router but in the target: ?models=a,b");
+          }
+        });
+    if (!good) return good;
+  }
+  return {};
 }
 
 }  // namespace
 
 struct Router::State {
-  State(const RouterOptions& router_options, std::function<void(const std::string&)> tell_line)
-      : options(router_options), tell(std::move(tell_line)) {}
+  State(const RouterOptions& router_options, RequestLog& request_log)
+      : options(router_options), log(request_log) {}
 
   asio::awaitable<void> watch(Shard& shard) {
     ShardLook look(context, client, shard);
@@ -124,8 +141,9 @@ struct Router::State {
     for (;;) {
       if (co_await look.again()) update_conflict();
       if (std::exchange(told, shard.reason) != shard.reason) {
-        tell(fmt::format("{}: {}", shard.address.name,
-                         shard.is_ready ? std::string("ready") : shard.reason));
+        log.write(shard.is_ready ? "info" : "warning",
+                  shard.is_ready ? "shard ready" : "shard not ready",
+                  {{"shard", shard.address.name}, {"reason", shard.reason}});
       }
       pause.expires_after(kLookInterval);
       error_code ignored;
@@ -135,17 +153,26 @@ struct Router::State {
 
   void update_conflict() {
     std::optional<std::string> now = conflict_of(shards);
-    if (now && now != conflict) tell("error: " + *now);
+    if (now && now != conflict) log.write("error", "shards in conflict", {{"reason", *now}});
     conflict = std::move(now);
   }
 
   void handle(HttpRequest request, HttpAnswer answer) {
     const std::string path = request.target.substr(0, request.target.find('?'));
     const std::string id = request_id(request);
-    const std::string trace = request.header("traceparent");
+    const std::string trace = trace_parent(request);
+    const auto begun = Clock::now();
     const auto finish = [&](const std::string& route) {
-      return [this, route, id, trace, answer = std::move(answer)](HttpResponse response) {
+      return [=, this, answer = std::move(answer)](HttpResponse response) {
         metrics.count_request(route, response.status);
+        if (route == "recognize" || response.status >= 400) {
+          Json fields{{"request_id", id},
+                      {"route", route},
+                      {"code", response.status},
+                      {"seconds", seconds_since(begun)}};
+          if (!trace.empty()) fields["traceparent"] = trace;
+          log.write(response.status >= 500 ? "warning" : "info", "request", fields);
+        }
         response.headers.emplace_back("X-Request-Id", id);
         if (!trace.empty()) response.headers.emplace_back("traceparent", trace);
         answer(std::move(response));
@@ -154,9 +181,7 @@ struct Router::State {
     if (path == "/v1/recognize") {
       const HttpAnswer reply = finish("recognize");
       if (!has_method(request, "POST", reply)) return;
-      if (num_inflight >= options.max_inflight ||
-          num_bytes + request.body.size() > options.max_inflight_bytes)
-        return reply(busy("as many recognitions run as may"));
+      if (is_full(request.body.size())) return reply(refusal_response(Refusal::full));
       asio::co_spawn(context, recognise(std::move(request), reply, id), asio::detached);
     } else if (path == "/v1/models") {
       const HttpAnswer reply = finish("models");
@@ -168,15 +193,19 @@ struct Router::State {
     } else if (path == "/metrics") {
       const HttpAnswer reply = finish("metrics");
       if (has_method(request, "GET", reply)) {
-        const std::size_t num_connections = connections ? connections() : 0;
         reply({200,
-               metrics.text({num_inflight, num_bytes, num_connections}, shards),
+               metrics.text({num_inflight, num_bytes}, shards),
                "text/plain; version=0.0.4",
                {}});
       }
     } else {
       finish("other")(error_response(404, "no such path"));
     }
+  }
+
+  bool is_full(std::size_t body_bytes) const {
+    return num_inflight >= options.max_inflight ||
+           num_bytes + body_bytes > options.max_inflight_bytes;
   }
 
   HttpResponse readiness() const {
@@ -236,9 +265,11 @@ struct Router::State {
 
   asio::awaitable<HttpResponse> answer_of(const HttpRequest& request, const std::string& id) {
     const Result<Target> target = parse_target(request.target);
-    if (!target) co_return error_response(400, target.error().message);
+    if (!target) co_return error_response(target.error());
     const Result<Clock::time_point> deadline = deadline_of(request, options.default_deadline);
-    if (!deadline) co_return error_response(400, deadline.error().message);
+    if (!deadline) co_return error_response(deadline.error());
+    if (const Result<void> good = check_form(request); !good)
+      co_return error_response(good.error());
     if (target->parameter("claims"))
       co_return error_response(400, "claims: asked of shards only, expected no such parameter");
     if (conflict) co_return error_response(503, *conflict);
@@ -248,7 +279,7 @@ struct Router::State {
     std::vector<Missing> missing;
     FanOut fan_out{{}, 0, asio::steady_timer(context)};
     const Result<std::vector<Target>> targets = targets_of(*target);
-    if (!targets) co_return error_response(400, targets.error().message);
+    if (!targets) co_return error_response(targets.error());
     for (std::size_t k = 0; k < shards.size(); ++k) {
       const Shard& shard = shards[k];
       if ((*targets)[k].path.empty()) continue;
@@ -260,8 +291,7 @@ struct Router::State {
       fan_out.calls.push_back({&shard, call_of(request, (*targets)[k], shard, id, left)});
     }
     co_await ask_all(fan_out, *deadline - margin, request.is_gone);
-    if (fan_out.stop.stop_requested())
-      co_return error_response(499, "the client closed the connection");
+    if (fan_out.stop.stop_requested()) co_return refusal_response(Refusal::gone);
     co_return merge(fan_out.calls, std::move(missing), id);
   }
 
@@ -302,9 +332,9 @@ struct Router::State {
     HttpCall call{"POST", shard.address.name, write_target(target)};
     call.headers = {{"X-Request-Id", id},
                     {"X-Deadline-Ms", std::to_string(std::max<long>(1, left.count()))}};
-    for (const char* const name : {"content-type", "traceparent"}) {
-      if (std::string value = request.header(name); !value.empty())
-        call.headers.emplace_back(name, std::move(value));
+    for (const auto& [name, value] : {std::pair("Content-Type", request.header("content-type")),
+                                      std::pair("traceparent", trace_parent(request))}) {
+      if (!value.empty()) call.headers.emplace_back(name, value);
     }
     call.body = std::as_bytes(std::span(request.body));
     return call;
@@ -371,21 +401,20 @@ struct Router::State {
   }
 
   const RouterOptions options;
-  const std::function<void(const std::string&)> tell;
+  RequestLog& log;
   asio::io_context context{1};
   HttpClient client{context, {.max_answer_bytes = kMaxAnswerBytes, .max_idle = kMaxIdle}};
   std::vector<Shard> shards;  // of fixed number
   std::optional<std::string> conflict;
   RouteMetrics metrics;
-  std::function<std::size_t()> connections;
-  bool is_closing = false;
-  std::size_t num_inflight = 0, num_bytes = 0;
+  std::atomic<bool> is_closing{false};
+  std::atomic<std::size_t> num_inflight{0}, num_bytes{0};
   std::thread thread;
 };
 
 Router::Router(const std::vector<ShardAddress>& shards, const RouterOptions& options,
-               std::function<void(const std::string&)> tell)
-    : state_(std::make_unique<State>(options, std::move(tell))) {
+               RequestLog& log)
+    : state_(std::make_unique<State>(options, log)) {
   for (const ShardAddress& address : shards) state_->shards.push_back({address});
   for (Shard& shard : state_->shards)
     asio::co_spawn(state_->context, state_->watch(shard), asio::detached);
@@ -404,14 +433,13 @@ void Router::handle(HttpRequest request, HttpAnswer answer) {
   });
 }
 
-void Router::set_closing() {
-  asio::post(state_->context, [state = state_.get()] { state->is_closing = true; });
+std::optional<HttpResponse> Router::admit(std::string_view target, std::size_t body_bytes) {
+  if (!target.starts_with("/v1/recognize") || !state_->is_full(body_bytes)) return std::nullopt;
+  asio::post(state_->context,
+             [state = state_.get()] { state->metrics.count_request("recognize", 503); });
+  return refusal_response(Refusal::full);
 }
 
-void Router::set_num_connections(std::function<std::size_t()> num) {
-  asio::post(state_->context, [state = state_.get(), num = std::move(num)]() mutable {
-    state->connections = std::move(num);
-  });
-}
+void Router::set_closing() { state_->is_closing = true; }
 
 }  // namespace trivet::apps

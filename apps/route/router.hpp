@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <string>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "apps/route/shard.hpp"
 #include "apps/serve/http_server.hpp"
+#include "apps/serve/request_log.hpp"
 
 namespace trivet::apps {
 
@@ -24,17 +26,17 @@ struct RouterOptions {
 /// /v2/health/live, /v2/health/ready, /metrics. Works on a thread of its own.
 class Router {
  public:
-  /// tell  called from the router's thread with lines on what becomes of the shards
-  Router(const std::vector<ShardAddress>& shards, const RouterOptions& options,
-         std::function<void(const std::string&)> tell);
+  /// `log` outlives the router.
+  Router(const std::vector<ShardAddress>& shards, const RouterOptions& options, RequestLog& log);
   Router(const Router&) = delete;
   Router& operator=(const Router&) = delete;
   ~Router();  ///< drops what it has not answered
 
-  /// From any thread. Who answers must outlive the router's thread or be told before.
+  // From any thread; an answer is given from the router's own, and not after its end.
   void handle(HttpRequest request, HttpAnswer answer);
-  /// Be ready no more; from any thread.
-  void set_closing();
+  /// Refuse what there is no room for before its body is read.
+  std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
+  void set_closing();  ///< be ready no more
   void set_num_connections(std::function<std::size_t()> num);
 
  private:
