@@ -18,15 +18,21 @@ void check_numbers(const JsonNode& node) {
 ShardScene parse_scene(const JsonNode& node) {
   ShardScene scene;
   for (const JsonNode& detection : node.at("detections").elements()) {
-    scene.scores.push_back(detection.at("score").number());
+    detection.at("score").number();
     scene.detections.push_back(detection.value());
+  }
+  const auto last = static_cast<int>(scene.detections.size()) - 1;
+  for (const JsonNode& pose :
+       node.has("rejected") ? node.at("rejected").elements() : std::vector<JsonNode>()) {
+    pose.at("score").number();
+    if (pose.has("explained_by")) pose.at("explained_by").integer(0, last);
+    scene.rejected.push_back(pose.value());
   }
   check_numbers(node.at("seconds"));
   check_numbers(node.at("counts"));
   scene.claims = parse_claims(node.at("claims"), scene.detections.size());
   scene.json = node.value();
-  scene.json.erase("claims");
-  scene.json.erase("detections");
+  for (const char* const key : {"claims", "detections"}) scene.json.erase(key);
   return scene;
 }
 
@@ -40,7 +46,31 @@ void take_slower(const Json& other, Json& seconds) {
 
 void add_counts(const Json& other, Json& counts) {
   for (const auto& [key, value] : other.items())
-    counts[key] = counts.value(key, 0.0) + value.get<double>();
+    counts[key] = counts.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
+}
+
+void sort_by_score(std::vector<Json>& poses) {
+  std::ranges::stable_sort(poses, [](const Json& a, const Json& b) {
+    return a["score"].get<double>() > b["score"].get<double>();
+  });
+}
+
+/// The rejected poses of all shards; what explains one is told by its index among `standing`.
+std::vector<Json> merge_rejected(std::span<const ShardAnswer> answers, std::size_t index,
+                                 std::span<const DetectionPlace> standing) {
+  std::vector<Json> all;
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    for (Json pose : answers[k].scenes[index].rejected) {
+      if (!pose["explained_by"].is_null()) {
+        const DetectionPlace by{k, pose["explained_by"].get<std::size_t>()};
+        const auto found = std::ranges::find(standing, by);
+        pose["explained_by"] = found == standing.end() ? Json() : Json(found - standing.begin());
+      }
+      all.push_back(std::move(pose));
+    }
+  }
+  sort_by_score(all);
+  return all;
 }
 
 Json merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
@@ -51,16 +81,16 @@ Json merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
     take_slower(answer.scenes[index].json["seconds"], merged["seconds"]);
     add_counts(answer.scenes[index].json["counts"], merged["counts"]);
   }
-  std::vector<DetectionPlace> places = *merge_claims(claims);
-  const auto score = [&](const DetectionPlace& place) {
-    return answers[place.library].scenes[index].scores[place.detection];
+  std::vector<DetectionPlace> standing = *merge_claims(claims);
+  const auto detection = [&](const DetectionPlace& place) -> const Json& {
+    return answers[place.library].scenes[index].detections[place.detection];
   };
-  std::ranges::stable_sort(places, [&](const DetectionPlace& a, const DetectionPlace& b) {
-    return score(a) > score(b);
+  std::ranges::stable_sort(standing, [&](const DetectionPlace& a, const DetectionPlace& b) {
+    return detection(a)["score"].get<double>() > detection(b)["score"].get<double>();
   });
   merged["detections"] = Json::array();
-  for (const auto& [shard, detection] : places)
-    merged["detections"].push_back(answers[shard].scenes[index].detections[detection]);
+  for (const DetectionPlace& place : standing) merged["detections"].push_back(detection(place));
+  if (merged.contains("rejected")) merged["rejected"] = merge_rejected(answers, index, standing);
   return merged;
 }
 

@@ -13,9 +13,8 @@ namespace trivet::apps {
 
 /// What a shard found in one scene.
 struct ShardScene {
-  nlohmann::json json;                     ///< without detections and claims
-  std::vector<nlohmann::json> detections;  ///< as the shard wrote them
-  std::vector<double> scores;              ///< one a detection
+  nlohmann::json json;                               ///< without what follows
+  std::vector<nlohmann::json> detections, rejected;  ///< as the shard wrote them
   SceneClaims claims;
 };
 
@@ -33,8 +32,8 @@ Result<ShardAnswer> parse_answer(const std::string& shard, const std::string& bo
 bool is_of_same_scenes(const ShardAnswer& a, const ShardAnswer& b);
 
 /// {"libraries", "seconds", "scenes"}: detections that stand when all shards' poses are selected
-/// together, by falling score; seconds are those of the slowest shard, counts those of all.
-/// answers  at least one, of the same scenes
+/// together, by falling score; rejected poses are those of all shards; seconds are those of the
+/// slowest shard, counts those of all. answers  at least one, of the same scenes
 nlohmann::ordered_json merge_answers(std::span<const ShardAnswer> answers);
 
 }  // namespace trivet::apps
