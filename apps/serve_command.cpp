@@ -14,6 +14,7 @@
 #include "apps/serve/http_server.hpp"
 #include "apps/serve/library_slot.hpp"
 #include "apps/serve/metrics.hpp"
+#include "apps/serve/notify_systemd.hpp"
 #include "apps/serve/request_log.hpp"
 #include "apps/serve/serve_settings.hpp"
 #include "apps/serve/service_routes.hpp"
@@ -29,11 +30,21 @@ constexpr milliseconds kPollInterval{50};
 std::atomic<bool> reload_asked{false};
 
 /// Until told to stop.
-void wait_for_signals(const Context& context, LibrarySlot& slot, RequestLog& log) {
+void wait_for_signals(const Context& context, LibrarySlot& slot, RequestLog& log,
+                      const RecognitionService& service) {
+  const auto watchdog = watchdog_interval();
+  auto told = ServiceClock::now();
   while (!context.stop.stop_requested()) {
     std::this_thread::sleep_for(kPollInterval);
+    // Twice as often as it must be.
+    if (watchdog && ServiceClock::now() - told >= *watchdog / 2 && !service.state().is_stuck) {
+      notify_systemd("WATCHDOG=1");
+      told = ServiceClock::now();
+    }
     if (!reload_asked.exchange(false)) continue;
+    notify_systemd("RELOADING=1");
     slot.reload([&log](const Result<void>& done) {
+      notify_systemd("READY=1");
       if (done) {
         log.write("info", "library read anew");
       } else {
@@ -81,8 +92,10 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   routes.set_ready(true);
   context.console.line(fmt::format("serving {} on http://{}:{}", settings.library, settings.address,
                                    server->port()));
-  wait_for_signals(context, *slot, log);
+  notify_systemd("READY=1");
+  wait_for_signals(context, *slot, log, service);
 
+  notify_systemd("STOPPING=1");
   // Balancers see it first; then nothing new; then all that came in is answered.
   log.write("info", "ending");
   routes.set_ready(false);

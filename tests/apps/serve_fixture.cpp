@@ -36,7 +36,7 @@ Outcome ServeFixture::serve(std::vector<std::string> arguments,
   told_ = false;
   Outcome outcome = run_trivet(
       arguments, {.folder = folder_.path(),
-                  .environment = {},
+                  .environment = environment_,
                   .watch = [&](pid_t process, const std::string& error) {
                     process_ = process;
                     std::smatch found;

@@ -25,10 +25,11 @@ class ServeFixture : public testing::Test {
   /// Once: a second signal ends it at once.
   void tell_to_end();
 
-  const TempDir folder_;         ///< with l.h5 and camera.json
-  std::filesystem::path depth_;  ///< the scan, a depth image
-  Camera camera_;                ///< of the scan
-  std::string query_;            ///< the target that recognises it
+  std::vector<std::string> environment_;  ///< NAME=VALUE, of the service
+  const TempDir folder_;                  ///< with l.h5 and camera.json
+  std::filesystem::path depth_;           ///< the scan, a depth image
+  Camera camera_;                         ///< of the scan
+  std::string query_;                     ///< the target that recognises it
   std::atomic<pid_t> process_{0};
 
  private:
