@@ -13,6 +13,7 @@
 #include "apps/score_words.hpp"
 #include "apps/serve/http_messages.hpp"
 #include "apps/serve/inference_protocol.hpp"
+#include "apps/serve/openapi.hpp"
 #include "apps/serve/page.hpp"
 #include "apps/serve/query.hpp"
 #include "apps/serve/scan_request.hpp"
@@ -78,6 +79,7 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
       {"GET", "/v1/examples", true, false, "examples", &R::examples},
       {"GET", "/v1/score-parts", false, false, "score_parts", &R::score_parts},
       {"POST", "/v1/library/reload", false, false, "reload", &R::reload},
+      {"GET", "/v1/openapi.json", false, false, "openapi", &R::openapi},
       {"GET", "/v2", false, false, "server", &R::server},
       {"GET", "/v2/health/live", false, false, "live", &R::live},
       {"GET", "/v2/health/ready", false, false, "ready", &R::ready},
@@ -365,6 +367,10 @@ void ServiceRoutes::reload(const CallPtr& call, std::string_view) {
     reply(call, done ? json_response(200, {{"generation", service_.generation()->number}})
                      : error_response(409, done.error().message));
   });
+}
+
+void ServiceRoutes::openapi(const CallPtr& call, std::string_view) {
+  reply(call, {200, std::string(openapi_document()), "application/json", {}});
 }
 
 void ServiceRoutes::live(const CallPtr& call, std::string_view) {

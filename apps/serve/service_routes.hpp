@@ -65,6 +65,7 @@ class ServiceRoutes {
   void examples(const CallPtr& call, std::string_view rest);
   void score_parts(const CallPtr& call, std::string_view rest);
   void reload(const CallPtr& call, std::string_view rest);
+  void openapi(const CallPtr& call, std::string_view rest);
   void live(const CallPtr& call, std::string_view rest);
   void ready(const CallPtr& call, std::string_view rest);
   void server(const CallPtr& call, std::string_view rest);

@@ -1,0 +1,176 @@
+"""Hold a running service to its own description.
+
+usage: check_openapi.py PORT SCAN QUERY ROUTES_SOURCE
+SCAN     a depth image of which the service recognises something
+QUERY    the parameters that it is recognised with
+"""
+import http.client
+import json
+import re
+import sys
+
+import jsonschema
+
+port, scan_file, query, routes_source = int(sys.argv[1]), sys.argv[2], sys.argv[3], sys.argv[4]
+scan = open(scan_file, "rb").read()
+faults = []
+
+
+def fault(text):
+    faults.append(text)
+
+
+def ask(method, target, body=None, headers=None):
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    connection.request(method, target, body, headers or {})
+    answer = connection.getresponse()
+    return answer.status, answer.getheader("Content-Type"), answer.read(), answer
+
+
+document = json.loads(ask("GET", "/v1/openapi.json")[2])
+components = document["components"]
+
+
+def resolve(node):
+    while "$ref" in node:
+        at = document
+        for key in node["$ref"].removeprefix("#/").split("/"):
+            at = at[key]
+        node = at
+    return node
+
+
+def validator(schema):
+    return jsonschema.Draft202012Validator({**schema, "components": components})
+
+
+def check_document():
+    def walk(node, path):
+        if isinstance(node, dict):
+            if "$ref" in node:
+                try:
+                    resolve(node)
+                except KeyError:
+                    fault(f"{path}: {node['$ref']} is not there")
+            for key, value in node.items():
+                walk(value, f"{path}/{key}")
+        elif isinstance(node, list):
+            for index, value in enumerate(node):
+                walk(value, f"{path}/{index}")
+
+    walk(document, "")
+    for name, schema in components["schemas"].items():
+        jsonschema.Draft202012Validator.check_schema(schema)
+        if "example" in schema:
+            for error in validator(schema).iter_errors(schema["example"]):
+                fault(f"example of {name}: {error.message}")
+    for name, parameter in components["parameters"].items():
+        schema = parameter["schema"]
+        for value in [schema[k] for k in ("default",) if k in schema] + [parameter[k] for k in ("example",) if k in parameter]:
+            if list(validator(schema).iter_errors(value)):
+                fault(f"parameter {name}: {value} breaks its own schema")
+    ids = [op["operationId"] for path in document["paths"].values() for op in path.values()]
+    if len(ids) != len(set(ids)):
+        fault("an operationId is there twice")
+
+
+def check_routes():
+    """Every route of the program is described, and the other way round."""
+    routes = re.findall(r'\{"(GET|POST)", "(/[^"]*)", (true|false), ', open(routes_source).read())
+    if len(routes) < 10:
+        fault(f"{routes_source}: expected a table of routes")
+    described = {(method.upper(), path) for path, ops in document["paths"].items() for method in ops}
+    for method, path, is_prefix in routes:
+        fits = lambda text: text.startswith(path) if is_prefix == "true" else text == path
+        if path != "/" and not any(m == method and fits(p) for m, p in described):
+            fault(f"{method} {path} is not described")
+    for method, path in described:
+        if not any(m == method and path != "/" and p != "/" and
+                   (path.startswith(p) if is_prefix == "true" else path == p) for m, p, is_prefix in routes):
+            fault(f"{method} {path} is described, but no route")
+
+
+answered = {}
+
+
+def expect(status, method, template, target=None, body=None, headers=None):
+    """The answer has this status, and the description allows all of it."""
+    target = target or template
+    got, content_type, content, answer = ask(method, target, body, headers)
+    where = f"{method} {target[:80]} -> {got}"
+    answered.setdefault((method, template), set()).add(got)
+    if got != status:
+        fault(f"{where}, expected {status}: {content[:200]}")
+    responses = document["paths"][template][method.lower()]["responses"]
+    if str(got) not in responses:
+        return fault(f"{where}: the status is not described")
+    response = resolve(responses[str(got)])
+    kind = content_type.split(";")[0]
+    if kind not in response["content"]:
+        return fault(f"{where}: {kind} is not described")
+    for name in response.get("headers", {}):
+        if not answer.getheader(name) and name != "Inference-Header-Content-Length":
+            fault(f"{where}: expected the header {name}")
+    if kind == "application/json":
+        for error in validator(response["content"][kind]["schema"]).iter_errors(json.loads(content)):
+            fault(f"{where}: {'/'.join(map(str, error.path))}: {error.message[:200]}")
+    elif not content:
+        fault(f"{where}: expected a body")
+    return content
+
+
+def check_answers():
+    recognize = "/v1/recognize?" + query
+    found = json.loads(expect(200, "POST", "/v1/recognize", recognize, scan))
+    if not found["scenes"][0]["detections"]:
+        fault("expected detections, or nothing is tested")
+    expect(200, "POST", "/v1/recognize", recognize + "&rejected=9&claims=true", scan)
+    edge = "--edge\r\nContent-Disposition: form-data; name=scene; filename="
+    form = edge.encode() + b"a.png\r\n\r\n" + scan + b"\r\n" + edge.encode() + b"b.png\r\n\r\n" + scan + b"\r\n--edge--\r\n"
+    unformatted = re.sub("format=[a-z]+&?", "", query)
+    multipart = {"Content-Type": "multipart/form-data; boundary=edge"}
+    expect(200, "POST", "/v1/recognize", "/v1/recognize?" + unformatted, form, multipart)
+    expect(400, "POST", "/v1/recognize", recognize + "&min-score=2", scan)
+    expect(415, "POST", "/v1/recognize", recognize, scan, {"Content-Encoding": "gzip"})
+    expect(504, "POST", "/v1/recognize", recognize, scan, {"X-Deadline-Ms": "0.1"})
+    expect(431, "GET", "/v1/models", headers={"X-Long": "x" * 9000})
+    reading = re.sub("method=[a-z]+&?", "", query)
+    expect(200, "POST", "/v1/points", "/v1/points?max-points=1000&" + reading, scan)
+    expect(400, "POST", "/v1/points", "/v1/points?max-points=0&" + reading, scan)
+    models = json.loads(expect(200, "GET", "/v1/models"))["models"]
+    for view in ("thumbnail", "mesh"):
+        template = "/v1/models/{name}/" + models[0][view].rsplit("/", 1)[1]
+        expect(200, "GET", template, models[0][view])
+        expect(404, "GET", template, template.replace("{name}", "spoon"))
+    examples = json.loads(expect(200, "GET", "/v1/examples"))["examples"]
+    expect(200, "GET", "/v1/examples/{number}", examples[0]["url"])
+    expect(404, "GET", "/v1/examples/{number}", "/v1/examples/99")
+    expect(200, "GET", "/v1/score-parts")
+    expect(200, "GET", "/v1/openapi.json")
+    expect(200, "POST", "/v1/library/reload")
+    expect(200, "GET", "/v2")
+    expect(200, "GET", "/v2/health/live")
+    expect(200, "GET", "/v2/health/ready")
+    library = "/v2/models/" + json.loads(ask("GET", "/v1/models")[2])["library"].rsplit(".", 1)[0]
+    expect(200, "GET", "/v2/models/{library}", library)
+    expect(404, "GET", "/v2/models/{library}", "/v2/models/spoon")
+    expect(200, "GET", "/v2/models/{library}/ready", library + "/ready")
+    points = {"name": "points", "datatype": "FP32", "shape": [1, 3], "data": [0, 0, 1]}
+    asked = {"id": "7", "parameters": {"method": "ppf"}, "inputs": [points]}
+    infer = "/v2/models/{library}/infer"
+    expect(200, "POST", infer, library + "/infer", json.dumps(asked))
+    asked["parameters"]["binary_data_output"] = True
+    expect(200, "POST", infer, library + "/infer", json.dumps(asked))
+    expect(400, "POST", infer, library + "/infer", "{}")
+    expect(200, "GET", "/metrics")
+    for path, operations in document["paths"].items():
+        for method in operations:
+            if 200 not in answered.get((method.upper(), path), set()):
+                fault(f"{method} {path} was not asked")
+
+
+check_document()
+check_routes()
+check_answers()
+print("\n".join(faults))
+sys.exit(1 if faults else 0)
