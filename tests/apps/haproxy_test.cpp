@@ -47,7 +47,7 @@ class HaProxy : public testing::Test {
 
     // The documented file with ports of our own, and time for a machine that does other things.
     port_ = test::free_port();
-    std::string text = test::read_bytes(TRIVET_DOCS "/deploy/haproxy.cfg");
+    std::string text = test::read_bytes(TRIVET_SOURCES "/docs/deploy/haproxy.cfg");
     const auto replace = [&](const std::string& what, const std::string& by) {
       const std::size_t at = text.find(what);
       ASSERT_NE(at, std::string::npos) << what;
