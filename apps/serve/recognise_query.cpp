@@ -14,6 +14,7 @@ namespace trivet::apps {
 namespace {
 
 constexpr std::uint32_t kMaxRejected = 100;
+constexpr std::uint64_t kMaxPoints = 16'000'000;  ///< a small body may hold a large image
 
 struct QueryArguments {
   RecogniseArguments recognise;
@@ -63,8 +64,13 @@ Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters) {
   CLI::App app;
   add_query_options(app, arguments);
   std::vector<std::string> words;
-  for (const auto& [name, value] : parameters)
+  for (const auto& [name, value] : parameters) {
+    // Else it would be another word than it seems.
+    if (name.empty() || name.find('=') != name.npos)
+      return Error{ErrorCode::usage,
+                   fmt::format("expected NAME=VALUE, found '{}={}'", name, value)};
     words.push_back("--" + name + (value.empty() ? "" : "=" + value));
+  }
   std::ranges::reverse(words);  // as the parser takes them
   try {
     app.parse(words);
@@ -114,9 +120,8 @@ Parameters parameters_of(const JsonNode& object, std::string_view without) {
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
                         const ServedScene& scene) {
-  ReadOptions options;
-  options.camera = scene.camera;
-  return read_cloud(bytes, name, options);
+  return read_cloud(bytes, name,
+                    {.camera = scene.camera, .max_points = kMaxPoints, .max_pixels = kMaxPoints});
 }
 
 }  // namespace trivet::apps

@@ -42,8 +42,8 @@ std::vector<std::string> recognise_parameter_names();
 /// of these, and cameras as {"fx", "fy", "cx", "cy", "depth_scale"}. Throws JsonFault.
 Parameters parameters_of(const JsonNode& object, std::string_view without = {});
 
-/// Read a scan. `name` stands for it in messages and tells the format by its extension.
-/// Errors: those of read_cloud.
+/// Read a scan of at most 16 million points or pixels. `name` stands for it in messages and tells
+/// the format by its extension. Errors: those of read_cloud.
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
                         const ServedScene& scene);
 

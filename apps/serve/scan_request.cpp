@@ -11,6 +11,8 @@
 namespace trivet::apps {
 namespace {
 
+constexpr std::size_t kMaxOptionsBytes = 1 << 20;
+
 const std::set<std::string, std::less<>>& known_formats() {
   static const std::set<std::string, std::less<>> formats{"ply", "pcd", "obj", "stl",
                                                           "off", "xyz", "png"};
@@ -48,6 +50,10 @@ struct FormOptions {
 };
 
 Result<FormOptions> read_options(std::string_view json) {
+  if (json.size() > kMaxOptionsBytes) {
+    return Error{ErrorCode::bad_data, fmt::format("options: expected at most {} bytes, found {}",
+                                                  kMaxOptionsBytes, json.size())};
+  }
   FormOptions out;
   const Result<void> done =
       with_json(std::as_bytes(std::span(json)), "options", [&](const JsonNode& root) {
@@ -121,7 +127,12 @@ Result<ScanRequest> parse_scan_request(HttpRequest& request, Target target) {
 
   const Result<std::string> format = format_of(target, content_type);
   if (!format) return format.error();
-  std::erase_if(target.parameters, [](const auto& entry) { return entry.first == "format"; });
+  // A second one is no parameter that is known.
+  if (const auto given = std::ranges::find(target.parameters, "format",
+                                           [](const auto& entry) { return entry.first; });
+      given != target.parameters.end()) {
+    target.parameters.erase(given);
+  }
   Result<RecogniseQuery> query = parse_recognise_query(target.parameters);
   if (!query) return query.error();
   out.options = std::move(query->options);

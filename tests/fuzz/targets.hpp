@@ -21,8 +21,12 @@ inline void require(bool holds, const std::string& promise) {
 void parse_target(std::string_view input);
 /// The header, then, where there are tensors behind it, a zero byte and these.
 void parse_inference(std::string_view input);
+/// The content type, a line feed, then the body.
+void split_form(std::string_view input);
 /// A digit for the format, then the body.
 void read_scan(std::string_view input);
+/// Parameters, or the JSON of a form's options.
+void parse_query(std::string_view input);
 
 struct Target {
   const char* name;
@@ -32,12 +36,16 @@ struct Target {
 
 std::vector<std::string> parse_target_seeds();
 std::vector<std::string> parse_inference_seeds();
+std::vector<std::string> split_form_seeds();
 std::vector<std::string> read_scan_seeds();
+std::vector<std::string> parse_query_seeds();
 
 inline constexpr std::array kTargets{
     Target{"parse_target", parse_target, parse_target_seeds},
     Target{"parse_inference", parse_inference, parse_inference_seeds},
+    Target{"split_form", split_form, split_form_seeds},
     Target{"read_scan", read_scan, read_scan_seeds},
+    Target{"parse_query", parse_query, parse_query_seeds},
 };
 
 }  // namespace trivet::fuzz
