@@ -292,11 +292,14 @@ void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
   const Library& library = generation->recogniser.library();
   Json models = Json::array();
   for (const Model& model : library.models) {
+    const auto view = [&](const char* what) {
+      return write_target({fmt::format("/v1/models/{}/{}", model.name, what), {}});
+    };
     models.push_back({{"name", model.name},
                       {"diameter", model.diameter},
                       {"symmetry", symmetry_json(model.symmetry)},
-                      {"thumbnail", "/v1/models/" + model.name + "/thumbnail.png"},
-                      {"mesh", "/v1/models/" + model.name + "/mesh.ply"}});
+                      {"thumbnail", view("thumbnail.png")},
+                      {"mesh", view("mesh.ply")}});
   }
   reply(call, json_response(200, {{"library", library.file.filename().string()},
                                   {"generation", generation->number},
@@ -305,7 +308,7 @@ void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::view_model(const CallPtr& call, std::string_view rest) {
-  const std::size_t slash = rest.find('/');
+  const std::size_t slash = rest.rfind('/');  // a name may have some, too
   const std::string name(rest.substr(0, slash));
   const std::string_view view = slash == std::string_view::npos ? "" : rest.substr(slash + 1);
   if (view != "mesh.ply" && view != "thumbnail.png")
