@@ -45,8 +45,8 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
     for (const nlohmann::json& choice :
          schema.value("items", nlohmann::json()).value("enum", nlohmann::json::array()))
       good.push_back(choice);
-    if (schema.contains("minimum")) bad.push_back(schema["minimum"].get<double>() - 1);
-    if (schema.contains("maximum")) bad.push_back(schema["maximum"].get<double>() + 1);
+    if (schema.contains("minimum")) bad.push_back(schema["minimum"].get<std::int64_t>() - 1);
+    if (schema.contains("maximum")) bad.push_back(schema["maximum"].get<std::int64_t>() + 1);
     if (schema.contains("exclusiveMinimum")) bad.push_back(schema["exclusiveMinimum"]);
     if (schema.contains("enum")) bad.push_back("other");
     for (const nlohmann::json& value : good) {
