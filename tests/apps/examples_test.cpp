@@ -38,12 +38,9 @@ class Examples : public test::ServeFixture {
 };
 
 TEST_F(Examples, FindWhatTheServiceFinds) {
-  const std::string query = query_.substr(query_.find('?') + 1);
   std::vector<std::string> parameters;
-  std::istringstream pairs(query);
-  for (std::string pair; std::getline(pairs, pair, '&');) {
-    if (!pair.starts_with("format=")) parameters.push_back(pair);
-  }
+  std::istringstream pairs(parameters_);
+  for (std::string pair; std::getline(pairs, pair, '&');) parameters.push_back(pair);
   const test::Outcome outcome = serve({}, [&](int port) {
     const std::string url = "http://127.0.0.1:" + std::to_string(port);
     const nlohmann::json scene =
@@ -52,7 +49,7 @@ TEST_F(Examples, FindWhatTheServiceFinds) {
     ASSERT_FALSE(expected.empty());
 
     const test::Outcome shell =
-        run("/bin/sh", {kExamples + "recognize.sh", depth_, query}, {"TRIVET_URL=" + url});
+        run("/bin/sh", {kExamples + "recognize.sh", depth_, parameters_}, {"TRIVET_URL=" + url});
     EXPECT_EQ(lines_of(nlohmann::json::parse(shell.out)["scenes"][0]), expected) << shell.error;
 
     std::vector<std::string> words{kExamples + "recognize.py", depth_, "--url", url};
@@ -64,8 +61,8 @@ TEST_F(Examples, FindWhatTheServiceFinds) {
     EXPECT_EQ(refused.exit_code, 1);
     EXPECT_NE(refused.error.find("400: minimum score"), std::string::npos) << refused.error;
 
-    const test::Outcome compiled =
-        run(TRIVET_EXAMPLE, {"127.0.0.1", std::to_string(port), depth_, query});
+    const test::Outcome compiled = run(
+        TRIVET_EXAMPLE, {"127.0.0.1", std::to_string(port), depth_, "format=png&" + parameters_});
     EXPECT_EQ(compiled.out, expected) << compiled.error;
     EXPECT_EQ(run(TRIVET_EXAMPLE, {"127.0.0.1", std::to_string(port), depth_, "x=1"}).exit_code, 1);
   });

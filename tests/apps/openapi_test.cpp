@@ -43,7 +43,7 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
     for (const nlohmann::json& choice : schema.value("enum", nlohmann::json::array()))
       good.push_back(choice);
     for (const nlohmann::json& choice :
-         schema.value("items", nlohmann::json()).value("enum", nlohmann::json::array()))
+         schema.value("items", nlohmann::json::object()).value("enum", nlohmann::json::array()))
       good.push_back(choice);
     if (schema.contains("minimum")) bad.push_back(schema["minimum"].get<std::int64_t>() - 1);
     if (schema.contains("maximum")) bad.push_back(schema["maximum"].get<std::int64_t>() + 1);

@@ -160,14 +160,16 @@ class Route : public testing::Test {
 TEST_F(Route, AnswersAsTheWholeLibrary) {
   const auto whole = serve("l.h5"), first = serve("l-1.h5"), second = serve("l-2.h5");
   const auto router = route({first->address(), second->address()});
-  for (const std::string& options : {"&rounds=1&method=ppf&min-score=0.5", ""}) {
+  for (const char* const options : {"&rounds=1&method=ppf&min-score=0.5", ""}) {
     for (int k = 0; k < 2; ++k) {
       const Answer expected = ask(whole->port(), "POST", query_ + options, scan(k));
-      const Answer answer = ask(router->port(), "POST", query_ + options, scan(k),
-                                "X-Request-Id: call-7\r\ntraceparent: 00-ab-cd-01\r\n");
+      const Answer answer =
+          ask(router->port(), "POST", query_ + options, scan(k),
+              "X-Request-Id: call-7\r\n"
+              "traceparent: 00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01\r\n");
       ASSERT_EQ(answer.status, 200) << answer.body;
       EXPECT_EQ(answer.json()["request_id"], "call-7");
-      EXPECT_NE(answer.head.find("00-ab-cd-01"), std::string::npos) << answer.head;
+      EXPECT_NE(answer.head.find("00-0af76519"), std::string::npos) << answer.head;
       EXPECT_EQ(answer.json()["partial"], false) << answer.body;
       EXPECT_EQ(answer.json()["libraries"].size(), 2U);
       EXPECT_FALSE(answer.json()["scenes"][0].contains("claims"));
@@ -235,7 +237,7 @@ TEST_F(Route, SaysWhatADeadShardDoesNotAnswer) {
   second->process().signal(SIGKILL);
   second->process().wait();
   // Until the router has noticed, the connection breaks; later it does not ask.
-  for (const std::string& reason : {"", "refused"}) {
+  for (const char* const reason : {"", "refused"}) {
     EXPECT_TRUE(comes([&] {
       return ask(router->port(), "GET", "/v2/health/ready").body.find(reason) != std::string::npos;
     }));

@@ -25,7 +25,8 @@ void ServeFixture::SetUp() {
   std::string numbers;
   for (const char* const key : {"fx", "fy", "cx", "cy", "depth_scale"})
     numbers += (numbers.empty() ? "" : ",") + camera[key].dump();
-  query_ = "/v1/recognize?method=ppf&format=png&camera=" + numbers;
+  parameters_ = "method=ppf&camera=" + numbers;
+  query_ = "/v1/recognize?format=png&" + parameters_;
 }
 
 Outcome ServeFixture::serve(std::vector<std::string> arguments,

@@ -29,6 +29,7 @@ class ServeFixture : public testing::Test {
   const TempDir folder_;                  ///< with l.h5 and camera.json
   std::filesystem::path depth_;           ///< the scan, a depth image
   Camera camera_;                         ///< of the scan
+  std::string parameters_;                ///< for it, without the format
   std::string query_;                     ///< the target that recognises it
   std::atomic<pid_t> process_{0};
 

@@ -236,7 +236,7 @@ TEST_F(ServeHostile, RefusesParametersThatAreNone) {
     for (const char* const path :
          {"/v2/models/..%2f..", "/v2/models/../l", "/v2/models/", "/v2/models/l/versions/",
           "/v2/models/l/versions/99999999999999999999",
-          "/v1/models/..%2f..%2fetc%2fpasswd/mesh.ply", "/v1/%00", "//v1/models", "/", "*"}) {
+          "/v1/models/..%2f..%2fetc%2fpasswd/mesh.ply", "/v1/%00", "//v1/models", "*"}) {
       expect_refused(path, ask(port, "GET", path), {400, 404});
     }
     expect_answers(port);

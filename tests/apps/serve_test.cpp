@@ -378,11 +378,10 @@ TEST_F(Serve, RefusesAtOnceWhatWouldOnlyWait) {
 }
 
 TEST_F(Serve, IsMeasuredUnderLoad) {
-  const std::string parameters = query_.substr(query_.find("method="));
   const test::Outcome outcome = serve({"--parallel", "1", "--max-waiting", "2"}, [&](int port) {
     const auto load = [&](const std::vector<std::string>& more) {
       std::vector<std::string> arguments{"load",    depth_.string(), "--port", std::to_string(port),
-                                         "--query", parameters,      "--json", "load.json"};
+                                         "--query", parameters_,     "--json", "load.json"};
       arguments.insert(arguments.end(), more.begin(), more.end());
       const test::Outcome run =
           test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
