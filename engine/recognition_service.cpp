@@ -26,6 +26,8 @@ using Failure = std::variant<Refusal, Error>;
 /// How often jobs are looked at, and how long no part should take.
 constexpr std::chrono::milliseconds kLookInterval{20};
 constexpr std::chrono::seconds kStuckAfter{120};
+/// Of the newest part in the mean time that one takes.
+constexpr double kNewestShare = 0.1;
 
 double seconds_between(ServiceClock::time_point from, ServiceClock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
@@ -90,6 +92,16 @@ struct RecognitionService::State {
   bool is_full(std::size_t num_parts, std::size_t num_more) const {
     return waiting.size() + num_parts > options.max_waiting ||
            num_bytes + num_more > options.max_waiting_bytes;
+  }
+
+  /// Whether a job would be answered after its deadline, if what waits takes as long as what was
+  /// done last. Work that is begun and not answered in time is lost, and under overload all would
+  /// be. Never where a worker is free: or a mean that is too long would refuse all and stay.
+  bool would_be_late(const Taken& job) const {
+    if (waiting.empty() && running.size() < workers.size()) return false;
+    const auto num_turns =
+        static_cast<double>(waiting.size() + job.num_left) / static_cast<double>(workers.size());
+    return mean_seconds * (num_turns + 0.5) > seconds_between(job.since, job.job.deadline);
   }
 
   /// Take no more, drop what waits, stop what runs.
@@ -160,6 +172,10 @@ struct RecognitionService::State {
       {
         const std::lock_guard lock(mutex);
         if (error) job.fail(std::move(*error));
+        if (!job.failure) {
+          const double seconds = seconds_between(part->begun, ServiceClock::now());
+          mean_seconds += (mean_seconds > 0 ? kNewestShare : 1) * (seconds - mean_seconds);
+        }
         is_last = finish(job, 1);
       }
       if (is_last) tell(job);
@@ -207,6 +223,7 @@ struct RecognitionService::State {
   std::deque<Part> waiting;
   std::list<Part> running;
   std::size_t num_bytes = 0;
+  double mean_seconds = 0;      ///< that a part takes; 0: none was done yet
   std::size_t num_telling = 0;  ///< jobs that were dropped and are being answered
   bool is_closed = false, is_stuck = false;
   std::vector<std::jthread> workers;
@@ -243,7 +260,8 @@ void RecognitionService::submit(ServiceJob job, Done done) {
     const std::lock_guard lock(state_->mutex);
     if (state_->is_closed) {
       refusal = Refusal::closed;
-    } else if (state_->is_full(num_parts, taken->job.num_bytes)) {
+    } else if (state_->is_full(num_parts, taken->job.num_bytes) ||
+               (!refusal && state_->would_be_late(*taken))) {
       refusal = Refusal::full;
     }
     if (!refusal) {

@@ -51,7 +51,7 @@ struct ServiceAnswer {
   double work_seconds = 0;                              ///< from then until the last was done
 };
 enum class Refusal : std::uint8_t {
-  full,      ///< as many wait as may
+  full,      ///< as many wait as may, or as can be answered before this one's deadline
   too_late,  ///< the deadline passed before the answer was there
   gone,      ///< nobody waited any more
   closed,    ///< the service is being shut down

@@ -53,7 +53,8 @@ HttpResponse error_response(const Error& error) {
 HttpResponse refusal_response(Refusal refusal) {
   switch (refusal) {
     case Refusal::full: {
-      HttpResponse response = error_response(503, "as many requests wait as may");
+      HttpResponse response =
+          error_response(503, "as many requests wait as may, or as can be answered in time");
       response.headers.emplace_back("Retry-After", "1");
       return response;
     }

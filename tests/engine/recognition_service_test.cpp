@@ -139,6 +139,33 @@ TEST(RecognitionService, RefusesInTheQueueWhatItsDeadlineOvertakes) {
   EXPECT_FALSE(was_begun);
 }
 
+TEST(RecognitionService, RefusesWhatItCouldNotAnswerInTime) {
+  RecognitionService service({.num_parallel = 1}, generation(1));
+  // A part takes a tenth of a second.
+  (void)submit(service, job([](std::size_t, const LibraryGeneration&, const std::stop_token&) {
+                 std::this_thread::sleep_for(milliseconds(100));
+                 return Result<void>();
+               }))
+      .get();
+  Gate gate(1);
+  auto running = submit(service, job(gate.work()));
+  gate.reached.wait();
+  const auto with_deadline = [&](int ms, std::size_t num_parts) {
+    ServiceJob out = job(nothing, num_parts);
+    out.deadline = ServiceClock::now() + milliseconds(ms);
+    return submit(service, std::move(out));
+  };
+  auto patient = with_deadline(60'000, 20);
+  EXPECT_EQ(refusal_of(with_deadline(1000, 1)), Refusal::full) << "twenty wait before it";
+  EXPECT_EQ(service.state().num_waiting, 20U);
+  gate.opened.count_down();
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(patient.get()));
+  (void)running.get();
+  // With a free worker it is tried, whatever the mean says.
+  while (service.state().num_running > 0) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(with_deadline(10, 1).get()));
+}
+
 TEST(RecognitionService, StopsWhatNobodyWaitsForAnyMore) {
   RecognitionService service({.num_parallel = 2}, generation(1));
   std::atomic<bool> is_gone{false};
