@@ -1,58 +1,83 @@
 import { Matrix4, Vector3 } from "three";
 
 const kSamples = 20000;
-const kShareWithin = 0.97; // stray points must not make the rest small
+const kStray = 0.02; // share of the points at either end that must not make the rest small
+const kMargin = 1.03;
 
-const at = (positions, i) => new Vector3().fromArray(positions, 3 * i);
+function sampleOf(positions) {
+  const step = 3 * Math.max(1, Math.floor(positions.length / 3 / kSamples));
+  const sample = [];
+  for (let i = 0; i < positions.length; i += step) {
+    sample.push(new Vector3().fromArray(positions, i));
+  }
+  return sample;
+}
+
+function quantile(values, share) {
+  values.sort((a, b) => a - b);
+  return values[Math.round((values.length - 1) * share)];
+}
 
 /**
- * Say how a scan is shown: centred, upright, with radius 1.
+ * Say how a scan or a model is shown: centred, upright, with a radius of about 1.
  *
- * positions  x, y, z of each point in the scan's frame, at least one
- * viewpoint  of the sensor in that frame
+ * positions  x, y, z of each point in its own frame, at least one
+ * viewpoint  of the sensor in that frame; null: nobody looked
  *
  * Up is that of the usual frames: cameras look along +z with y down (OpenCV) or along -z with y up
- * (OpenGL); whatever looks elsewhere stands on a floor with z up (ROS, REP 103).
+ * (OpenGL); whatever looks elsewhere stands on a floor with z up (ROS, REP 103), as models do.
  *
- * Returns { centre, radius (both in the scan's frame), toWorld, direction: from the centre to the
- * sensor, in the world }.
+ * Returns { centre, radius: both in its own frame; toWorld; sample: some of the points, in the
+ * world; direction: from the centre to where it is best seen from, in the world }.
  */
 export function frameOf(positions, viewpoint) {
-  const step = Math.max(1, Math.floor(positions.length / 3 / kSamples));
-  const sample = [];
-  for (let i = 0; 3 * i < positions.length; i += step) sample.push(at(positions, i));
+  const sample = sampleOf(positions);
   const middle = (axis) => {
-    const values = sample.map((point) => point[axis]).sort((a, b) => a - b);
-    return (values[Math.floor(values.length * 0.02)] + values[Math.floor(values.length * 0.98)]) / 2;
+    const values = sample.map((point) => point[axis]);
+    return (quantile(values, kStray) + quantile(values, 1 - kStray)) / 2;
   };
   const centre = new Vector3(middle("x"), middle("y"), middle("z"));
-  const distances = sample.map((point) => point.distanceTo(centre)).sort((a, b) => a - b);
-  const radius = distances[Math.floor((distances.length - 1) * kShareWithin)] || 1;
-  return uprightFrame(centre, radius, new Vector3(...viewpoint).sub(centre));
-}
+  const distances = sample.map((point) => point.distanceTo(centre));
+  const radius = quantile(distances, 1 - kStray) || 1;
 
-/** That of a model or any other thing that nobody looked at: z up, seen from above one corner. */
-export function frameOfSphere({ center, radius }) {
-  return uprightFrame(center.clone(), radius || 1, new Vector3());
-}
-
-function uprightFrame(centre, radius, toSensor) {
-  const seen = toSensor.length() > radius;
+  const toSensor = new Vector3(...(viewpoint ?? centre)).sub(centre);
+  const isSeen = toSensor.length() > radius; // else the sensor is within: there was none
   const along = (axis) => Math.abs(toSensor[axis]);
-  const camera = seen && along("z") >= Math.max(along("x"), along("y"));
-  const up = camera ? new Vector3(0, toSensor.z < 0 ? -1 : 1, 0) : new Vector3(0, 0, 1);
-  const front = (seen ? toSensor : new Vector3(1, -1, 0)).clone();
+  const isCamera = isSeen && along("z") >= Math.max(along("x"), along("y"));
+  const up = isCamera ? new Vector3(0, Math.sign(toSensor.z), 0) : new Vector3(0, 0, 1);
+  const front = isSeen ? toSensor.clone() : new Vector3(1, -1, 0);
   front.addScaledVector(up, -front.dot(up));
   if (front.length() < 1e-6) front.set(1, 0, 0);
   front.normalize();
-  const right = new Vector3().crossVectors(up, front);
-  const rotation = new Matrix4().makeBasis(right, up, front).transpose();
+  const rotation = new Matrix4()
+    .makeBasis(new Vector3().crossVectors(up, front), up, front)
+    .transpose();
   const toWorld = rotation
     .clone()
     .scale(new Vector3().setScalar(1 / radius))
     .multiply(new Matrix4().makeTranslation(centre.clone().negate()));
-  const direction = seen
-    ? toSensor.clone().transformDirection(rotation)
+  for (const point of sample) point.applyMatrix4(toWorld);
+  const direction = isSeen
+    ? toSensor.transformDirection(rotation)
     : new Vector3(0, 0.55, 1).normalize();
-  return { centre, radius, toWorld, direction };
+  return { centre, radius, toWorld, sample, direction };
+}
+
+/**
+ * How far from the origin of the world a camera sees these points.
+ *
+ * points      in the world
+ * direction   from the origin to the camera
+ * across, up  tangents of half the field of view
+ * stray       share of the points that may be missed
+ */
+export function distanceToSee(points, direction, { across, up }, stray = 0) {
+  const right = new Vector3().crossVectors(new Vector3(0, 1, 0), direction).normalize();
+  const above = new Vector3().crossVectors(direction, right);
+  const distances = points.map(
+    (point) =>
+      point.dot(direction) +
+      Math.max(Math.abs(point.dot(right)) / across, Math.abs(point.dot(above)) / up),
+  );
+  return kMargin * quantile(distances, 1 - stray);
 }

@@ -18,6 +18,7 @@ export class Meshes {
     if (!this.#geometries.has(name)) {
       const made = fetchBytes(this.#addresses.get(name)).then((bytes) => {
         const geometry = new PLYLoader().parse(bytes);
+        geometry.computeBoundingBox();
         geometry.computeBoundingSphere();
         return geometry;
       });
@@ -32,7 +33,10 @@ export class Meshes {
     for (const [name, made] of this.#geometries) {
       if (names.has(name)) continue;
       this.#geometries.delete(name);
-      made.then((geometry) => geometry.dispose(), () => {});
+      made.then(
+        (geometry) => geometry.dispose(),
+        () => {},
+      );
     }
   }
 }

@@ -18,37 +18,64 @@ const kVertexShader = `
     gl_Position = vec4(position.xy, 0.0, 1.0);
   }`;
 
-// Eye-dome lighting: what lies behind its neighbours in the picture is darker, which shows shape
-// without normals. Source: Boucheny, thesis, Univ. Joseph Fourier, 2009.
 const kFragmentShader = `
   uniform sampler2D colours, depths, outlines;
   uniform vec2 texel;
-  uniform float near, far, reach, strength, width;
+  uniform float near, far, pixelRatio, pixelsPerUnit, spacing;
   varying vec2 place;
 
-  float logDepth(vec2 at) {
+  float depthAt(vec2 at) {
     float z = texture2D(depths, at).x;
-    return log2(near * far / (far - z * (far - near)));
+    return near * far / (far - z * (far - near));
   }
   vec2 around(int k, int n) {
     float angle = 6.2831853 * float(k) / float(n);
-    return vec2(cos(angle), sin(angle)) * texel;
+    return vec2(cos(angle), sin(angle));
+  }
+
+  // Light on points, which have no normals: the slope of the depth around, as wide as points are
+  // apart, stands in for one. Pairs of neighbours across a step in depth tell nothing.
+  float lightOnPoints(float here) {
+    float perPixel = here / pixelsPerUnit;
+    float reach = max(2.0 * pixelRatio, spacing / perPixel);
+    vec2 slope = vec2(0.0);
+    float count = 0.0;
+    for (int k = 0; k < 16; ++k) {
+      vec2 direction = around(k % 8, 16);
+      float pixels = k < 8 ? reach : 0.5 * reach;
+      float ahead = depthAt(place + pixels * texel * direction) - here;
+      float behind = depthAt(place - pixels * texel * direction) - here;
+      if (max(abs(ahead), abs(behind)) > 4.0 * pixels * perPixel + spacing) continue;
+      slope += direction * (ahead - behind) / (pixels * perPixel);
+      count += 1.0;
+    }
+    vec3 normal = normalize(vec3(slope / max(count, 1.0), 1.0));
+    return 0.25 + 0.85 * max(dot(normal, normalize(vec3(-0.4, 0.6, 1.0))), 0.0);
+  }
+
+  // Eye-dome lighting: what lies behind its neighbours in the picture is darker, which sets things
+  // off. Source: Boucheny, thesis, Univ. Joseph Fourier, 2009.
+  float lightInTheDome(float here) {
+    float behind = 0.0;
+    for (int k = 0; k < 8; ++k) {
+      float other = depthAt(place + 1.1 * pixelRatio * texel * around(k, 8));
+      behind += clamp(log2(here / (other + 0.25 * spacing)), 0.0, 0.05);
+    }
+    return max(exp(-45.0 * behind), 0.12);
   }
 
   void main() {
     vec4 colour = texture2D(colours, place);
     if (texture2D(depths, place).x < 1.0) {
-      float here = logDepth(place), behind = 0.0;
-      for (int k = 0; k < 8; ++k)
-        behind += min(max(0.0, here - logDepth(place + reach * around(k, 8))), 0.05);
-      colour.rgb *= max(exp(-strength * behind), 0.12);
+      float here = depthAt(place);
+      colour.rgb *= lightInTheDome(here) * mix(lightOnPoints(here), 1.0, colour.a);
     }
 
     // An outline is where the drawn thing changes; the topmost of the two gives the ink.
     vec4 mine = texture2D(outlines, place), ink = mine;
     float edge = 0.0;
     for (int k = 0; k < 12; ++k) {
-      vec4 other = texture2D(outlines, place + width * around(k, 12));
+      vec4 other = texture2D(outlines, place + 1.4 * pixelRatio * texel * around(k, 12));
       if (abs(other.a - mine.a) < 0.002) continue;
       edge += 1.0;
       if (other.a > ink.a) ink = other;
@@ -90,9 +117,9 @@ export class Picture {
       texel: { value: new Vector2() },
       near: { value: 1 },
       far: { value: 2 },
-      reach: { value: 1.4 },
-      strength: { value: 45 },
-      width: { value: 2 },
+      pixelRatio: { value: 1 },
+      pixelsPerUnit: { value: 1 },
+      spacing: { value: 0 },
     },
     vertexShader: kVertexShader,
     fragmentShader: kFragmentShader,
@@ -107,19 +134,25 @@ export class Picture {
     this.#quad.frustumCulled = false;
   }
 
-  /** width, height  [device pixels] */
+  /** width, height  [device pixels]; pixelRatio  of these to the page's */
   resize(width, height, pixelRatio) {
     this.#solid.setSize(width, height);
     this.#outlines.setSize(width, height);
     this.#material.uniforms.texel.value.set(1 / width, 1 / height);
-    this.#material.uniforms.reach.value = 1.1 * pixelRatio;
-    this.#material.uniforms.width.value = 1.4 * pixelRatio;
+    this.#material.uniforms.pixelRatio.value = pixelRatio;
   }
 
-  render(solid, outlined, camera) {
-    const { near, far } = this.#material.uniforms;
-    near.value = camera.near;
-    far.value = camera.far;
+  /**
+   * solid, outlined  scenes; points of the first have alpha 0
+   * pixelsPerUnit    of something at distance 1
+   * spacing          of the points [world]
+   */
+  render(solid, outlined, camera, pixelsPerUnit, spacing) {
+    const { uniforms } = this.#material;
+    uniforms.near.value = camera.near;
+    uniforms.far.value = camera.far;
+    uniforms.pixelsPerUnit.value = pixelsPerUnit;
+    uniforms.spacing.value = spacing;
     this.#renderer.setRenderTarget(this.#solid);
     this.#renderer.render(solid, camera);
     this.#renderer.setRenderTarget(this.#outlines);

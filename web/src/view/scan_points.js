@@ -1,28 +1,31 @@
 import { BufferAttribute, BufferGeometry, Matrix4, Points, ShaderMaterial } from "three";
 
 const kProbes = 100;
-const kSizeInSpacings = 1.7; // neighbours overlap, so that a surface looks closed
+const kNeighbours = 6; // of a point among random ones, or in a grid, within 1.4 spacings
+const kSizeInSpacings = "2.0"; // neighbours overlap, so that a surface looks closed
 const kBehind = 0.006; // of the scan's radius: models stand out from the points that they explain
 
-/** The median distance from a point to its nearest neighbour. */
+/** How far apart points are where they are rather sparse. */
 function spacing(positions) {
   const num = positions.length / 3;
   const distances = [];
   for (let probe = 0; probe < Math.min(kProbes, num); ++probe) {
     const i = 3 * Math.floor(((probe + 0.5) * num) / Math.min(kProbes, num));
-    let best = Infinity;
+    const nearest = new Array(kNeighbours + 1).fill(Infinity); // rising; the first is itself
     for (let k = 0; k < positions.length; k += 3) {
-      if (k === i) continue;
       const x = positions[k] - positions[i];
       const y = positions[k + 1] - positions[i + 1];
       const z = positions[k + 2] - positions[i + 2];
       const squared = x * x + y * y + z * z;
-      if (squared < best && squared > 0) best = squared;
+      if (squared >= nearest[kNeighbours]) continue;
+      let at = kNeighbours;
+      for (; at > 0 && nearest[at - 1] > squared; --at) nearest[at] = nearest[at - 1];
+      nearest[at] = squared;
     }
-    if (best < Infinity) distances.push(Math.sqrt(best));
+    if (nearest[kNeighbours] < Infinity) distances.push(Math.sqrt(nearest[kNeighbours]) / 1.4);
   }
   distances.sort((a, b) => a - b);
-  return distances[Math.floor(distances.length / 2)] ?? 0;
+  return distances[Math.floor(distances.length * 0.8)] ?? 0;
 }
 
 /**
@@ -45,39 +48,39 @@ export function makeScanPoints(positions, frame) {
   const material = new ShaderMaterial({
     uniforms: {
       colour: { value: null },
-      diameter: { value: (kSizeInSpacings * spacing(centred)) / frame.radius },
+      spacing: { value: spacing(centred) / frame.radius },
       behind: { value: kBehind },
       pixelsPerUnit: { value: 1 },
       smallest: { value: 1 },
     },
     vertexShader: `
-      uniform float diameter, pixelsPerUnit, smallest;
-      varying float seenZ;
+      uniform float spacing, pixelsPerUnit, smallest;
+      varying float seenZ, size;
       void main() {
         vec4 seen = modelViewMatrix * vec4(position, 1.0);
         seenZ = seen.z;
         gl_Position = projectionMatrix * seen;
-        gl_PointSize = clamp(diameter * pixelsPerUnit / -seen.z, smallest, 24.0 * smallest);
+        size = clamp(${kSizeInSpacings} * spacing * pixelsPerUnit / -seen.z, smallest, 14.0 * smallest);
+        gl_PointSize = size;
       }`,
     fragmentShader: `
       uniform vec3 colour;
-      uniform float diameter, behind;
+      uniform float spacing, behind;
       uniform mat4 projectionMatrix;
-      varying float seenZ;
+      varying float seenZ, size;
       void main() {
-        // A dome instead of a disc: where neighbours meet, depth is continuous.
+        // A dome instead of a disc: where neighbours meet, depth is continuous. Of few pixels all
+        // are needed to close the surface.
         float off = 2.0 * length(gl_PointCoord - 0.5);
-        if (off > 1.0) discard;
-        float z = seenZ - 0.5 * diameter * off * off - behind;
+        if (off > 1.0 && size > 4.0) discard;
+        float z = seenZ - spacing * off * off - behind;
         gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] + projectionMatrix[3][2] / z);
-        gl_FragColor = vec4(colour, 1.0);
+        gl_FragColor = vec4(colour, 0.0); // to be lit by the picture
       }`,
   });
   const points = new Points(geometry, material);
   points.frustumCulled = false;
   points.matrixAutoUpdate = false;
-  points.matrix
-    .copy(frame.toWorld)
-    .multiply(new Matrix4().makeTranslation(frame.centre));
+  points.matrix.copy(frame.toWorld).multiply(new Matrix4().makeTranslation(frame.centre));
   return points;
 }

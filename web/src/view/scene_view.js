@@ -21,12 +21,14 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { element } from "../dom.js";
-import { frameOf, frameOfSphere } from "./frame.js";
+import { distanceToSee, frameOf } from "./frame.js";
 import { outlineMaterial, Picture } from "./picture.js";
 import { makeScanPoints } from "./scan_points.js";
 
 const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
+const kStray = 0.005; // share of a scan's points that need not be seen when all of it is
+const kRoom = 1.25; // radii of a thing that are seen around its centre when it is looked at
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
@@ -38,7 +40,11 @@ const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispo
 function makeAxes() {
   const axes = new Group();
   const bar = new CylinderGeometry(0.012, 0.012, 1, 8).translate(0, 0.5, 0);
-  const turns = [[0, 0, -Math.PI / 2], [0, 0, 0], [Math.PI / 2, 0, 0]];
+  const turns = [
+    [0, 0, -Math.PI / 2],
+    [0, 0, 0],
+    [Math.PI / 2, 0, 0],
+  ];
   ["#e5484d", "#3fae5a", "#4a7dff"].forEach((color, k) => {
     const mesh = new Mesh(bar, new MeshBasicMaterial({ color, depthTest: false }));
     mesh.rotation.set(...turns[k]);
@@ -78,6 +84,7 @@ export class SceneView {
   #saved = null; // the camera of the scan while a model is shown
   #asked = 0;
   #flight = 0;
+  #isFitted = false;
 
   onPick = () => {};
   onLook = () => {};
@@ -91,7 +98,7 @@ export class SceneView {
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.zoomToCursor = true;
     this.#controls.addEventListener("change", () => this.#draw());
-    this.#controls.addEventListener("start", () => cancelAnimationFrame(this.#flight));
+    this.#controls.addEventListener("start", () => this.#leave());
     this.#solid.add(new HemisphereLight("#ffffff", "#6f7680", 1.4), this.#camera, this.#found);
     this.#lamp.position.set(-0.4, 0.6, 1);
     this.#camera.add(this.#lamp);
@@ -160,6 +167,7 @@ export class SceneView {
     this.#marks.replaceChildren();
     this.#things = this.#frame ? things.map((thing, k) => this.#make(thing, k)) : [];
     this.#arrange();
+    if (this.#isFitted && !this.#model) this.fit(false);
   }
 
   #make(thing, index) {
@@ -188,18 +196,33 @@ export class SceneView {
     const mark = element("span", { className: `mark ${thing.kind}` }, thing.label);
     mark.style.setProperty("--ink", thing.colour ?? "");
     this.#marks.append(mark);
-    const made = { ...thing, matrix, outline, mesh, mark, centre: sphere.center, radius: sphere.radius };
+    const { min, max } = thing.geometry.boundingBox;
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
+      new Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z).applyMatrix4(
+        matrix,
+      ),
+    );
+    const made = {
+      ...thing,
+      corners: thing.kind === "found" ? corners : [],
+      matrix,
+      outline,
+      mesh,
+      mark,
+      centre: sphere.center,
+      radius: sphere.radius,
+    };
     this.#paint(made);
     return made;
   }
 
   #paint(thing) {
     const fades = this.#selected !== null && thing.id !== this.#selected;
-    thing.mesh?.material.color
-      .set(thing.colour ?? 0)
-      .lerp(this.colours.scan, fades ? 0.6 : 0);
+    thing.mesh?.material.color.set(thing.colour ?? 0).lerp(this.colours.scan, fades ? 0.6 : 0);
     const ink = thing.id === this.#selected ? this.colours.selected : this.colours.rejected;
-    for (const { material } of thing.outline.children) material.uniforms.colour.value.copy(ink);
+    for (const { material } of thing.outline.children) {
+      material.uniforms.colour.value.copy(ink).lerp(this.colours.scan, fades ? 0.5 : 0);
+    }
   }
 
   /** Show or hide { scan, found, rejected }. */
@@ -238,17 +261,24 @@ export class SceneView {
     const thing = this.#things.find((other) => other.id === id);
     if (!thing || this.#model) return;
     const back = this.#camera.position.clone().sub(this.#controls.target).normalize();
-    this.#flyTo(thing.centre, back, this.#distanceFor(1.9 * thing.radius));
+    const half = Math.atan(
+      Math.tan((kFieldOfView * Math.PI) / 360) * Math.min(1, this.#camera.aspect),
+    );
+    this.#flyTo(thing.centre, back, (kRoom * thing.radius) / Math.sin(half));
   }
 
   /** Show one model by itself, until closeModel(). */
   showModel(geometry, colour) {
     this.closeModel(false);
     this.#saved ??= [this.#camera.position.clone(), this.#controls.target.clone()];
-    const material = new MeshLambertMaterial({ color: colour, flatShading: true, side: DoubleSide });
+    const material = new MeshLambertMaterial({
+      color: colour,
+      flatShading: true,
+      side: DoubleSide,
+    });
     const mesh = new Mesh(geometry, material);
     mesh.matrixAutoUpdate = false;
-    this.#model = { mesh, frame: frameOfSphere(geometry.boundingSphere) };
+    this.#model = { mesh, frame: frameOf(geometry.attributes.position.array, null) };
     mesh.matrix.copy(this.#model.frame.toWorld);
     this.#solid.add(mesh);
     this.#arrange();
@@ -277,19 +307,24 @@ export class SceneView {
   fit(flies = true) {
     const frame = this.#model?.frame ?? this.#frame;
     if (!frame) return;
-    const radius = this.#model ? 1.05 : 0.86; // of a scan, corners may be cut
-    this.#flyTo(new Vector3(), frame.direction, this.#distanceFor(radius), flies);
-  }
-
-  #distanceFor(radius) {
-    const half = Math.tan((kFieldOfView * Math.PI) / 360) * Math.min(1, this.#camera.aspect);
-    return radius / Math.sin(Math.atan(half));
+    const up = Math.tan((kFieldOfView * Math.PI) / 360);
+    const field = { across: up * this.#camera.aspect, up };
+    const corners = this.#model ? [] : this.#things.flatMap((thing) => thing.corners);
+    const distance = Math.max(
+      distanceToSee(frame.sample, frame.direction, field, this.#model ? 0 : kStray),
+      corners.length ? distanceToSee(corners, frame.direction, field) : 0,
+    );
+    this.#flyTo(new Vector3(), frame.direction, distance, flies);
+    this.#isFitted = true;
   }
 
   #flyTo(target, direction, distance, flies = true) {
-    cancelAnimationFrame(this.#flight);
+    this.#leave();
     const position = target.clone().addScaledVector(direction, distance);
-    const [fromPosition, fromTarget] = [this.#camera.position.clone(), this.#controls.target.clone()];
+    const [fromPosition, fromTarget] = [
+      this.#camera.position.clone(),
+      this.#controls.target.clone(),
+    ];
     const still = !flies || matchMedia("(prefers-reduced-motion: reduce)").matches;
     const start = performance.now();
     const step = (now) => {
@@ -304,6 +339,12 @@ export class SceneView {
     step(start);
   }
 
+  /** The user, or a flight, takes the camera elsewhere. */
+  #leave() {
+    cancelAnimationFrame(this.#flight);
+    this.#isFitted = false;
+  }
+
   #onKey(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -311,7 +352,7 @@ export class SceneView {
     const turn = turns[event.key];
     if (!turn && !nearer) return;
     event.preventDefault();
-    cancelAnimationFrame(this.#flight);
+    this.#leave();
     const { target } = this.#controls;
     const offset = this.#camera.position.clone().sub(target);
     if (turn && event.shiftKey) {
@@ -334,7 +375,9 @@ export class SceneView {
   #listenForPicks() {
     const caster = new Raycaster();
     const start = new Vector2();
-    this.#canvas.addEventListener("pointerdown", (event) => start.set(event.clientX, event.clientY));
+    this.#canvas.addEventListener("pointerdown", (event) =>
+      start.set(event.clientX, event.clientY),
+    );
     this.#canvas.addEventListener("click", (event) => {
       const moved = start.distanceTo(new Vector2(event.clientX, event.clientY)) > 4;
       if (moved || this.#model || !this.#frame) return;
@@ -344,7 +387,10 @@ export class SceneView {
         new Vector2((2 * offsetX) / clientWidth - 1, 1 - (2 * offsetY) / clientHeight),
         this.#camera,
       );
-      const hit = caster.intersectObjects(this.#found.children.filter((mesh) => mesh.visible), false)[0];
+      const hit = caster.intersectObjects(
+        this.#found.children.filter((mesh) => mesh.visible),
+        false,
+      )[0];
       this.onPick(hit ? hit.object.userData.id : null);
     });
   }
@@ -373,13 +419,14 @@ export class SceneView {
     this.#camera.near = Math.max(0.002, distance / 100);
     this.#camera.far = distance + 20;
     this.#camera.updateProjectionMatrix();
-    if (this.#points) {
-      const { pixelsPerUnit, smallest } = this.#points.material.uniforms;
-      pixelsPerUnit.value =
-        this.#canvas.height / 2 / Math.tan((kFieldOfView * Math.PI) / 360);
-      smallest.value = 1.2 * this.#renderer.getPixelRatio();
+    const pixelsPerUnit = this.#canvas.height / 2 / Math.tan((kFieldOfView * Math.PI) / 360);
+    const uniforms = this.#points?.material.uniforms;
+    if (uniforms) {
+      uniforms.pixelsPerUnit.value = pixelsPerUnit;
+      uniforms.smallest.value = 1.2 * this.#renderer.getPixelRatio();
     }
-    this.#picture.render(this.#solid, this.#outlined, this.#camera);
+    const spacing = uniforms?.spacing.value ?? 0;
+    this.#picture.render(this.#solid, this.#outlined, this.#camera, pixelsPerUnit, spacing);
     this.#placeMarks();
     this.#tellLook(distance);
   }
@@ -389,17 +436,20 @@ export class SceneView {
     for (const thing of this.#things) {
       if (thing.mark.hidden) continue;
       const seen = thing.centre.clone().project(this.#camera);
-      const x = ((seen.x + 1) / 2) * width;
-      const y = ((1 - seen.y) / 2) * height;
-      thing.mark.style.visibility = Math.abs(seen.z) < 1 ? "visible" : "hidden";
-      thing.mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
+      const x = (((seen.x + 1) / 2) * width).toFixed(1);
+      const y = (((1 - seen.y) / 2) * height).toFixed(1);
+      const { style } = thing.mark;
+      style.visibility = Math.abs(seen.z) < 1 ? "visible" : "hidden";
+      style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
     }
   }
 
   #tellLook(distance) {
     const frame = this.#model ? null : this.#frame;
     if (!frame) return this.onLook(null);
-    const point = this.#controls.target.clone().applyMatrix4(new Matrix4().copy(frame.toWorld).invert());
+    const point = this.#controls.target
+      .clone()
+      .applyMatrix4(new Matrix4().copy(frame.toWorld).invert());
     return this.onLook(point.toArray(), distance * frame.radius);
   }
 }
