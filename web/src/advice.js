@@ -24,12 +24,14 @@ export function adviceOnNothing({ positions, unit, library, rejected, minScore, 
   if (rejected.length) {
     const [best] = rejected;
     checks.push(
-      `The best rejected pose is ${best.model} with score ${scoreWords(best.score)}, and the lowest ` +
-        `score is ${minScore}. The button Rejected shows it.`,
+      `The best rejected pose is ${best.model} with score ${scoreWords(best.score)}, and the ` +
+        `lowest score is ${minScore}. The button Rejected shows it.`,
     );
   }
   if (positions?.length && diameters.length) {
-    const sizes = extents(positions).map((size) => lengthWords(size, unit)).join(" × ");
+    const sizes = extents(positions)
+      .map((size) => lengthWords(size, unit))
+      .join(" × ");
     checks.push(
       `In ${unit}, the scan is ${sizes}, and the models are ` +
         `${lengthWords(Math.min(...diameters), library.unit)} to ` +
@@ -39,10 +41,14 @@ export function adviceOnNothing({ positions, unit, library, rejected, minScore, 
   checks.push(
     format === "png"
       ? "Is the camera right? With a wrong focal length every shape is distorted."
-      : "Was the sensor at the place given in the settings? What it saw through speaks against a model.",
+      : "Was the sensor where the settings say? What it saw through speaks against a model.",
   );
   return [
     element("p", {}, "What to check:"),
-    element("ul", {}, checks.map((check) => element("li", {}, check))),
+    element(
+      "ul",
+      {},
+      checks.map((check) => element("li", {}, check)),
+    ),
   ];
 }

@@ -22,9 +22,11 @@ export const terms = (entries) =>
   element(
     "dl",
     { className: "terms" },
-    entries.filter(Boolean).map(([term, value]) =>
-      element("div", {}, element("dt", {}, term), element("dd", {}, value)),
-    ),
+    entries
+      .filter(Boolean)
+      .map(([term, value]) =>
+        element("div", {}, element("dt", {}, term), element("dd", {}, value)),
+      ),
   );
 
 /**

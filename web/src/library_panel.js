@@ -18,15 +18,18 @@ export class LibraryPanel {
   show({ unit, models }) {
     this.#rows = models.map((model) => {
       const picture = model.thumbnail
-        ? element("img", { src: model.thumbnail, alt: "", loading: "lazy", width: 64, height: 64 })
+        ? element("img", { src: model.thumbnail, alt: "", loading: "lazy", width: 72, height: 72 })
         : element("span", { className: "no-picture" });
       const button = element(
         "button",
         { type: "button", onclick: () => this.onShow(model) },
         picture,
         element("span", { className: "name" }, model.name),
-        element("span", { className: "dim" }, `${lengthWords(model.diameter, unit)} across`),
-        element("span", { className: "dim" }, symmetryWords(model)),
+        element(
+          "span",
+          { className: "dim" },
+          `${lengthWords(model.diameter, unit)} across, ${symmetryWords(model.symmetry)}`,
+        ),
       );
       return { model, button, item: element("li", {}, button) };
     });

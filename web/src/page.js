@@ -1,8 +1,10 @@
 import { Matrix4, Vector3 } from "three";
 
 import { adviceOnNothing } from "./advice.js";
+import { showAnswer } from "./answer.js";
 import { detectionColours } from "./colours.js";
-import { byId, element, moveByArrows, terms } from "./dom.js";
+import { byId, element, moveByArrows } from "./dom.js";
+import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
 import { listenForFiles } from "./open_files.js";
 import { PoseList } from "./pose_list.js";
@@ -81,7 +83,8 @@ function tellScan(scene) {
   const facts = [
     scan.name,
     points && numbered(points.total, "point", "points"),
-    points && points.total > points.positions.length / 3 &&
+    points &&
+      points.total > points.positions.length / 3 &&
       `${countWords(points.positions.length / 3)} drawn`,
     scene?.invalid_points > 0 && `${countWords(scene.invalid_points)} invalid`,
     scene?.noise > 0 && `noise ${lengthWords(scene.noise, library.unit)}`,
@@ -97,6 +100,7 @@ function openScan(next, camera) {
   points = null;
   view?.clear();
   byId("welcome").hidden = true;
+  if (byId("examples-box").contains(document.activeElement)) byId("headline").focus();
   byId("examples-box").open = false;
   byId("recognise").disabled = false;
   settings.adopt(scan, camera);
@@ -172,56 +176,61 @@ async function showResult(result, signal) {
   const told = worthTelling(rejected, detections);
   const things = [
     ...detections.map((pose, k) => ({
-      id: `found-${k}`, kind: "found", label: `${k + 1}`, colour: colours[k], pose,
+      id: `found-${k}`,
+      kind: "found",
+      label: `${k + 1}`,
+      colour: colours[k],
+      pose,
     })),
     ...told.map((pose, k) => ({
-      id: `rejected-${k}`, kind: "rejected", label: `R${k + 1}`, pose,
+      id: `rejected-${k}`,
+      kind: "rejected",
+      label: `R${k + 1}`,
+      pose,
       reason: rejectionWords(pose, detections, settings.minScore),
     })),
   ];
 
-  say(detections.length ? `${detections.length} found in ${secondsWords(answer.seconds.work)}` : "No model found");
+  say(
+    detections.length
+      ? `${detections.length} found in ${secondsWords(answer.seconds.work)}`
+      : "No model found",
+  );
   tellScan(scene);
-  const kinds = { found: things.slice(0, detections.length), rejected: things.slice(detections.length) };
+  const kinds = {
+    found: things.slice(0, detections.length),
+    rejected: things.slice(detections.length),
+  };
   lists.found.show(kinds.found, settings.unit, scoreParts);
   lists.rejected.show(kinds.rejected, settings.unit, scoreParts);
   byId("found-section").hidden = !detections.length;
   byId("rejected-note").textContent = rejectedNote(rejected.length, told.length);
   showLayer("rejected", isShown("rejected"));
   if (!detections.length) {
-    byId("advice").replaceChildren(...adviceOnNothing({
-      positions: points?.positions, unit: settings.unit, library, rejected,
-      minScore: settings.minScore, format: scan.format,
-    }));
+    byId("advice").replaceChildren(
+      ...adviceOnNothing({
+        positions: points?.positions,
+        unit: settings.unit,
+        library,
+        rejected,
+        minScore: settings.minScore,
+        format: scan.format,
+      }),
+    );
   }
   byId("times").replaceChildren(...timesView(answer, result.seconds));
   byId("times-section").hidden = false;
-  showAnswer(result);
+  showAnswer(result, scan.name);
   await pose(things, signal);
 }
 
 function rejectedNote(all, told) {
   if (!all) return "No other pose was tested in full.";
-  const rest = all - told;
-  return rest ? `${numbered(rest, "more scores", "more score")} next to nothing, or lie where a better pose of the same model was found.` : "";
-}
-
-function showAnswer({ text, answer }) {
-  byId("answer").replaceChildren(terms([
-    ["request", element("code", {}, answer.request_id)],
-    ["library", `${answer.library.file}, generation ${answer.library.generation}`],
-  ]));
-  byId("copy").hidden = !navigator.clipboard;
-  byId("copy").textContent = "Copy JSON";
-  byId("copy").onclick = async () => {
-    await navigator.clipboard.writeText(text);
-    byId("copy").textContent = "Copied";
-  };
-  const download = byId("download");
-  URL.revokeObjectURL(download.href);
-  download.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-  download.download = `${scan.name.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.trivet.json`;
-  byId("answer-section").hidden = false;
+  if (all === told) return "";
+  return (
+    `${numbered(all - told, "more scores", "more score")} next to nothing, or lie where a better ` +
+    "pose of the same model was found."
+  );
 }
 
 /** Vertices of a model, in the library's unit, to the scan's frame and unit. */
@@ -235,20 +244,25 @@ function poseMatrix(rows) {
 async function pose(things, signal) {
   if (!view) return;
   meshes.keep(new Set(things.map((thing) => thing.pose.model)));
-  const drawn = await Promise.all(things.map(async (thing) => ({
-    id: thing.id,
-    kind: thing.kind,
-    label: thing.label,
-    colour: thing.colour,
-    geometry: await meshes.get(thing.pose.model),
-    pose: poseMatrix(thing.pose.T_scene_model),
-    rivals: (thing.pose.rivals ?? []).map(poseMatrix),
-  })));
+  const drawn = await Promise.all(
+    things.map(async (thing) => ({
+      id: thing.id,
+      kind: thing.kind,
+      label: thing.label,
+      colour: thing.colour,
+      geometry: await meshes.get(thing.pose.model),
+      pose: poseMatrix(thing.pose.T_scene_model),
+      rivals: (thing.pose.rivals ?? []).map(poseMatrix),
+    })),
+  );
   if (signal.aborted) return;
   view.setThings(drawn);
   view.select(selected);
   const found = things.filter((thing) => thing.kind === "found");
-  byId("canvas").setAttribute("aria-label", `Scan ${scan.name} with ${numbered(found.length, "model", "models")} drawn in`);
+  byId("canvas").setAttribute(
+    "aria-label",
+    `Scan ${scan.name} with ${numbered(found.length, "model", "models")} drawn in`,
+  );
 }
 
 function select(id) {
@@ -284,7 +298,8 @@ async function loadLibrary() {
   meshes.setModels(library.models);
   libraryPanel.show(library);
   byId("library-facts").textContent =
-    `${numbered(library.models.length, "model", "models")}, generation ${library.generation}`;
+    `${library.library}: ${numbered(library.models.length, "model", "models")}, ` +
+    `generation ${library.generation}`;
 }
 
 async function showModel(model) {
@@ -316,20 +331,6 @@ function showTab(name) {
 
 // The rest of the page.
 
-async function showExamples() {
-  const examples = await service.fetchExamples();
-  byId("examples-box").hidden = !examples.length;
-  byId("examples-count").textContent = countWords(examples.length);
-  byId("examples").replaceChildren(...examples.map((example) =>
-    element("li", {}, element(
-      "button",
-      { type: "button", onclick: () => openScan(scanOfExample(example)) },
-      element("span", { className: "name" }, example.name),
-      element("span", { className: "dim" }, `${example.format}, ${countWords(Math.ceil(example.bytes / 1000))} kB`),
-    )),
-  ));
-}
-
 function listen() {
   listenForFiles(openFiles);
   byId("fit").onclick = () => view?.fit();
@@ -339,14 +340,14 @@ function listen() {
   for (const name of ["result", "models"]) byId(`tab-${name}`).onclick = () => showTab(name);
   moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
   moveByArrows(byId("tools"), "button");
-  moveByArrows(byId("examples"), "button");
   byId("show-help").onclick = () => byId("help").showModal();
   addEventListener("keydown", onShortcut);
   if (!view) return;
   view.onPick = (id) => select(id);
   view.onLook = (point, distance) => {
+    const { unit } = settings;
     byId("look").textContent = point
-      ? `looking at ${pointWords(point, settings.unit)}, from ${lengthWords(distance, settings.unit)}`
+      ? `looking at ${pointWords(point, unit)}, from ${lengthWords(distance, unit)}`
       : "";
   };
 }
@@ -382,7 +383,7 @@ async function start() {
     settings.onSubmit(run);
     listen();
     showTab("result");
-    await showExamples();
+    await showExamples((example) => openScan(scanOfExample(example)));
     say("Ready for a scan");
   } catch (error) {
     say("Not ready");

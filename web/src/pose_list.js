@@ -18,13 +18,17 @@ function noteOf({ kind, pose, reason }, unit) {
 
 function copyPose(pose) {
   if (!navigator.clipboard) return null; // of a page that is neither local nor encrypted
-  const button = element("button", {
-    type: "button",
-    onclick: async () => {
-      await navigator.clipboard.writeText(JSON.stringify(pose.T_scene_model));
-      button.textContent = "Copied";
+  const button = element(
+    "button",
+    {
+      type: "button",
+      onclick: async () => {
+        await navigator.clipboard.writeText(JSON.stringify(pose.T_scene_model));
+        button.textContent = "Copied";
+      },
     },
-  }, "Copy pose");
+    "Copy pose",
+  );
   return button;
 }
 
@@ -38,7 +42,8 @@ function detailsOf({ kind, pose }, unit, scoreParts) {
       found && ["proposed by", methodWords(pose.method)],
       pose.ambiguous && [
         "ambiguous",
-        `the scan cannot tell it from ${numbered(pose.rivals.length, "other pose", "other poses")}, drawn as outlines`,
+        `the scan cannot tell it from ${numbered(pose.rivals.length, "other pose", "other poses")},` +
+          " drawn as outlines",
       ],
     ]),
     pose.evidence && scoreParts && scoreBars(pose.evidence, scoreParts),
@@ -66,7 +71,11 @@ export class PoseList {
   show(things, unit, scoreParts) {
     this.#rows.clear();
     const rows = things.map((thing) => {
-      const details = element("div", { className: "details", hidden: true, id: `about-${thing.id}` });
+      const details = element("div", {
+        className: "details",
+        hidden: true,
+        id: `about-${thing.id}`,
+      });
       const swatch = element("span", { className: `swatch ${thing.kind}`, "aria-hidden": "true" });
       if (thing.colour) swatch.style.background = thing.colour;
       const meter = element("span", { className: "meter", "aria-hidden": "true" });
@@ -78,18 +87,29 @@ export class PoseList {
           className: "pose",
           "aria-expanded": "false",
           "aria-controls": details.id,
-          onclick: () => this.onOpen(button.getAttribute("aria-expanded") === "true" ? null : thing.id),
+          onclick: () =>
+            this.onOpen(button.getAttribute("aria-expanded") === "true" ? null : thing.id),
         },
         swatch,
         element("span", { className: "label" }, thing.label),
-        element("span", { className: "name" }, thing.pose.model, " ",
-          thing.pose.ambiguous && element("span", { className: "tag" }, "ambiguous")),
-        element("span", { className: "score" },
-          element("span", { className: "unseen" }, "score "), scoreWords(thing.pose.score)),
+        element(
+          "span",
+          { className: "name" },
+          thing.pose.model,
+          " ",
+          thing.pose.ambiguous && element("span", { className: "tag" }, "ambiguous"),
+        ),
+        element(
+          "span",
+          { className: "score" },
+          element("span", { className: "unseen" }, "score "),
+          scoreWords(thing.pose.score),
+        ),
         element("span", { className: "note dim" }, noteOf(thing, unit)),
         meter,
       );
-      const fill = () => details.replaceChildren(...detailsOf(thing, unit, scoreParts).filter(Boolean));
+      const fill = () =>
+        details.replaceChildren(...detailsOf(thing, unit, scoreParts).filter(Boolean));
       this.#rows.set(thing.id, { button, details, fill });
       return element("li", {}, button, details);
     });

@@ -17,7 +17,8 @@ async function readCamera(file) {
   const missing = kCameraKeys.filter((key) => !Number.isFinite(camera?.[key]));
   if (missing.length) {
     throw new Error(
-      `${file.name}: expected the numbers ${kCameraKeys.join(", ")}; missing: ${missing.join(", ")}.`,
+      `${file.name}: expected the numbers ${kCameraKeys.join(", ")}; ` +
+        `missing: ${missing.join(", ")}.`,
     );
   }
   return Object.fromEntries(kCameraKeys.map((key) => [key, String(camera[key])]));
@@ -26,14 +27,15 @@ async function readCamera(file) {
 /**
  * Read dropped or chosen files.
  *
- * Returns { scan: or null, camera: or null }; a scan is { name, format, body, bytes, query }.
+ * Returns { scan: or null, camera: or null }; a scan is { name, format, body, query }.
  * Errors: no scan of a known format, several scans, a camera file without the numbers.
  */
 export async function readFiles(files) {
   const all = [...files];
   const scans = all.filter((file) => kFormats.includes(extension(file.name)));
   const cameras = all.filter((file) => extension(file.name) === "json");
-  if (scans.length > 1) throw new Error(`Expected one scan, found ${scans.length}: drop one at a time.`);
+  if (scans.length > 1)
+    throw new Error(`Expected one scan, found ${scans.length}: drop one at a time.`);
   if (!scans.length && !cameras.length) {
     throw new Error(
       `${all[0]?.name ?? "The drop"}: expected a scan (${kFormats.join(", ")}), and for a depth ` +
@@ -43,16 +45,12 @@ export async function readFiles(files) {
   const camera = cameras.length ? await readCamera(cameras[0]) : null;
   if (!scans.length) return { scan: null, camera };
   const [file] = scans;
-  const scan = { name: file.name, format: extension(file.name), body: file, bytes: file.size };
-  return { scan: { ...scan, query: null }, camera };
+  const scan = { name: file.name, format: extension(file.name), body: file, query: null };
+  return { scan, camera };
 }
 
 /** A scan that the service offers; its body is still to be fetched from `url`. */
-export const scanOfExample = (example) => ({
-  name: example.name,
-  format: example.format,
-  bytes: example.bytes,
-  query: new URLSearchParams(example.query),
-  url: example.url,
-  body: null,
-});
+export function scanOfExample({ name, query, url }) {
+  const parameters = new URLSearchParams(query);
+  return { name, format: parameters.get("format"), body: null, query: parameters, url };
+}

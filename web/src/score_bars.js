@@ -37,16 +37,20 @@ export function scoreBars(evidence, { bias, parts }) {
     );
   });
   const list = element("ul", { className: "score-bars" }, rows);
-  const explain = element("button", {
-    type: "button",
-    className: "plain",
-    "aria-expanded": "false",
-    onclick: () => {
-      const open = list.classList.toggle("explained");
-      explain.setAttribute("aria-expanded", open);
-      explain.textContent = open ? "Without explanations" : "What do these mean?";
+  const explain = element(
+    "button",
+    {
+      type: "button",
+      className: "plain",
+      "aria-expanded": "false",
+      onclick: () => {
+        const open = list.classList.toggle("explained");
+        explain.setAttribute("aria-expanded", open);
+        explain.textContent = open ? "Without explanations" : "What do these mean?";
+      },
     },
-  }, "What do these mean?");
+    "What do these mean?",
+  );
   return [
     element("h3", {}, "What the score is made of"),
     element(

@@ -43,17 +43,22 @@ async function ask(target, options = {}) {
 
 const getJson = async (target) => (await ask(target)).json();
 
-/** { generation, unit, models: [{ name, diameter, symmetries, symmetry_axis, thumbnail, mesh }] } */
+/**
+ * { library, generation, unit,
+ *   models: [{ name, diameter, symmetry: { poses, axis }, thumbnail, mesh }] }
+ */
 export const fetchLibrary = () => getJson("/v1/models");
 
-/** [{ name, format, bytes, query, url }] */
+/** [{ name, query: parameters to read it with, url }] */
 export const fetchExamples = async () => (await getJson("/v1/examples")).examples;
 
 /** { bias, parts: [{ name, label, meaning, most_evidence }] } */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
 
 /** The bytes at an address of the service. */
-export const fetchBytes = async (address, signal) => (await ask(address, { signal })).arrayBuffer();
+export async function fetchBytes(address, signal) {
+  return (await ask(address, { signal })).arrayBuffer();
+}
 
 const post = (path, parameters, body, signal) =>
   ask(`${path}?${parameters}`, { method: "POST", body, signal });
@@ -79,7 +84,7 @@ export async function recognise(scan, parameters, signal) {
   const start = performance.now();
   const response = await post("/v1/recognize", parameters, scan.body, signal);
   const text = await response.text();
-  // The network's own clock, where there is one: the page's also counts what the page drew meanwhile.
+  // The network's clock, where there is one: the page's also counts what was drawn meanwhile.
   const sent = performance.getEntriesByName(response.url).at(-1);
   const ms = sent ? sent.responseEnd - sent.startTime : performance.now() - start;
   return { text, answer: JSON.parse(text), seconds: ms / 1000 };

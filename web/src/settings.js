@@ -2,7 +2,7 @@ import { byId } from "./dom.js";
 import { kCameraKeys } from "./scan.js";
 
 const kRemembered = "trivet.settings"; // of files; examples bring their own
-const kRejectedPerModel = 5;
+const kRejectedPerModel = 3;
 
 const form = byId("settings");
 const field = (name) => form.elements[name];
@@ -87,7 +87,10 @@ export class Settings {
     if (scan.format !== "png") return null;
     const missing = kCameraKeys.find((name) => !isNumber(field(name).value));
     return missing
-      ? wrong(missing, "A depth image needs its camera: give its five numbers, or drop a JSON file that has them.")
+      ? wrong(
+          missing,
+          "A depth image needs its camera: give its five numbers, or drop a JSON file with them.",
+        )
       : null;
   }
 
@@ -116,7 +119,8 @@ export class Settings {
 
   /** Show a fault, or its absence. */
   mark(fault) {
-    for (const input of form.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
+    for (const input of form.querySelectorAll("[aria-invalid]"))
+      input.removeAttribute("aria-invalid");
     if (!fault) return;
     fault.field.setAttribute("aria-invalid", "true");
     byId("settings-box").open = true;

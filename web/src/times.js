@@ -1,6 +1,7 @@
 import { element } from "./dom.js";
 import { secondsWords } from "./words.js";
 
+const kShortest = 5e-5; // [s]: what would read as 0.0 ms goes untold
 const kTones = 6; // classes tone-0 … of the style sheet
 
 /**
@@ -18,11 +19,14 @@ export function timesView(answer, seconds) {
     "other work": Math.max(0, work - total),
     transfer: Math.max(0, seconds - queue - work),
   };
-  const all = Object.entries(rest);
+  const all = Object.entries(rest).filter(([, value]) => value >= kShortest);
   const sum = all.reduce((so_far, [, value]) => so_far + value, 0) || 1;
   const bar = element("div", { className: "stack", "aria-hidden": "true" });
   const rows = all.map(([name, value], k) => {
-    const piece = element("span", { className: `tone-${k % kTones}`, title: `${name} ${secondsWords(value)}` });
+    const piece = element("span", {
+      className: `tone-${k % kTones}`,
+      title: `${name} ${secondsWords(value)}`,
+    });
     piece.style.width = `${(100 * value) / sum}%`;
     bar.append(piece);
     return element(
@@ -34,8 +38,14 @@ export function timesView(answer, seconds) {
     );
   });
   return [
-    element("p", {}, "Round trip ", element("b", {}, secondsWords(seconds)), ", of it work ",
-      element("b", {}, secondsWords(work))),
+    element(
+      "p",
+      {},
+      "Round trip ",
+      element("b", {}, secondsWords(seconds)),
+      ", of it work ",
+      element("b", {}, secondsWords(work)),
+    ),
     bar,
     element("ul", { className: "stages" }, rows),
   ];

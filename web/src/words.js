@@ -40,10 +40,10 @@ const kMethods = {
 };
 export const methodWords = (method) => kMethods[method] ?? method;
 
-/** model  of the library */
-export function symmetryWords(model) {
-  if (model.symmetry_axis) return "turns freely about an axis";
-  if (model.symmetries > 0) return `looks the same in ${model.symmetries + 1} poses`;
+/** poses  beside the model's own; axis  whether it turns about one */
+export function symmetryWords({ poses, axis }) {
+  if (axis) return "turns freely about an axis";
+  if (poses > 0) return `looks the same in ${poses + 1} poses`;
   return "no symmetry";
 }
 
@@ -56,8 +56,8 @@ export function symmetryWords(model) {
 export function rejectionWords(rejected, detections, minScore) {
   const by = detections[rejected.explained_by];
   const taken = by
-    ? `${by.model} (${rejected.explained_by + 1}, score ${scoreWords(by.score)}) already explains ` +
-      `${percentWords(rejected.explained_share)} of its pixels`
+    ? `${by.model} (${rejected.explained_by + 1}, score ${scoreWords(by.score)}) ` +
+      `already explains ${percentWords(rejected.explained_share)} of its pixels`
     : "a better pose already explains its pixels";
   switch (rejected.reason) {
     case "too_low": {

@@ -1,0 +1,28 @@
+import { byId, element, terms } from "./dom.js";
+
+/**
+ * Who answered, and the answer itself to copy or download.
+ *
+ * text, answer  as it came, and parsed
+ * scanName      gives the file its name
+ */
+export function showAnswer({ text, answer }, scanName) {
+  byId("answer").replaceChildren(
+    terms([
+      ["request", element("code", {}, answer.request_id)],
+      ["library", `${answer.library.file}, generation ${answer.library.generation}`],
+    ]),
+  );
+  const copy = byId("copy");
+  copy.hidden = !navigator.clipboard; // of a page that is neither local nor encrypted
+  copy.textContent = "Copy JSON";
+  copy.onclick = async () => {
+    await navigator.clipboard.writeText(text);
+    copy.textContent = "Copied";
+  };
+  const download = byId("download");
+  URL.revokeObjectURL(download.href);
+  download.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
+  download.download = `${scanName.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.trivet.json`;
+  byId("answer-section").hidden = false;
+}
