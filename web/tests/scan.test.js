@@ -1,0 +1,221 @@
+/** From a scan to a look at what was found in it. */
+import {
+  chooseFiles,
+  drawn,
+  drop,
+  exampleFiles,
+  expect,
+  foundRows,
+  lookedAt,
+  openExample,
+  openPage,
+  pixels,
+  recognised,
+  test,
+} from "./fixtures.js";
+
+const position = (pose) => pose.T_scene_model.slice(0, 3).map((row) => row[3]);
+const distance = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
+
+async function diameterOf(request, name) {
+  const { models } = await (await request.get("/v1/models")).json();
+  return models.find((model) => model.name === name).diameter;
+}
+
+/** How many pixels around a mark have about the hue of a colour. */
+async function pixelsOfHue(page, mark, [r, g, b]) {
+  const box = await mark.boundingBox();
+  const clip = { x: box.x - 25, y: box.y - 25, width: box.width + 50, height: box.height + 50 };
+  const data = await pixels(page, clip);
+  const chroma = (...rgb) => {
+    const mean = (rgb[0] + rgb[1] + rgb[2]) / 3;
+    const off = rgb.map((value) => value - mean);
+    return { off, length: Math.hypot(...off) };
+  };
+  const wanted = chroma(r, g, b);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    const { off, length } = chroma(data[i], data[i + 1], data[i + 2]);
+    const along = off.reduce((sum, value, k) => sum + value * wanted.off[k], 0);
+    if (length > 15 && along > 0.9 * length * wanted.length) ++count;
+  }
+  return count;
+}
+
+test("an example is shown with what the service found in it", async ({ page }) => {
+  const { detections, points } = await openExample(page);
+  expect(detections.length).toBeGreaterThan(0);
+  await expect(page.locator("#headline")).toHaveText(new RegExp(`^${detections.length} found in `));
+  await expect(page.locator("#scan-facts")).toContainText(`${points.toLocaleString("en")} point`);
+  const rows = foundRows(page);
+  await expect(rows).toHaveCount(detections.length);
+  for (const [k, detection] of detections.entries()) {
+    await expect(rows.nth(k).locator(".name")).toContainText(detection.model);
+    await expect(rows.nth(k).locator(".score")).toContainText(detection.score.toFixed(3));
+    expect(await rows.nth(k).locator(".tag").count()).toBe(detection.ambiguous ? 1 : 0);
+  }
+});
+
+test("models are drawn in their colours where they were found", async ({ page }) => {
+  await openExample(page);
+  const colour = await page
+    .locator("#found .swatch")
+    .first()
+    .evaluate((swatch) => getComputedStyle(swatch).backgroundColor.match(/\d+/g).map(Number));
+  const mark = page.locator(".mark.found").first();
+  expect(await pixelsOfHue(page, mark, colour)).toBeGreaterThan(100);
+  const box = await mark.boundingBox();
+  await page.keyboard.press("d");
+  await expect(mark).toBeHidden();
+  expect(await pixelsOfHue(page, { boundingBox: () => box }, colour)).toBeLessThan(20);
+});
+
+test("a detection that is clicked is looked at, and says what its score is made of", async ({
+  page,
+  request,
+}) => {
+  const { detections } = await openExample(page);
+  const before = await lookedAt(page);
+  const last = detections.length - 1;
+  await foundRows(page).nth(last).click();
+  await expect(foundRows(page).nth(last)).toHaveAttribute("aria-expanded", "true");
+  const reach = await diameterOf(request, detections[last].model);
+  await expect
+    .poll(async () => distance(await lookedAt(page), position(detections[last])))
+    .toBeLessThan(reach);
+  expect(distance(await lookedAt(page), before)).toBeGreaterThan(0);
+  const { parts } = await (await request.get("/v1/score-parts")).json();
+  const bars = page.locator(".score-bars > li");
+  await expect(bars).toHaveCount(parts.length);
+  for (const { name, label } of parts) {
+    const added = detections[last].evidence[name].toFixed(1);
+    await expect(bars.filter({ hasText: label }).filter({ hasText: added })).not.toHaveCount(0);
+  }
+  await page.keyboard.press("Escape");
+  await expect(foundRows(page).nth(last)).toHaveAttribute("aria-expanded", "false");
+});
+
+test("a model that is clicked in the view is opened in the list", async ({ page }) => {
+  await openExample(page);
+  const mark = page.locator(".mark.found").first();
+  const box = await mark.boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await expect(page.locator('#found [aria-expanded="true"]')).toHaveCount(1);
+  await expect(page.locator(".mark.selected")).toHaveCount(1);
+});
+
+test("rejected poses are told with the reason, once they are asked for", async ({ page }) => {
+  const { rejected } = await openExample(page);
+  const section = page.getByRole("region", { name: "Rejected" });
+  await expect(section).toBeHidden();
+  await page.getByRole("button", { name: "Rejected" }).click();
+  await expect(section).toBeVisible();
+  const rows = section.getByRole("button", { name: /score/ });
+  const count = await rows.count();
+  expect(count).toBeLessThanOrEqual(rejected.length);
+  await expect(page.locator(".mark.rejected:visible")).toHaveCount(count);
+  for (const text of await section.locator(".note").allTextContents()) {
+    expect(text).toMatch(/below the limit|already explains|better scores/);
+  }
+  await page.keyboard.press("r");
+  await expect(section).toBeHidden();
+});
+
+test("a score that is asked for leaves the others out", async ({ page }) => {
+  const { detections } = await openExample(page);
+  const scores = detections.map((detection) => detection.score);
+  await page.getByText("Settings").click();
+  await page.getByLabel("Lowest score").fill(String(Math.max(...scores)));
+  const again = await recognised(page, () =>
+    page.getByRole("button", { name: "Recognise" }).click(),
+  );
+  expect(again.detections.length).toBeLessThanOrEqual(detections.length);
+  await expect(foundRows(page)).toHaveCount(again.detections.length);
+});
+
+test("a chosen depth image is read with the camera chosen beside it", async ({ page, request }) => {
+  const files = await exampleFiles(request);
+  await openPage(page);
+  const scene = await recognised(page, () => chooseFiles(page, files));
+  expect(scene.detections.length).toBeGreaterThan(0);
+  await expect(foundRows(page)).toHaveCount(scene.detections.length);
+});
+
+test("a depth image without a camera asks for it, and the next one has it", async ({
+  page,
+  request,
+}) => {
+  const [scan, camera] = await exampleFiles(request);
+  await openPage(page);
+  await chooseFiles(page, [scan]);
+  await expect(page.getByRole("alert")).toContainText("needs its camera");
+  await expect(page.getByLabel("fx")).toBeFocused();
+  const numbers = JSON.parse(camera.buffer);
+  for (const [key, label] of [
+    ["fx", "fx"],
+    ["fy", "fy"],
+    ["cx", "cx"],
+    ["cy", "cy"],
+    ["depth_scale", "Depth scale"],
+  ]) {
+    await page.getByLabel(label).fill(String(numbers[key]));
+  }
+  await recognised(page, () => page.getByLabel("Depth scale").press("Enter"));
+  await expect(page.getByRole("alert")).toBeEmpty();
+  await openPage(page);
+  const scene = await recognised(page, () => chooseFiles(page, [scan]));
+  expect(scene.detections.length).toBeGreaterThan(0);
+});
+
+test("a dropped scan is recognised", async ({ page, request }) => {
+  const files = await exampleFiles(request);
+  await openPage(page);
+  const scene = await recognised(page, () => drop(page, files));
+  await expect(foundRows(page)).toHaveCount(scene.detections.length);
+  await drawn(page, scene.detections.length);
+});
+
+test("a scan that is dropped while another is recognised takes its place", async ({
+  page,
+  request,
+}) => {
+  const files = await exampleFiles(request);
+  await openPage(page);
+  let held = 0;
+  await page.route("**/v1/recognize?*", (route) => (held++ ? route.continue() : undefined));
+  const cancelled = page.waitForEvent("requestfailed", (failed) =>
+    failed.url().includes("/v1/recognize"),
+  );
+  await drop(page, files);
+  await expect.poll(() => held).toBe(1);
+  const scene = await recognised(page, () =>
+    drop(page, [{ ...files[0], name: `second.${files[0].name.split(".")[1]}` }, ...files.slice(1)]),
+  );
+  expect((await cancelled).failure().errorText).toBe("net::ERR_ABORTED");
+  await expect(foundRows(page)).toHaveCount(scene.detections.length);
+  await expect(page).toHaveTitle(/second/);
+  await expect(page.getByRole("alert")).toBeEmpty();
+});
+
+test("the answer can be downloaded as the service gave it", async ({ page }) => {
+  const { detections } = await openExample(page);
+  const [download] = await Promise.all([
+    page.waitForEvent("download"),
+    page.getByRole("link", { name: "Download JSON" }).click(),
+  ]);
+  expect(download.suggestedFilename()).toMatch(/\.trivet\.json$/);
+  const stream = await download.createReadStream();
+  let text = "";
+  for await (const part of stream) text += part;
+  expect(JSON.parse(text).scenes[0].detections).toEqual(detections);
+});
+
+test("the times add up to the round trip", async ({ page }) => {
+  await openExample(page);
+  const seconds = (text) => parseFloat(text) * (text.endsWith(" ms") ? 0.001 : 1);
+  const stages = (await page.locator(".stages .number").allTextContents()).map(seconds);
+  const whole = seconds(await page.locator("#times b").first().textContent());
+  expect(stages.length).toBeGreaterThan(3);
+  // Each number is rounded to three figures at worst.
+  expect(stages.reduce((sum, value) => sum + value, 0)).toBeGreaterThan(0.9 * whole);
+});

@@ -1,0 +1,57 @@
+import { execFileSync, spawn } from "node:child_process";
+import { once } from "node:events";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+
+async function addressOf(service) {
+  const told = [];
+  for await (const line of createInterface({ input: service.stderr })) {
+    told.push(line);
+    const found = line.match(/http:\/\/[0-9.]+:[0-9]+/);
+    if (found) return found[0];
+  }
+  throw new Error(`the service ended without an address:\n${told.join("\n")}`);
+}
+
+/**
+ * Start a service with two parts and two scans of them for all tests, and end it after them.
+ *
+ * TRIVET_PROGRAM names the program. TRIVET_URL is where the service is; if it is set, a service with
+ * examples runs there already.
+ */
+export default async function startService() {
+  if (process.env.TRIVET_URL) return undefined;
+  const program = process.env.TRIVET_PROGRAM;
+  if (!program) throw new Error("expected TRIVET_PROGRAM, the path of trivet");
+  const folder = mkdtempSync(join(tmpdir(), "trivet-page-"));
+  const run = (...words) => execFileSync(program, words, { cwd: folder, stdio: "pipe" });
+  run(
+    "scan",
+    "--parts",
+    "2",
+    "-o",
+    "scans",
+    "--scenes",
+    "2",
+    "--instances",
+    "3",
+    "--sensor",
+    "laser",
+  );
+  run("train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5");
+  const service = spawn(
+    program,
+    ["serve", "l.h5", "--port", "0", "--examples", "scans/manifest.json", "--drain-grace-ms", "0"],
+    { cwd: folder, stdio: ["ignore", "ignore", "pipe"] },
+  );
+  const ended = once(service, "exit");
+  process.env.TRIVET_URL = await addressOf(service);
+  service.stderr.resume();
+  return async () => {
+    service.kill("SIGTERM");
+    await ended;
+    rmSync(folder, { recursive: true });
+  };
+}
