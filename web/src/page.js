@@ -73,6 +73,7 @@ function showProblem(message, again) {
 
 function clearResult() {
   selected = null;
+  if (byId("problem").contains(document.activeElement)) byId("headline").focus();
   for (const id of ["problem", "advice"]) byId(id).replaceChildren();
   for (const id of ["found", "rejected", "times", "answer"]) byId(`${id}-section`).hidden = true;
   for (const list of Object.values(lists)) list.show([]);

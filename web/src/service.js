@@ -13,9 +13,9 @@ export class ServiceError extends Error {
 }
 
 const kHints = {
-  413: "The file is larger than the service takes.",
-  503: "The service is busy.",
-  504: "The service took longer than it may.",
+  413: "The file is larger than the service takes: ",
+  503: "The service is busy: ",
+  504: "The service took too long: ",
 };
 
 async function ask(target, options = {}) {
@@ -33,10 +33,9 @@ async function ask(target, options = {}) {
   } catch {
     // Not of the service's own: a proxy's page, say. The status has to do.
   }
-  const hint = kHints[response.status];
   const wait = response.headers.get("Retry-After");
   throw new ServiceError(
-    [hint, reason, wait && `Try again in ${wait} s.`].filter(Boolean).join(" "),
+    `${kHints[response.status] ?? ""}${reason}${wait ? `. Try again in ${wait} s` : ""}.`,
     response.status,
   );
 }

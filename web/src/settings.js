@@ -19,10 +19,11 @@ function remembered() {
   }
 }
 
-function remember() {
+function remember(names) {
   try {
-    const values = kOfScan.map((name) => [name, field(name).value]);
-    localStorage.setItem(kRemembered, JSON.stringify(Object.fromEntries(values)));
+    const values = remembered();
+    for (const name of names) values[name] = field(name).value;
+    localStorage.setItem(kRemembered, JSON.stringify(values));
   } catch {
     // No storage: the next visit starts anew.
   }
@@ -57,6 +58,7 @@ export class Settings {
 
   setCamera(camera) {
     for (const name of kCameraKeys) field(name).value = camera[name];
+    remember(kCameraKeys);
   }
 
   get minScore() {
@@ -132,7 +134,7 @@ export class Settings {
   onSubmit(run) {
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      if (!this.#query) remember();
+      if (!this.#query) remember(kOfScan);
       run();
     });
   }

@@ -66,7 +66,7 @@ test.describe("a service that is full", () => {
     );
     await page.locator("#examples button").first().click();
     await expect(page.getByRole("alert")).toContainText(
-      "The service is busy. as many requests wait as may Try again in 1 s.",
+      "The service is busy: as many requests wait as may. Try again in 1 s.",
     );
   });
 });

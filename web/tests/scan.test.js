@@ -167,6 +167,18 @@ test("a depth image without a camera asks for it, and the next one has it", asyn
   expect(scene.detections.length).toBeGreaterThan(0);
 });
 
+test("a camera that is dropped by itself is that of the next depth image", async ({
+  page,
+  request,
+}) => {
+  const [scan, camera] = await exampleFiles(request);
+  await openPage(page);
+  await drop(page, [camera]);
+  await expect(page.getByRole("alert")).toContainText("kept for the next depth image");
+  const scene = await recognised(page, () => drop(page, [scan]));
+  expect(scene.detections.length).toBeGreaterThan(0);
+});
+
 test("a dropped scan is recognised", async ({ page, request }) => {
   const files = await exampleFiles(request);
   await openPage(page);
