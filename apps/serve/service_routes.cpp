@@ -38,7 +38,7 @@ std::string shown_points(const Points& points, std::size_t max_points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     // Fibonacci hashing: the fractions of multiples of the golden ratio are evenly spread.
     const double place = static_cast<double>(i * 0x9E37'79B9'7F4A'7C15ULL) * 0x1p-64;
-    if (place >= share) continue;
+    if (place >= share || bytes.size() >= 3 * sizeof(float) * max_points) continue;
     const Eigen::Vector3f p = points[i];
     bytes.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(float));
   }
