@@ -31,7 +31,9 @@ void ServeFixture::SetUp() {
 
 Outcome ServeFixture::serve(std::vector<std::string> arguments,
                             const std::function<void(int port)>& body) {
-  arguments.insert(arguments.begin(), {"serve", "l.h5", "--port", "0", "--drain-grace-ms", "50"});
+  // A busy machine is slow, not wrong.
+  arguments.insert(arguments.begin(), {"serve", "l.h5", "--port", "0", "--drain-grace-ms", "50",
+                                       "--deadline-ms", "300000", "--exit-timeout-ms", "300000"});
   std::thread client;
   std::atomic<bool> done{false};
   told_ = false;
