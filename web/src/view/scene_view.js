@@ -28,7 +28,7 @@ import { makeScanPoints } from "./scan_points.js";
 const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
 const kStray = 0.005; // share of a scan's points that need not be seen when all of it is
-const kRoom = 1.25; // radii of a thing that are seen around its centre when it is looked at
+const kRoom = 1.6; // radii of a thing that are seen around its centre when it is looked at
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
