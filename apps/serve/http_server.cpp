@@ -16,6 +16,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <cctype>
+#include <future>
 #include <map>
 #include <thread>
 
@@ -37,15 +38,16 @@ std::string lower(beast::string_view text) {
 }
 
 /// Counts while it lives.
+template <class Sum>
 class Share {
  public:
-  Share(std::size_t& sum, std::size_t n) : sum_(sum), n_(n) { sum_ += n_; }
+  Share(Sum& sum, std::size_t n) : sum_(sum), n_(n) { sum_ += n_; }
   Share(const Share&) = delete;
   Share& operator=(const Share&) = delete;
   ~Share() { sum_ -= n_; }
 
  private:
-  std::size_t& sum_;
+  Sum& sum_;
   std::size_t n_;
 };
 
@@ -150,18 +152,39 @@ struct HttpServer::State {
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
         continue;
       }
-      const tcp::endpoint from = socket.remote_endpoint(error);
-      ++num_connections;
-      const bool is_welcome = ++per_address[from.address()] <= limits.max_connections_per_address;
-      asio::co_spawn(context,
-                     is_welcome ? serve(beast::tcp_stream(std::move(socket)))
-                                : send_away(beast::tcp_stream(std::move(socket))),
-                     [this, address = from.address()](const std::exception_ptr&) {
-                       --num_connections;
-                       const auto entry = per_address.find(address);
-                       if (--entry->second == 0) per_address.erase(entry);
-                     });
+      take(std::move(socket));
     }
+  }
+
+  void take(tcp::socket socket) {
+    error_code ignored;
+    const tcp::endpoint from = socket.remote_endpoint(ignored);
+    ++num_connections;
+    const bool is_welcome = ++per_address[from.address()] <= limits.max_connections_per_address;
+    const bool is_last = is_closing;  // from the system's queue: its request is on its way
+    if (is_last) ++num_busy;
+    asio::co_spawn(context,
+                   is_welcome ? serve(beast::tcp_stream(std::move(socket)))
+                              : send_away(beast::tcp_stream(std::move(socket))),
+                   [this, is_last, address = from.address()](const std::exception_ptr&) {
+                     if (is_last) --num_busy;
+                     --num_connections;
+                     const auto entry = per_address.find(address);
+                     if (--entry->second == 0) per_address.erase(entry);
+                   });
+  }
+
+  /// Stop listening; who is in the system's queue has been told that it is connected.
+  void close_door() {
+    is_closing = true;
+    error_code error;
+    acceptor.non_blocking(true, error);
+    while (!error && num_connections < limits.max_connections) {
+      tcp::socket socket(context);
+      acceptor.accept(socket, error);
+      if (!error) take(std::move(socket));
+    }
+    acceptor.close(error);
   }
 
   asio::awaitable<void> send_away(beast::tcp_stream stream) {
@@ -192,12 +215,13 @@ struct HttpServer::State {
       parser.body_limit(limits.max_body_bytes);
       // Idle until the first byte, then a deadline for the whole of the request.
       if (buffer.size() == 0) {
-        stream.expires_after(limits.idle_timeout);
+        stream.expires_after(is_closing ? kPatience : limits.idle_timeout);
         const std::size_t n = co_await stream.async_read_some(
             buffer.prepare(4096), asio::redirect_error(asio::use_awaitable, error));
         if (error) break;
         buffer.commit(n);
       }
+      const Share busy(num_busy, 1);
       const std::optional<HttpResponse> refused = co_await read(stream, buffer, parser, error);
       if (refused) {
         co_await write(stream, *refused, 11, false, false);
@@ -208,11 +232,9 @@ struct HttpServer::State {
       const bool keep_alive = parser.get().keep_alive() && !is_closing;
       const bool is_head = parser.get().method() == http::verb::head;
       stream.expires_never();
-      ++num_busy;
       const HttpResponse response = co_await answer(stream, parser.release());
       const bool written =
           co_await write(stream, response, version, keep_alive && !is_closing, is_head);
-      --num_busy;
       if (!written || !keep_alive || is_closing) break;
     }
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
@@ -373,11 +395,12 @@ std::uint16_t HttpServer::port() const { return state_->port; }
 std::size_t HttpServer::num_connections() const { return state_->num_connections; }
 
 void HttpServer::stop_accepting() {
-  state_->is_closing = true;
-  asio::post(state_->context, [state = state_.get()] {
-    error_code ignored;
-    state->acceptor.close(ignored);
+  std::promise<void> closed;
+  asio::post(state_->context, [&] {
+    state_->close_door();
+    closed.set_value();
   });
+  closed.get_future().wait();
 }
 
 void HttpServer::stop() { state_->stop(); }
