@@ -286,6 +286,8 @@ Result<void> validate(const RecogniseOptions& options) {
        options.min_score},
       {options.doubtful_score.value_or(0) >= 0 && options.doubtful_score.value_or(0) <= 1,
        "doubtful score", "0 to 1", options.doubtful_score.value_or(0)},
+      {!options.tell_claims || !options.doubtful_score, "doubtful score",
+       "none where claims are told", options.doubtful_score.value_or(0)},
   });
 }
 

@@ -425,6 +425,7 @@ TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
   const auto wrong = recognise(recogniser_, clutter(), {}, {.min_score = std::nanf("")});
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
+  EXPECT_FALSE(validate(RecogniseOptions{.doubtful_score = 0.5F, .tell_claims = true}));
 
   for (const float window : {0.9F, 20.1F, std::nanf("")}) {
     const Result<void> valid = validate(RecogniseOptions{.normal_window = window});
