@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "apps/commands.hpp"
+#include "apps/http/http_client.hpp"
 #include "apps/json_output.hpp"
-#include "apps/serve/http_client.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

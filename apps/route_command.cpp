@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "apps/commands.hpp"
+#include "apps/http/http_server.hpp"
+#include "apps/http/request_log.hpp"
 #include "apps/route/router.hpp"
-#include "apps/serve/http_server.hpp"
-#include "apps/serve/request_log.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -10,12 +10,12 @@
 #include <thread>
 
 #include "apps/commands.hpp"
+#include "apps/http/http_server.hpp"
+#include "apps/http/request_log.hpp"
 #include "apps/serve/examples.hpp"
-#include "apps/serve/http_server.hpp"
 #include "apps/serve/library_slot.hpp"
 #include "apps/serve/metrics.hpp"
 #include "apps/serve/notify_systemd.hpp"
-#include "apps/serve/request_log.hpp"
 #include "apps/serve/serve_settings.hpp"
 #include "apps/serve/service_routes.hpp"
 #include "engine/recognition_service.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "apps/http/prometheus.hpp"
 #include "apps/route/shard.hpp"
-#include "apps/serve/prometheus.hpp"
 
 namespace trivet::apps {
 

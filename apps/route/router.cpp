@@ -17,11 +17,11 @@
 #include <thread>
 #include <utility>
 
+#include "apps/http/http_messages.hpp"
+#include "apps/http/multipart.hpp"
+#include "apps/http/query.hpp"
 #include "apps/route/merge_answers.hpp"
 #include "apps/route/route_metrics.hpp"
-#include "apps/serve/http_messages.hpp"
-#include "apps/serve/multipart.hpp"
-#include "apps/serve/query.hpp"
 #include "storage/json_file.hpp"
 
 namespace trivet::apps {

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/http/http_server.hpp"
+#include "apps/http/request_log.hpp"
 #include "apps/route/shard.hpp"
-#include "apps/serve/http_server.hpp"
-#include "apps/serve/request_log.hpp"
 
 namespace trivet::apps {
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <string>
 
-#include "apps/serve/http_client.hpp"
+#include "apps/http/http_client.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {

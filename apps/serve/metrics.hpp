@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "apps/serve/prometheus.hpp"
+#include "apps/http/prometheus.hpp"
 
 namespace trivet::apps {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/serve/query.hpp"
+#include "apps/http/query.hpp"
 #include "engine/recognise.hpp"
 #include "storage/json_file.hpp"
 #include "storage/library.hpp"

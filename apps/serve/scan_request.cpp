@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "apps/serve/multipart.hpp"
+#include "apps/http/multipart.hpp"
 
 namespace trivet::apps {
 namespace {

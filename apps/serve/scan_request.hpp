@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/serve/http_server.hpp"
-#include "apps/serve/query.hpp"
+#include "apps/http/http_server.hpp"
+#include "apps/http/query.hpp"
 #include "apps/serve/recognise_query.hpp"
 #include "storage/result.hpp"
 

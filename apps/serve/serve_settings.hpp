@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "apps/serve/http_server.hpp"
+#include "apps/http/http_server.hpp"
 #include "engine/recognition_service.hpp"
 #include "storage/result.hpp"
 

@@ -9,13 +9,13 @@
 #include <mutex>
 
 #include "apps/detections_json.hpp"
+#include "apps/http/http_messages.hpp"
+#include "apps/http/query.hpp"
 #include "apps/inputs.hpp"
 #include "apps/score_words.hpp"
-#include "apps/serve/http_messages.hpp"
 #include "apps/serve/inference_protocol.hpp"
 #include "apps/serve/openapi.hpp"
 #include "apps/serve/page.hpp"
-#include "apps/serve/query.hpp"
 #include "apps/serve/scan_request.hpp"
 #include "storage/file.hpp"
 

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/http/http_server.hpp"
+#include "apps/http/request_log.hpp"
 #include "apps/serve/examples.hpp"
-#include "apps/serve/http_server.hpp"
 #include "apps/serve/metrics.hpp"
 #include "apps/serve/model_views.hpp"
-#include "apps/serve/request_log.hpp"
 #include "engine/recognise.hpp"
 #include "engine/recognition_service.hpp"
 #include "storage/result.hpp"

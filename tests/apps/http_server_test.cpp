@@ -1,4 +1,4 @@
-#include "apps/serve/http_server.hpp"
+#include "apps/http/http_server.hpp"
 
 #include <gtest/gtest.h>
 

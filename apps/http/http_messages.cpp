@@ -1,4 +1,4 @@
-#include "apps/serve/http_messages.hpp"
+#include "apps/http/http_messages.hpp"
 
 #include <fmt/format.h>
 

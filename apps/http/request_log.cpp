@@ -1,4 +1,4 @@
-#include "apps/serve/request_log.hpp"
+#include "apps/http/request_log.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

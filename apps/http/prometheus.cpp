@@ -1,4 +1,4 @@
-#include "apps/serve/prometheus.hpp"
+#include "apps/http/prometheus.hpp"
 
 #include <fmt/format.h>
 

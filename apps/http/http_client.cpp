@@ -1,4 +1,4 @@
-#include "apps/serve/http_client.hpp"
+#include "apps/http/http_client.hpp"
 
 #include <fmt/format.h>
 

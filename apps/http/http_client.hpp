@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-#include "apps/serve/http_server.hpp"
+#include "apps/http/http_server.hpp"
 
 namespace trivet::apps {
 

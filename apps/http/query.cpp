@@ -1,4 +1,4 @@
-#include "apps/serve/query.hpp"
+#include "apps/http/query.hpp"
 
 #include <fmt/format.h>
 

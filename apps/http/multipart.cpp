@@ -1,4 +1,4 @@
-#include "apps/serve/multipart.hpp"
+#include "apps/http/multipart.hpp"
 
 #include <fmt/format.h>
 
