@@ -88,8 +88,10 @@ struct HttpClient::State {
       co_return Exchange{std::move(failure), is_silent};
     }
     http::response<http::string_body> message = response.release();
-    const auto type = message[http::field::content_type];
-    HttpResponse answer{message.result_int(), std::move(message.body()), std::string(type), {}};
+    const std::string type(message[http::field::content_type]);
+    const std::string retry_after(message[http::field::retry_after]);
+    HttpResponse answer{message.result_int(), std::move(message.body()), type, {}};
+    if (!retry_after.empty()) answer.headers.emplace_back("Retry-After", retry_after);
     stream->expires_never();
     if (!message.keep_alive() || buffer.size() > 0) stream.reset();
     co_return Exchange{std::move(answer)};

@@ -44,7 +44,7 @@ struct HttpFailure {
   HttpFault fault;
   std::string reason;
 };
-/// An answer has its status, body and content type.
+/// An answer has its status, body, content type and Retry-After.
 using HttpOutcome = std::variant<HttpResponse, HttpFailure>;
 
 /// Used on the thread of its context.

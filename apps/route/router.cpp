@@ -71,6 +71,7 @@ struct FanOut {
   std::size_t num_open = 0;
   asio::steady_timer changed;
   std::stop_source stop{};
+  bool is_refused = false;  ///< by a shard that is full: the whole answer can be had later
 };
 
 std::string_view label_of(const HttpOutcome& outcome) {
@@ -89,6 +90,13 @@ std::string_view label_of(const HttpOutcome& outcome) {
       return "gone";
   }
   return "";
+}
+
+/// Whether a shard has as much to do as it may, and says when to come again.
+bool is_overloaded(const HttpResponse& response) {
+  return response.status == 503 && std::ranges::any_of(response.headers, [](const auto& header) {
+           return header.first == "Retry-After";
+         });
 }
 
 /// What a refusal says.
@@ -291,6 +299,7 @@ struct Router::State {
       fan_out.calls.push_back({&shard, call_of(request, (*targets)[k], shard, id, left)});
     }
     co_await ask_all(fan_out, *deadline - margin, request.is_gone);
+    if (fan_out.is_refused) co_return refusal_response(Refusal::full);
     if (fan_out.stop.stop_requested()) co_return refusal_response(Refusal::gone);
     co_return merge(fan_out.calls, std::move(missing), id);
   }
@@ -358,8 +367,12 @@ struct Router::State {
     const auto begun = Clock::now();
     call.outcome =
         co_await client.ask(*call.shard->endpoint, call.call, deadline, fan_out.stop.get_token());
-    if (const HttpResponse* const response = std::get_if<HttpResponse>(&call.outcome);
-        response && response->status == 200) {
+    const HttpResponse* const response = std::get_if<HttpResponse>(&call.outcome);
+    if (response && is_overloaded(*response)) {
+      fan_out.is_refused = true;  // what the others would find is not whole
+      fan_out.stop.request_stop();
+    }
+    if (response && response->status == 200) {
       Result<ShardAnswer> answer = parse_answer(call.shard->address.name, response->body);
       if (answer) {
         call.answer = std::move(*answer);

@@ -33,12 +33,13 @@ std::string response(int status, const std::string& body) {
   return fmt::format("HTTP/1.1 {} X\r\nContent-Length: {}\r\n\r\n{}", status, body.size(), body);
 }
 
-/// A shard that is ready, holds the model "fake", and answers recognitions as the test wants.
+/// A shard that is ready, holds one model, and answers recognitions as the test wants.
 class FakeShard {
  public:
   /// Gives all bytes of an answer; none: it never answers. A connection ends after an answer.
   using Recognise = std::function<std::optional<std::string>()>;
-  explicit FakeShard(Recognise recognise) : recognise_(std::move(recognise)) {
+  explicit FakeShard(Recognise recognise, std::string model = "fake")
+      : recognise_(std::move(recognise)), model_(std::move(model)) {
     listener_ = ::socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in where{};
     where.sin_family = AF_INET;
@@ -83,7 +84,8 @@ class FakeShard {
     if (head.starts_with("GET /v2/health/ready")) {
       answer = response(200, R"({"ready":true})");
     } else if (head.starts_with("GET /v1/models")) {
-      answer = response(200, R"({"unit":"m","models":[{"name":"fake"}]})");
+      answer =
+          response(200, json{{"unit", "m"}, {"models", json::array({{{"name", model_}}})}}.dump());
     } else if (head.starts_with("POST")) {
       ++num_asked_;
       answer = recognise_();
@@ -100,6 +102,7 @@ class FakeShard {
   }
 
   Recognise recognise_;
+  std::string model_;
   int listener_ = -1;
   int port_ = 0;
   std::atomic<int> num_asked_{0}, num_gone_{0};
@@ -351,6 +354,17 @@ TEST_F(Route, AnswersByTheDeadlineWithoutASlowShard) {
   EXPECT_TRUE(comes([&] { return slow.num_gone() == 1; })) << "it need not work on";
   const auto alone = route({slow.address()});
   EXPECT_EQ(ask(alone->port(), "POST", query_, scan(0), "X-Deadline-Ms: 300\r\n").status, 504);
+}
+
+TEST_F(Route, RefusesAtOnceWhatAShardHasNoRoomFor) {
+  FakeShard slow([] { return std::nullopt; });
+  FakeShard full([] { return "HTTP/1.1 503 X\r\nRetry-After: 1\r\nContent-Length: 0\r\n\r\n"; },
+                 "other");
+  const auto router = route({slow.address(), full.address()});
+  const Answer answer = ask(router->port(), "POST", query_, scan(0));
+  EXPECT_EQ(answer.status, 503) << answer.body;
+  EXPECT_NE(answer.head.find("Retry-After"), std::string::npos);
+  EXPECT_TRUE(comes([&] { return slow.num_gone() == 1; })) << "nobody would take its part alone";
 }
 
 TEST_F(Route, TakesNoRubbishForAnAnswer) {
