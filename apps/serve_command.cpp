@@ -14,6 +14,7 @@
 #include "apps/http/request_log.hpp"
 #include "apps/serve/examples.hpp"
 #include "apps/serve/library_slot.hpp"
+#include "apps/serve/memory_trim.hpp"
 #include "apps/serve/metrics.hpp"
 #include "apps/serve/notify_systemd.hpp"
 #include "apps/serve/serve_settings.hpp"
@@ -34,10 +35,13 @@ void wait_for_signals(const Context& context, LibrarySlot& slot, RequestLog& log
                       const RecognitionService& service) {
   const auto watchdog = watchdog_interval();
   auto told = ServiceClock::now();
+  MemoryTrim trim;
   while (!context.stop.stop_requested()) {
     std::this_thread::sleep_for(kPollInterval);
+    const ServiceState state = service.state();
+    trim.look(state.num_running + state.num_waiting > 0);
     // Twice as often as it must be.
-    if (watchdog && ServiceClock::now() - told >= *watchdog / 2 && !service.state().is_stuck) {
+    if (watchdog && ServiceClock::now() - told >= *watchdog / 2 && !state.is_stuck) {
       notify_systemd("WATCHDOG=1");
       told = ServiceClock::now();
     }

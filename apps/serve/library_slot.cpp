@@ -1,7 +1,5 @@
 #include "apps/serve/library_slot.hpp"
 
-#include <malloc.h>
-
 #include <utility>
 
 namespace trivet::apps {
@@ -10,15 +8,10 @@ Result<std::shared_ptr<const LibraryGeneration>> load_generation(const std::file
                                                                  std::uint64_t number) {
   Result<Library> library = open_library(file);
   if (!library) return library.error();
-  // Its memory goes back to the system with its last answer: reloads shall leave nothing behind.
-  const std::shared_ptr<LibraryGeneration> generation(
-      new LibraryGeneration{Recogniser(std::move(*library)), number},
-      [](const LibraryGeneration* old) {
-        delete old;
-        malloc_trim(0);
-      });
+  auto generation = std::make_shared<LibraryGeneration>(
+      LibraryGeneration{Recogniser(std::move(*library)), number});
   generation->recogniser.build_all();
-  return std::shared_ptr<const LibraryGeneration>(generation);
+  return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 
 LibrarySlot::LibrarySlot(std::filesystem::path file, RecognitionService& service, Metrics& metrics)

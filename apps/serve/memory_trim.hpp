@@ -1,0 +1,20 @@
+/// Memory that finished work leaves free goes back to the system.
+#pragma once
+
+#include <chrono>
+
+namespace trivet::apps {
+
+/// The allocator keeps what each thread has freed, as much as its largest scene took and as old
+/// libraries did. To be asked a few times a second.
+class MemoryTrim {
+ public:
+  /// Give back when work has ended, and every few seconds while it goes on.
+  void look(bool is_busy);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now(), last_busy_ = last_;
+};
+
+}  // namespace trivet::apps
