@@ -8,7 +8,7 @@
 #include <set>
 #include <span>
 
-#include "storage/json_file.hpp"
+#include "apps/serve/json_parameters.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/serve/recognise_query.hpp"
+#include "apps/http/query.hpp"
 #include "engine/recognise.hpp"
 #include "storage/points.hpp"
 #include "storage/result.hpp"

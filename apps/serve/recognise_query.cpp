@@ -1,7 +1,6 @@
 #include "apps/serve/recognise_query.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -34,20 +33,6 @@ void add_query_options(CLI::App& app, QueryArguments& arguments) {
   app.add_option("--unit", arguments.unit)->check(CLI::IsMember({"m", "mm"}));
   app.add_option("--rejected", arguments.rejected)->check(CLI::Range(0U, kMaxRejected));
   app.add_flag("--claims", arguments.claims);
-}
-
-std::string text_of(const JsonNode& value) {
-  if (value.is_string()) return value.string();
-  if (value.is_boolean()) return value.boolean() ? "true" : "false";
-  if (value.is_array()) {
-    std::vector<std::string> texts;
-    for (const JsonNode& element : value.elements()) {
-      if (element.is_array()) element.refuse("expected a text or a number");
-      texts.push_back(text_of(element));
-    }
-    return fmt::format("{}", fmt::join(texts, ","));
-  }
-  return fmt::format("{}", value.number());
 }
 
 }  // namespace
@@ -101,21 +86,6 @@ std::vector<std::string> recognise_parameter_names() {
     names.push_back(option->get_single_name());
   std::ranges::sort(names);
   return names;
-}
-
-Parameters parameters_of(const JsonNode& object, std::string_view without) {
-  Parameters parameters;
-  for (const auto& [name, value] : object.members()) {
-    if (name == without) continue;
-    if (name == "camera" && !value.is_array() && !value.is_string()) {
-      const Camera c = value.camera();
-      parameters.emplace_back(name,
-                              fmt::format("{},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale));
-    } else {
-      parameters.emplace_back(name, text_of(value));
-    }
-  }
-  return parameters;
 }
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,

@@ -9,7 +9,6 @@
 
 #include "apps/http/query.hpp"
 #include "engine/recognise.hpp"
-#include "storage/json_file.hpp"
 #include "storage/library.hpp"
 #include "storage/result.hpp"
 
@@ -37,10 +36,6 @@ Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters);
 
 /// The names that parse_recognise_query knows, sorted.
 std::vector<std::string> recognise_parameter_names();
-
-/// Members of an object as parameters, but for one of them: texts, numbers, true and false, lists
-/// of these, and cameras as {"fx", "fy", "cx", "cy", "depth_scale"}. Throws JsonFault.
-Parameters parameters_of(const JsonNode& object, std::string_view without = {});
 
 /// Read a scan of at most 16 million points or pixels. `name` stands for it in messages and tells
 /// the format by its extension. Errors: those of read_cloud.

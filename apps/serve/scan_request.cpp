@@ -7,6 +7,7 @@
 #include <set>
 
 #include "apps/http/multipart.hpp"
+#include "apps/serve/json_parameters.hpp"
 
 namespace trivet::apps {
 namespace {
