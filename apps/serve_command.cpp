@@ -32,14 +32,13 @@ std::atomic<bool> reload_asked{false};
 
 /// Until told to stop.
 void wait_for_signals(const Context& context, LibrarySlot& slot, RequestLog& log,
-                      const RecognitionService& service) {
+                      const RecognitionService& service, MemoryTrim& memory) {
   const auto watchdog = watchdog_interval();
   auto told = ServiceClock::now();
-  MemoryTrim trim;
   while (!context.stop.stop_requested()) {
     std::this_thread::sleep_for(kPollInterval);
     const ServiceState state = service.state();
-    trim.look(state.num_running + state.num_waiting > 0);
+    memory.look(state.num_running + state.num_waiting > 0);
     // Twice as often as it must be.
     if (watchdog && ServiceClock::now() - told >= *watchdog / 2 && !state.is_stuck) {
       notify_systemd("WATCHDOG=1");
@@ -60,6 +59,7 @@ void wait_for_signals(const Context& context, LibrarySlot& slot, RequestLog& log
 
 Result<void> serve(const ServeSettings& settings, const Context& context) {
   std::signal(SIGHUP, [](int) { reload_asked = true; });
+  MemoryTrim memory;
   Result<std::vector<Example>> examples = settings.examples.empty()
                                               ? Result<std::vector<Example>>(std::vector<Example>())
                                               : list_examples(settings.examples);
@@ -97,7 +97,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   context.console.line(fmt::format("serving {} on http://{}:{}", settings.library, settings.address,
                                    server->port()));
   notify_systemd("READY=1");
-  wait_for_signals(context, *slot, log, service);
+  wait_for_signals(context, *slot, log, service, memory);
 
   notify_systemd("STOPPING=1");
   // Balancers see it first; then nothing new; then all that came in is answered.

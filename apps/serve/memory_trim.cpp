@@ -9,7 +9,16 @@ namespace {
 constexpr std::chrono::seconds kInterval{10};
 constexpr std::chrono::milliseconds kQuiet{500};
 
+// By default they grow to 32 and 64 MiB with what is freed, and the free end of a thread's arena is
+// what malloc_trim leaves alone.
+constexpr int kLargestInArena = 4 << 20, kLargestFreeEnd = 1 << 20;
+
 }  // namespace
+
+MemoryTrim::MemoryTrim() {
+  mallopt(M_MMAP_THRESHOLD, kLargestInArena);
+  mallopt(M_TRIM_THRESHOLD, kLargestFreeEnd);
+}
 
 void MemoryTrim::look(bool is_busy) {
   const auto now = Clock::now();

@@ -6,9 +6,12 @@
 namespace trivet::apps {
 
 /// The allocator keeps what each thread has freed, as much as its largest scene took and as old
-/// libraries did. To be asked a few times a second.
+/// libraries did. One lives as long as the process has work, and is asked a few times a second.
 class MemoryTrim {
  public:
+  /// Bounds what each thread keeps. Before other threads are.
+  MemoryTrim();
+
   /// Give back when work has ended, and every few seconds while it goes on.
   void look(bool is_busy);
 
