@@ -100,7 +100,8 @@ Result<std::vector<FormPart>> split_form(std::string_view content_type, std::str
     }
     if (parts.size() == kMaxParts)
       return Error{ErrorCode::bad_data, fmt::format("form: expected at most {} parts", kMaxParts)};
-    Result<FormPart> part = read_part(body.substr(at + 2, end - at - 2), at + 2);
+    const std::size_t begin = at + 2;  // behind `end` where one boundary follows another
+    Result<FormPart> part = read_part(body.substr(begin, std::max(end, begin) - begin), begin);
     if (!part) return part.error();
     parts.push_back(std::move(*part));
     at = end + 2 + delimiter.size();
