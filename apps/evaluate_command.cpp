@@ -13,7 +13,7 @@
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
-#include "apps/report.hpp"
+#include "apps/report/evaluation_report.hpp"
 #include "engine/bop_scores.hpp"
 #include "engine/manifest_inputs.hpp"
 

@@ -9,7 +9,7 @@
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
-#include "apps/recognition_report.hpp"
+#include "apps/report/recognition_report.hpp"
 
 namespace trivet::apps {
 namespace {

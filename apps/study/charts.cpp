@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/option_names.hpp"
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -2,7 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/option_names.hpp"
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"
 

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "apps/option_names.hpp"
-#include "apps/report_html.hpp"
-#include "apps/report_pictures.hpp"
+#include "apps/report/evaluation_pictures.hpp"
+#include "apps/report/html.hpp"
 #include "apps/study/charts.hpp"
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 
 namespace trivet::apps {
 namespace {

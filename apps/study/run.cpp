@@ -8,7 +8,7 @@
 #include "apps/detections_json.hpp"
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 #include "engine/manifest_inputs.hpp"
 #include "engine/recognise_cells.hpp"
 #include "storage/file.hpp"

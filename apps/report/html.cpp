@@ -1,4 +1,4 @@
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 
 #include <fmt/format.h>
 

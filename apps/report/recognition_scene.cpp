@@ -1,4 +1,4 @@
-#include "apps/recognition_scene.hpp"
+#include "apps/report/recognition_scene.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/inputs.hpp"
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 #include "apps/score_words.hpp"
 
 namespace trivet::apps {

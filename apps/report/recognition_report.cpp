@@ -1,4 +1,4 @@
-#include "apps/recognition_report.hpp"
+#include "apps/report/recognition_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <set>
 
 #include "apps/inputs.hpp"
-#include "apps/pictures.hpp"
-#include "apps/recognition_scene.hpp"
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
+#include "apps/report/pictures.hpp"
+#include "apps/report/recognition_scene.hpp"
 #include "apps/score_words.hpp"
 #include "storage/file.hpp"
 

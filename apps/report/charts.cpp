@@ -1,4 +1,4 @@
-#include "apps/report_charts.hpp"
+#include "apps/report/charts.hpp"
 
 #include <fmt/format.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/pictures.hpp"
-#include "apps/report.hpp"
+#include "apps/report/evaluation_report.hpp"
+#include "apps/report/pictures.hpp"
 #include "engine/draw_scene.hpp"
 
 namespace trivet::apps {

@@ -1,4 +1,4 @@
-#include "apps/pictures.hpp"
+#include "apps/report/pictures.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 #include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
 

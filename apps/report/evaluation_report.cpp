@@ -1,12 +1,12 @@
-#include "apps/report.hpp"
+#include "apps/report/evaluation_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "apps/report_charts.hpp"
-#include "apps/report_html.hpp"
-#include "apps/report_pictures.hpp"
+#include "apps/report/charts.hpp"
+#include "apps/report/evaluation_pictures.hpp"
+#include "apps/report/html.hpp"
 #include "engine/manifest_inputs.hpp"
 #include "storage/file.hpp"
 

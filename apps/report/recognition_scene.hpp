@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "apps/pictures.hpp"
-#include "apps/recognition_report.hpp"
+#include "apps/report/pictures.hpp"
+#include "apps/report/recognition_report.hpp"
 
 namespace trivet::apps {
 

@@ -1,4 +1,4 @@
-#include "apps/report_pictures.hpp"
+#include "apps/report/evaluation_pictures.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/evaluation_json.hpp"
-#include "apps/report_html.hpp"
+#include "apps/report/html.hpp"
 
 namespace trivet::apps {
 namespace {
