@@ -16,6 +16,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <cctype>
+#include <cerrno>
 #include <future>
 #include <map>
 #include <thread>
@@ -286,7 +287,8 @@ struct HttpServer::State {
       request.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
     request.is_gone = [descriptor = stream.socket().native_handle()] {
       char byte = 0;
-      return ::recv(descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+      const ssize_t n = ::recv(descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+      return n == 0 || (n < 0 && errno == ECONNRESET);
     };
     auto initiate = [this](auto completion, HttpRequest asked) {
       // A handler may be copied; a completion may not.

@@ -31,7 +31,8 @@ struct HttpRequest {
   std::string method, target;  ///< the target with its query
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< names in lower case
-  /// Whether the client has closed its connection. From any thread, while the request is answered.
+  /// Whether the client has closed or reset its connection. From any thread, while the request is
+  /// answered.
   std::function<bool()> is_gone;
 
   /// Empty where there is none.

@@ -13,6 +13,7 @@
 #include <regex>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace trivet::test {
 
@@ -30,7 +31,9 @@ class Connection {
   }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
-  ~Connection() { ::close(socket_); }
+  ~Connection() {
+    if (socket_ >= 0) ::close(socket_);
+  }
 
   bool is_open() const { return is_open_; }
   void send(const std::string& text) const {
@@ -42,6 +45,12 @@ class Connection {
   }
   /// Say that nothing more will be sent.
   void finish() const { ::shutdown(socket_, SHUT_WR); }
+  /// End without a farewell, as a client that dies with an answer unread.
+  void abort() {
+    const linger at_once{1, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+    ::close(std::exchange(socket_, -1));
+  }
   /// Until the other side closes.
   std::string receive() const {
     std::string all;

@@ -53,5 +53,32 @@ TEST(HttpServer, AnswersWhoWasConnectedByTheSystemBeforeTheDoorClosed) {
   EXPECT_FALSE(test::Connection(server->port()).is_open());
 }
 
+TEST(HttpServer, TellsWhoHasGone) {
+  std::promise<HttpRequest> asked[3];
+  std::vector<HttpAnswer> answers;  // of the network's thread until a request is told
+  const auto handle = [&](HttpRequest request, HttpAnswer answer) {
+    answers.push_back(std::move(answer));
+    asked[answers.size() - 1].set_value(std::move(request));
+  };
+  Result<HttpServer> server = HttpServer::start(
+      "127.0.0.1", 0, {}, {handle, [](auto, auto) { return std::optional<HttpResponse>(); }});
+  ASSERT_TRUE(server) << server.error().message;
+  std::unique_ptr<test::Connection> clients[3];
+  HttpRequest requests[3];
+  for (int i = 0; i < 3; ++i) {
+    clients[i] = std::make_unique<test::Connection>(server->port());
+    clients[i]->send("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+    requests[i] = asked[i].get_future().get();
+    EXPECT_FALSE(requests[i].is_gone());
+  }
+  clients[0]->send("GET");  // of the next request
+  clients[1].reset();
+  clients[2]->abort();
+  EXPECT_FALSE(requests[0].is_gone());
+  EXPECT_TRUE(requests[1].is_gone()) << "closed";
+  EXPECT_TRUE(requests[2].is_gone()) << "reset";
+  for (const HttpAnswer& answer : answers) answer({200, "done"});
+}
+
 }  // namespace
 }  // namespace trivet::apps
