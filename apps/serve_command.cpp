@@ -1,12 +1,9 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
-#include <map>
 #include <memory>
 #include <optional>
-#include <string>
 #include <thread>
 
 #include "apps/commands.hpp"
@@ -64,7 +61,8 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
                                               ? Result<std::vector<Example>>(std::vector<Example>())
                                               : list_examples(settings.examples);
   if (!examples) return examples.error();
-  RequestLog log(settings.log == "none" ? -1 : STDERR_FILENO);  // outlives all that may write
+  const ListenSettings& listen = settings.listen;
+  RequestLog log(listen.log_descriptor());  // outlives all that may write
   Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.library, 1);
   if (!first) return first.error();
 
@@ -74,7 +72,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   first = std::shared_ptr<const LibraryGeneration>();
   std::optional<LibrarySlot> slot(std::in_place, settings.library, service, metrics);
   ServiceRoutes routes(service, metrics, log,
-                       {milliseconds(settings.deadline_ms), settings.service().max_waiting_bytes},
+                       {milliseconds(listen.deadline_ms), settings.service().max_waiting_bytes},
                        std::move(*examples),
                        [&](LibrarySlot::Done done) { slot->reload(std::move(done)); });
   std::atomic<const HttpServer*> listening{nullptr};
@@ -83,7 +81,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
     return open ? open->num_connections() : 0;
   });
   Result<HttpServer> started =
-      HttpServer::start(settings.address, settings.port, settings.http(),
+      HttpServer::start(listen.address, listen.port, listen.http(settings.max_waiting_mb),
                         {[&](HttpRequest request, HttpAnswer answer) {
                            routes.handle(std::move(request), std::move(answer));
                          },
@@ -94,8 +92,8 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   server = std::move(*started);
   listening = &*server;
   routes.set_ready(true);
-  context.console.line(fmt::format("serving {} on http://{}:{}", settings.library, settings.address,
-                                   server->port()));
+  context.console.line(
+      fmt::format("serving {} on http://{}:{}", settings.library, listen.address, server->port()));
   notify_systemd("READY=1");
   wait_for_signals(context, *slot, log, service, memory);
 
@@ -103,9 +101,9 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   // Balancers see it first; then nothing new; then all that came in is answered.
   log.write("info", "ending");
   routes.set_ready(false);
-  std::this_thread::sleep_for(milliseconds(settings.drain_grace_ms));
+  std::this_thread::sleep_for(milliseconds(listen.drain_grace_ms));
   server->stop_accepting();
-  const auto deadline = ServiceClock::now() + milliseconds(settings.exit_timeout_ms);
+  const auto deadline = ServiceClock::now() + milliseconds(listen.exit_timeout_ms);
   const bool all = service.drain(deadline);
   server->wait_until_idle(deadline + std::chrono::seconds(1));
   server->stop();
@@ -115,21 +113,10 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   return {};
 }
 
-struct ServeArguments {
-  std::string config;
-  bool check_config = false;
-  std::map<std::string, std::string> values;  // by the name of the setting
-};
-
-Result<void> run(const ServeArguments& arguments, const CLI::App& command, const Context& context) {
-  std::map<std::string, std::string> flags;
-  for (const auto& [name, value] : arguments.values) {
-    const std::string option = name == "library" ? "LIBRARY" : "--" + name;
-    if (command.get_option(option)->count() > 0) flags[name] = value;
-  }
-  const Result<ServeSettings> settings = read_serve_settings(arguments.config, flags);
-  if (!settings) return settings.error();
-  if (!arguments.check_config) return serve(*settings, context);
+Result<void> run(const SettingArguments& arguments, const Context& context) {
+  ServeSettings settings;
+  if (const Result<void> good = read_settings(settings, arguments); !good) return good.error();
+  if (!arguments.check_config) return serve(settings, context);
   context.console.line("the configuration is good");
   return {};
 }
@@ -137,7 +124,7 @@ Result<void> run(const ServeArguments& arguments, const CLI::App& command, const
 }  // namespace
 
 void add_serve(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<ServeArguments>();
+  auto arguments = std::make_shared<SettingArguments>();
   CLI::App* command = app.add_subcommand(
       "serve",
       "Recognise over HTTP, with a page to try it\n\n"
@@ -145,20 +132,10 @@ void add_serve(CLI::App& app, Context& context) {
       "recognize`\n"
       "as parameters; / is the page. SIGHUP or POST /v1/library/reload read the library anew;\n"
       "SIGTERM answers what came in, then ends.");
-  const ServeSettings defaults;
-  for (const ServeSetting& setting : serve_settings()) {
-    const std::string name(setting.name);
-    command
-        ->add_option(name == "library" ? "LIBRARY" : "--" + name, arguments->values[name],
-                     std::string(setting.meaning))
-        ->default_str(setting.text(defaults));
-  }
-  command->add_option("--config", arguments->config,
-                      "TOML file of these settings, as max-waiting = 32; flags go before it");
-  command->add_flag("--check-config", arguments->check_config,
-                    "Say everything that is wrong with the settings, and end");
-  command->callback([arguments, command, &context] {
-    context.run = [arguments, command, &context] { return run(*arguments, *command, context); };
+  ServeSettings defaults;
+  add_settings(*command, settings_of(defaults), *arguments);
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return run(*arguments, context); };
   });
 }
 

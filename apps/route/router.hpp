@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -37,7 +36,6 @@ class Router {
   /// Refuse what there is no room for before its body is read.
   std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
   void set_closing();  ///< be ready no more
-  void set_num_connections(std::function<std::size_t()> num);
 
  private:
   struct State;

@@ -48,7 +48,7 @@ Result<ShardAddress> parse_shard(const std::string& text) {
                          std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; });
   if (host.empty() || !is_number || std::stoi(port) < 1 || std::stoi(port) > 65535) {
     return Error{ErrorCode::usage,
-                 fmt::format("SHARD: expected host:port, as 10.0.0.1:8080, found '{}'", text)};
+                 fmt::format("shards: expected host:port, as 10.0.0.1:8080, found '{}'", text)};
   }
   return ShardAddress{text, std::move(host), port};
 }

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -458,6 +459,29 @@ TEST_F(Route, AnswersWhatItHasTakenBeforeItEnds) {
   }
 }
 
+TEST_F(Route, IsConfiguredByAFileAndByFlags) {
+  const auto check = [&](const std::string& toml, std::vector<std::string> flags) {
+    std::ofstream(*folder_ / "route.toml") << toml;
+    flags.insert(flags.begin(), {"route", "--config", "route.toml", "--check-config"});
+    return test::run_trivet(flags, {.folder = folder_->path(), .environment = {}, .watch = {}});
+  };
+  const test::Outcome good = check("shards = ['a:1', 'b:2']\nmax-inflight = 8\n", {});
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  const test::Outcome bad =
+      check("shards = ['a:1', 'b']\nmax-inflights = 8\nmax-body-mb = 600\ndeadline-ms = [3]\n",
+            {"--log", "loud"});
+  EXPECT_EQ(bad.exit_code, 2);
+  for (const char* const fault :
+       {"route.toml:1: shards: expected host:port", "found 'max-inflights'",
+        "max-body-mb: expected at most max-inflight-mb", "route.toml:4: deadline-ms: expected",
+        "--log: expected info or none"}) {
+    EXPECT_NE(bad.error.find(fault), std::string::npos) << fault << " in\n" << bad.error;
+  }
+  // Those of the command line stand in for all of the file.
+  EXPECT_EQ(check("shards = ['b']\n", {"c:3", "d:4"}).exit_code, 0);
+  EXPECT_EQ(check("shards = []\n", {}).exit_code, 2) << "no shard";
+}
+
 TEST_F(Route, SaysAtOnceWhatItCannotRoute) {
   const auto fails = [&](const std::vector<std::string>& arguments, const std::string& reason) {
     const test::Outcome outcome =
@@ -465,7 +489,7 @@ TEST_F(Route, SaysAtOnceWhatItCannotRoute) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.error;
     EXPECT_NE(outcome.error.find(reason), std::string::npos) << outcome.error;
   };
-  fails({"route"}, "SHARD");
+  fails({"route"}, "shards: expected host:port of each");
   fails({"route", "here"}, "host:port");
   fails({"route", "here:0"}, "host:port");
   fails({"route", "here:port"}, "host:port");
