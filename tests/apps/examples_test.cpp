@@ -50,6 +50,7 @@ TEST_F(Examples, FindWhatTheServiceFinds) {
 
     const test::Outcome shell =
         run("/bin/sh", {kExamples + "recognize.sh", depth_, parameters_}, {"TRIVET_URL=" + url});
+    ASSERT_EQ(shell.exit_code, 0) << shell.error;
     EXPECT_EQ(lines_of(nlohmann::json::parse(shell.out)["scenes"][0]), expected) << shell.error;
 
     std::vector<std::string> words{kExamples + "recognize.py", depth_, "--url", url};

@@ -4,7 +4,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <stdexcept>
 #include <thread>
 
@@ -23,6 +25,9 @@ Outcome run_program(const std::string& program, const std::vector<std::string>& 
   argv.push_back(nullptr);
   std::vector<std::string> environment = setting.environment;
 
+  // Running the program closes it; else it says why. A shell, too, ends with 127 what it misses.
+  int failure[2];
+  if (::pipe2(failure, O_CLOEXEC) != 0) throw std::runtime_error("cannot make a pipe");
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("cannot fork");
   if (child == 0) {
@@ -34,16 +39,21 @@ Outcome run_program(const std::string& program, const std::vector<std::string>& 
         ::chdir(setting.folder.c_str()) == 0) {
       ::execv(argv[0], argv.data());
     }
-    ::_exit(127);
+    const int reason = errno;
+    ::_exit(::write(failure[1], &reason, sizeof reason) == sizeof reason ? 127 : 126);
   }
+  ::close(failure[1]);
+  int reason = 0;
+  const bool failed = ::read(failure[0], &reason, sizeof reason) > 0;
+  ::close(failure[0]);
 
   int status = 0;
   while (::waitpid(child, &status, setting.watch ? WNOHANG : 0) == 0) {
     setting.watch(child, read_bytes(error));
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
+  if (failed) throw std::runtime_error("cannot run " + program + ": " + std::strerror(reason));
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  if (code == 127) throw std::runtime_error("cannot run " + program);
   return {code, read_bytes(out), read_bytes(error)};
 }
 
