@@ -55,19 +55,31 @@ Result<Outcomes> recognise_with(const kernels::ScoreModel& score,
 
 /// Move a fitted model from the share of right ones that it was fitted to, to another one.
 void set_prior(kernels::ScoreModel& model, const Outcomes& outcomes) {
-  const auto right =
-      static_cast<double>(std::count(outcomes.right.begin(), outcomes.right.end(), 1));
-  const double wrong = static_cast<double>(outcomes.right.size()) - right;
-  model.bias += static_cast<float>(std::log(kRightShare / (1 - kRightShare) * wrong / right));
+  std::array<std::array<double, 2>, 2> counts{};  // by kind of errors; wrong, right
+  for (std::size_t i = 0; i < outcomes.right.size(); ++i) {
+    const std::array<float, 2> shares = kernels::sensor_shares(outcomes.parts[i]);
+    for (std::size_t errors = 0; errors < 2; ++errors)
+      counts[errors][outcomes.right[i]] += static_cast<double>(shares[errors]);
+  }
+  for (std::size_t errors = 0; errors < 2; ++errors) {
+    const auto [wrong, right] = counts[errors];
+    if (wrong > 0 && right > 0)
+      model.bias[errors] +=
+          static_cast<float>(std::log(kRightShare / (1 - kRightShare) * wrong / right));
+  }
+}
+
+std::string number(float value) {
+  std::string text = fmt::format("{:.5g}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
 }
 
 template <std::size_t N>
 std::string row(const std::array<float, N>& values, std::string_view name) {
   std::string text = "{";
   for (std::size_t k = 0; k < N; ++k) {
-    std::string number = fmt::format("{:.5g}", values[k]);
-    if (number.find_first_of(".e") == std::string::npos) number += ".0";
-    text += (k ? ", " : "") + number + "F";
+    text += (k ? ", " : "") + number(values[k]) + "F";
   }
   return fmt::format("    {}}},  // {}\n", text, name);
 }
@@ -76,10 +88,12 @@ std::string row(const std::array<float, N>& values, std::string_view name) {
 std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes,
                       std::size_t num_scenes) {
   const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
-  std::string knots, weights;
+  std::string knots;
+  std::array<std::string, 2> weights;
   for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
     knots += row(model.knots[k], kernels::kScoreParts[k].name);
-    weights += row(model.weights[k], kernels::kScoreParts[k].name);
+    for (std::size_t errors = 0; errors < 2; ++errors)
+      weights[errors] += row(model.weights[errors][k], kernels::kScoreParts[k].name);
   }
   return fmt::format(
       "// Written by `trivet calibrate` {}, from {} rendered scenes with {} right and\n"
@@ -89,14 +103,16 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
       "namespace trivet::kernels {{\n\n"
       "// clang-format off\n"
       "const ScoreModel& default_score() noexcept {{\n"
-      "  static constexpr ScoreModel model{{{:.5g}F, {{{{\n{}  }}}}, {{{{\n{}  }}}}}};\n"
+      "  static constexpr ScoreModel model{{{{{}F, {}F}}, {{{{\n{}  }}}}, {{{{\n"
+      "  {{{{  // where errors are independent from pixel to pixel\n{}  }}}},\n"
+      "  {{{{  // where neighbours share them\n{}  }}}}}}}}}};\n"
       "  return model;\n"
       "}}\n"
       "// clang-format on\n\n"
       "}}  // namespace trivet::kernels\n",
       TRIVET_VERSION, num_scenes, num_right,
-      outcomes.right.size() - static_cast<std::size_t>(num_right), kRightShare, model.bias, knots,
-      weights);
+      outcomes.right.size() - static_cast<std::size_t>(num_right), kRightShare,
+      number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
 }
 
 Result<void> publish_text(const std::string& file, const std::string& text) {

@@ -70,6 +70,17 @@ nlohmann::ordered_json rivals_json(const std::vector<Pose>& rivals) {
   return json;
 }
 
+/// The axis in the model's frame, in the library's unit, and the angles that are as likely.
+nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
+  if (!turns) return nullptr;
+  constexpr float kDegreesPerRadian = 57.29578F;
+  const auto vector = [](const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; };
+  return {{"axis", vector(turns->axis.direction)},
+          {"point", vector(turns->axis.point)},
+          {"from_deg", kDegreesPerRadian * turns->low},
+          {"to_deg", kDegreesPerRadian * turns->high}};
+}
+
 struct StoredScene {
   std::filesystem::path file;
   SceneResult result;
@@ -129,6 +140,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"parts", parts_json(detection.parts)},
                           {"evidence", evidence_json(detection.parts)},
                           {"ambiguous", !detection.rivals.empty()},
+                          {"pose_share", detection.pose_share},
+                          {"turns", turns_json(detection.turns)},
                           {"rivals", rivals_json(detection.rivals)},
                           {"method", name_of(detection.source)}});
   }

@@ -25,7 +25,7 @@ struct Entry {
   std::string (*finding)(float value);
 };
 
-constexpr std::array<Entry, 14> kEntries{{
+constexpr std::array<Entry, 15> kEntries{{
     {"violation",
      {"looked through", "share of what is seen that the sensor looked through"},
      [](float v) {
@@ -92,6 +92,9 @@ constexpr std::array<Entry, 14> kEntries{{
      [](float v) {
        return fmt::format("agreement is to {:.1f} % of the diameter only", 100 * std::exp(v));
      }},
+    {"correlation",
+     {"sensor", "how alike neighbouring pixels err: 0, each for itself, to 1, as in matched windows"},
+     [](float v) { return percent(v) + " of the scan's errors are shared by neighbours"; }},
 }};
 
 constexpr bool each_part_has_words() {
@@ -108,19 +111,22 @@ PartWords words_of(std::size_t part) { return kEntries[part].words; }
 
 std::string finding_of(std::size_t part, float value) { return kEntries[part].finding(value); }
 
-std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreModel& model) {
+std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreModel& model,
+                                                         float correlation) {
   constexpr float kBeyond = std::numeric_limits<float>::max();
   kernels::ScoreParts best{};
   std::array<float, kernels::kNumScoreParts> most{};
   for (std::size_t k = 0; k < best.size(); ++k) {
     best[k] = kernels::kScoreParts[k].favourable ? kBeyond : -kBeyond;
-    most[k] = kernels::part_evidence(model, best, k);
   }
+  best[kernels::kCorrelationPart] = correlation;
+  for (std::size_t k = 0; k < best.size(); ++k) most[k] = kernels::part_evidence(model, best, k);
   return most;
 }
 
 std::string costliest_findings(const kernels::ScoreModel& model, const kernels::ScoreParts& parts) {
-  std::array<float, kernels::kNumScoreParts> cost = most_evidence(model);
+  std::array<float, kernels::kNumScoreParts> cost =
+      most_evidence(model, parts[kernels::kCorrelationPart]);
   for (std::size_t k = 0; k < cost.size(); ++k) cost[k] -= kernels::part_evidence(model, parts, k);
   std::array<std::size_t, kernels::kNumScoreParts> order{};
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -20,7 +20,8 @@ PartWords words_of(std::size_t part);
 std::string finding_of(std::size_t part, float value);
 
 /// The most that each part can add to the log odds; 0 where the model does not weigh it.
-std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreModel& model);
+std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreModel& model,
+                                                         float correlation);
 
 /// What costs a pose most: the findings of the one or two parts that lack most of their evidence.
 /// Empty where no part lacks enough to be worth a word.

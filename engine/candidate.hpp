@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "engine/method.hpp"
+#include "engine/recognise.hpp"
 #include "kernels/examine_pose.hpp"
 #include "kernels/pose_score.hpp"
 #include "kernels/verify_pose.hpp"
@@ -22,7 +23,10 @@ struct Candidate {
   kernels::ScoreParts parts{};
   float score = 0;                     ///< probability of being right, 0..1
   kernels::ExplainedPixels explained;  ///< over all images
-  std::vector<Pose> rivals;            ///< other poses that the scan cannot tell from this one
+  // What the scan cannot tell from this pose.
+  std::vector<Pose> rivals;
+  float pose_share = 1;  ///< of the score that is this pose's, the rest its rivals', 0..1
+  std::optional<TurnExtent> turns;  ///< about the model's near axis, if more than one is as likely
 };
 
 /// Limits within which a pose is right [diameters], [rad].

@@ -11,6 +11,8 @@ constexpr std::size_t kRefineSamples = 500;
 // rendered scenes 99 % are looked through by less than 9 % of what is seen, of wrong ones 43 % by
 // more than 12.
 constexpr float kMostViolation = 0.15F;
+// Of the diameter: what is thinner than twice it must not be all edge.
+constexpr float kMostEdge = 0.06F;
 
 }  // namespace
 
@@ -23,23 +25,34 @@ PoseTester::PoseTester(const Model& model, const PreparedScene& scene, float ste
                                                                              model.diameter,
                                                                              model.centre} {
   if (!left_out(Improvement::background)) background_ = background_planes(scene, model.diameter);
-  strict_.tolerance = std::max(options.verify.tolerance_sigmas * scene.noise,
-                               options.verify.tolerance_diameters * model.diameter);
-  strict_.plane_is_background = background_;
 }
 
-kernels::VerifyOptions PoseTester::loose() const {
+float PoseTester::range_of(const Pose& pose) const {
+  return (scene_.images.front().geometry.T_camera_scene * (pose * model_.centre)).z();
+}
+
+kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
+  kernels::VerifyOptions strict;
+  strict.tolerance =
+      std::max(options_.verify.tolerance_sigmas * scene_.sensor.error_at(range_of(pose)),
+               options_.verify.tolerance_diameters * model_.diameter);
+  strict.plane_is_background = background_;
+  return strict;
+}
+
+kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
   kernels::VerifyOptions loose;
-  loose.tolerance = std::max(0.75F * step_, 3 * scene_.noise);
+  loose.tolerance = std::max(0.75F * step_, 3 * scene_.sensor.error_at(range_of(pose)));
   loose.plane_is_background = background_;
   return loose;
 }
 
 Pose PoseTester::refined(const Pose& pose) const {
+  const float tolerance = strict(pose).tolerance;
   kernels::RefineOptions sparse;
   sparse.num_samples = kRefineSamples;
-  sparse.first_gate = std::max(1.5F * step_, 2 * strict_.tolerance);
-  sparse.last_gate = strict_.tolerance;
+  sparse.first_gate = std::max(1.5F * step_, 2 * tolerance);
+  sparse.last_gate = tolerance;
   sparse.max_translation = 0.1F * model_.diameter;
   return refined(pose, sparse);
 }
@@ -48,7 +61,7 @@ Pose PoseTester::polished(const Pose& pose) const {
   kernels::RefineOptions dense;
   dense.num_samples = samples_.points.size();
   dense.max_iterations = 3;
-  dense.first_gate = dense.last_gate = strict_.tolerance;
+  dense.first_gate = dense.last_gate = strict(pose).tolerance;
   dense.max_translation = 0.1F * model_.diameter;
   return refined(pose, dense);
 }
@@ -61,16 +74,22 @@ Pose PoseTester::refined(const Pose& pose, const kernels::RefineOptions& options
 Candidate PoseTester::examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                               const Pose& pose, kernels::ExamineScratch& scratch) const {
   kernels::ExamineOptions options;
-  options.verify = strict_;
+  options.verify = strict(pose);
   options.window = std::round(scene_.window);
-  options.waviness = scene_.waviness;
+  options.waviness = scene_.sensor.waviness_at(range_of(pose));
+  options.correlation = scene_.sensor.correlation;
+  options.edge_pixels = std::round(
+      std::min(scene_.sensor.edge_pixels(),
+               kMostEdge * model_.diameter * scene_.images.front().geometry.fx / range_of(pose)));
   Candidate candidate;
   candidate.T_scene_model = pose;
-  candidate.tolerance = strict_.tolerance;
-  kernels::examine_pose(scene_.images, surface, samples_, model_.symmetry, pose, options, scratch,
+  candidate.tolerance = options.verify.tolerance;
+  // Which way it is turned is another question than whether it is there.
+  const auto& turns = model_.symmetry.axis ? model_.symmetry.axis : model_.near_axis;
+  kernels::examine_pose(scene_.images, surface, samples_, turns, pose, options, scratch,
                         candidate.examination, &candidate.explained);
-  candidate.parts =
-      kernels::score_parts(candidate.examination, strict_.tolerance / model_.diameter);
+  candidate.parts = kernels::score_parts(
+      candidate.examination, candidate.tolerance / model_.diameter, scene_.sensor.correlation);
   const float seen = candidate.examination.consistent + candidate.examination.violation +
                      candidate.examination.background;
   const bool looked_through = candidate.examination.violation > kMostViolation * seen;

@@ -26,10 +26,10 @@ class PoseTester {
   const Model& model() const noexcept { return model_; }
   const PreparedScene& scene() const noexcept { return scene_; }
   const kernels::ModelSamples& samples() const noexcept { return samples_; }
-  /// How a refined pose is verified.
-  const kernels::VerifyOptions& strict() const noexcept { return strict_; }
+  /// How a refined pose is verified: with what the sensor errs by at its range.
+  kernels::VerifyOptions strict(const Pose& pose) const;
   /// How one as the votes left it is looked at: with the tolerance of an unrefined pose.
-  kernels::VerifyOptions loose() const;
+  kernels::VerifyOptions loose(const Pose& pose) const;
 
   bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
   bool allowed(const Pose& pose) const {
@@ -47,6 +47,7 @@ class PoseTester {
 
  private:
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
+  float range_of(const Pose& pose) const;
 
   const Model& model_;
   const PreparedScene& scene_;
@@ -54,7 +55,6 @@ class PoseTester {
   const RecogniseOptions& options_;
   kernels::ModelSamples samples_;
   std::vector<std::uint8_t> background_;
-  kernels::VerifyOptions strict_;
 };
 
 }  // namespace trivet::engine

@@ -142,7 +142,7 @@ void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& op
     }
   }
   if (points.size() < 100) return;
-  scene.plane_tolerance = std::max(4 * scene.noise, 3 * scene.spacing);
+  scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
   kernels::PlaneOptions plane_options;
   plane_options.tolerance = scene.plane_tolerance;
   plane_options.min_area = 0.01F * total;  // the walls of a bin on a large table
@@ -165,7 +165,7 @@ void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& op
                           std::span(image.near_plane).subspan(row, geometry.width));
   }
   if (!options.without.contains(Improvement::waves))
-    scene.waviness = kernels::measure_waviness(
+    scene.sensor.waviness = kernels::measure_waviness(
         image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
   for (kernels::Plane& plane : scene.planes) {
@@ -173,6 +173,26 @@ void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& op
     plane.offset += n.dot(T_scene_camera.translation());
     plane.normal = n;
   }
+}
+
+/// How the sensor errs by range and from pixel to pixel; noise and waviness are measured already.
+void measure_sensor(const kernels::RangeImage& image, const RecogniseOptions& options,
+                    kernels::SensorModel& sensor) {
+  if (options.without.contains(Improvement::waves)) return;
+  std::vector<float> ranges;
+  for (const float d : image.depth) {
+    if (d > 0) ranges.push_back(d);
+  }
+  sensor.range = kernels::median(std::span(ranges));
+  const std::size_t height = image.geometry.height;
+  std::vector<std::vector<kernels::SmoothPatch>> rows((height + kRowGrain - 1) / kRowGrain);
+  for_each_index(rows.size(), [&](std::size_t k) {
+    const std::size_t first = k * kRowGrain;
+    kernels::measure_patches(image, first, std::min(kRowGrain, height - first), rows[k]);
+  });
+  std::vector<kernels::SmoothPatch> patches;
+  for (const auto& row : rows) patches.insert(patches.end(), row.begin(), row.end());
+  kernels::fit_sensor_model(patches, sensor);
 }
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
@@ -213,14 +233,15 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   };
   estimate(kNoiseWindow);
   Column<float> scratch;
-  scene.noise = kernels::estimate_scan_noise(residuals, scratch);
-  scene.window = options.normal_window.value_or(choose_window(scene.noise, scene.spacing));
+  scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
+  scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
   const auto window = static_cast<std::uint32_t>(std::lround(scene.window));
   if (window != kNoiseWindow) estimate(window);
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
   if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
   find_dominant_planes(scene.images.back(), options, scene);
+  measure_sensor(scene.images.back(), options, scene.sensor);
   return {};
 }
 
@@ -292,8 +313,8 @@ void prepare_closed_scene(const Cloud& cloud, const RecogniseOptions& options,
   for (const float r : residuals) {
     if (std::isfinite(r)) finite.push_back(r);
   }
-  scene.noise = kernels::median(std::span(finite));
-  scene.window = options.normal_window.value_or(choose_window(scene.noise, scene.spacing));
+  scene.sensor.noise = kernels::median(std::span(finite));
+  scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
   // Windows that differ by less hold much the same points.
   if (std::abs(scene.window - kNoiseWindow) > 0.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {

@@ -9,8 +9,8 @@
 #include "engine/recognise.hpp"
 #include "kernels/find_planes.hpp"
 #include "kernels/range_image.hpp"
+#include "kernels/sensor_model.hpp"
 #include "kernels/voxel_hash.hpp"
-#include "kernels/waviness.hpp"
 #include "storage/cloud.hpp"
 #include "storage/points.hpp"
 
@@ -22,8 +22,7 @@ struct PreparedScene {
   Points points;
   Normals normals;                     ///< towards the sensor or outward; NaN where unknown
   std::vector<kernels::Plane> planes;  ///< the large ones, of any size of model
-  float noise = 0;                     ///< standard deviation across surfaces
-  kernels::Waviness waviness;          ///< beyond noise that is independent from pixel to pixel
+  kernels::SensorModel sensor;         ///< how it errs
   float spacing = 0;                   ///< typical distance between neighbouring measurements
   float window = 2;  ///< half-width of the windows that normals were fitted to [spacing]
   float plane_tolerance = 0;

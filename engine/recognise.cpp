@@ -131,6 +131,8 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   detection.parts = candidate.parts;
   for (const Pose& rival : candidate.rivals)
     detection.rivals.push_back(in_file_unit(rival, scene_scale));
+  detection.pose_share = candidate.pose_share;
+  detection.turns = candidate.turns;
   return detection;
 }
 
@@ -240,7 +242,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
     result.rejected =
         report_rejected(library, search, *chosen, order, options.max_rejected, input.scale);
   }
-  stats.noise = scene->noise;
+  stats.noise = scene->sensor.noise;
   stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

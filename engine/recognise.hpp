@@ -113,6 +113,8 @@ struct RecogniseOptions {
   std::uint32_t max_instances = 100;  ///< per model
   std::uint32_t max_rejected = 0;     ///< poses per model that are told with the reason
   bool tell_claims = false;           ///< in SceneResult::claims; without doubtful_score
+  /// Report only detections of which this very pose has min_score: score * pose_share.
+  bool require_pose = false;
   std::vector<std::string> models{};  ///< names to look for; empty: all
   PoseLimits limits{};
   /// Tested before any voting, which is then for what they leave unexplained.
@@ -135,9 +137,17 @@ struct SceneInput {
   double scale = 1;  ///< multiplies the file's coordinates, giving the library's unit
 };
 
+/// Turns about an axis of the model from a pose on.
+struct TurnExtent {
+  Symmetry::Axis axis;      ///< in the model's frame, in the library's unit
+  float low = 0, high = 0;  ///< [rad]; apart by a whole turn, or by one of its symmetry: any
+};
+
 struct Detection {
   std::string model;
-  float score = 0;              ///< probability that the pose, or one of its rivals, is right, 0..1
+  /// Probability that the object is here, in this pose or one that the scan cannot tell from it,
+  /// 0..1.
+  float score = 0;
   Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
   float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
   float violation = 0;          ///< share of what was measured there that the sensor looked through
@@ -147,7 +157,9 @@ struct Detection {
   /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
   /// detection is ambiguous.
   std::vector<Pose> rivals{};
-  Source source = Source::ppf;  ///< that proposed it
+  Source source = Source::ppf;        ///< that proposed it
+  float pose_share = 1;               ///< of the score, what is this pose's, 0..1
+  std::optional<TurnExtent> turns{};  ///< that the scan cannot tell apart; of a near axis
 };
 
 enum class Rejection {

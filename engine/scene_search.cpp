@@ -149,7 +149,9 @@ Result<std::vector<Candidate>> SceneSearch::chosen() {
       candidates_[c] = std::move(candidate);
       continue;
     }
-    if (candidate.score < options_.doubtful_score.value_or(options_.min_score)) {
+    const float asked =
+        options_.require_pose ? candidate.score * candidate.pose_share : candidate.score;
+    if (asked < options_.doubtful_score.value_or(options_.min_score)) {
       selection_.refused.push_back({c, Rejection::too_low});
       candidates_[c] = std::move(candidate);
       continue;

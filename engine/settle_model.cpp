@@ -17,7 +17,8 @@ constexpr std::size_t kFirstLookSamples =
 constexpr std::size_t kContourSamples = 700;
 constexpr std::size_t kContourShare = 3;  // contours judged per candidate refined
 constexpr float kPlace = 0.2F;            // in diameters
-constexpr std::uint32_t kExaminedAPlace = 5;
+// Where many of a kind lie, the best seen ones must not take all of the budget.
+constexpr std::uint32_t kRefinedAPlace = 4, kExaminedAPlace = 2;
 // Score of a refined pose by samples below which no ray need be shot: of 600 examinations above 0.3
 // on the development scans it lost none, of all examinations it saves two thirds.
 constexpr float kHopeless = 0.05F;
@@ -116,22 +117,21 @@ class Settling {
   /// A first look with the tolerance of an unrefined pose chooses which ones to refine.
   std::vector<Look> preselect(std::vector<Look> looks) const {
     const StageTimer timer(stats_.times, "preselect");
-    const kernels::VerifyOptions loose = tester_.loose();
-    for_each_index(looks.size(),
-                   [&](std::size_t c) { look_at(kFirstLookSamples, loose, looks[c]); });
+    for_each_index(looks.size(), [&](std::size_t c) {
+      look_at(kFirstLookSamples, tester_.loose(looks[c].T_scene_model), looks[c]);
+    });
     // The contour only lowers a score, and costs more: it is judged for those that are in the
     // running.
     std::vector<Look> running;
-    for (const std::uint32_t c : by_score(looks)) {
-      if (running.size() == kContourShare * options_.pose.max_refined) break;
+    for (const std::uint32_t c :
+         best_spread(looks, model_, 0, kContourShare * options_.pose.max_refined,
+                     kContourShare * kRefinedAPlace))
       running.push_back(looks[c]);
-    }
-    judge_contours(loose, running);
+    judge_contours(running, [&](const Pose& pose) { return tester_.loose(pose); });
     std::vector<Look> best;
-    for (const std::uint32_t c : by_score(running)) {
-      if (best.size() == options_.pose.max_refined || !(running[c].score > 0)) break;
+    for (const std::uint32_t c :
+         best_spread(running, model_, 0, options_.pose.max_refined, kRefinedAPlace))
       best.push_back(running[c]);
-    }
     return best;
   }
 
@@ -144,9 +144,9 @@ class Settling {
     }
     const StageTimer timer(stats_.times, "verify");
     for_each_index(looks.size(), [&](std::size_t k) {
-      look_at(samples_.points.size(), tester_.strict(), looks[k]);
+      look_at(samples_.points.size(), tester_.strict(looks[k].T_scene_model), looks[k]);
     });
-    judge_contours(tester_.strict(), looks);
+    judge_contours(looks, [&](const Pose& pose) { return tester_.strict(pose); });
     looks = without_repetitions(looks, model_);
     std::vector<Look> best;
     const float hopeless = tester_.left_out(Improvement::visibility) ? 0 : kHopeless;
@@ -183,18 +183,18 @@ class Settling {
   Candidate judged_by_samples(const Look& look) const {
     Candidate candidate;
     candidate.T_scene_model = look.T_scene_model;
-    candidate.tolerance = tester_.strict().tolerance;
+    const kernels::VerifyOptions strict = tester_.strict(look.T_scene_model);
+    candidate.tolerance = strict.tolerance;
     candidate.score = look.score;
     std::vector<std::uint32_t>& pixels = candidate.explained.pixels;
-    const kernels::Evidence e =
-        kernels::verify_pose(scene_.images, samples_, samples_.points.size(), look.T_scene_model,
-                             tester_.strict(), &pixels);
+    const kernels::Evidence e = kernels::verify_pose(
+        scene_.images, samples_, samples_.points.size(), look.T_scene_model, strict, &pixels);
     kernels::Examination& examination = candidate.examination;
     examination.covered = static_cast<float>(e.visible);
     examination.consistent = static_cast<float>(e.consistent);
     examination.violation = static_cast<float>(e.violation);
     examination.background = static_cast<float>(e.background);
-    const float residual = e.rmse() / tester_.strict().tolerance;
+    const float residual = e.rmse() / strict.tolerance;
     const float side = model_.sample_spacing / model_.diameter;
     examination.residual = residual * residual;
     examination.area = examination.consistent * side * side;
@@ -222,12 +222,14 @@ class Settling {
     look.score = look.evidence.score();
   }
 
-  void judge_contours(const kernels::VerifyOptions& options, std::span<Look> looks) const {
+  /// options(pose)  as of PoseTester
+  template <class Options>
+  void judge_contours(std::span<Look> looks, Options&& options) const {
     if (tester_.left_out(Improvement::contour)) return;
     PerThread<kernels::ContourScratch> scratch;
     for_each_index(looks.size(), [&](std::size_t k) {
       kernels::judge_contour(scene_.images, samples_, kContourSamples, looks[k].T_scene_model,
-                             options, scratch.local(), looks[k].evidence);
+                             options(looks[k].T_scene_model), scratch.local(), looks[k].evidence);
       looks[k].score = looks[k].evidence.score();
     });
   }

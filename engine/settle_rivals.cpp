@@ -28,8 +28,9 @@ constexpr float kSameAxis = 0.99F;  // cosine
 /// In waves, half a patch of the windows that they are measured in errs alike.
 kernels::MeasurementErrors errors_of(const PreparedScene& scene) {
   const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
-  const bool wavy = scene.waviness.height > kWavy * scene.noise;
-  return {std::hypot(scene.noise, scene.waviness.height),
+  const kernels::SensorModel& sensor = scene.sensor;
+  const bool wavy = sensor.waviness.height > kWavy * sensor.noise;
+  return {std::hypot(sensor.noise, sensor.waviness.height),
           wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
 }
 
@@ -54,7 +55,7 @@ class Rivalry {
       for (const Pose& rival : rivals_of(candidate)) {
         const kernels::PoseComparison comparison = kernels::compare_poses(
             tester_.scene().images, surface_, tester_.samples(), rival, candidate.T_scene_model,
-            errors_, tester_.strict(), compare_scratch_);
+            errors_, tester_.strict(candidate.T_scene_model), compare_scratch_);
         if (comparison.log_ratio > most && comparison.z > kTelling) {
           most = comparison.log_ratio;
           better = rival;
@@ -67,18 +68,19 @@ class Rivalry {
       candidate = std::move(moved);
       turns = settle_turn(candidate);
     }
-    double elsewhere = 0;  // likelihood of rivals that no symmetry leads to, over that of the pose
+    double elsewhere = 0;  // likelihood of rivals over that of the pose
     for (const Alike& rival : alike) {
       if (!is_rival(rival.T_scene_model, candidate)) continue;
-      if (!by_near_symmetry(candidate.T_scene_model, rival.T_scene_model))
-        elsewhere += std::exp(rival.log_ratio);
+      elsewhere += std::exp(rival.log_ratio);
       candidate.rivals.push_back(rival.T_scene_model);
     }
     for (const float angle : turns.others) {
       const Pose turned = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
       if (is_rival(turned, candidate)) candidate.rivals.push_back(turned);
     }
-    candidate.score *= turns.share * static_cast<float>(1 / std::max(1.0, elsewhere));
+    candidate.pose_share = turns.share / static_cast<float>(1 + elsewhere);
+    if (turns.high - turns.low > 2 * kRightRotationRad)
+      candidate.turns = TurnExtent{*model_.near_axis, turns.low, turns.high};
   }
 
  private:
@@ -92,12 +94,6 @@ class Rivalry {
     return examine(pose, candidate).score >= kRivalShare * candidate.score;
   }
 
-  bool by_near_symmetry(const Pose& pose, const Pose& rival) const {
-    return std::any_of(
-        model_.near_symmetries.begin(), model_.near_symmetries.end(),
-        [&](const Pose& motion) { return same_placement(model_, pose * motion, rival); });
-  }
-
   Candidate examine(const Pose& pose, const Candidate& instead_of) {
     Candidate candidate = tester_.examine(surface_, score_, pose, examine_scratch_);
     candidate.model = instead_of.model;
@@ -109,12 +105,14 @@ class Rivalry {
   /// with that one.
   kernels::TurnComparison settle_turn(Candidate& candidate) {
     if (!model_.near_axis) return {};
-    kernels::TurnComparison turns =
-        kernels::compare_turns(tester_.scene().images, surface_, tester_.samples(),
-                               candidate.T_scene_model, *model_.near_axis, turn_period(),
-                               kRightRotationRad, errors_, tester_.strict(), compare_scratch_);
+    kernels::TurnComparison turns = kernels::compare_turns(
+        tester_.scene().images, surface_, tester_.samples(), candidate.T_scene_model,
+        *model_.near_axis, turn_period(), kRightRotationRad, errors_,
+        tester_.strict(candidate.T_scene_model), compare_scratch_);
     const float best = std::exchange(turns.best, 0);
     for (float& other : turns.others) other -= best;
+    turns.low -= best;
+    turns.high -= best;
     candidate =
         examine(candidate.T_scene_model * kernels::turn_about(*model_.near_axis, best), candidate);
     return turns;

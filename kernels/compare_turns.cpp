@@ -52,24 +52,44 @@ TurnComparison compare_turns(std::span<const RangeImage> images, const RayScene&
   std::vector<double> likelihoods(n);
   std::transform(logs.begin(), logs.end(), likelihoods.begin(),
                  [&](double log) { return std::exp(log - logs[best]); });
-  const auto apart = [&](std::size_t i, std::size_t k) {
-    return std::abs(std::remainder(angles[i] - angles[k], period)) >= near;
+  TurnComparison out;
+  // From the best one on to both sides, as far as turns are as likely; all of them, and none is the
+  // middle.
+  const auto as_likely = [&](std::size_t k) { return likelihoods[k % n] >= kAsWell; };
+  std::size_t after = 0, before = 0;
+  while (after < n && as_likely(best + after + 1)) ++after;
+  while (before < n && as_likely(best + n - before - 1)) ++before;
+  out.best = angles[best];
+  out.low = angles[best] - 0.5F * period;
+  out.high = angles[best] + 0.5F * period;
+  if (after < n) {
+    double weights = 0, moments = 0;
+    for (std::size_t k = best + n - before; k <= best + n + after; ++k) {
+      const double from_best = std::remainder(angles[k % n] - angles[best], period);
+      weights += likelihoods[k % n];
+      moments += likelihoods[k % n] * from_best;
+    }
+    out.best = angles[best] + static_cast<float>(moments / weights);
+    out.low = angles[best] - static_cast<float>(before) * step;
+    out.high = angles[best] + static_cast<float>(after) * step;
+  }
+
+  const auto apart = [&](float a, float b) {
+    return std::abs(std::remainder(a - b, period)) >= near;
   };
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return logs[a] > logs[b]; });
-  TurnComparison out;
-  out.best = angles[best];
   double all = 0, close = 0;
-  std::vector<std::size_t> named{best};
+  std::vector<float> named{out.best};
   for (const std::size_t k : order) {
     all += likelihoods[k];
-    if (!apart(k, best)) close += likelihoods[k];
+    if (!apart(angles[k], out.best)) close += likelihoods[k];
     if (likelihoods[k] < kAsWell ||
-        !std::all_of(named.begin(), named.end(), [&](std::size_t i) { return apart(i, k); }))
+        !std::all_of(named.begin(), named.end(), [&](float a) { return apart(a, angles[k]); }))
       continue;
-    named.push_back(k);
+    named.push_back(angles[k]);
     out.others.push_back(angles[k]);
   }
   out.share = static_cast<float>(close / all);

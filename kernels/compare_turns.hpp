@@ -10,10 +10,15 @@ namespace trivet::kernels {
 
 /// Turns about an axis of the model, as the scan sees them.
 struct TurnComparison {
-  float best = 0;             ///< the turn that explains the scan best [rad]
+  /// The mean of the turns that the scan cannot tell from the one that explains it best, weighted
+  /// by their likelihoods [rad]: what errs least.
+  float best = 0;
+  /// These turns lie between, and explain the scan a tenth as well or better [rad]; apart by a
+  /// whole period if all turns do.
+  float low = 0, high = 0;
   float share = 1;            ///< of the likelihood of all turns, what lies near it, 0..1
   std::vector<float> others;  ///< turns not near it nor each other that explain the scan a tenth as
-                              ///< well or better, best first [rad]
+                              ///< well or better, likeliest first [rad]
 };
 
 /// Compare the turns T_scene_model * turn_about(axis, angle) with T_scene_model by compare_poses, 4

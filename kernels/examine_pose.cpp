@@ -28,6 +28,9 @@ constexpr double kOutlineShare = 0.25;
 // do: by more than so many tolerances, after so many rays at least and at most.
 constexpr float kDeep = 3;
 constexpr int kLeastRays = 3, kMostRays = 16;
+// Where neighbours err alike, depth is wrong by a few tolerances in places: what lies so much
+// farther than a whole one behind the model is looked through for sure.
+constexpr float kSoftness = 1.5F;
 
 enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 
@@ -51,6 +54,8 @@ class Examiner {
         T_camera_model_(g_.T_camera_scene * T_scene_model),
         diameter_(samples.diameter),
         centre_(T_camera_model_ * samples.centre),
+        edge_(static_cast<int>(options.edge_pixels)),
+        softness_(std::max(1e-6F, kSoftness * options.correlation)),
         crop_(box, kMargin) {}
 
   const RayCrop& crop() const noexcept { return crop_; }
@@ -92,11 +97,12 @@ class Examiner {
         const bool background =
             options_.verify.is_background(image_.plane[static_cast<std::size_t>(pixel)]);
         const float tolerance = options_.verify.tolerance;
-        if (r > tolerance) {
-          out.violation += square;
-        } else if (r < -tolerance) {
-          (background ? out.violation : out.occluded) += square;  // nothing reaches through a table
-          if (!background) {
+        if (std::abs(r) > tolerance) {
+          if (seen_beside(u, v, z, length * facing)) continue;
+          if (r > 0 || background) {  // nothing reaches through a table
+            out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
+          } else {
+            out.occluded += square;
             s_.state[at] = kHidden;
             s_.residual[at] = r;
           }
@@ -175,6 +181,21 @@ class Examiner {
     return static_cast<std::size_t>(v) * g_.width + static_cast<std::size_t>(u);
   }
 
+  /// Whether a pixel at most as far off as outlines are shows what the model has here.
+  bool seen_beside(int u, int v, float z, float scale) const noexcept {
+    constexpr std::array<std::array<int, 2>, 8> kDirections{
+        {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
+    for (int step = 2; step <= edge_; ++step) {
+      for (const auto& [du, dv] : kDirections) {
+        const int x = u + step * du, y = v + step * dv;
+        if (!inside(x, y)) continue;
+        const float d = image_.depth[pixel_at(x, y)];
+        if (d > 0 && std::abs(d - z) * scale <= options_.verify.tolerance) return true;
+      }
+    }
+    return false;
+  }
+
   /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
   void sum_up() {
     const std::size_t row = static_cast<std::size_t>(crop_.width) + 1;
@@ -219,12 +240,13 @@ class Examiner {
   bool dips_at(int i, int j, int di, int dj) const noexcept {
     if (s_.state[crop_.at(i, j)] != kConsistent) return false;
     const float deep = -kDeep * options_.verify.tolerance;
+    const int least = kLeastRays + edge_ / crop_.stride;
     for (int k = 1; k <= kMostRays; ++k) {
       const int x = i + k * di, y = j + k * dj;
       if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
       const std::size_t at = crop_.at(x, y);
       if (s_.state[at] != kHidden) return false;
-      if (k >= kLeastRays && s_.residual[at] < deep) return true;
+      if (k >= least && s_.residual[at] < deep) return true;
     }
     return false;
   }
@@ -264,7 +286,8 @@ class Examiner {
   /// Pixels across an outline that sensors blur it over. It is somewhere between the last ray that
   /// meets the model, and the next one.
   int reach(float z) const noexcept {
-    return crop_.stride - 1 + std::max(3, static_cast<int>(0.03F * diameter_ * g_.fx / z));
+    return crop_.stride - 1 +
+           std::max({3, edge_ + 1, static_cast<int>(0.03F * diameter_ * g_.fx / z)});
   }
 
   /// Add what lies beyond a place of the outline; returns whether that is free.
@@ -384,17 +407,19 @@ class Examiner {
   Pose T_camera_model_;
   float diameter_;
   Eigen::Vector3f centre_;
+  int edge_;        // [pixel]
+  float softness_;  // [tolerances]
   RayCrop crop_;
 };
 
 /// What turning about the symmetry axis does to J, as a unit vector; zero without an axis.
-Vector6 free_turn(const ModelSamples& samples, const Symmetry& symmetry,
+Vector6 free_turn(const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
                   const Pose& T_scene_model) noexcept {
   Vector6 turn = Vector6::Zero();
-  if (!symmetry.axis) return turn;
-  const Eigen::Vector3f axis = T_scene_model.linear() * symmetry.axis->direction;
+  if (!free_axis) return turn;
+  const Eigen::Vector3f axis = T_scene_model.linear() * free_axis->direction;
   const Eigen::Vector3f arm =
-      T_scene_model * samples.centre - T_scene_model * Eigen::Vector3f(symmetry.axis->point);
+      T_scene_model * samples.centre - T_scene_model * Eigen::Vector3f(free_axis->point);
   turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * samples.diameter)).cast<double>();
   return turn.normalized();
 }
@@ -402,9 +427,9 @@ Vector6 free_turn(const ModelSamples& samples, const Symmetry& symmetry,
 }  // namespace
 
 void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
-                  const ModelSamples& samples, const Symmetry& symmetry, const Pose& T_scene_model,
-                  const ExamineOptions& options, ExamineScratch& scratch, Examination& out,
-                  ExplainedPixels* explained) {
+                  const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
+                  const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
+                  Examination& out, ExplainedPixels* explained) {
   out = {};
   if (explained) *explained = {};
   const float radius = 0.5F * ball_diameter(samples);
@@ -432,7 +457,7 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
   const double slope = sums.slope / std::max(1.0, sums.num_slopes);
   out.slope = std::sqrt(beyond(slope * slope, options.waviness.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
-  const Vector6 turn = free_turn(samples, symmetry, T_scene_model);
+  const Vector6 turn = free_turn(samples, free_axis, T_scene_model);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
   if (sums.outline > 0) held += kOutlineShare / sums.outline * sums.outline_covariance;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(held, Eigen::EigenvaluesOnly);

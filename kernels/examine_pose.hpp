@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,8 +48,10 @@ struct Examination {
 
 struct ExamineOptions {
   VerifyOptions verify{};
-  float window = 2;     ///< half-width of the window that residuals are averaged over [pixel]
-  Waviness waviness{};  ///< of the scan, which counts against no pose
+  float window = 2;       ///< half-width of the window that residuals are averaged over [pixel]
+  Waviness waviness{};    ///< of the scan, which counts against no pose
+  float correlation = 0;  ///< of the scan's errors from pixel to pixel, 0..1
+  float edge_pixels = 0;  ///< by which the scan may show an outline beside its place
 };
 
 /// Working memory of examine_pose.
@@ -70,6 +73,7 @@ struct ExplainedPixels {
 /// compare what they meet with the measured depth.
 ///
 /// surface    of the model, in its own frame and unit
+/// free_axis  if any, turns about it need not be held by what is seen
 /// explained  if given, is replaced by the consistent pixels
 /// Along each ray: r = (measured - model's depth) times the cosine of incidence. |r| <= tolerance
 /// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose; so are
@@ -79,8 +83,8 @@ struct ExplainedPixels {
 /// Sources: Papazov and Burschka, ACCV 2010 (acceptance by visibility and penalty); Gelfand et al.,
 /// 3DIM 2003 (stability of a registration by the eigenvalues of its covariance).
 void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
-                  const ModelSamples& samples, const Symmetry& symmetry, const Pose& T_scene_model,
-                  const ExamineOptions& options, ExamineScratch& scratch, Examination& out,
-                  ExplainedPixels* explained = nullptr);
+                  const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
+                  const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
+                  Examination& out, ExplainedPixels* explained = nullptr);
 
 }  // namespace trivet::kernels

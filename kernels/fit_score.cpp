@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace trivet::kernels {
@@ -37,10 +38,10 @@ struct Coordinate {
 };
 
 std::vector<float> ramp_of(const ScoreModel& model, std::span<const ScoreParts> parts,
-                           std::size_t part, std::size_t k) {
+                           std::size_t errors, std::size_t part, std::size_t k) {
   ScoreModel unit;  // this ramp alone
   unit.knots = model.knots;
-  unit.weights[part][k] = 1;
+  unit.weights[errors][part][k] = 1;
   std::vector<float> ramp;
   ramp.reserve(parts.size());
   for (const ScoreParts& row : parts) ramp.push_back(part_evidence(unit, row, part));
@@ -77,14 +78,19 @@ ScoreModel fit_score(std::span<const ScoreParts> parts, std::span<const std::uin
                      double ridge) {
   assert(parts.size() == right.size() && !parts.empty() && ridge > 0 && "one outcome a row");
   ScoreModel model;
-  for (std::size_t part = 0; part < kNumScoreParts; ++part)
+  for (std::size_t part = 0; part < kCorrelationPart; ++part)
     model.knots[part] = knots_of(parts, part);
   std::vector<Coordinate> coordinates;
-  coordinates.push_back({&model.bias, std::vector<float>(parts.size(), 1), false});
-  for (std::size_t part = 0; part < kNumScoreParts; ++part) {
-    for (std::size_t k = 0; k + 1 < ScoreModel::kKnots; ++k) {
-      if (!(model.knots[part][k + 1] > model.knots[part][k])) continue;
-      coordinates.push_back({&model.weights[part][k], ramp_of(model, parts, part, k), true});
+  for (std::size_t errors = 0; errors < model.weights.size(); ++errors) {
+    std::vector<float> shares;
+    for (const ScoreParts& row : parts) shares.push_back(sensor_shares(row)[errors]);
+    coordinates.push_back({&model.bias[errors], std::move(shares), false});
+    for (std::size_t part = 0; part < kCorrelationPart; ++part) {
+      for (std::size_t k = 0; k + 1 < ScoreModel::kKnots; ++k) {
+        if (!(model.knots[part][k + 1] > model.knots[part][k])) continue;
+        coordinates.push_back(
+            {&model.weights[errors][part][k], ramp_of(model, parts, errors, part, k), true});
+      }
     }
   }
   std::vector<double> log_odds(parts.size(), 0);

@@ -15,7 +15,7 @@ struct ScorePart {
   bool favourable;
 };
 
-inline constexpr std::array<ScorePart, 14> kScoreParts{{
+inline constexpr std::array<ScorePart, 15> kScoreParts{{
     {"violation", false},   // log share of the seen pixels that the sensor looked through
     {"background", false},  // ... that agree only with a background plane
     {"free", true},         // share of the outline beyond which the scene falls back
@@ -28,25 +28,38 @@ inline constexpr std::array<ScorePart, 14> kScoreParts{{
     {"hold", true},         // log of how well the seen surface holds the pose
     {"consistent", true},   // log share of the silhouette that agrees
     {"unknown", false},     // share of the silhouette without measurement
-    {"pixels", true},       // log of the number of pixels that agree, up to 200
-    {"coarseness", false},  // log of the tolerance in diameters
+    {"pixels", true},  // log of the number of pixels that agree, as independent ones, up to 200
+    {"coarseness", false},   // log of the tolerance in diameters
+    {"correlation", false},  // of the scan's errors from pixel to pixel: chooses the weights
 }};
 inline constexpr std::size_t kNumScoreParts = kScoreParts.size();
+inline constexpr std::size_t kCorrelationPart = kNumScoreParts - 1;
 
 /// The parts of one pose, in the order of kScoreParts.
 using ScoreParts = std::array<float, kNumScoreParts>;
 
 /// relative_tolerance  that the pose was examined with [diameters], > 0
-ScoreParts score_parts(const Examination& examination, float relative_tolerance) noexcept;
+/// correlation         of the scan's errors from pixel to pixel, 0..1
+ScoreParts score_parts(const Examination& examination, float relative_tolerance,
+                       float correlation) noexcept;
 
 /// A logistic model that is additive and monotone: each part adds weights on the ramps between its
-/// knots, all >= 0, so that no part can speak against what it stands for.
+/// knots, all >= 0, so that no part can speak against what it stands for. How much a part tells
+/// depends on the sensor, so there are weights for errors that are independent from pixel to pixel
+/// and for errors that neighbours share; between, the log odds of both are mixed.
 struct ScoreModel {
   static constexpr std::size_t kKnots = 5;
-  float bias = 0;
-  std::array<std::array<float, kKnots>, kNumScoreParts> knots{};        ///< rising
-  std::array<std::array<float, kKnots - 1>, kNumScoreParts> weights{};  ///< of the ramps between
+  using Weights = std::array<std::array<float, kKnots - 1>, kNumScoreParts>;  ///< of the ramps
+  /// Independent, shared.
+  std::array<float, 2> bias{};
+  std::array<std::array<float, kKnots>, kNumScoreParts> knots{};  ///< rising
+  std::array<Weights, 2> weights{};
 };
+
+/// What the bias and each of the weights [0] and [1] count for parts of this correlation.
+inline std::array<float, 2> sensor_shares(const ScoreParts& parts) noexcept {
+  return {1 - parts[kCorrelationPart], parts[kCorrelationPart]};
+}
 
 /// What one part adds to the log odds, 0 or more.
 float part_evidence(const ScoreModel& model, const ScoreParts& parts, std::size_t part) noexcept;

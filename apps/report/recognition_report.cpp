@@ -70,7 +70,7 @@ std::string contents(const RecognitionReport& report) {
 }
 
 std::string score_key(const kernels::ScoreModel& model) {
-  const auto most = most_evidence(model);
+  const auto most = most_evidence(model, 0);
   std::string rows;
   for (std::size_t k = 0; k < most.size(); ++k) {
     if (!(most[k] > 0)) continue;
@@ -83,7 +83,7 @@ std::string score_key(const kernels::ScoreModel& model) {
       "parts "
       "give is the logarithm of the odds that the pose is right: 0 is 50 %, 3 is 95 %.</p>"
       "<table><tr><th>part<th class=\"n\">at most<th>what it looks at\n{}</table></div></div>\n",
-      model.bias, rows);
+      model.bias[0], rows);
 }
 
 /// What leads to the same result again.

@@ -195,7 +195,7 @@ std::string rejected_table(const Subject& subject) {
 /// One row of bars: each as long as the part can give, filled as far as it gives.
 std::string parts_row(const Subject& subject, const std::string& id, const std::string& model,
                       float score, const kernels::ScoreParts& parts) {
-  const auto most = most_evidence(subject.score());
+  const auto most = most_evidence(subject.score(), 0);
   const float largest = *std::max_element(most.begin(), most.end());
   std::string row = fmt::format("<tr><td class=\"id\">{}<td>{}<td class=\"n\">{}", id,
                                 model_label(subject.models, model), probability(score));
@@ -212,7 +212,7 @@ std::string parts_row(const Subject& subject, const std::string& id, const std::
 }
 
 std::string parts_table(const Subject& subject) {
-  const auto most = most_evidence(subject.score());
+  const auto most = most_evidence(subject.score(), 0);
   std::string head = "<th><th>model<th class=\"n\">score", rows;
   for (std::size_t k = 0; k < most.size(); ++k) {
     if (most[k] > 0)

@@ -353,7 +353,7 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
 
 void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
   const kernels::ScoreModel& score = kernels::default_score();
-  const auto most = most_evidence(score);
+  const auto most = most_evidence(score, 0);
   Json parts = Json::array();
   for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
     const PartWords words = words_of(k);
@@ -362,7 +362,7 @@ void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
                      {"meaning", words.meaning},
                      {"most_evidence", most[k]}});
   }
-  reply(call, json_response(200, {{"bias", score.bias}, {"parts", std::move(parts)}}));
+  reply(call, json_response(200, {{"bias", score.bias[0]}, {"parts", std::move(parts)}}));
 }
 
 void ServiceRoutes::reload(const CallPtr& call, std::string_view) {
