@@ -33,16 +33,21 @@ float PoseTester::range_of(const Pose& pose) const {
 
 kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
   kernels::VerifyOptions strict;
-  strict.tolerance =
-      std::max(options_.verify.tolerance_sigmas * scene_.sensor.error_at(range_of(pose)),
-               options_.verify.tolerance_diameters * model_.diameter);
+  strict.tolerance = std::max(options_.verify.tolerance_sigmas * error_at(pose),
+                              options_.verify.tolerance_diameters * model_.diameter);
   strict.plane_is_background = background_;
   return strict;
 }
 
+int PoseTester::edge_pixels(const Pose& pose) const {
+  const float pixels = model_.diameter * scene_.images.front().geometry.fx / range_of(pose);
+  return static_cast<int>(
+      std::lround(std::clamp(kMostEdge * pixels, 0.0F, scene_.sensor.edge_pixels())));
+}
+
 kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
   kernels::VerifyOptions loose;
-  loose.tolerance = std::max(0.75F * step_, 3 * scene_.sensor.error_at(range_of(pose)));
+  loose.tolerance = std::max(0.75F * step_, 3 * error_at(pose));
   loose.plane_is_background = background_;
   return loose;
 }
@@ -78,9 +83,7 @@ Candidate PoseTester::examine(const kernels::RayScene& surface, const kernels::S
   options.window = std::round(scene_.window);
   options.waviness = scene_.sensor.waviness_at(range_of(pose));
   options.correlation = scene_.sensor.correlation;
-  options.edge_pixels = std::round(
-      std::min(scene_.sensor.edge_pixels(),
-               kMostEdge * model_.diameter * scene_.images.front().geometry.fx / range_of(pose)));
+  options.edge_pixels = edge_pixels(pose);
   Candidate candidate;
   candidate.T_scene_model = pose;
   candidate.tolerance = options.verify.tolerance;

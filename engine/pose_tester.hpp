@@ -31,6 +31,11 @@ class PoseTester {
   /// How one as the votes left it is looked at: with the tolerance of an unrefined pose.
   kernels::VerifyOptions loose(const Pose& pose) const;
 
+  /// What the sensor errs by across a surface at this pose's range [library unit].
+  float error_at(const Pose& pose) const { return scene_.sensor.error_at(range_of(pose)); }
+  /// By which this pose's outline may be seen beside its place [pixel].
+  int edge_pixels(const Pose& pose) const;
+
   bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
   bool allowed(const Pose& pose) const {
     return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);

@@ -79,8 +79,8 @@ struct PoseOptions {
   /// Clusters with less than this share of the best one's votes are dropped, 0 to 1; the thesis
   /// takes 0.5.
   float min_cluster_share = 0;
-  std::uint32_t max_refined = 40;   ///< candidates per model that are refined
-  std::uint32_t max_examined = 20;  ///< refined candidates per model that are tested by rays
+  std::uint32_t max_refined = 60;   ///< candidates per model that are refined
+  std::uint32_t max_examined = 40;  ///< refined candidates per model that are tested by rays
   /// Of searching, later ones on what is not yet explained; 0 to test expected poses only.
   std::uint32_t rounds = 2;
   bool operator==(const PoseOptions&) const = default;

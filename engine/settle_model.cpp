@@ -33,35 +33,53 @@ struct Look {
   float score = 0;
 };
 
-/// Indices by falling score, ties by index.
-std::vector<std::uint32_t> by_score(std::span<const Look> looks) {
+/// Indices by falling value of a look, ties by index.
+std::vector<std::uint32_t> by(float Look::*value, std::span<const Look> looks) {
   std::vector<std::uint32_t> order(looks.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return looks[a].score > looks[b].score;
+    return looks[a].*value > looks[b].*value;
   });
   return order;
 }
 
-/// The best ones above a score, with a limit in all and per place.
-std::vector<std::uint32_t> best_spread(std::span<const Look> looks, const Model& model,
-                                       float least_score, std::size_t limit,
-                                       std::uint32_t limit_a_place) {
-  std::vector<std::uint32_t> chosen;
-  std::vector<Eigen::Vector3f> centres;
-  for (const std::uint32_t c : by_score(looks)) {
-    if (chosen.size() == limit || !(looks[c].score > least_score)) break;
-    const Eigen::Vector3f centre = looks[c].T_scene_model * model.centre;
-    const auto near =
-        std::count_if(centres.begin(), centres.end(), [&](const Eigen::Vector3f& other) {
-          return (other - centre).norm() < kPlace * model.diameter;
-        });
-    if (near >= static_cast<std::ptrdiff_t>(limit_a_place)) continue;
-    chosen.push_back(c);
-    centres.push_back(centre);
+std::vector<std::uint32_t> by_score(std::span<const Look> looks) { return by(&Look::score, looks); }
+
+/// Looks chosen from the first on, so that no place takes more than its part of the budget.
+class Spread {
+ public:
+  Spread(std::span<const Look> looks, const Model& model, std::uint32_t limit_a_place)
+      : looks_(looks), model_(model), limit_a_place_(limit_a_place) {}
+
+  /// Take those above a score in this order, until there are `limit` in all.
+  void take(std::span<const std::uint32_t> order, float least_score, std::size_t limit) {
+    for (const std::uint32_t c : order) {
+      if (chosen_.size() == limit) return;
+      if (!(looks_[c].score > least_score) || std::ranges::find(chosen_, c) != chosen_.end())
+        continue;
+      const Eigen::Vector3f centre = looks_[c].T_scene_model * model_.centre;
+      const auto near = std::ranges::count_if(centres_, [&](const Eigen::Vector3f& other) {
+        return (other - centre).norm() < kPlace * model_.diameter;
+      });
+      if (near >= static_cast<std::ptrdiff_t>(limit_a_place_)) continue;
+      chosen_.push_back(c);
+      centres_.push_back(centre);
+    }
   }
-  return chosen;
-}
+
+  std::vector<Look> chosen() const {
+    std::vector<Look> out;
+    for (const std::uint32_t c : chosen_) out.push_back(looks_[c]);
+    return out;
+  }
+
+ private:
+  std::span<const Look> looks_;
+  const Model& model_;
+  std::uint32_t limit_a_place_;
+  std::vector<std::uint32_t> chosen_;
+  std::vector<Eigen::Vector3f> centres_;
+};
 
 /// Leave the best of poses that refinement led to one place; its source is the first of theirs.
 std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& model) {
@@ -122,17 +140,17 @@ class Settling {
     });
     // The contour only lowers a score, and costs more: it is judged for those that are in the
     // running.
-    std::vector<Look> running;
-    for (const std::uint32_t c :
-         best_spread(looks, model_, 0, kContourShare * options_.pose.max_refined,
-                     kContourShare * kRefinedAPlace))
-      running.push_back(looks[c]);
+    const std::size_t limit = options_.pose.max_refined;
+    Spread first(looks, model_, kContourShare * kRefinedAPlace);
+    first.take(by(&Look::votes, looks), 0, limit / 2);
+    first.take(by_score(looks), 0, kContourShare * limit);
+    std::vector<Look> running = first.chosen();
     judge_contours(running, [&](const Pose& pose) { return tester_.loose(pose); });
-    std::vector<Look> best;
-    for (const std::uint32_t c :
-         best_spread(running, model_, 0, options_.pose.max_refined, kRefinedAPlace))
-      best.push_back(running[c]);
-    return best;
+    // Half by what is seen, half by votes: what lies end-on or deep looks worse than it is.
+    Spread best(running, model_, kRefinedAPlace);
+    best.take(by_score(running), 0, limit - limit / 2);
+    best.take(by(&Look::votes, running), 0, limit);
+    return best.chosen();
   }
 
   std::vector<Look> refine(std::vector<Look> looks) const {
@@ -148,13 +166,10 @@ class Settling {
     });
     judge_contours(looks, [&](const Pose& pose) { return tester_.strict(pose); });
     looks = without_repetitions(looks, model_);
-    std::vector<Look> best;
-    const float hopeless = tester_.left_out(Improvement::visibility) ? 0 : kHopeless;
-    for (const std::uint32_t c :
-         best_spread(looks, model_, hopeless, options_.pose.max_examined, kExaminedAPlace)) {
-      best.push_back(looks[c]);
-    }
-    return best;
+    Spread best(looks, model_, kExaminedAPlace);
+    best.take(by_score(looks), tester_.left_out(Improvement::visibility) ? 0 : kHopeless,
+              options_.pose.max_examined);
+    return best.chosen();
   }
 
   /// Refine once more with all samples, and test by rays.

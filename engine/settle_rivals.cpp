@@ -25,15 +25,6 @@ constexpr double kTelling = 0.7;     // in standard deviations; three to one
 constexpr float kWavy = 0.25F;
 constexpr float kSameAxis = 0.99F;  // cosine
 
-/// In waves, half a patch of the windows that they are measured in errs alike.
-kernels::MeasurementErrors errors_of(const PreparedScene& scene) {
-  const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
-  const kernels::SensorModel& sensor = scene.sensor;
-  const bool wavy = sensor.waviness.height > kWavy * sensor.noise;
-  return {std::hypot(sensor.noise, sensor.waviness.height),
-          wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
-}
-
 class Rivalry {
  public:
   Rivalry(const PoseTester& tester, const kernels::RayScene& surface,
@@ -42,8 +33,7 @@ class Rivalry {
         model_(tester.model()),
         surface_(surface),
         score_(score),
-        candidates_(candidates),
-        errors_(errors_of(tester.scene())) {}
+        candidates_(candidates) {}
 
   void settle(Candidate& candidate) {
     kernels::TurnComparison turns = settle_turn(candidate);
@@ -53,9 +43,10 @@ class Rivalry {
       std::optional<Pose> better;
       double most = 0;
       for (const Pose& rival : rivals_of(candidate)) {
-        const kernels::PoseComparison comparison = kernels::compare_poses(
-            tester_.scene().images, surface_, tester_.samples(), rival, candidate.T_scene_model,
-            errors_, tester_.strict(candidate.T_scene_model), compare_scratch_);
+        const kernels::PoseComparison comparison =
+            kernels::compare_poses(tester_.scene().images, surface_, tester_.samples(), rival,
+                                   candidate.T_scene_model, errors_of(candidate.T_scene_model),
+                                   tester_.strict(candidate.T_scene_model), compare_scratch_);
         if (comparison.log_ratio > most && comparison.z > kTelling) {
           most = comparison.log_ratio;
           better = rival;
@@ -90,6 +81,15 @@ class Rivalry {
     double log_ratio;  ///< of its likelihood over that of the other one
   };
 
+  /// In waves, half a patch of the windows that they are measured in errs alike.
+  kernels::MeasurementErrors errors_of(const Pose& pose) const {
+    const PreparedScene& scene = tester_.scene();
+    const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
+    const bool wavy = scene.sensor.waviness.height > kWavy * scene.sensor.noise;
+    return {tester_.error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3,
+            tester_.edge_pixels(pose)};
+  }
+
   bool is_rival(const Pose& pose, const Candidate& candidate) {
     return examine(pose, candidate).score >= kRivalShare * candidate.score;
   }
@@ -107,7 +107,7 @@ class Rivalry {
     if (!model_.near_axis) return {};
     kernels::TurnComparison turns = kernels::compare_turns(
         tester_.scene().images, surface_, tester_.samples(), candidate.T_scene_model,
-        *model_.near_axis, turn_period(), kRightRotationRad, errors_,
+        *model_.near_axis, turn_period(), kRightRotationRad, errors_of(candidate.T_scene_model),
         tester_.strict(candidate.T_scene_model), compare_scratch_);
     const float best = std::exchange(turns.best, 0);
     for (float& other : turns.others) other -= best;
@@ -162,7 +162,6 @@ class Rivalry {
   const kernels::RayScene& surface_;
   const kernels::ScoreModel& score_;
   std::span<const Candidate> candidates_;
-  kernels::MeasurementErrors errors_;
   kernels::ExamineScratch examine_scratch_;
   kernels::CompareScratch compare_scratch_;
 };

@@ -54,7 +54,7 @@ class Examiner {
         T_camera_model_(g_.T_camera_scene * T_scene_model),
         diameter_(samples.diameter),
         centre_(T_camera_model_ * samples.centre),
-        edge_(static_cast<int>(options.edge_pixels)),
+        edge_(options.edge_pixels),
         softness_(std::max(1e-6F, kSoftness * options.correlation)),
         crop_(box, kMargin) {}
 
@@ -98,7 +98,7 @@ class Examiner {
             options_.verify.is_background(image_.plane[static_cast<std::size_t>(pixel)]);
         const float tolerance = options_.verify.tolerance;
         if (std::abs(r) > tolerance) {
-          if (seen_beside(u, v, z, length * facing)) continue;
+          if (measured_beside(image_, u, v, z, length * facing, tolerance, edge_)) continue;
           if (r > 0 || background) {  // nothing reaches through a table
             out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
           } else {
@@ -179,21 +179,6 @@ class Examiner {
 
   std::size_t pixel_at(int u, int v) const noexcept {
     return static_cast<std::size_t>(v) * g_.width + static_cast<std::size_t>(u);
-  }
-
-  /// Whether a pixel at most as far off as outlines are shows what the model has here.
-  bool seen_beside(int u, int v, float z, float scale) const noexcept {
-    constexpr std::array<std::array<int, 2>, 8> kDirections{
-        {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
-    for (int step = 2; step <= edge_; ++step) {
-      for (const auto& [du, dv] : kDirections) {
-        const int x = u + step * du, y = v + step * dv;
-        if (!inside(x, y)) continue;
-        const float d = image_.depth[pixel_at(x, y)];
-        if (d > 0 && std::abs(d - z) * scale <= options_.verify.tolerance) return true;
-      }
-    }
-    return false;
   }
 
   /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.

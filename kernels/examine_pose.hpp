@@ -51,7 +51,7 @@ struct ExamineOptions {
   float window = 2;       ///< half-width of the window that residuals are averaged over [pixel]
   Waviness waviness{};    ///< of the scan, which counts against no pose
   float correlation = 0;  ///< of the scan's errors from pixel to pixel, 0..1
-  float edge_pixels = 0;  ///< by which the scan may show an outline beside its place
+  int edge_pixels = 0;    ///< by which the scan may show an outline beside its place
 };
 
 /// Working memory of examine_pose.

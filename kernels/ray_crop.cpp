@@ -89,4 +89,22 @@ Measurement measure_along(const RangeImage& image, int u, int v, float z, float 
   return best;
 }
 
+bool measured_beside(const RangeImage& image, int u, int v, float z, float scale, float tolerance,
+                     int reach) noexcept {
+  constexpr std::array<std::array<int, 2>, 8> kDirections{
+      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
+  const ImageGeometry& g = image.geometry;
+  for (int step = 2; step <= reach; ++step) {
+    for (const auto& [du, dv] : kDirections) {
+      const int x = u + step * du, y = v + step * dv;
+      if (x < 0 || y < 0 || x >= static_cast<int>(g.width) || y >= static_cast<int>(g.height))
+        continue;
+      const float d =
+          image.depth[static_cast<std::size_t>(y) * g.width + static_cast<std::size_t>(x)];
+      if (d > 0 && std::abs(d - z) * scale <= tolerance) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace trivet::kernels

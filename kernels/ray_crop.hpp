@@ -78,4 +78,11 @@ struct Measurement {
 Measurement measure_along(const RangeImage& image, int u, int v, float z, float scale,
                           float tolerance) noexcept;
 
+/// Whether a pixel two or more away, and at most `reach`, shows what the model has here: outlines
+/// of sensors that match windows lie beside their places. Looks along eight directions.
+///
+/// z, scale  as of measure_along
+bool measured_beside(const RangeImage& image, int u, int v, float z, float scale, float tolerance,
+                     int reach) noexcept;
+
 }  // namespace trivet::kernels
