@@ -182,6 +182,15 @@ void add_scan(CLI::App& app, Context& context) {
                    "Tell depth in such steps of disparity [pixel], as sensors that match images "
                    "do: a Kinect 0.125. 0: not; without this option the sensor's own")
       ->group(how);
+  command
+      ->add_flag("--randomize", options.randomize,
+                 "Draw anew for each scene how the sensor falls short of the ideal one, and where "
+                 "it stands: windows that fatten outlines and fill recesses, noise that "
+                 "neighbours share, holes on dark and bright surfaces, filters, an image that is "
+                 "shifted, a camera and a depth scale that are written wrongly; focal length, "
+                 "distance, the room behind. Each strength is drawn over what real sensors of "
+                 "the kind show, and more")
+      ->group(how);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return scan(*arguments, context); };
   });

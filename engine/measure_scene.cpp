@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engine/check_range.hpp"
+#include "engine/match_scene.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/counter_random.hpp"
 #include "kernels/render_depth.hpp"
@@ -39,8 +40,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
 constexpr double kLeastSignal = 0.02;          // grey at 88 degrees from 0.7 m, white from 6 m
 constexpr int kSubpixels = 4;                  // rays along each side of a pixel that sees an edge
-constexpr double kBeforeSurface = 3e-4;        // shadow rays end so much of their length before it
 constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
+constexpr std::uint64_t kHoleItem = 16ULL << 40;
 
 /// Everything that one pixel's measurement looks at.
 class Pixels {
@@ -65,9 +66,12 @@ class Pixels {
   double measure(std::size_t i, CounterRandom& random) const {
     const auto z = static_cast<double>(image_.depth[i]);
     if (z == 0) return 0;
-    const double measured = sensor_ == Sensor::time_of_flight ? time_of_flight(i, z, random)
-                                                              : triangulate(i, z, random);
-    return measured >= traits_.nearest && measured <= traits_.farthest ? measured : 0;
+    return sensor_ == Sensor::time_of_flight ? time_of_flight(i, z, random)
+                                             : triangulate(i, z, random);
+  }
+  /// The depth, or 0 where the sensor does not reach.
+  double in_range(double depth) const {
+    return depth >= traits_.nearest && depth <= traits_.farthest ? depth : 0;
   }
 
  private:
@@ -86,15 +90,6 @@ class Pixels {
     const std::size_t u = i % image_.width, v = i / image_.width;
     return (u > 0 && jumps(i - 1)) || (u + 1 < image_.width && jumps(i + 1)) ||
            (v > 0 && jumps(i - image_.width)) || (v + 1 < image_.height && jumps(i + image_.width));
-  }
-
-  /// How much stronger the noise is by mirrored light; infinite: nothing can be measured.
-  double glare(const Finish& finish, const Vector3d& normal, const Vector3d& to_light,
-               const Vector3d& to_camera) const {
-    if (!finish.metal) return 1;
-    const double angle = kernels::mirror_angle(normal, to_light, to_camera);
-    if (angle < kMirrorAngle) return std::numeric_limits<double>::infinity();
-    return angle < kGlintAngle ? kGlintNoise : 1;
   }
 
   /// By a light or a second camera beside the camera.
@@ -184,7 +179,73 @@ class Pixels {
   double disparity_step_, steepest_;
 };
 
+/// What becomes of measured depths on their way into the file.
+class Writer {
+ public:
+  Writer(std::uint32_t width, std::uint32_t height, const SensorFlaws& flaws, double depth_step)
+      : width_(static_cast<int>(width)),
+        height_(static_cast<int>(height)),
+        flaws_(flaws),
+        depth_step_(depth_step),
+        stretch_(1 + flaws.calibration.depth) {}
+
+  std::uint16_t raw(double depth) const {
+    const double steps = std::round(stretch_ * depth / depth_step_);
+    return steps >= 1 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
+  }
+
+  /// Ellipses of any direction without measurement, as learning on rendered depth drops them: Xie
+  /// et al., "Unseen object instance segmentation for robotic environments", T-RO 2021.
+  void cut_holes(std::uint64_t seed, std::uint64_t stream, std::span<std::uint16_t> raws) const {
+    for (std::uint32_t k = 0; k < flaws_.holes; ++k) {
+      CounterRandom random(seed, stream, kHoleItem + k);
+      const double u = random.uniform(0, width_), v = random.uniform(0, height_),
+                   a = flaws_.hole_radius_pixel * -std::log(1 - random.uniform()),
+                   b = a * random.uniform(0.3, 1), turn = random.uniform(0, std::numbers::pi);
+      const int low_u = std::max(0, static_cast<int>(u - a)),
+                low_v = std::max(0, static_cast<int>(v - a)),
+                high_u = std::min(width_ - 1, static_cast<int>(u + a)),
+                high_v = std::min(height_ - 1, static_cast<int>(v + a));
+      for (int y = low_v; y <= high_v; ++y) {
+        for (int x = low_u; x <= high_u; ++x) {
+          const double along = (x - u) * std::cos(turn) + (y - v) * std::sin(turn),
+                       across = (y - v) * std::cos(turn) - (x - u) * std::sin(turn);
+          if (along * along * b * b + across * across * a * a <= a * a * b * b)
+            raws[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(x)] = 0;
+        }
+      }
+    }
+  }
+
+  /// The image, moved by the error of its registration.
+  std::vector<std::uint16_t> shifted(std::vector<std::uint16_t> raws) const {
+    const int du = flaws_.calibration.shift_u_pixel, dv = flaws_.calibration.shift_v_pixel;
+    if (du == 0 && dv == 0) return raws;
+    std::vector<std::uint16_t> out(raws.size());
+    for (int v = std::max(0, dv); v < std::min(height_, height_ + dv); ++v) {
+      for (int u = std::max(0, du); u < std::min(width_, width_ + du); ++u)
+        out[static_cast<std::size_t>(v * width_ + u)] =
+            raws[static_cast<std::size_t>((v - dv) * width_ + u - du)];
+    }
+    return out;
+  }
+
+ private:
+  int width_, height_;
+  const SensorFlaws& flaws_;
+  double depth_step_, stretch_;
+};
+
 }  // namespace
+
+double glare(const Finish& finish, const Vector3d& normal, const Vector3d& to_light,
+             const Vector3d& to_camera) {
+  if (!finish.metal) return 1;
+  const double angle = kernels::mirror_angle(normal, to_light, to_camera);
+  if (angle < kMirrorAngle) return std::numeric_limits<double>::infinity();
+  return angle < kGlintAngle ? kGlintNoise : 1;
+}
 
 const SensorTraits& traits_of(Sensor sensor) {
   static constexpr std::array<SensorTraits, 4> kTraits{{
@@ -223,18 +284,23 @@ ExactImage render_exactly(const RayScene& rays, const Camera& camera, std::uint3
 std::vector<std::uint16_t> measure_scene(const RayScene& rays, const Camera& camera,
                                          const ExactImage& image, std::span<const Finish> finishes,
                                          const SensorOptions& options, std::uint64_t seed,
-                                         std::uint64_t stream) {
-  const double step = traits_of(options.sensor).depth_step;
+                                         std::uint64_t stream, const SensorFlaws& flaws) {
+  const SensorTraits& traits = traits_of(options.sensor);
+  std::vector<float> matched;
+  if (flaws.match.half_window_pixel > 0)
+    matched = match_scene(rays, camera, image, finishes, options, flaws, seed, stream);
   const Pixels pixels(rays, camera, image, finishes, options);
+  const Writer writer(image.width, image.height, flaws, traits.depth_step);
   std::vector<std::uint16_t> out(image.depth.size());
   for_chunks(image.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first * image.width; i < (first + count) * image.width; ++i) {
       CounterRandom random(seed, stream, kFirstPixelItem + i);
-      const double steps = std::round(pixels.measure(i, random) / step);
-      if (steps >= 1 && steps <= 65535) out[i] = static_cast<std::uint16_t>(steps);
+      out[i] = writer.raw(
+          pixels.in_range(matched.empty() ? pixels.measure(i, random) : double{matched[i]}));
     }
   });
-  return out;
+  writer.cut_holes(seed, stream, out);
+  return writer.shifted(std::move(out));
 }
 
 }  // namespace engine

@@ -209,6 +209,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
 
   manifest.scenes.resize(options.num_scenes);
   std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
+  std::uint32_t width = kScanWidth, height = kScanHeight;  // of every scene
   const Result<void> rendered =
       make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
         Result<RenderedScene> scene = scanner->scan(static_cast<std::uint32_t>(i));
@@ -221,7 +222,11 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
         entry.scene_id = kSceneId;
         entry.image_id = static_cast<int>(i);
         bop[0].images[i] = std::move(scene->bop);
-        if (const Result<void> written = write_depth_png(entry.file, scene->depths, kScanWidth);
+        if (i == 0) {
+          width = scene->width;
+          height = scene->height;
+        }
+        if (const Result<void> written = write_depth_png(entry.file, scene->depths, scene->width);
             !written) {
           return written.error();
         }
@@ -230,7 +235,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   if (!rendered) return rendered.error();
   const Camera& camera = bop[0].images[0].camera;
   for (const Result<void>& written :
-       {write_bop_camera(folder / "camera.json", camera, kScanWidth, kScanHeight),
+       {write_bop_camera(folder / "camera.json", camera, width, height),
         write_bop_scene(scene_folder, bop[0].images), write_bop_targets(folder, bop),
         write_manifest(folder / "manifest.json", manifest)}) {
     if (!written) return written.error();
