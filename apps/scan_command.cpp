@@ -98,11 +98,13 @@ void add_scan(CLI::App& app, Context& context) {
       ->add_option(
           "--families", arguments->families,
           fmt::format("Only parts of these families, as a,b,c, which take turns as they are "
-                      "named; known are {}",
-                      fmt::join(part_families(), ", ")))
+                      "named; known are {}; and of a household, which no part is without being "
+                      "named, {}, or all of these as {}",
+                      fmt::join(part_families(), ", "), fmt::join(household_families(), ", "),
+                      kHousehold))
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(part_families()).description(""))
+      ->check(CLI::IsMember(known_families()).description(""))
       ->needs(parts);
   command
       ->add_option("-o,--output", arguments->output,

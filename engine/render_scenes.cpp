@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr int kSceneId = 1;  // every image is of this scene of BOP
 
-constexpr std::uint64_t kDeviationStream = 0xDE7;
+constexpr std::uint64_t kDeviationStream = 0xDE7, kObjectStream = 0x0B1;
 
 /// Coarse: of a trained model only its symmetries are used here.
 constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
@@ -151,14 +151,52 @@ Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> model
   return entries;
 }
 
+/// As much larger along each axis, about the middle of the box around.
+void stretch(const Eigen::Vector3d& factors, Points& points) {
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i]);
+  const Eigen::Vector3d middle = box.center().cast<double>();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p = points[i].cast<double>();
+    points.set(i, (middle + factors.cwiseProduct(p - middle)).cast<float>());
+  }
+}
+
+/// Let an object differ from its model as real ones do: open where the model is closed, of another
+/// size by up to 1 %, along each axis for itself by up to .5 % more, bent by up to 1 % of the
+/// diameter; each of these not at all at times.
+///
+/// Returns the bend [diameters].
+double randomize_object(ScanModel& object, kernels::CounterRandom& random) {
+  const double open = random.uniform(), sized = random.uniform(),
+               size = random.uniform(-0.01, 0.01), uneven = random.uniform(),
+               bent = random.uniform(), bend = random.uniform(0, 0.01);
+  if (!object.hollow.triangles.empty() && open < 0.5) {
+    object.vertices = object.hollow.vertices;
+    object.triangles = object.hollow.triangles;
+  }
+  Eigen::Vector3d factors = Eigen::Vector3d::Constant(sized < 0.3 ? 1 : 1 + size);
+  for (double& factor : factors) {
+    const double own = random.uniform(-0.005, 0.005);
+    if (uneven < 0.5) factor += own;
+  }
+  stretch(factors, object.vertices);
+  return bent < 0.3 ? 0 : bend;
+}
+
 /// What lies in the scenes in the models' place.
 std::vector<ScanModel> deviating(std::span<const ScanModel> models, const ScanOptions& options) {
   std::vector<ScanModel> objects(models.begin(), models.end());
-  for (std::size_t m = 0; m < objects.size() && options.deviation > 0; ++m) {
+  for (std::size_t m = 0; m < objects.size(); ++m) {
+    double deviation = options.deviation;
+    if (options.randomize) {
+      kernels::CounterRandom random(options.seed, kObjectStream, m);
+      deviation = std::max(deviation, randomize_object(objects[m], random));
+    }
+    if (!(deviation > 0)) continue;
     const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
     kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
-    kernels::deform_surface(objects[m].vertices, diameter, options.deviation * diameter,
-                            seeds.next());
+    kernels::deform_surface(objects[m].vertices, diameter, deviation * diameter, seeds.next());
   }
   return objects;
 }
@@ -185,7 +223,7 @@ std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
   std::vector<ScanModel> models;
   for (Part& part : make_parts(n, seed, families)) {
     models.push_back({std::move(part.name), std::move(part.vertices), std::move(part.triangles),
-                      std::move(part.symmetry), part.metal});
+                      std::move(part.symmetry), part.metal, std::move(part.hollow)});
   }
   return models;
 }

@@ -14,6 +14,7 @@
 #include "storage/bop.hpp"
 #include "storage/library.hpp"
 #include "storage/manifest.hpp"
+#include "storage/mesh.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
 
@@ -48,6 +49,8 @@ struct ScanModel {
   Triangles triangles;  ///< at least one
   Symmetry symmetry;
   bool metal = false;  ///< mirrors the sensor's light
+  Mesh
+      hollow{};  ///< open and empty, what lies in half of the randomized sets; empty: there is none
 };
 
 struct ScanModelOptions {
