@@ -6,7 +6,7 @@
 
 #include "engine/parallel.hpp"
 #include "kernels/counter_random.hpp"
-#include "kernels/filter_disparity.hpp"
+#include "kernels/filter_image.hpp"
 #include "kernels/match_windows.hpp"
 #include "kernels/sensor_noise.hpp"
 #include "kernels/wave_field.hpp"
@@ -168,19 +168,19 @@ std::vector<float> match_scene(const kernels::RayScene& rays, const Camera& came
   });
   if (match.median_pixel > 0) {
     pass([&](std::uint32_t row, std::span<float> out) {
-      kernels::median_disparity({now, image.width}, row, match.median_pixel, out);
+      kernels::median_image({now, image.width}, row, match.median_pixel, out);
     });
   }
   const auto reach = static_cast<float>(match.smoothing_reach_pixel);
   for (const kernels::Along along : {kernels::Along::rows, kernels::Along::columns}) {
     if (match.smoothing_pixel == 0) break;
     pass([&](std::uint32_t row, std::span<float> out) {
-      kernels::smooth_disparity({now, image.width}, row, along, match.smoothing_pixel, reach, out);
+      kernels::smooth_image({now, image.width}, row, along, match.smoothing_pixel, reach, out);
     });
   }
   if (match.fill_pixel > 0) {
     pass([&](std::uint32_t row, std::span<float> out) {
-      kernels::fill_disparity({now, image.width}, row, match.fill_pixel, out);
+      kernels::fill_image({now, image.width}, row, match.fill_pixel, out);
     });
   }
   for (float& value : now) value = matcher.depth(static_cast<double>(value));

@@ -48,6 +48,9 @@ struct ExactImage {
 ExactImage render_exactly(const kernels::RayScene& rays, const Camera& camera, std::uint32_t width,
                           std::uint32_t height);
 
+/// Whether depth jumps from a pixel that sees something to one beside it.
+bool at_edge(const ExactImage& image, const Camera& camera, std::size_t i);
+
 /// How a surface throws light back.
 struct Finish {
   bool metal = false;        ///< mirrors
@@ -69,7 +72,9 @@ inline constexpr double kBeforeSurface = 3e-4;
 /// image     render_exactly of both
 /// finishes  one an instance
 /// seed, stream  give the noise: each pixel has its own
-/// flaws     none: what follows; with a window, depth is matched (engine/match_scene)
+/// flaws     none: what follows. With a window, depth is matched (engine/match_scene); light that
+///           comes back is mixed and bounced (engine/echo_scene); what is written is wrong by the
+///           calibration
 /// Returns depths in the sensor's depth_step, 0 for no measurement.
 ///
 /// No measurement: beyond nearest and farthest; surfaces steeper than 80 degrees to the camera, to

@@ -81,6 +81,42 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   return flaws;
 }
 
+EchoFlaws draw_echo(CounterRandom& random) {
+  EchoFlaws flaws;
+  flaws.noise = between_logs(random, 0.5, 3);
+  flaws.wave = happens(random, 0.2) ? 0 : random.uniform(0.3, 1);
+  flaws.wave_length_pixel = between_logs(random, 4, 30);
+  flaws.frames = happens(random, 0.6) ? 1 : whole(random, 2, 10);
+  flaws.multipath = happens(random, 0.25) ? 0 : random.uniform(0.2, 1.5);
+  flaws.blur_pixel = happens(random, 0.3) ? 0 : random.uniform(0.3, 1.2);
+  flaws.wiggle_m = happens(random, 0.4) ? 0 : between_logs(random, 0.0005, 0.006);
+  flaws.wiggle_period_m = random.uniform(0.3, 1.5);
+  flaws.drops_edges = happens(random, 0.4);
+  flaws.smoothing_pixel = happens(random, 0.5) ? 0 : whole(random, 1, 3);
+  flaws.smoothing_reach_m = between_logs(random, 0.005, 0.05);
+  return flaws;
+}
+
+LineFlaws draw_line(CounterRandom& random) {
+  LineFlaws flaws;
+  flaws.noise = between_logs(random, 0.5, 3);
+  flaws.wave = happens(random, 0.4) ? 0 : random.uniform(0.3, 1);
+  flaws.wave_length_pixel = between_logs(random, 4, 30);
+  flaws.beam_m = happens(random, 0.5) ? 0 : between_logs(random, 1e-4, 1e-3);
+  return flaws;
+}
+
+/// Industrial scanners are calibrated by their makers.
+CalibrationFlaws tenth_of(CalibrationFlaws flaws) {
+  flaws.focal /= 10;
+  flaws.aspect /= 10;
+  flaws.centre_u_pixel /= 10;
+  flaws.centre_v_pixel /= 10;
+  flaws.depth /= 10;
+  flaws.shift_u_pixel = flaws.shift_v_pixel = 0;
+  return flaws;
+}
+
 }  // namespace
 
 SensorFlaws draw_flaws(Sensor sensor, CounterRandom& random) {
@@ -92,6 +128,11 @@ SensorFlaws draw_flaws(Sensor sensor, CounterRandom& random) {
   flaws.hole_radius_pixel = between_logs(random, 1.5, 8);
   if (sensor == Sensor::structured_light || sensor == Sensor::stereo)
     flaws.match = draw_match(sensor, random);
+  if (sensor == Sensor::time_of_flight) flaws.echo = draw_echo(random);
+  if (sensor == Sensor::laser) {
+    flaws.line = draw_line(random);
+    flaws.calibration = tenth_of(flaws.calibration);
+  }
   return flaws;
 }
 

@@ -60,6 +60,40 @@ struct MatchFlaws {
   bool operator==(const MatchFlaws&) const = default;
 };
 
+/// Of time-of-flight cameras. With none of them each pixel errs by itself, and light comes back
+/// from what it sees only.
+struct EchoFlaws {
+  double noise = 1;  ///< multiplies the law's standard deviation
+  double wave = 0;   ///< root mean square of waves, in that deviation
+  double wave_length_pixel = 16;
+  std::uint32_t frames = 1;  ///< averaged; waves stay
+  /// Multiplies light that came over another surface, which makes concave corners read too far: one
+  /// bounce between diffuse surfaces. Source: Jimenez, Pizarro, Mazo, Palazuelos, "Modeling and
+  /// correction of multipath interference in time of flight cameras", Image and Vision Computing
+  /// 32(1), 2014.
+  double multipath = 0;
+  double blur_pixel = 0;  ///< standard deviation of the lens' and the pixels' blur of light
+  /// Error that repeats with range, of the modulation's harmonics: Lindner, Kolb, "Lateral and
+  /// depth calibration of PMD-distance sensors", ISVC 2006.
+  double wiggle_m = 0, wiggle_period_m = 1;
+  bool drops_edges = false;  ///< pixels that see an edge are not measured, instead of floating
+  std::uint32_t smoothing_pixel = 0;  ///< radius of a mean along rows, then columns; 0: none
+  double smoothing_reach_m = 0.02;    ///< of range that the mean reaches across
+  bool operator==(const EchoFlaws&) const = default;
+};
+
+/// Of scanners with a line of laser light.
+struct LineFlaws {
+  double noise = 1;  ///< multiplies the law's standard deviation
+  double wave = 0;   ///< root mean square of waves, in that deviation
+  double wave_length_pixel = 16;
+  /// Width of the line on the surface. Half on an edge, its middle is seen too far to the side of
+  /// the surface, and depth is wrong by up to a half of it, times z / b: Curless, Levoy, "Better
+  /// optical triangulation through spacetime analysis", ICCV 1995. 0: edges are not measured.
+  double beam_m = 0;
+  bool operator==(const LineFlaws&) const = default;
+};
+
 /// What is written for what is measured, by a camera that is not calibrated well: about +-4 % of
 /// focal length in public data sets, and absolute errors of a few cm between units (Boehm, PFG
 /// 2014).
@@ -77,6 +111,8 @@ struct CalibrationFlaws {
 
 struct SensorFlaws {
   MatchFlaws match{};
+  EchoFlaws echo{};
+  LineFlaws line{};
   CalibrationFlaws calibration{};
   /// Patches of surfaces that throw less light back, as print does: the logarithm of the light
   /// varies by so much over `patch_length_pixel`.
@@ -87,8 +123,8 @@ struct SensorFlaws {
   bool operator==(const SensorFlaws&) const = default;
 };
 
-/// Draw how strong each law is for one scene; each is also absent at times. Time-of-flight cameras
-/// and lasers match no windows.
+/// Draw how strong each law is for one scene; each is also absent at times. Sensors have the flaws
+/// of their kind, and all of them those of calibration, patches and holes.
 SensorFlaws draw_flaws(Sensor sensor, kernels::CounterRandom& random);
 
 /// The camera that is written for a true one.

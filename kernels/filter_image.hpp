@@ -1,6 +1,6 @@
-/// What depth cameras do to a disparity image after the match.
+/// What depth cameras do to an image of disparity or range after it is measured.
 ///
-/// Images are whole rows [pixel of disparity]; 0: no measurement. Each pixel of the output is
+/// Images are whole rows of values > 0; 0: no measurement. Each pixel of the output is
 /// written by itself from the input alone: any split into chunks of rows gives the same bits. No
 /// allocation. Out must not alias in.
 #pragma once
@@ -10,33 +10,33 @@
 
 namespace trivet::kernels {
 
-struct DisparityImage {
-  std::span<const float> disparities;
+struct ValueImage {
+  std::span<const float> values;
   std::uint32_t width = 0;  ///< > 0
   std::uint32_t height() const noexcept {
-    return static_cast<std::uint32_t>(disparities.size() / width);
+    return static_cast<std::uint32_t>(values.size() / width);
   }
 };
 
 enum class Along { rows, columns };
 
 /// Take the mean of the pixels within `radius` along rows or columns that differ from the pixel by
-/// no more than `reach_pixel`. Pixels without measurement stay so.
+/// no more than `reach`. Pixels without measurement stay so.
 /// Source: the two passes of the spatial filter of librealsense (post-processing filters), an
 /// edge-preserving mean; its weights fall off, these do not.
-void smooth_disparity(const DisparityImage& in, std::uint32_t first_row, Along along,
-                      std::uint32_t radius, float reach_pixel, std::span<float> out) noexcept;
+void smooth_image(const ValueImage& in, std::uint32_t first_row, Along along, std::uint32_t radius,
+                  float reach, std::span<float> out) noexcept;
 
 /// Take the median of the measured pixels of a square of side 2 radius + 1; of an even number, the
 /// lower. radius <= kMaxMedianRadius. Pixels without measurement stay so.
-void median_disparity(const DisparityImage& in, std::uint32_t first_row, std::uint32_t radius,
-                      std::span<float> out) noexcept;
+void median_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t radius,
+                  std::span<float> out) noexcept;
 inline constexpr std::uint32_t kMaxMedianRadius = 3;
 
-/// Give a pixel without measurement the smallest disparity (the farthest depth) of the nearest
+/// Give a pixel without measurement the smallest value, of disparities the farthest, of the nearest
 /// measured pixels to its left, right, top and bottom, if there are any within `reach` pixels.
 /// Source: the hole-filling filter of librealsense, in its mode "farthest from around".
-void fill_disparity(const DisparityImage& in, std::uint32_t first_row, std::uint32_t reach,
-                    std::span<float> out) noexcept;
+void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach,
+                std::span<float> out) noexcept;
 
 }  // namespace trivet::kernels

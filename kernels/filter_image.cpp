@@ -1,4 +1,4 @@
-#include "kernels/filter_disparity.hpp"
+#include "kernels/filter_image.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,13 +7,13 @@
 
 namespace trivet::kernels {
 
-void smooth_disparity(const DisparityImage& in, std::uint32_t first_row, Along along,
-                      std::uint32_t radius, float reach_pixel, std::span<float> out) noexcept {
+void smooth_image(const ValueImage& in, std::uint32_t first_row, Along along, std::uint32_t radius,
+                  float reach, std::span<float> out) noexcept {
   const auto width = static_cast<int>(in.width), height = static_cast<int>(in.height()),
              r = static_cast<int>(radius);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t pixel = std::size_t{first_row} * in.width + i;
-    const float* centre = in.disparities.data() + pixel;
+    const float* centre = in.values.data() + pixel;
     const auto u = static_cast<int>(pixel % in.width), v = static_cast<int>(pixel / in.width);
     const bool by_rows = along == Along::rows;
     const int place = by_rows ? u : v, size = by_rows ? width : height;
@@ -23,7 +23,7 @@ void smooth_disparity(const DisparityImage& in, std::uint32_t first_row, Along a
     float sum = 0, count = 0;
     for (int k = std::max(-r, -place); k <= std::min(r, size - 1 - place); ++k) {
       const float value = centre[k * stride];
-      const bool near = value != 0 && std::abs(value - *centre) <= reach_pixel;
+      const bool near = value != 0 && std::abs(value - *centre) <= reach;
       sum += near ? value : 0;
       count += near ? 1.0F : 0.0F;
     }
@@ -31,8 +31,8 @@ void smooth_disparity(const DisparityImage& in, std::uint32_t first_row, Along a
   }
 }
 
-void median_disparity(const DisparityImage& in, std::uint32_t first_row, std::uint32_t radius,
-                      std::span<float> out) noexcept {
+void median_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t radius,
+                  std::span<float> out) noexcept {
   assert(radius <= kMaxMedianRadius && "a small square");
   constexpr std::size_t kMaxSide = 2 * kMaxMedianRadius + 1;
   std::array<float, kMaxSide * kMaxSide> values;
@@ -42,12 +42,12 @@ void median_disparity(const DisparityImage& in, std::uint32_t first_row, std::ui
     const std::size_t pixel = std::size_t{first_row} * in.width + i;
     const auto u = static_cast<int>(pixel % in.width), v = static_cast<int>(pixel / in.width);
     out[i] = 0;
-    if (in.disparities[pixel] == 0) continue;
+    if (in.values[pixel] == 0) continue;
     std::ptrdiff_t count = 0;
     for (int y = std::max(0, v - r); y <= std::min(height - 1, v + r); ++y) {
       for (int x = std::max(0, u - r); x <= std::min(width - 1, u + r); ++x) {
         const float value =
-            in.disparities[static_cast<std::size_t>(y) * in.width + static_cast<std::size_t>(x)];
+            in.values[static_cast<std::size_t>(y) * in.width + static_cast<std::size_t>(x)];
         if (value != 0) values[static_cast<std::size_t>(count++)] = value;
       }
     }
@@ -57,14 +57,14 @@ void median_disparity(const DisparityImage& in, std::uint32_t first_row, std::ui
   }
 }
 
-void fill_disparity(const DisparityImage& in, std::uint32_t first_row, std::uint32_t reach,
-                    std::span<float> out) noexcept {
+void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach,
+                std::span<float> out) noexcept {
   const auto width = static_cast<int>(in.width), height = static_cast<int>(in.height()),
              farthest = static_cast<int>(reach);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t pixel = std::size_t{first_row} * in.width + i;
     const auto u = static_cast<int>(pixel % in.width), v = static_cast<int>(pixel / in.width);
-    const float* centre = in.disparities.data() + pixel;
+    const float* centre = in.values.data() + pixel;
     out[i] = *centre;
     if (*centre != 0) continue;
     const auto look = [&](int room, std::ptrdiff_t stride) {
