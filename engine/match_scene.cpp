@@ -180,7 +180,8 @@ std::vector<float> match_scene(const kernels::RayScene& rays, const Camera& came
   }
   if (match.fill_pixel > 0) {
     pass([&](std::uint32_t row, std::span<float> out) {
-      kernels::fill_image({now, image.width}, row, match.fill_pixel, out);
+      kernels::fill_image({now, image.width}, row, match.fill_pixel,
+                          match.fills_near ? kernels::Fill::most : kernels::Fill::least, out);
     });
   }
   for (float& value : now) value = matcher.depth(static_cast<double>(value));

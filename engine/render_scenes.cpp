@@ -184,23 +184,6 @@ double randomize_object(ScanModel& object, kernels::CounterRandom& random) {
   return bent < 0.3 ? 0 : bend;
 }
 
-/// What lies in the scenes in the models' place.
-std::vector<ScanModel> deviating(std::span<const ScanModel> models, const ScanOptions& options) {
-  std::vector<ScanModel> objects(models.begin(), models.end());
-  for (std::size_t m = 0; m < objects.size(); ++m) {
-    double deviation = options.deviation;
-    if (options.randomize) {
-      kernels::CounterRandom random(options.seed, kObjectStream, m);
-      deviation = std::max(deviation, randomize_object(objects[m], random));
-    }
-    if (!(deviation > 0)) continue;
-    const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
-    kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
-    kernels::deform_surface(objects[m].vertices, diameter, deviation * diameter, seeds.next());
-  }
-  return objects;
-}
-
 }  // namespace
 
 Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
@@ -228,10 +211,27 @@ std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
   return models;
 }
 
+std::vector<ScanModel> scanned_objects(std::span<const ScanModel> models,
+                                       const ScanOptions& options) {
+  std::vector<ScanModel> objects(models.begin(), models.end());
+  for (std::size_t m = 0; m < objects.size(); ++m) {
+    double deviation = options.deviation;
+    if (options.randomize) {
+      kernels::CounterRandom random(options.seed, kObjectStream, m);
+      deviation = std::max(deviation, randomize_object(objects[m], random));
+    }
+    if (!(deviation > 0)) continue;
+    const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
+    kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
+    kernels::deform_surface(objects[m].vertices, diameter, deviation * diameter, seeds.next());
+  }
+  return objects;
+}
+
 Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
                                const ScanOptions& options, const fs::path& folder,
                                const Progress& progress) {
-  const std::vector<ScanModel> objects = deviating(models, options);
+  const std::vector<ScanModel> objects = scanned_objects(models, options);
   const Result<VirtualScanner> scanner = VirtualScanner::create(objects, unit, options);
   if (!scanner) return scanner.error();
   const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);

@@ -69,6 +69,11 @@ Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sou
 std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
                                         std::span<const std::string> families = {});
 
+/// What lies in the scenes of render_scenes in the models' place: the same, or what deviates from
+/// them (ScanOptions::deviation, randomize).
+std::vector<ScanModel> scanned_objects(std::span<const ScanModel> models,
+                                       const ScanOptions& options);
+
 inline constexpr std::uint32_t kScanWidth = 640, kScanHeight = 480;
 
 /// One depth image and what is in it.

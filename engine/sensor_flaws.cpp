@@ -28,12 +28,12 @@ double error(CounterRandom& random, double usual, double largest) {
   const double kind = random.uniform(), small = usual * random.normal(),
                wide = random.uniform(-largest, largest);
   if (kind < 0.2) return 0;
-  return kind < 0.75 ? std::clamp(small, -largest, largest) : wide;
+  return kind < 0.65 ? std::clamp(small, -largest, largest) : wide;
 }
 
 CalibrationFlaws draw_calibration(CounterRandom& random) {
   CalibrationFlaws flaws;
-  flaws.focal = error(random, 0.006, 0.04);
+  flaws.focal = error(random, 0.01, 0.04);
   flaws.aspect = error(random, 0.0015, 0.01);
   flaws.centre_u_pixel = error(random, 1.5, 8);
   flaws.centre_v_pixel = error(random, 1.5, 8);
@@ -46,7 +46,7 @@ CalibrationFlaws draw_calibration(CounterRandom& random) {
 MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   const bool stereo = sensor == Sensor::stereo;
   MatchFlaws flaws;
-  flaws.half_window_pixel = whole(random, stereo ? 2 : 3, 5);
+  flaws.half_window_pixel = whole(random, stereo ? 2 : 3, 6);
   const double pixels = std::pow(2 * flaws.half_window_pixel + 1, 2);
   // Fewer than five dots a window would leave holes everywhere; images of active stereo have
   // texture between the dots.
@@ -60,18 +60,22 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   flaws.white_share = random.uniform(0, 0.4);
   flaws.frame_share = random.uniform(0.2, 0.8);
   flaws.frames = happens(random, 0.6) ? 1 : whole(random, 2, 10);
-  flaws.wave_pixel = happens(random, 0.2) ? 0 : flaws.noise_pixel * random.uniform(0.3, 1);
-  flaws.wave_length_pixel = between_logs(random, 8, 30);
+  const double wave = random.uniform();
+  flaws.wave_pixel = flaws.noise_pixel * (wave < 0.2   ? 0
+                                          : wave < 0.6 ? random.uniform(0.3, 1)
+                                                       : random.uniform(1, 3));
+  flaws.wave_length_pixel = between_logs(random, 8, 60);
   flaws.ripple_pixel = happens(random, 0.5) ? 0 : random.uniform(0, 0.06);
   const double step = random.uniform();
   flaws.step_pixel = step < 0.15 ? 0 : step < 0.3 ? 1.0 / 16 : stereo ? 1.0 / 32 : 1.0 / 8;
 
   const double filter = random.uniform();
   flaws.median_pixel = filter < 0.2 ? whole(random, 1, 2) : 0;
-  flaws.smoothing_pixel = filter > 0.5 ? whole(random, 1, 5) : 0;
-  flaws.smoothing_reach_pixel = between_logs(random, 0.3, 4);
+  flaws.smoothing_pixel = filter > 0.5 ? whole(random, 1, 6) : 0;
+  flaws.smoothing_reach_pixel = between_logs(random, 0.3, 6);
   flaws.fill_pixel =
-      happens(random, 0.6) ? 0 : static_cast<std::uint32_t>(between_logs(random, 2, 20));
+      happens(random, 0.5) ? 0 : static_cast<std::uint32_t>(between_logs(random, 2, 20));
+  flaws.fills_near = happens(random, 0.4);
 
   flaws.light_on_left = happens(random, 0.5);
   flaws.baseline_m = stereo ? between_logs(random, 0.05, 0.1) : random.uniform(0.065, 0.085);

@@ -48,6 +48,7 @@ struct MatchFlaws {
   std::uint32_t smoothing_pixel = 0;  ///< radius of a mean along rows, then columns; 0: none
   double smoothing_reach_pixel = 1;   ///< of disparity that the mean reaches across
   std::uint32_t fill_pixel = 0;       ///< holes are filled from so far around; 0: not
+  bool fills_near = false;            ///< ... with the nearest depth around, else with the farthest
 
   bool light_on_left = false;  ///< the projector or second camera; else on the right
   double baseline_m = 0;       ///< from the camera to it; 0: the sensor's own

@@ -57,7 +57,7 @@ void median_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t r
   }
 }
 
-void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach,
+void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach, Fill fill,
                 std::span<float> out) noexcept {
   const auto width = static_cast<int>(in.width), height = static_cast<int>(in.height()),
              farthest = static_cast<int>(reach);
@@ -71,7 +71,7 @@ void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t rea
       for (int k = 1; k <= std::min(farthest, room); ++k) {
         const float value = centre[k * stride];
         if (value == 0) continue;
-        if (out[i] == 0 || value < out[i]) out[i] = value;
+        if (out[i] == 0 || (fill == Fill::least ? value < out[i] : value > out[i])) out[i] = value;
         return;
       }
     };

@@ -33,10 +33,14 @@ void median_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t r
                   std::span<float> out) noexcept;
 inline constexpr std::uint32_t kMaxMedianRadius = 3;
 
-/// Give a pixel without measurement the smallest value, of disparities the farthest, of the nearest
-/// measured pixels to its left, right, top and bottom, if there are any within `reach` pixels.
-/// Source: the hole-filling filter of librealsense, in its mode "farthest from around".
-void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach,
+enum class Fill { least, most };
+
+/// Give a pixel without measurement the least or most value of the nearest measured pixels to its
+/// left, right, top and bottom, if there are any within `reach` pixels. Of disparities, the least
+/// is the farthest.
+/// Source: the hole-filling filter of librealsense, in its modes "farthest" and "nearest from
+/// around".
+void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach, Fill fill,
                 std::span<float> out) noexcept;
 
 }  // namespace trivet::kernels

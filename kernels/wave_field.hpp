@@ -10,7 +10,7 @@ namespace trivet::kernels {
 /// A field of mean 0 and mean square 1 that is smooth over `length_pixel`.
 ///
 /// Independent normal numbers on a lattice of `length_pixel` / 2, interpolated by cubic B-splines:
-/// the autocorrelation falls below a half at about 0.6 lengths and to 0.02 at 1.5. Depends on
+/// the autocorrelation falls to a half at half a length and to 0.05 at a length. Depends on
 /// (seed, stream, item) and the pixel alone. Building it allocates; looking does not.
 class WaveField {
  public:
