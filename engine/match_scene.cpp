@@ -178,6 +178,17 @@ std::vector<float> match_scene(const kernels::RayScene& rays, const Camera& came
       kernels::smooth_image({now, image.width}, row, along, match.smoothing_pixel, reach, out);
     });
   }
+  if (match.block_pixel > 1) {
+    pass([&](std::uint32_t row, std::span<float> out) {
+      kernels::coarsen_image({now, image.width}, row, match.block_pixel, out);
+    });
+  }
+  if (match.grow_pixel > 0) {
+    pass([&](std::uint32_t row, std::span<float> out) {
+      kernels::grow_image({now, image.width}, row, match.grow_pixel,
+                          static_cast<float>(match.grow_jump_pixel), out);
+    });
+  }
   if (match.fill_pixel > 0) {
     pass([&](std::uint32_t row, std::span<float> out) {
       kernels::fill_image({now, image.width}, row, match.fill_pixel,

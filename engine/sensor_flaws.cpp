@@ -12,6 +12,8 @@ namespace {
 
 using kernels::CounterRandom;
 
+constexpr double kMostOfADot = 0.45;  // [pixel of disparity]
+
 bool happens(CounterRandom& random, double share) { return random.uniform() < share; }
 
 /// Evenly over the logarithm.
@@ -33,7 +35,7 @@ double error(CounterRandom& random, double usual, double largest) {
 
 CalibrationFlaws draw_calibration(CounterRandom& random) {
   CalibrationFlaws flaws;
-  flaws.focal = error(random, 0.01, 0.04);
+  flaws.focal = error(random, 0.01, 0.05);
   flaws.aspect = error(random, 0.0015, 0.01);
   flaws.centre_u_pixel = error(random, 1.5, 8);
   flaws.centre_v_pixel = error(random, 1.5, 8);
@@ -48,23 +50,25 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   MatchFlaws flaws;
   flaws.half_window_pixel = whole(random, stereo ? 2 : 3, 6);
   const double pixels = std::pow(2 * flaws.half_window_pixel + 1, 2);
-  // Fewer than five dots a window would leave holes everywhere; images of active stereo have
-  // texture between the dots.
-  flaws.dot_share = std::max(5 / pixels, random.uniform(0.06, stereo ? 0.25 : 0.12));
+  // Fewer than five dots a window would leave holes everywhere; to stereo, surfaces show texture
+  // between the dots.
+  flaws.dot_share = std::max(5 / pixels, random.uniform(0.06, stereo ? 0.18 : 0.12));
   flaws.taper = random.uniform(0.05, 0.9);
   flaws.reach_pixel = random.uniform(0.7, 1.3);
   flaws.fewest_dots = whole(random, 2, 3);
   flaws.least_share = happens(random, 0.25) ? 0 : random.uniform(0.1, 0.65);
 
-  flaws.noise_pixel = between_logs(random, 0.04, 0.15);
+  // Dots that err by much more would not agree with one another.
+  flaws.noise_pixel =
+      std::min(between_logs(random, 0.04, 0.15), kMostOfADot / std::sqrt(flaws.dot_share * pixels));
   flaws.white_share = random.uniform(0, 0.4);
   flaws.frame_share = random.uniform(0.2, 0.8);
   flaws.frames = happens(random, 0.6) ? 1 : whole(random, 2, 10);
   const double wave = random.uniform();
   flaws.wave_pixel = flaws.noise_pixel * (wave < 0.2   ? 0
-                                          : wave < 0.6 ? random.uniform(0.3, 1)
-                                                       : random.uniform(1, 3));
-  flaws.wave_length_pixel = between_logs(random, 8, 60);
+                                          : wave < 0.5 ? random.uniform(0.3, 1)
+                                                       : random.uniform(1, stereo ? 4 : 3));
+  flaws.wave_length_pixel = between_logs(random, 8, 80);
   flaws.ripple_pixel = happens(random, 0.5) ? 0 : random.uniform(0, 0.06);
   const double step = random.uniform();
   flaws.step_pixel = step < 0.15 ? 0 : step < 0.3 ? 1.0 / 16 : stereo ? 1.0 / 32 : 1.0 / 8;
@@ -76,6 +80,12 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   flaws.fill_pixel =
       happens(random, 0.5) ? 0 : static_cast<std::uint32_t>(between_logs(random, 2, 20));
   flaws.fills_near = happens(random, 0.4);
+
+  if (happens(random, 0.3)) {
+    flaws.block_pixel = 2;
+    flaws.smoothing_pixel *= 2;
+  }
+  flaws.grow_pixel = happens(random, 0.55) ? 0 : whole(random, 1, 3);
 
   flaws.light_on_left = happens(random, 0.5);
   flaws.baseline_m = stereo ? between_logs(random, 0.05, 0.1) : random.uniform(0.065, 0.085);

@@ -82,4 +82,34 @@ void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t rea
   }
 }
 
+void grow_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t radius,
+                float least_jump, std::span<float> out) noexcept {
+  const auto width = static_cast<int>(in.width), height = static_cast<int>(in.height()),
+             r = static_cast<int>(radius);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t pixel = std::size_t{first_row} * in.width + i;
+    const auto u = static_cast<int>(pixel % in.width), v = static_cast<int>(pixel / in.width);
+    out[i] = in.values[pixel];
+    if (out[i] == 0) continue;
+    float greatest = 0;
+    for (int y = std::max(0, v - r); y <= std::min(height - 1, v + r); ++y) {
+      for (int x = std::max(0, u - r); x <= std::min(width - 1, u + r); ++x) {
+        greatest = std::max(
+            greatest,
+            in.values[static_cast<std::size_t>(y) * in.width + static_cast<std::size_t>(x)]);
+      }
+    }
+    if (greatest > out[i] + least_jump) out[i] = greatest;
+  }
+}
+
+void coarsen_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t block,
+                   std::span<float> out) noexcept {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t pixel = std::size_t{first_row} * in.width + i;
+    const std::size_t u = pixel % in.width, v = pixel / in.width;
+    out[i] = in.values[v / block * block * in.width + u / block * block];
+  }
+}
+
 }  // namespace trivet::kernels

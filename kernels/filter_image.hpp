@@ -43,4 +43,18 @@ enum class Fill { least, most };
 void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach, Fill fill,
                 std::span<float> out) noexcept;
 
+/// Let values that are greater by more than `least_jump` spread over their neighbours: a pixel
+/// takes the greatest that lies in the square of side 2 radius + 1 about it, if it exceeds its own
+/// by so much; one without measurement stays so. Of disparities, the foreground grows on all sides.
+/// Source: registration to another camera draws each pixel as large as it is there, and the nearest
+/// wins (librealsense, align); Gschwandtner et al., BlenSor, ISVC 2011, where values spread by 3.1
+/// pixels.
+void grow_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t radius,
+                float least_jump, std::span<float> out) noexcept;
+
+/// Give all pixels of each `block` x `block` square the value of its first one: an image that is
+/// measured so coarsely, and enlarged.
+void coarsen_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t block,
+                   std::span<float> out) noexcept;
+
 }  // namespace trivet::kernels

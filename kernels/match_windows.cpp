@@ -57,12 +57,12 @@ Cluster cluster_about(const Votes& votes, float disparity, float reach) noexcept
 }
 
 Cluster winner(const Votes& votes, float reach) noexcept {
-  const auto [low, high] =
-      std::minmax_element(votes.disparities.begin(),
-                          votes.disparities.begin() + static_cast<std::ptrdiff_t>(votes.count));
+  float sum = 0;
+  for (std::size_t k = 0; k < votes.count; ++k) sum += votes.disparities[k];
   // Far from edges all agree.
-  if (*high - *low <= reach) return cluster_about(votes, *low, reach);
-  Cluster best;
+  Cluster best = cluster_about(votes, sum / static_cast<float>(votes.count), reach);
+  if (best.count == votes.count) return best;
+  best = {};
   for (std::size_t k = 0; k < votes.count; ++k) {
     const Cluster cluster = cluster_about(votes, votes.disparities[k], reach);
     if (cluster.weight > best.weight) best = cluster;

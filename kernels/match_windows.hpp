@@ -13,14 +13,15 @@ struct WindowMatching {
   std::uint32_t half_window = 4;  ///< windows are 2 half_window + 1 pixels wide; 1..kMaxHalfWindow
   float taper = 0.1F;             ///< what a dot at a window's corner weighs less than one at its
                                   ///< centre, 0..1; more than 0 lets the nearer of equals win
-  float reach_pixel = 1;          ///< dots agree whose disparities differ by no more, > 0
+  float reach_pixel = 1;          ///< dots agree with what differs from them by no more, > 0
   std::uint32_t fewest_dots = 2;  ///< that agree, >= 1
   float least_share = 0;  ///< of the weight of a window's dots, seen or not, that agree, 0..1
 };
 inline constexpr std::uint32_t kMaxHalfWindow = 7;
 
-/// Match rows of an image: in each window, the dots vote for the disparity that most of them agree
-/// with, and the mean of those that do is the pixel's.
+/// Match rows of an image: where all dots of a window agree with their mean, it is the pixel's
+/// disparity; else the dots vote for that of the dot which most of them agree with, by their
+/// weights, and the pixel's is the weighted mean of those that do.
 ///
 /// dots         width * height: disparity > 0 [pixel] of the dot that a pixel shows, kNoDot or
 ///              kUnseenDot
