@@ -191,7 +191,9 @@ void add_scan(CLI::App& app, Context& context) {
                  "neighbours share, holes on dark and bright surfaces, filters, an image that is "
                  "shifted, a camera and a depth scale that are written wrongly; focal length, "
                  "distance, the room behind. Each strength is drawn over what real sensors of "
-                 "the kind show, and more")
+                 "the kind show, and more. For all scenes together: images 640 or 848 pixels wide, "
+                 "and objects that differ from their models in size, form and, where these have "
+                 "one, by a lid that is off")
       ->group(how);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return scan(*arguments, context); };

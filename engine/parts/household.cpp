@@ -73,8 +73,9 @@ Design can(CounterRandom& random) {
 Design drink_can(CounterRandom& random) {
   const float radius = between(random, 0.42F, 0.58F), top = radius - between(random, 0.08F, 0.12F);
   const float neck = between(random, 0.72F, 0.82F), foot = radius - between(random, 0.06F, 0.12F);
-  const Solid body = cone(foot, -1, radius, between(random, -0.92F, -0.86F)) |
-                     rod(radius, -0.88F, neck) | cone(radius, neck, top, 0.95F) | rod(top, 0.9F, 1);
+  const float bottom = between(random, -0.92F, -0.86F);
+  const Solid body = cone(foot, -1, radius, bottom) | rod(radius, bottom - 0.01F, neck) |
+                     cone(radius, neck, top, 0.95F) | rod(top, 0.9F, 1);
   const Solid opening = rod(top - 0.07F, 1 - between(random, 0.06F, 0.1F), kFar);
   return {body - opening, any_turn(false), 0};
 }
@@ -95,8 +96,8 @@ Design bowl(CounterRandom& random) {
 }
 
 Design dish(CounterRandom& random) {
-  const float flat = between(random, 0.5F, 0.65F), height = between(random, 0.15F, 0.25F);
-  const Solid outside = cone(flat, -0.09F, 1, height);
+  const float flat = between(random, 0.5F, 0.65F), height = between(random, 0.2F, 0.3F);
+  const Solid outside = cone(flat, -0.09F, 1, height) & rod(0.96F, -1, 1);
   const float grow = (1 - flat) / (height + 0.09F);
   const Solid inside = cone(flat - 0.02F, 0, flat - 0.02F + grow, 1);
   return {outside - inside, any_turn(false), 0};
