@@ -98,11 +98,13 @@ void add_scan(CLI::App& app, Context& context) {
       ->add_option(
           "--families", arguments->families,
           fmt::format("Only parts of these families, as a,b,c, which take turns as they are "
-                      "named; known are {}",
-                      fmt::join(part_families(), ", ")))
+                      "named; known are {}; and of a household, which no part is without being "
+                      "named, {}, or all of these as {}",
+                      fmt::join(part_families(), ", "), fmt::join(household_families(), ", "),
+                      kHousehold))
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(part_families()).description(""))
+      ->check(CLI::IsMember(known_families()).description(""))
       ->needs(parts);
   command
       ->add_option("-o,--output", arguments->output,
@@ -181,6 +183,17 @@ void add_scan(CLI::App& app, Context& context) {
       ->add_option("--disparity-step", options.sensor.disparity_step_pixel,
                    "Tell depth in such steps of disparity [pixel], as sensors that match images "
                    "do: a Kinect 0.125. 0: not; without this option the sensor's own")
+      ->group(how);
+  command
+      ->add_flag("--randomize", options.randomize,
+                 "Draw anew for each scene how the sensor falls short of the ideal one, and where "
+                 "it stands: windows that fatten outlines and fill recesses, noise that "
+                 "neighbours share, holes on dark and bright surfaces, filters, an image that is "
+                 "shifted, a camera and a depth scale that are written wrongly; focal length, "
+                 "distance, the room behind. Each strength is drawn over what real sensors of "
+                 "the kind show, and more. For all scenes together: images 640 or 848 pixels wide, "
+                 "and objects that differ from their models in size, form and, where these have "
+                 "one, by a lid that is off")
       ->group(how);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return scan(*arguments, context); };

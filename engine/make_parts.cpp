@@ -43,31 +43,70 @@ Part make_part(const Family& family, std::size_t number, std::uint64_t seed) {
 
   Mesh mesh = mesh_part(family.mirrored ? mirrored_x(design.solid) : design.solid);
   const float scale = diameter / kernels::find_diameter(mesh.vertices);
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    mesh.vertices.set(i, scale * mesh.vertices[i]);
-  return {std::string(family.name) + "_" + std::to_string(number), std::move(mesh.vertices),
-          std::move(mesh.triangles), std::move(design.symmetry), family.metal};
+  Mesh hollow;
+  if (design.hollow) hollow = mesh_part(*design.hollow);
+  for (Points* vertices : {&mesh.vertices, &hollow.vertices}) {
+    for (std::size_t i = 0; i < vertices->size(); ++i) vertices->set(i, scale * (*vertices)[i]);
+  }
+  return {std::string(family.name) + "_" + std::to_string(number),
+          std::move(mesh.vertices),
+          std::move(mesh.triangles),
+          std::move(design.symmetry),
+          family.metal,
+          std::move(hollow)};
 }
 
 const Family& find_family(const std::string& name) {
-  const std::span<const Family> known = engine::parts::families();
-  const auto found = std::ranges::find(known, name, &Family::name);
-  assert(found != known.end() && "a family of part_families()");
+  std::span<const Family> known = engine::parts::families();
+  auto found = std::ranges::find(known, name, &Family::name);
+  if (found == known.end()) {
+    known = engine::parts::household_families();
+    found = std::ranges::find(known, name, &Family::name);
+  }
+  assert(found != known.end() && "a family of known_families()");
   return *found;
+}
+
+std::vector<std::string> names_of(std::span<const Family> families) {
+  std::vector<std::string> names;
+  for (const Family& family : families) names.emplace_back(family.name);
+  return names;
+}
+
+/// One by one.
+std::vector<std::string> single_families(std::span<const std::string> families) {
+  if (families.empty()) return part_families();
+  std::vector<std::string> single;
+  for (const std::string& name : families) {
+    if (name != kHousehold) {
+      single.push_back(name);
+    } else {
+      const std::vector<std::string> household = household_families();
+      single.insert(single.end(), household.begin(), household.end());
+    }
+  }
+  return single;
 }
 
 }  // namespace
 
-std::vector<std::string> part_families() {
-  std::vector<std::string> names;
-  for (const Family& family : engine::parts::families()) names.emplace_back(family.name);
+std::vector<std::string> part_families() { return names_of(engine::parts::families()); }
+
+std::vector<std::string> household_families() {
+  return names_of(engine::parts::household_families());
+}
+
+std::vector<std::string> known_families() {
+  std::vector<std::string> names = part_families();
+  for (std::string& name : household_families()) names.push_back(std::move(name));
+  names.emplace_back(kHousehold);
   return names;
 }
 
 std::vector<Part> make_parts(std::size_t n, std::uint64_t seed,
-                             std::span<const std::string> families) {
-  const std::vector<std::string> all = part_families();
-  if (families.empty()) families = all;
+                             std::span<const std::string> asked) {
+  const std::vector<std::string> single = single_families(asked);
+  const std::span<const std::string> families = single;
   std::vector<Part> parts(n);
   engine::for_each_index(n, [&](std::size_t i) {
     const std::string& name = families[i % families.size()];

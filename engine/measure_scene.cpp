@@ -8,11 +8,14 @@
 #include <numbers>
 
 #include "engine/check_range.hpp"
+#include "engine/echo_scene.hpp"
+#include "engine/match_scene.hpp"
 #include "engine/parallel.hpp"
 #include "kernels/counter_random.hpp"
 #include "kernels/render_depth.hpp"
 #include "kernels/sensor_noise.hpp"
 #include "kernels/visibility.hpp"
+#include "kernels/wave_field.hpp"
 
 namespace trivet {
 
@@ -35,39 +38,46 @@ using kernels::RayScene;
 
 constexpr std::size_t kRowGrain = 16;
 constexpr double kMinCosine = static_cast<double>(kernels::kMinViewCosine);
+constexpr double kEdgeJump = 5;  // of a laser's line, in its widths
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
-constexpr double kLeastSignal = 0.02;          // grey at 88 degrees from 0.7 m, white from 6 m
-constexpr int kSubpixels = 4;                  // rays along each side of a pixel that sees an edge
-constexpr double kBeforeSurface = 3e-4;        // shadow rays end so much of their length before it
 constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
+constexpr std::uint64_t kWaveItem = 15ULL << 40, kHoleItem = 16ULL << 40;
 
 /// Everything that one pixel's measurement looks at.
 class Pixels {
  public:
   Pixels(const RayScene& rays, const Camera& camera, const ExactImage& image,
-         std::span<const Finish> finishes, const SensorOptions& options)
+         std::span<const Finish> finishes, const SensorOptions& options, const LineFlaws& line,
+         std::uint64_t seed, std::uint64_t stream)
       : rays_(rays),
         camera_(camera),
         image_(image),
         finishes_(finishes),
+        echoes_(rays, camera, image, finishes),
         sensor_(options.sensor),
-        noise_(static_cast<double>(options.noise)),
+        noise_(static_cast<double>(options.noise) * line.noise),
         traits_(traits_of(options.sensor)),
         disparity_step_(options.disparity_step_pixel
                             ? static_cast<double>(*options.disparity_step_pixel)
                             : traits_.disparity_step),
-        // Between neighbouring pixels, depth on the steepest surface changes by so many times their
-        // distance.
-        steepest_(std::sqrt(1 - kMinCosine * kMinCosine) / kMinCosine) {}
+        beam_m_(line.beam_m) {
+    if (line.wave > 0) {
+      wave_height_ = line.wave;
+      waves_.emplace(image.width, image.height, line.wave_length_pixel, seed, stream, kWaveItem);
+    }
+  }
 
   /// Depth [m]; 0 for none.
   double measure(std::size_t i, CounterRandom& random) const {
     const auto z = static_cast<double>(image_.depth[i]);
     if (z == 0) return 0;
-    const double measured = sensor_ == Sensor::time_of_flight ? time_of_flight(i, z, random)
-                                                              : triangulate(i, z, random);
-    return measured >= traits_.nearest && measured <= traits_.farthest ? measured : 0;
+    return sensor_ == Sensor::time_of_flight ? time_of_flight(i, random)
+                                             : triangulate(i, z, random);
+  }
+  /// The depth, or 0 where the sensor does not reach.
+  double in_range(double depth) const {
+    return depth >= traits_.nearest && depth <= traits_.farthest ? depth : 0;
   }
 
  private:
@@ -77,29 +87,23 @@ class Pixels {
   double column(std::size_t i) const { return static_cast<double>(i % image_.width); }
   double row(std::size_t i) const { return static_cast<double>(i / image_.width); }
 
-  /// Whether depth jumps from a pixel to one beside it.
-  bool at_edge(std::size_t i, double z) const {
+  /// How far depth is wrong [m] where the middle of the laser's line is seen off its own: away from
+  /// the side on which depth jumps, by up to half a line. Along the light, a place farther to the
+  /// left lies farther away.
+  double edge_bias(std::size_t i, double z, CounterRandom& random) const {
+    const std::size_t u = i % image_.width;
     const auto jumps = [&](std::size_t neighbour) {
-      return std::abs(static_cast<double>(image_.depth[neighbour]) - z) >
-             steepest_ * z / camera_.fx;
+      return std::abs(static_cast<double>(image_.depth[neighbour]) - z) > kEdgeJump * beam_m_;
     };
-    const std::size_t u = i % image_.width, v = i / image_.width;
-    return (u > 0 && jumps(i - 1)) || (u + 1 < image_.width && jumps(i + 1)) ||
-           (v > 0 && jumps(i - image_.width)) || (v + 1 < image_.height && jumps(i + image_.width));
-  }
-
-  /// How much stronger the noise is by mirrored light; infinite: nothing can be measured.
-  double glare(const Finish& finish, const Vector3d& normal, const Vector3d& to_light,
-               const Vector3d& to_camera) const {
-    if (!finish.metal) return 1;
-    const double angle = kernels::mirror_angle(normal, to_light, to_camera);
-    if (angle < kMirrorAngle) return std::numeric_limits<double>::infinity();
-    return angle < kGlintAngle ? kGlintNoise : 1;
+    const double side =
+        (u + 1 < image_.width && jumps(i + 1) ? 1.0 : 0.0) - (u > 0 && jumps(i - 1) ? 1.0 : 0.0);
+    return side * random.uniform(0, beam_m_ / 2) * z / traits_.baseline;
   }
 
   /// By a light or a second camera beside the camera.
   double triangulate(std::size_t i, double z, CounterRandom& random) const {
-    if (at_edge(i, z)) return 0;
+    const bool edge = at_edge(image_, camera_, i);
+    if (edge && beam_m_ == 0) return 0;
     const Vector3d along = ray(column(i), row(i)), point = z * along, other(traits_.baseline, 0, 0),
                    to_camera = -along.normalized(), to_other = (other - point).normalized(),
                    normal = image_.normals[i].cast<double>();
@@ -110,8 +114,10 @@ class Pixels {
     const Vector3f from = other.cast<float>(), reach = (point - other).cast<float>();
     if (rays_.occluded(from, reach, 0, static_cast<float>(1 - kBeforeSurface))) return 0;
 
-    double measured =
-        z + noise_ * glint * sigma(z, std::acos(std::min(cosine, 1.0))) * random.normal();
+    const double deviation = noise_ * glint * sigma(z, std::acos(std::min(cosine, 1.0)));
+    double measured = z + deviation * random.normal();
+    if (waves_) measured += deviation * wave_height_ * waves_->at(column(i), row(i));
+    if (edge) measured += edge_bias(i, z, random);
     if (disparity_step_ > 0 && measured > 0) {
       measured =
           kernels::quantise_disparity(measured, camera_.fx, traits_.baseline, disparity_step_);
@@ -125,66 +131,105 @@ class Pixels {
     return kernels::structured_light_sigma(z, angle);
   }
 
-  /// Light that comes back, and range [m] times light.
-  struct Echo {
-    double light = 0, moment = 0;
-    void add(double range, double signal) {
-      light += signal;
-      moment += signal * range;
-    }
-  };
-
-  double time_of_flight(std::size_t i, double z, CounterRandom& random) const {
-    const Vector3d along = ray(column(i), row(i)), to_camera = -along.normalized();
-    Echo echo;
+  double time_of_flight(std::size_t i, CounterRandom& random) const {
     double glint = 1;
-    if (at_edge(i, z)) {
-      echo = mixed_echo(i);
-    } else {
-      const Vector3d normal = image_.normals[i].cast<double>();
-      const Finish& finish = finishes_[image_.instance[i]];
-      glint = glare(finish, normal, to_camera, to_camera);
-      const double range = z * along.norm();
-      echo.add(range,
-               kernels::time_of_flight_signal(range, normal.dot(to_camera), finish.reflectance));
-    }
-    if (std::isinf(glint) || !(echo.light > kLeastSignal)) return 0;
-    const double range = echo.moment / echo.light + noise_ * glint *
-                                                        kernels::time_of_flight_sigma(echo.light) *
-                                                        random.normal();
-    return range / along.norm();
-  }
-
-  /// Over the whole square that the pixel sees.
-  Echo mixed_echo(std::size_t i) const {
-    Echo echo;
-    for (int k = 0; k < kSubpixels * kSubpixels; ++k) {
-      const double u = (k % kSubpixels + 0.5) / kSubpixels - 0.5,
-                   v = (k / kSubpixels + 0.5) / kSubpixels - 0.5;  // NOLINT: whole rows
-      const Vector3d along = ray(column(i) + u, row(i) + v).normalized();
-      const kernels::Hit hit = rays_.intersect(Vector3f::Zero(), along.cast<float>(), 0,
-                                               std::numeric_limits<float>::infinity());
-      if (!hit) continue;
-      const auto range = static_cast<double>(hit.distance);
-      echo.add(range,
-               kernels::time_of_flight_signal(range, std::abs(hit.normal.cast<double>().dot(along)),
-                                              finishes_[hit.instance].reflectance) /
-                   (kSubpixels * kSubpixels));
-    }
-    return echo;
+    const Echo echo = echoes_.direct(i, glint);
+    if (std::isinf(glint)) return 0;
+    return range_of(echo, noise_ * glint, random) / ray(column(i), row(i)).norm();
   }
 
   const RayScene& rays_;
   const Camera& camera_;
   const ExactImage& image_;
   std::span<const Finish> finishes_;
+  Echoes echoes_;
   Sensor sensor_;
   double noise_;
   const SensorTraits& traits_;
-  double disparity_step_, steepest_;
+  double disparity_step_, beam_m_, wave_height_ = 0;
+  std::optional<kernels::WaveField> waves_;
+};
+
+/// What becomes of measured depths on their way into the file.
+class Writer {
+ public:
+  Writer(std::uint32_t width, std::uint32_t height, const SensorFlaws& flaws, double depth_step)
+      : width_(static_cast<int>(width)),
+        height_(static_cast<int>(height)),
+        flaws_(flaws),
+        depth_step_(depth_step),
+        stretch_(1 + flaws.calibration.depth) {}
+
+  std::uint16_t raw(double depth) const {
+    const double steps = std::round(stretch_ * depth / depth_step_);
+    return steps >= 1 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
+  }
+
+  /// Ellipses of any direction without measurement, as learning on rendered depth drops them: Xie
+  /// et al., "Unseen object instance segmentation for robotic environments", T-RO 2021.
+  void cut_holes(std::uint64_t seed, std::uint64_t stream, std::span<std::uint16_t> raws) const {
+    for (std::uint32_t k = 0; k < flaws_.holes; ++k) {
+      CounterRandom random(seed, stream, kHoleItem + k);
+      const double u = random.uniform(0, width_), v = random.uniform(0, height_),
+                   a = flaws_.hole_radius_pixel * -std::log(1 - random.uniform()),
+                   b = a * random.uniform(0.3, 1), turn = random.uniform(0, std::numbers::pi);
+      const int low_u = std::max(0, static_cast<int>(u - a)),
+                low_v = std::max(0, static_cast<int>(v - a)),
+                high_u = std::min(width_ - 1, static_cast<int>(u + a)),
+                high_v = std::min(height_ - 1, static_cast<int>(v + a));
+      for (int y = low_v; y <= high_v; ++y) {
+        for (int x = low_u; x <= high_u; ++x) {
+          const double along = (x - u) * std::cos(turn) + (y - v) * std::sin(turn),
+                       across = (y - v) * std::cos(turn) - (x - u) * std::sin(turn);
+          if (along * along * b * b + across * across * a * a <= a * a * b * b)
+            raws[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(x)] = 0;
+        }
+      }
+    }
+  }
+
+  /// The image, moved by the error of its registration.
+  std::vector<std::uint16_t> shifted(std::vector<std::uint16_t> raws) const {
+    const int du = flaws_.calibration.shift_u_pixel, dv = flaws_.calibration.shift_v_pixel;
+    if (du == 0 && dv == 0) return raws;
+    std::vector<std::uint16_t> out(raws.size());
+    for (int v = std::max(0, dv); v < std::min(height_, height_ + dv); ++v) {
+      for (int u = std::max(0, du); u < std::min(width_, width_ + du); ++u)
+        out[static_cast<std::size_t>(v * width_ + u)] =
+            raws[static_cast<std::size_t>((v - dv) * width_ + u - du)];
+    }
+    return out;
+  }
+
+ private:
+  int width_, height_;
+  const SensorFlaws& flaws_;
+  double depth_step_, stretch_;
 };
 
 }  // namespace
+
+bool at_edge(const ExactImage& image, const Camera& camera, std::size_t i) {
+  // Between neighbouring pixels, depth on the steepest surface changes by so many times their
+  // distance.
+  static const double steepest = std::sqrt(1 - kMinCosine * kMinCosine) / kMinCosine;
+  const auto z = static_cast<double>(image.depth[i]);
+  const auto jumps = [&](std::size_t neighbour) {
+    return std::abs(static_cast<double>(image.depth[neighbour]) - z) > steepest * z / camera.fx;
+  };
+  const std::size_t u = i % image.width, v = i / image.width;
+  return (u > 0 && jumps(i - 1)) || (u + 1 < image.width && jumps(i + 1)) ||
+         (v > 0 && jumps(i - image.width)) || (v + 1 < image.height && jumps(i + image.width));
+}
+
+double glare(const Finish& finish, const Vector3d& normal, const Vector3d& to_light,
+             const Vector3d& to_camera) {
+  if (!finish.metal) return 1;
+  const double angle = kernels::mirror_angle(normal, to_light, to_camera);
+  if (angle < kMirrorAngle) return std::numeric_limits<double>::infinity();
+  return angle < kGlintAngle ? kGlintNoise : 1;
+}
 
 const SensorTraits& traits_of(Sensor sensor) {
   static constexpr std::array<SensorTraits, 4> kTraits{{
@@ -223,18 +268,25 @@ ExactImage render_exactly(const RayScene& rays, const Camera& camera, std::uint3
 std::vector<std::uint16_t> measure_scene(const RayScene& rays, const Camera& camera,
                                          const ExactImage& image, std::span<const Finish> finishes,
                                          const SensorOptions& options, std::uint64_t seed,
-                                         std::uint64_t stream) {
-  const double step = traits_of(options.sensor).depth_step;
-  const Pixels pixels(rays, camera, image, finishes, options);
+                                         std::uint64_t stream, const SensorFlaws& flaws) {
+  const SensorTraits& traits = traits_of(options.sensor);
+  std::vector<float> whole;  // depths of a sensor whose pixels depend on one another
+  if (flaws.match.half_window_pixel > 0)
+    whole = match_scene(rays, camera, image, finishes, options, flaws, seed, stream);
+  else if (flaws.echo != EchoFlaws{})
+    whole = echo_scene(rays, camera, image, finishes, options, flaws, seed, stream);
+  const Pixels pixels(rays, camera, image, finishes, options, flaws.line, seed, stream);
+  const Writer writer(image.width, image.height, flaws, traits.depth_step);
   std::vector<std::uint16_t> out(image.depth.size());
   for_chunks(image.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first * image.width; i < (first + count) * image.width; ++i) {
       CounterRandom random(seed, stream, kFirstPixelItem + i);
-      const double steps = std::round(pixels.measure(i, random) / step);
-      if (steps >= 1 && steps <= 65535) out[i] = static_cast<std::uint16_t>(steps);
+      out[i] =
+          writer.raw(pixels.in_range(whole.empty() ? pixels.measure(i, random) : double{whole[i]}));
     }
   });
-  return out;
+  writer.cut_holes(seed, stream, out);
+  return writer.shifted(std::move(out));
 }
 
 }  // namespace engine

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/sensor_flaws.hpp"
 #include "kernels/ray_scene.hpp"
 #include "storage/cloud.hpp"
 #include "storage/points.hpp"
@@ -47,11 +48,22 @@ struct ExactImage {
 ExactImage render_exactly(const kernels::RayScene& rays, const Camera& camera, std::uint32_t width,
                           std::uint32_t height);
 
+/// Whether depth jumps from a pixel that sees something to one beside it.
+bool at_edge(const ExactImage& image, const Camera& camera, std::size_t i);
+
 /// How a surface throws light back.
 struct Finish {
   bool metal = false;        ///< mirrors
   double reflectance = 0.5;  ///< of diffuse light, 0..1
 };
+
+/// How much stronger the noise is by mirrored light: 1 for surfaces that do not mirror; infinite:
+/// nothing can be measured. All vectors of unit length, from the surface.
+double glare(const Finish& finish, const Eigen::Vector3d& normal, const Eigen::Vector3d& to_light,
+             const Eigen::Vector3d& to_camera);
+
+/// Rays from a light to what the camera sees end so much of their length before it.
+inline constexpr double kBeforeSurface = 3e-4;
 
 /// Measure a scene.
 ///
@@ -60,6 +72,9 @@ struct Finish {
 /// image     render_exactly of both
 /// finishes  one an instance
 /// seed, stream  give the noise: each pixel has its own
+/// flaws     none: what follows. With a window, depth is matched (engine/match_scene); light that
+///           comes back is mixed and bounced (engine/echo_scene); what is written is wrong by the
+///           calibration
 /// Returns depths in the sensor's depth_step, 0 for no measurement.
 ///
 /// No measurement: beyond nearest and farthest; surfaces steeper than 80 degrees to the camera, to
@@ -72,7 +87,7 @@ struct Finish {
 std::vector<std::uint16_t> measure_scene(const kernels::RayScene& rays, const Camera& camera,
                                          const ExactImage& image, std::span<const Finish> finishes,
                                          const SensorOptions& options, std::uint64_t seed,
-                                         std::uint64_t stream);
+                                         std::uint64_t stream, const SensorFlaws& flaws = {});
 
 }  // namespace engine
 }  // namespace trivet

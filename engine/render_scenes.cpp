@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr int kSceneId = 1;  // every image is of this scene of BOP
 
-constexpr std::uint64_t kDeviationStream = 0xDE7;
+constexpr std::uint64_t kDeviationStream = 0xDE7, kObjectStream = 0x0B1;
 
 /// Coarse: of a trained model only its symmetries are used here.
 constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
@@ -151,16 +151,37 @@ Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> model
   return entries;
 }
 
-/// What lies in the scenes in the models' place.
-std::vector<ScanModel> deviating(std::span<const ScanModel> models, const ScanOptions& options) {
-  std::vector<ScanModel> objects(models.begin(), models.end());
-  for (std::size_t m = 0; m < objects.size() && options.deviation > 0; ++m) {
-    const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
-    kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
-    kernels::deform_surface(objects[m].vertices, diameter, options.deviation * diameter,
-                            seeds.next());
+/// As much larger along each axis, about the middle of the box around.
+void stretch(const Eigen::Vector3d& factors, Points& points) {
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i]);
+  const Eigen::Vector3d middle = box.center().cast<double>();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p = points[i].cast<double>();
+    points.set(i, (middle + factors.cwiseProduct(p - middle)).cast<float>());
   }
-  return objects;
+}
+
+/// Let an object differ from its model as real ones do: open where the model is closed, of another
+/// size by up to 1 %, along each axis for itself by up to .5 % more, bent by up to 1 % of the
+/// diameter; each of these not at all at times.
+///
+/// Returns the bend [diameters].
+double randomize_object(ScanModel& object, kernels::CounterRandom& random) {
+  const double open = random.uniform(), sized = random.uniform(),
+               size = random.uniform(-0.01, 0.01), uneven = random.uniform(),
+               bent = random.uniform(), bend = random.uniform(0, 0.01);
+  if (!object.hollow.triangles.empty() && open < 0.5) {
+    object.vertices = object.hollow.vertices;
+    object.triangles = object.hollow.triangles;
+  }
+  Eigen::Vector3d factors = Eigen::Vector3d::Constant(sized < 0.3 ? 1 : 1 + size);
+  for (double& factor : factors) {
+    const double own = random.uniform(-0.005, 0.005);
+    if (uneven < 0.5) factor += own;
+  }
+  stretch(factors, object.vertices);
+  return bent < 0.3 ? 0 : bend;
 }
 
 }  // namespace
@@ -185,15 +206,32 @@ std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
   std::vector<ScanModel> models;
   for (Part& part : make_parts(n, seed, families)) {
     models.push_back({std::move(part.name), std::move(part.vertices), std::move(part.triangles),
-                      std::move(part.symmetry), part.metal});
+                      std::move(part.symmetry), part.metal, std::move(part.hollow)});
   }
   return models;
+}
+
+std::vector<ScanModel> scanned_objects(std::span<const ScanModel> models,
+                                       const ScanOptions& options) {
+  std::vector<ScanModel> objects(models.begin(), models.end());
+  for (std::size_t m = 0; m < objects.size(); ++m) {
+    double deviation = options.deviation;
+    if (options.randomize) {
+      kernels::CounterRandom random(options.seed, kObjectStream, m);
+      deviation = std::max(deviation, randomize_object(objects[m], random));
+    }
+    if (!(deviation > 0)) continue;
+    const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
+    kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
+    kernels::deform_surface(objects[m].vertices, diameter, deviation * diameter, seeds.next());
+  }
+  return objects;
 }
 
 Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
                                const ScanOptions& options, const fs::path& folder,
                                const Progress& progress) {
-  const std::vector<ScanModel> objects = deviating(models, options);
+  const std::vector<ScanModel> objects = scanned_objects(models, options);
   const Result<VirtualScanner> scanner = VirtualScanner::create(objects, unit, options);
   if (!scanner) return scanner.error();
   const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
@@ -209,6 +247,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
 
   manifest.scenes.resize(options.num_scenes);
   std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
+  std::uint32_t width = kScanWidth, height = kScanHeight;  // of every scene
   const Result<void> rendered =
       make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
         Result<RenderedScene> scene = scanner->scan(static_cast<std::uint32_t>(i));
@@ -221,7 +260,11 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
         entry.scene_id = kSceneId;
         entry.image_id = static_cast<int>(i);
         bop[0].images[i] = std::move(scene->bop);
-        if (const Result<void> written = write_depth_png(entry.file, scene->depths, kScanWidth);
+        if (i == 0) {
+          width = scene->width;
+          height = scene->height;
+        }
+        if (const Result<void> written = write_depth_png(entry.file, scene->depths, scene->width);
             !written) {
           return written.error();
         }
@@ -230,7 +273,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   if (!rendered) return rendered.error();
   const Camera& camera = bop[0].images[0].camera;
   for (const Result<void>& written :
-       {write_bop_camera(folder / "camera.json", camera, kScanWidth, kScanHeight),
+       {write_bop_camera(folder / "camera.json", camera, width, height),
         write_bop_scene(scene_folder, bop[0].images), write_bop_targets(folder, bop),
         write_manifest(folder / "manifest.json", manifest)}) {
     if (!written) return written.error();

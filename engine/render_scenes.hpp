@@ -14,6 +14,7 @@
 #include "storage/bop.hpp"
 #include "storage/library.hpp"
 #include "storage/manifest.hpp"
+#include "storage/mesh.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
 
@@ -31,6 +32,10 @@ struct ScanOptions {
   /// diameters, 0..0.05.
   double deviation = 0;
   SensorOptions sensor{};
+  /// Draw for each scene how its sensor falls short of the ideal one (engine::draw_flaws), its
+  /// focal length, 1 to 2.5 times the distance that frames the heap, and what stands around; for
+  /// the set the width of the image.
+  bool randomize = false;
   bool operator==(const ScanOptions&) const = default;
 };
 
@@ -44,6 +49,8 @@ struct ScanModel {
   Triangles triangles;  ///< at least one
   Symmetry symmetry;
   bool metal = false;  ///< mirrors the sensor's light
+  Mesh
+      hollow{};  ///< open and empty, what lies in half of the randomized sets; empty: there is none
 };
 
 struct ScanModelOptions {
@@ -62,15 +69,25 @@ Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sou
 std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
                                         std::span<const std::string> families = {});
 
+/// What lies in the scenes of render_scenes in the models' place: the same, or what deviates from
+/// them (ScanOptions::deviation, randomize).
+std::vector<ScanModel> scanned_objects(std::span<const ScanModel> models,
+                                       const ScanOptions& options);
+
 inline constexpr std::uint32_t kScanWidth = 640, kScanHeight = 480;
 
 /// One depth image and what is in it.
 struct RenderedScene {
-  Camera camera;                      ///< depth_scale: to the asked unit
-  std::vector<std::uint16_t> depths;  ///< kScanWidth * kScanHeight; 0: no measurement
+  std::uint32_t width = kScanWidth, height = kScanHeight;
+  Camera camera;                      ///< as it is written; depth_scale: to the asked unit
+  Camera true_camera;                 ///< what the exact image is of; the same unless randomized
+  engine::SensorFlaws flaws;          ///< none unless randomized
+  std::vector<std::uint16_t> depths;  ///< width * height; 0: no measurement
   engine::ExactImage exact{0, 0};     ///< of the same size; instances: the truth, then the rest
-  std::vector<TruthInstance> truth;   ///< one an instance; lengths in the asked unit
-  BopImage bop;                       ///< the same for BOP; object ids count models from 1
+  /// One an instance; lengths in the asked unit. Where the camera that is written is not the true
+  /// one, the poses are those that fit what is written best (engine::written_pose).
+  std::vector<TruthInstance> truth;
+  BopImage bop;  ///< the same for BOP; object ids count models from 1
 };
 
 /// Scans one scene after the other, or side by side.

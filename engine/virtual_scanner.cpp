@@ -41,8 +41,20 @@ enum Item : std::uint64_t {
   kCamera,
   kChoice,
   kFinish,
-  kClutter
+  kClutter,
+  kFlaws,
+  kSetting,
+  kImageSize
 };  // random numbers of their own
+
+// What is drawn for a scene under ScanOptions::randomize.
+constexpr double kShortestFocal = 400, kLongestFocal = 1000;  // [pixel]
+constexpr double kFarthestView = 2.5;                         // in the nearest that frames the heap
+constexpr double kOfRange = 0.95;                             // the heap lies within so much of it
+constexpr std::uint32_t kWideScan = 848;                      // columns of half of the sets
+constexpr double kGlossyShare = 0.25;                         // of objects that are not of metal
+constexpr double kBlackShare = 0.15;                          // of objects
+constexpr double kRoomShare = 0.6;  // of scenes: a table with an end, a floor and a wall behind
 
 /// `of_a_kind` of every model in a random order, then again in another, and clutter among them.
 /// Clutter has the indices from num_models on.
@@ -168,10 +180,19 @@ struct Elevations {
   double low, high;  // [degree] above the ground
 };
 
+/// Where a scene is scanned.
+struct Setting {
+  Elevations elevations;
+  double nearest, farthest;  // [m] that the sensor measures
+  double retreat = 1;        // the camera stands so many times farther than it could, within range
+  double off_u = 0, off_v = 0;  // the heap is so far from the image's middle, -1..1 of what it can
+};
+
 /// A camera that looks down on the points from a random side, as near as it sees them all with some
-/// room around them, and not nearer than `nearest`.
-Pose place_camera(const Points& points, const Camera& camera, double nearest,
-                  const Elevations& elevations, CounterRandom& random) {
+/// room around them, and not nearer than the sensor measures; or farther away.
+Pose place_camera(const Points& points, const Camera& camera, const Setting& setting,
+                  CounterRandom& random) {
+  const auto& [elevations, nearest, farthest, retreat, off_u, off_v] = setting;
   const double elevation = random.uniform(elevations.low, elevations.high) * std::numbers::pi / 180;
   const double azimuth = random.uniform(0, 2 * std::numbers::pi);
   const Vector3d away(std::cos(elevation) * std::cos(azimuth),
@@ -187,15 +208,46 @@ Pose place_camera(const Points& points, const Camera& camera, double nearest,
   const double width = kFilledShare * camera.cx / camera.fx,
                height = kFilledShare * camera.cy / camera.fy;
   double distance = 0;  // from the camera to the middle
+  double depth = 0;     // of the heap beyond the middle
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d p = axes * points[i].cast<double>() - middle;
     distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(),
                          std::abs(p.y()) / height - p.z()});
+    depth = std::max(depth, p.z());
+  }
+  Vector3d offset(0, 0, distance);
+  if (retreat > 1) {
+    offset.z() = std::max(distance, std::min(retreat * distance, kOfRange * farthest - depth));
+    offset.x() = off_u * (offset.z() - distance) * width;
+    offset.y() = off_v * (offset.z() - distance) * height;
   }
   Pose T_camera_world = Pose::Identity();
   T_camera_world.linear() = axes.cast<float>();
-  T_camera_world.translation() = (distance * Vector3d::UnitZ() - middle).cast<float>();
+  T_camera_world.translation() = (offset - middle).cast<float>();
   return T_camera_world;
+}
+
+/// A table that ends a little beyond the heap, on a floor, before a wall.
+void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& random,
+              Sheet& sheet) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i].cast<double>());
+  const Vector3d view = T_camera_world.linear().cast<double>().row(2);
+  const double azimuth = std::atan2(view.y(), view.x()) + random.uniform(-0.5, 0.5);
+  const Vector3d ahead(std::cos(azimuth), std::sin(azimuth), 0), aside(-ahead.y(), ahead.x(), 0);
+  const auto corners = [&](double back, double front, double side, double z) {
+    const Vector3d middle = box.center(), up(0, 0, z - middle.z());
+    sheet.add(middle + up - back * ahead - side * aside, middle + up + front * ahead - side * aside,
+              middle + up + front * ahead + side * aside,
+              middle + up - back * ahead + side * aside);
+  };
+  const double extent = box.sizes().head<2>().norm() / 2, floor = -random.uniform(0.4, 1);
+  corners(extent + 0.5, extent + random.uniform(0.02, 0.5), extent + random.uniform(0.05, 0.6), 0);
+  const double wall = extent + random.uniform(1, 3), far = 20 * wall;
+  corners(far, wall, far, floor);
+  const Vector3d foot = box.center() + wall * ahead, up(0, 0, 1);
+  sheet.add(foot - far * aside + floor * up, foot + far * aside + floor * up,
+            foot + far * aside + far * up, foot - far * aside + far * up);
 }
 
 /// Pixels of something: how many, and the rectangle about them.
@@ -360,13 +412,29 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
                         [&](const PlacedBody& instance) { return instance.body < models.size(); });
 
   RenderedScene scene;
-  scene.camera = {kFocal, kFocal, 0.5 * (kScanWidth - 1), 0.5 * (kScanHeight - 1),
-                  sensor.depth_step * unit_scale(LengthUnit::metre, unit)};
-  const Camera& camera = scene.camera;
+  Setting setting{.elevations = options.bin ? Elevations{60, 85} : Elevations{40, 75},
+                  .nearest = sensor.nearest,
+                  .farthest = sensor.farthest};
+  double focal = kFocal;
+  CounterRandom drawn = random_of(kSetting);
+  if (options.randomize) {
+    CounterRandom random = random_of(kFlaws);
+    scene.flaws = engine::draw_flaws(options.sensor.sensor, random);
+    // One size for all images of a set: BOP's camera.json has one.
+    if (CounterRandom(options.seed, 0, kImageSize).uniform() < 0.5) scene.width = kWideScan;
+    focal = kShortestFocal * std::pow(kLongestFocal / kShortestFocal, drawn.uniform());
+    setting.elevations = options.bin ? Elevations{50, 88} : Elevations{25, 85};
+    setting.retreat = std::pow(kFarthestView, drawn.uniform());
+    setting.off_u = drawn.uniform(-1, 1);
+    setting.off_v = drawn.uniform(-1, 1);
+  }
+  scene.true_camera = {focal, focal, 0.5 * (scene.width - 1), 0.5 * (scene.height - 1),
+                       sensor.depth_step * unit_scale(LengthUnit::metre, unit)};
+  scene.camera = engine::written_camera(scene.true_camera, scene.flaws.calibration);
+  const Camera& camera = scene.true_camera;
   const Points points = surface_points(bodies, placed);
   CounterRandom view = random_of(kCamera);
-  const Pose T_camera_world = place_camera(
-      points, camera, sensor.nearest, options.bin ? Elevations{60, 85} : Elevations{40, 75}, view);
+  const Pose T_camera_world = place_camera(points, camera, setting, view);
   float farthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
     farthest = std::max(farthest, (T_camera_world * points[i]).z());
@@ -388,24 +456,34 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
     const ScanModel& model = instance.body < models.size() ? models[instance.body]
                                                            : clutter[instance.body - models.size()];
     finishes.push_back({model.metal, finish.uniform(0.15, 0.9)});
+    if (!options.randomize) continue;
+    const double glossy = drawn.uniform(), black = drawn.uniform();
+    finishes.back().metal = model.metal || glossy < kGlossyShare;
+    if (black < kBlackShare) finishes.back().reflectance = drawn.uniform(0.02, 0.15);
   }
   Sheet surroundings;
-  add_ground(20 * range, surroundings);
+  const double room = drawn.uniform(), ground = drawn.uniform(0.15, 0.9);
+  if (options.randomize && room < kRoomShare) {
+    add_room(points, T_camera_world, drawn, surroundings);
+  } else {
+    add_ground(20 * range, surroundings);
+  }
   if (options.bin) add_bin(bin, bin_height(points, bin), surroundings);
   if (options.walls) add_walls(points, T_camera_world, 20 * range, surroundings);
   const Result<RayScene> sheet = RayScene::from_mesh(surroundings.vertices, surroundings.triangles);
   if (!sheet) return sheet.error();
   instances.push_back({&*sheet, T_camera_world});
   finishes.push_back({});
+  if (options.randomize) finishes.back().reflectance = ground;
   const Result<RayScene> rays = RayScene::from_instances(instances);
   if (!rays) return rays.error();
-  scene.exact = engine::render_exactly(*rays, camera, kScanWidth, kScanHeight);
+  scene.exact = engine::render_exactly(*rays, camera, scene.width, scene.height);
   scene.depths = engine::measure_scene(*rays, camera, scene.exact, finishes, options.sensor,
-                                       options.seed, index);
+                                       options.seed, index, scene.flaws);
 
   const Measured measured = count_measured(scene.exact, scene.depths, camera, instances.size());
   scene.bop.id = static_cast<int>(index);
-  scene.bop.camera = camera;
+  scene.bop.camera = scene.camera;
   scene.bop.camera.depth_scale = sensor.depth_step * 1000;
   for (std::size_t i = 0; i < options.num_instances; ++i) {
     const std::uint32_t model = placed[i].body;
@@ -415,8 +493,12 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
     const Result<void> rendered =
         for_silhouette(instances[i], models[model].vertices, camera, [&](int u, int v) {
           all.add(u, v);
-          if (u < 0 || v < 0 || u >= int{kScanWidth} || v >= int{kScanHeight}) return;
-          const auto pixel = static_cast<std::size_t>(v) * kScanWidth + static_cast<std::size_t>(u);
+          if (u < 0 || v < 0 || u >= static_cast<int>(scene.width) ||
+              v >= static_cast<int>(scene.height)) {
+            return;
+          }
+          const auto pixel =
+              static_cast<std::size_t>(v) * scene.width + static_cast<std::size_t>(u);
           num_valid += scene.depths[pixel] != 0 ? 1 : 0;
         });
     if (!rendered) return rendered.error();
@@ -425,12 +507,14 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
         all.num_pixels == 0
             ? 0
             : std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
-    scene.bop.instances.push_back({static_cast<int>(model) + 1, scaled(T_camera_model, 1000),
+    const Pose T_written_model = engine::written_pose(
+        T_camera_model, bodies[model].centre.cast<double>(), camera, scene.flaws.calibration);
+    scene.bop.instances.push_back({static_cast<int>(model) + 1, scaled(T_written_model, 1000),
                                    all.box(), visible.box(), all.num_pixels, num_valid,
                                    visible.num_pixels, fraction});
     TruthInstance truth;
     truth.model = models[model].name;
-    truth.T_scene_model = scaled(T_camera_model, unit_scale(LengthUnit::metre, unit));
+    truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::metre, unit));
     truth.ignore = fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
     truth.visible_fraction = fraction;
     truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);

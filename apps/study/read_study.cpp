@@ -228,7 +228,7 @@ ModelGroup read_models(Reader& reader, const std::string& name, const toml::tabl
   reader.read(table, "metal", group.options.metal);
   reader.read(table, "parts", 0, 1000, group.num_parts);
   group.families = reader.texts(table, "families");
-  const std::vector<std::string> known = part_families();
+  const std::vector<std::string> known = known_families();
   for (const std::string& family : group.families) {
     if (std::ranges::find(known, family) == known.end()) {
       reader.fault(table, fmt::format("families: expected some of {}, found '{}'",

@@ -1,7 +1,9 @@
-/// The families of machine parts: each a short function of random numbers.
+/// The families of machine parts and of things of a household: each a short function of random
+/// numbers.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -18,6 +20,8 @@ struct Design {
   kernels::Solid solid;
   Symmetry symmetry;              ///< exact by construction; declared
   std::uint32_t num_tunnels = 0;  ///< through holes that are independent: the genus of the surface
+  /// The same thing open and empty, where the solid is closed; of the same symmetry.
+  std::optional<kernels::Solid> hollow = std::nullopt;
 };
 
 struct Family {
@@ -29,8 +33,10 @@ struct Family {
   bool mirrored;  ///< the mirror image of what is drawn: the other hand of the same stream
 };
 
-/// All families, in the order in which make_parts takes them.
+/// The families of machine parts, in the order in which make_parts takes them.
 std::span<const Family> families();
+/// Those of things of a household, which are made only where they are named.
+std::span<const Family> household_families();
 
 // Fasteners.
 Design hex_nut(CounterRandom& random);
@@ -59,5 +65,20 @@ Design clamp(CounterRandom& random);
 Design shaft(CounterRandom& random);
 Design yoke(CounterRandom& random);
 Design v_block(CounterRandom& random);
+// Household.
+Design cup(CounterRandom& random);  ///< a paper cup with a lid; hollow: without
+Design mug(CounterRandom& random);
+Design bottle(CounterRandom& random);
+Design flask(CounterRandom& random);  ///< a bottle of oval section
+Design can(CounterRandom& random);
+Design drink_can(CounterRandom& random);
+Design carton(CounterRandom& random);
+Design bowl(CounterRandom& random);
+Design dish(CounterRandom& random);
+Design marker(CounterRandom& random);
+Design screwdriver(CounterRandom& random);
+Design hammer(CounterRandom& random);
+Design tub(CounterRandom& random);  ///< with a lid; hollow: without
+Design spray(CounterRandom& random);
 
 }  // namespace trivet::engine::parts

@@ -34,4 +34,24 @@ std::span<const Family> families() {
   return kFamilies;
 }
 
+std::span<const Family> household_families() {
+  static constexpr std::array<Family, 14> kFamilies{{
+      {"cup", cup, 32, 0.08F, 0.15F, false, false},
+      {"carton", carton, 33, 0.08F, 0.3F, false, false},
+      {"bottle", bottle, 34, 0.12F, 0.3F, false, false},
+      {"mug", mug, 35, 0.09F, 0.16F, false, false},
+      {"can", can, 36, 0.07F, 0.17F, false, false},
+      {"bowl", bowl, 37, 0.12F, 0.22F, false, false},
+      {"flask", flask, 38, 0.12F, 0.26F, false, false},
+      {"marker", marker, 39, 0.1F, 0.15F, false, false},
+      {"drink_can", drink_can, 40, 0.11F, 0.18F, true, false},
+      {"screwdriver", screwdriver, 41, 0.12F, 0.25F, false, false},
+      {"tub", tub, 42, 0.08F, 0.2F, false, false},
+      {"spray", spray, 43, 0.18F, 0.28F, false, false},
+      {"hammer", hammer, 44, 0.2F, 0.33F, false, false},
+      {"dish", dish, 45, 0.15F, 0.27F, false, false},
+  }};
+  return kFamilies;
+}
+
 }  // namespace trivet::engine::parts

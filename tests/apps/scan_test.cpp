@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "apps/program.hpp"
 #include "support/temp_dir.hpp"
@@ -46,6 +47,38 @@ TEST_F(Scan, MakesPartsOfTheFamiliesThatAreAskedFor) {
   EXPECT_EQ(models.size(), 3U);
   for (const char* name : {"hex_nut_0", "washer_0", "hex_nut_1"})
     EXPECT_TRUE(models.contains(name)) << name;
+}
+
+TEST_F(Scan, MakesThingsOfAHousehold) {
+  const test::Outcome outcome = run({"scan", "--parts", "2", "--families", "household", "-o", "out",
+                                     "--scenes", "1", "--instances", "2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json models = json("out/manifest.json")["models"];
+  for (const char* name : {"cup_0", "carton_0"}) EXPECT_TRUE(models.contains(name)) << name;
+}
+
+// Every scene has a camera of its own, the same in the manifest and in BOP's files, and the same
+// when it is scanned again.
+TEST_F(Scan, RandomizesEachScene) {
+  const auto scan = [&](const std::string& folder, const std::string& scenes) {
+    const test::Outcome outcome = run({"scan", "--parts", "2", "-o", folder, "--scenes", scenes,
+                                       "--instances", "2", "--randomize", "--seed", "4"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return json(folder + "/manifest.json");
+  };
+  const nlohmann::json manifest = scan("out", "3"), again = scan("again", "2"),
+                       cameras = json("out/test/000001/scene_camera.json");
+  std::set<double> focal;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const nlohmann::json& camera = manifest["scenes"][i]["camera"];
+    focal.insert(camera["fx"].get<double>());
+    EXPECT_GT(camera["fx"], 370);
+    EXPECT_LT(camera["fx"], 1060);
+    EXPECT_NEAR(cameras[std::to_string(i)]["cam_K"][0].get<double>(), camera["fx"].get<double>(),
+                1e-6);
+  }
+  EXPECT_EQ(focal.size(), 3U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(manifest["scenes"][i], again["scenes"][i]);
 }
 
 TEST_F(Scan, TellsOneTruthInTheManifestAndInBopsFiles) {

@@ -220,5 +220,68 @@ TEST(MakeParts, GivesTheSameBytesOnOneThread) {
   for (std::size_t i = 0; i < serial.size(); ++i) EXPECT_TRUE(same(serial[i], parallel[i])) << i;
 }
 
+/// Two of each family of a household.
+const std::vector<Part>& household() {
+  static const std::vector<Part> all =
+      make_parts(2 * household_families().size(), kSeed, std::vector<std::string>{kHousehold});
+  return all;
+}
+
+TEST(MakeParts, ThingsOfAHouseholdAreClosedAndHaveTheHolesThatTheyDeclare) {
+  const auto families = engine::parts::household_families();
+  for (std::size_t i = 0; i < household().size(); ++i) {
+    const Part& part = household()[i];
+    SCOPED_TRACE(part.name);
+    const engine::parts::Family& own = families[i % families.size()];
+    EXPECT_EQ(part.name, std::string(own.name) + "_" + std::to_string(i / families.size()));
+    kernels::CounterRandom random(kSeed, own.stream, i / families.size());
+    random.uniform();  // the diameter
+    const auto design = own.draw(random);
+    EXPECT_EQ(design.hollow.has_value(), !part.hollow.triangles.empty());
+    for (const Mesh& mesh : {mesh_of(part), part.hollow}) {
+      if (mesh.triangles.empty()) continue;
+      EXPECT_TRUE(reference::is_closed_manifold(mesh));
+      EXPECT_EQ(reference::num_pieces(mesh), 1U);
+      EXPECT_EQ(reference::euler_characteristic(mesh),
+                2 - 2 * static_cast<int>(design.num_tunnels));
+    }
+    if (design.hollow) {
+      EXPECT_LT(reference::volume(part.hollow), 0.7 * reference::volume(mesh_of(part)));
+      EXPECT_LT(reference::diameter(part.hollow.vertices),
+                1.001 * reference::diameter(part.vertices));
+    }
+  }
+}
+
+TEST(MakeParts, ThingsOfAHouseholdHaveTheSymmetryThatTheyDeclareAndNoOther) {
+  for (const Part& part : household()) {
+    SCOPED_TRACE(part.name);
+    const double diameter = reference::diameter(part.vertices);
+    for (const Mesh& mesh : {mesh_of(part), part.hollow}) {
+      for (const Pose& motion : motions(part.symmetry)) {
+        double worst = 0;
+        for (std::size_t i = 0; i < mesh.vertices.size(); i += mesh.vertices.size() / 50) {
+          const Vector3d p = motion.cast<double>() * mesh.vertices[i].cast<double>();
+          worst = std::max(worst, reference::distance_to_mesh(p, mesh));
+        }
+        EXPECT_LT(worst, 0.005 * diameter);
+      }
+    }
+    const Symmetry found = found_symmetry(part, static_cast<float>(diameter));
+    EXPECT_EQ(found.axis.has_value(), part.symmetry.axis.has_value());
+    EXPECT_LE(found.poses.size(), part.symmetry.poses.size());
+  }
+}
+
+TEST(MakeParts, MakesAHouseholdOnlyWhereItIsNamed) {
+  for (const std::string& name : household_families()) {
+    const std::vector<std::string> parts = part_families();
+    EXPECT_EQ(std::ranges::find(parts, name), parts.end()) << name;
+  }
+  const std::vector<Part> few = make_parts(2, kSeed, std::vector<std::string>{"hex_nut", "carton"});
+  EXPECT_EQ(few[0].name, "hex_nut_0");
+  EXPECT_TRUE(same(few[1], household()[1]));
+}
+
 }  // namespace
 }  // namespace trivet

@@ -1,0 +1,28 @@
+/// Smooth random fields over an image: bumps and waves of a given length.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace trivet::kernels {
+
+/// A field of mean 0 and mean square 1 that is smooth over `length_pixel`.
+///
+/// Independent normal numbers on a lattice of `length_pixel` / 2, interpolated by cubic B-splines:
+/// the autocorrelation falls to a half at half a length and to 0.05 at a length. Depends on
+/// (seed, stream, item) and the pixel alone. Building it allocates; looking does not.
+class WaveField {
+ public:
+  /// length_pixel >= 2
+  WaveField(std::uint32_t width, std::uint32_t height, double length_pixel, std::uint64_t seed,
+            std::uint64_t stream, std::uint64_t first_item);
+  double at(double u, double v) const noexcept;
+
+ private:
+  double spacing_;
+  std::size_t columns_;
+  std::vector<float> knots_;
+};
+
+}  // namespace trivet::kernels
