@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -18,12 +20,13 @@ namespace trivet::apps {
 namespace {
 
 constexpr double kRidge = 1;
+constexpr std::uint64_t kMaxOutcomesBytes = 1ULL << 30;
 /// Share of right ones among the detections that scores are given for. In the calibration scenes it
 /// is lower, as half of their objects and a third of the scenes are unknown to the library.
 constexpr double kRightShare = 1.0 / 3;
 
 struct CalibrateArguments {
-  std::vector<std::string> libraries, manifests;
+  std::vector<std::string> libraries, manifests, outcomes;
   std::string output, csv;
   unsigned rounds = 2;
 };
@@ -41,16 +44,20 @@ Result<Outcomes> recognise_with(const kernels::ScoreModel& score,
         recogniser, *manifest, {}, context.console.progress("recognised", context.stop), outcomes);
     if (!added) return added.error();
   }
+  return outcomes;
+}
+
+Result<void> check_outcomes(const Outcomes& outcomes, const std::string& source) {
   const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
   if (num_right < 20 || static_cast<std::size_t>(num_right) + 20 > outcomes.right.size()) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected scenes with at least 20 right and 20 wrong detections, "
                              "found {} and {}; scan more scenes, with objects that the library has "
                              "and others that it has not",
-                             arguments.manifests.front(), num_right,
+                             source, num_right,
                              outcomes.right.size() - static_cast<std::size_t>(num_right))};
   }
-  return outcomes;
+  return {};
 }
 
 /// Move a fitted model from the share of right ones that it was fitted to, to another one.
@@ -85,8 +92,7 @@ std::string row(const std::array<float, N>& values, std::string_view name) {
 }
 
 /// The source that default_score() is built from.
-std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes,
-                      std::size_t num_scenes) {
+std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes) {
   const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
   std::string knots;
   std::array<std::string, 2> weights;
@@ -96,9 +102,8 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
       weights[errors] += row(model.weights[errors][k], kernels::kScoreParts[k].name);
   }
   return fmt::format(
-      "// Written by `trivet calibrate` {}, from {} rendered scenes with {} right and\n"
-      "// {} wrong detections; prior share of right ones {:.3f}. scripts/calibrate scans the "
-      "scenes.\n"
+      "// Written by `trivet calibrate` {}, from {} right and {} wrong detections in rendered\n"
+      "// scenes; prior share of right ones {:.3f}. scripts/calibrate scans the scenes.\n"
       "#include \"kernels/pose_score.hpp\"\n\n"
       "namespace trivet::kernels {{\n\n"
       "// clang-format off\n"
@@ -110,19 +115,22 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
       "}}\n"
       "// clang-format on\n\n"
       "}}  // namespace trivet::kernels\n",
-      TRIVET_VERSION, num_scenes, num_right,
-      outcomes.right.size() - static_cast<std::size_t>(num_right), kRightShare,
-      number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
+      TRIVET_VERSION, num_right, outcomes.right.size() - static_cast<std::size_t>(num_right),
+      kRightShare, number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
 }
 
 Result<void> publish_text(const std::string& file, const std::string& text) {
   return publish_file(file, std::as_bytes(std::span(text)));
 }
 
-std::string csv_of(const Outcomes& outcomes) {
+std::string csv_header() {
   std::string text = "right";
   for (const kernels::ScorePart& part : kernels::kScoreParts) text += fmt::format(",{}", part.name);
-  text += '\n';
+  return text;
+}
+
+std::string csv_of(const Outcomes& outcomes) {
+  std::string text = csv_header() + '\n';
   for (std::size_t i = 0; i < outcomes.right.size(); ++i) {
     text += outcomes.right[i] != 0 ? '1' : '0';
     for (const float value : outcomes.parts[i]) text += fmt::format(",{:.6g}", value);
@@ -131,24 +139,67 @@ std::string csv_of(const Outcomes& outcomes) {
   return text;
 }
 
+/// Add what csv_of() wrote.
+Result<void> read_outcomes(const std::string& file, Outcomes& outcomes) {
+  const Result<MappedFile> bytes = MappedFile::open(file, kMaxOutcomesBytes);
+  if (!bytes) return bytes.error();
+  const std::span<const std::byte> view = bytes->bytes();
+  std::istringstream lines(std::string(reinterpret_cast<const char*>(view.data()), view.size()));
+  std::string line;
+  std::getline(lines, line);
+  if (line != csv_header()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected outcomes of this version, of columns \"{}\", found "
+                             "\"{:.100}\"",
+                             file, csv_header(), line)};
+  }
+  for (std::size_t number = 2; std::getline(lines, line); ++number) {
+    std::istringstream fields(line);
+    int right = -1;
+    kernels::ScoreParts parts{};
+    fields >> right;
+    for (float& part : parts) fields.ignore(1, ',') >> part;
+    if (!fields || (right != 0 && right != 1) || fields.peek() != EOF) {
+      return Error{ErrorCode::bad_data,
+                   fmt::format("{}: line {}: expected 0 or 1 and {} numbers, found \"{:.100}\"",
+                               file, number, parts.size(), line)};
+    }
+    outcomes.parts.push_back(parts);
+    outcomes.right.push_back(static_cast<std::uint8_t>(right));
+  }
+  return {};
+}
+
 Result<void> calibrate_score(const CalibrateArguments& arguments, const Context& context) {
   if (arguments.libraries.size() != arguments.manifests.size()) {
     return Error{ErrorCode::usage,
                  fmt::format("expected one --library for each --scenes, found {} and {}",
                              arguments.libraries.size(), arguments.manifests.size())};
   }
-  std::size_t num_scenes = 0;
-  for (const std::string& file : arguments.manifests) {
-    const Result<Manifest> manifest = read_manifest(file);
-    if (!manifest) return manifest.error();
-    num_scenes += manifest->scenes.size();
+  if (arguments.manifests.empty() && arguments.outcomes.empty())
+    return Error{ErrorCode::usage, "expected --scenes or --outcomes to fit to, found neither"};
+  Outcomes known;
+  for (const std::string& file : arguments.outcomes) {
+    if (const Result<void> read = read_outcomes(file, known); !read) return read;
   }
+  const std::string& source =
+      arguments.manifests.empty() ? arguments.outcomes.front() : arguments.manifests.front();
   kernels::ScoreModel model = kernels::default_score();
   Outcomes outcomes;
-  for (unsigned round = 0; round < arguments.rounds; ++round) {
+  // Outcomes of earlier runs stay as they are.
+  const unsigned rounds = arguments.manifests.empty() ? 1 : arguments.rounds;
+  for (unsigned round = 0; round < rounds; ++round) {
     Result<Outcomes> found = recognise_with(model, arguments, context);
     if (!found) return found.error();
-    outcomes = std::move(*found);
+    if (!arguments.csv.empty()) {
+      const Result<void> written = publish_text(arguments.csv, csv_of(*found));
+      if (!written) return written;
+    }
+    outcomes = known;
+    outcomes.parts.insert(outcomes.parts.end(), found->parts.begin(), found->parts.end());
+    outcomes.right.insert(outcomes.right.end(), found->right.begin(), found->right.end());
+    if (arguments.output.empty()) return {};
+    if (const Result<void> enough = check_outcomes(outcomes, source); !enough) return enough;
     const double before = kernels::log_loss(model, outcomes.parts, outcomes.right);
     model = kernels::fit_score(outcomes.parts, outcomes.right, kRidge);
     context.console.line(fmt::format("round {}: {} detections, log loss {:.4f} -> {:.4f}",
@@ -156,11 +207,7 @@ Result<void> calibrate_score(const CalibrateArguments& arguments, const Context&
                                      kernels::log_loss(model, outcomes.parts, outcomes.right)));
   }
   set_prior(model, outcomes);
-  if (!arguments.csv.empty()) {
-    const Result<void> written = publish_text(arguments.csv, csv_of(outcomes));
-    if (!written) return written;
-  }
-  return publish_text(arguments.output, source_of(model, outcomes, num_scenes));
+  return publish_text(arguments.output, source_of(model, outcomes));
 }
 
 }  // namespace
@@ -173,16 +220,14 @@ void add_calibrate(CLI::App& app, Context& context) {
       "Recognises the scenes, and fits a monotone logistic model to what the examination of each\n"
       "detection found and whether it was right. The detections depend on their scores, so this\n"
       "is done in rounds. Objects in the scenes that the library does not have are unknown ones.");
-  command
-      ->add_option("--library", arguments->libraries,
-                   "Library to find in the scenes that follow; as often as --scenes")
-      ->required();
-  command->add_option("--scenes", arguments->manifests, "Manifest of scenes with their truth")
-      ->required();
-  command
-      ->add_option("-o,--output", arguments->output,
-                   "C++ source of the score, kernels/default_score.cpp")
-      ->required();
+  command->add_option("--library", arguments->libraries,
+                      "Library to find in the scenes that follow; as often as --scenes");
+  command->add_option("--scenes", arguments->manifests, "Manifest of scenes with their truth");
+  command->add_option("--outcomes", arguments->outcomes,
+                      "What --csv of earlier runs wrote, to fit to as well or alone");
+  command->add_option("-o,--output", arguments->output,
+                      "C++ source of the score, kernels/default_score.cpp; without it nothing is "
+                      "fitted");
   command->add_option("--csv", arguments->csv,
                       "Write the parts of every detection's score and the outcome to this file");
   command->add_option("--rounds", arguments->rounds, "Of recognising and fitting")

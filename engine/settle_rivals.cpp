@@ -86,8 +86,7 @@ class Rivalry {
     const PreparedScene& scene = tester_.scene();
     const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
     const bool wavy = scene.sensor.waviness.height > kWavy * scene.sensor.noise;
-    return {tester_.error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3,
-            tester_.edge_pixels(pose)};
+    return {tester_.error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
   }
 
   bool is_rival(const Pose& pose, const Candidate& candidate) {

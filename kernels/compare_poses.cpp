@@ -31,11 +31,8 @@ Rendered render(const CompareScratch::Look& look, std::size_t at, const Eigen::M
 
 class Comparer {
  public:
-  Comparer(const RangeImage& image, float sigma, int edge_pixels, const VerifyOptions& options)
-      : image_(image),
-        options_(options),
-        sigma_(static_cast<double>(sigma)),
-        edge_pixels_(edge_pixels) {}
+  Comparer(const RangeImage& image, float sigma, const VerifyOptions& options)
+      : image_(image), options_(options), sigma_(static_cast<double>(sigma)) {}
 
   /// Whether the renderings tell the poses apart here.
   bool differ(const Rendered& a, const Rendered& b) const noexcept {
@@ -50,9 +47,6 @@ class Comparer {
     const float tolerance = options_.tolerance;
     const auto [r, pixel] = measure_along(image_, u, v, pose.z, pose.scale, tolerance);
     if (pixel < 0) return 0;
-    if (std::abs(r) > tolerance &&
-        measured_beside(image_, u, v, pose.z, pose.scale, tolerance, edge_pixels_))
-      return 0;
     if (options_.is_background(image_.plane[static_cast<std::size_t>(pixel)]))
       return std::abs(r) <= tolerance ? 0 : std::log(kSeenThrough);
     const double share = static_cast<double>(r) / sigma_;
@@ -65,7 +59,6 @@ class Comparer {
   const RangeImage& image_;
   const VerifyOptions& options_;
   double sigma_;
-  int edge_pixels_;
 };
 
 }  // namespace
@@ -91,7 +84,7 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene&
     shoot_rays(g, crop, surface, T_camera_second, scratch.directions, scratch.second.depth,
                scratch.second.normals);
 
-    const Comparer comparer(image, sigma, errors.edge_pixels, options);
+    const Comparer comparer(image, sigma, options);
     const int side =
         std::max(1, (errors.together + crop.stride / 2) / crop.stride);  // of a block [rays]
     const double share = 1.0 / (side * side);

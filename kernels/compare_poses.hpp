@@ -29,7 +29,6 @@ struct PoseComparison {
 struct MeasurementErrors {
   float deviation = 0;  ///< standard deviation [scene unit], >= 0
   int together = 3;     ///< side of a block of pixels that err alike [pixel], >= 1
-  int edge_pixels = 0;  ///< by which an outline may be seen beside its place
 };
 
 /// Working memory of compare_poses.
@@ -50,13 +49,13 @@ struct CompareScratch {
 /// surface  of the model, in its own frame and unit
 /// Of a pose that meets the model: with r the perpendicular residual, the likelihood is that of a
 /// normal distribution around 0, as wide as noise and error of model and pose together, mixed with
-/// a uniform one (relative to what a pixel off the model may show); where only a pixel beside fits,
-/// as outlines are seen, it says nothing. Measured in front is occlusion and says nothing, unless
-/// it is a background plane, which nothing reaches through; nor does a background plane at the
-/// model's depth, a missing measurement or a grazing surface. A block of pixels that err alike has
-/// one vote. compare_poses(b, a) is exactly the negative of compare_poses(a, b). Source: Vuong,
-/// Econometrica 1989 (likelihood ratio of models that do not contain each other); z takes the mean
-/// square of the votes for their variance, so that a few cannot be significant.
+/// a uniform one (relative to what a pixel off the model may show). Measured in front is occlusion
+/// and says nothing, unless it is a background plane, which nothing reaches through; nor does a
+/// background plane at the model's depth, a missing measurement or a grazing surface. A block of
+/// pixels that err alike has one vote.
+/// compare_poses(b, a) is exactly the negative of compare_poses(a, b).
+/// Source: Vuong, Econometrica 1989 (likelihood ratio of models that do not contain each other); z
+/// takes the mean square of the votes for their variance, so that a few cannot be significant.
 PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene& surface,
                              const ModelSamples& samples, const Pose& T_scene_first,
                              const Pose& T_scene_second, const MeasurementErrors& errors,

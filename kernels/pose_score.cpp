@@ -15,6 +15,7 @@ constexpr float kPixelsAlike = 20;
 
 ScoreParts score_parts(const Examination& e, float relative_tolerance, float correlation) noexcept {
   const float seen = e.consistent + e.violation + e.background;
+  const float silhouette = e.covered + e.outside;  // nothing was measured beyond the images
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   // The constants are what a sensor cannot tell from nothing: without them a part would grow with
   // the number of pixels, and near objects would score better than far ones.
@@ -29,8 +30,8 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
       std::log(e.smooth + 0.005F),
       std::log(e.slope + 0.02F),
       std::log(e.hold + 0.0003F),
-      std::log(e.consistent / (e.covered + 1) + 0.02F),
-      e.unknown / (e.covered + 1),
+      std::log(e.consistent / (silhouette + 1) + 0.02F),
+      (e.unknown + e.outside) / (silhouette + 1),
       std::log(std::min(e.consistent / std::lerp(1.0F, kPixelsAlike, correlation), kEnoughPixels) +
                1),
       std::log(relative_tolerance),
