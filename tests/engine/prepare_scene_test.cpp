@@ -151,7 +151,7 @@ TEST(PrepareScene, GivesTheSameByTheWindowThatTheNoiseAsksFor) {
   const engine::PreparedScene fixed =
       prepare(noisy_parts(), {}, {.normal_window = by_noise.window});
   EXPECT_TRUE(test::same_bits(fixed.normals, by_noise.normals));
-  EXPECT_EQ(fixed.noise, by_noise.noise) << "is measured in a window of its own";
+  EXPECT_EQ(fixed.sensor.noise, by_noise.sensor.noise) << "is measured in a window of its own";
 }
 
 TEST(ChooseVoters, LeavesOutWhatTheMarkedPixelsMeasured) {

@@ -173,8 +173,8 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   }
   constexpr float kBehind = 1.57F;
   const Detection hidden = look_at(kBehind).second;
-  EXPECT_GT(kernels::pose_probability(recogniser.score(), hidden.parts), 0.8F) << "it is a mug";
-  EXPECT_LT(hidden.score, 0.5F) << "its turn is open";
+  EXPECT_GT(hidden.score, 0.8F) << "it is a mug";
+  EXPECT_LT(hidden.pose_share, 0.5F) << "its turn is open";
   EXPECT_FALSE(hidden.rivals.empty());
   const Detection unrivalled = look_at(kBehind, {Improvement::rivals}).second;
   EXPECT_EQ(unrivalled.score, kernels::pose_probability(recogniser.score(), unrivalled.parts));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -30,6 +32,7 @@ Rows draw(std::size_t n, std::uint64_t seed) {
   for (std::size_t i = 0; i < n; ++i) {
     ScoreParts parts;
     for (float& value : parts) value = random.uniform(-1, 1);
+    parts[kCorrelationPart] = 0;
     const float log_odds = -2 * parts[kViolation] + 3 * parts[kHold];
     rows.parts.push_back(parts);
     rows.right.push_back(random.uniform(0, 1) < 1 / (1 + std::exp(-log_odds)) ? 1 : 0);
@@ -37,17 +40,25 @@ Rows draw(std::size_t n, std::uint64_t seed) {
   return rows;
 }
 
+std::vector<float> weights_of(const ScoreModel& model) {
+  std::vector<float> all;
+  for (const ScoreModel::Weights& weights : model.weights) {
+    for (const auto& ramps : weights) all.insert(all.end(), ramps.begin(), ramps.end());
+  }
+  return all;
+}
+
 double objective(const ScoreModel& model, const Rows& rows, double ridge) {
   double sum = 0;
   for (std::size_t i = 0; i < rows.parts.size(); ++i) {
-    double z = static_cast<double>(model.bias);
+    const std::array<float, 2> shares = sensor_shares(rows.parts[i]);
+    double z = static_cast<double>(shares[0] * model.bias[0] + shares[1] * model.bias[1]);
     for (std::size_t k = 0; k < kNumScoreParts; ++k)
       z += static_cast<double>(part_evidence(model, rows.parts[i], k));
     sum += std::log1p(std::exp(rows.right[i] != 0 ? -z : z));
   }
-  for (const auto& weights : model.weights) {
-    for (const float weight : weights) sum += ridge / 2 * static_cast<double>(weight * weight);
-  }
+  for (const float weight : weights_of(model))
+    sum += ridge / 2 * static_cast<double>(weight * weight);
   return sum;
 }
 
@@ -68,12 +79,12 @@ TEST(FitScore, FindsTheMinimum) {
   const Rows rows = draw(1000, 3);
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   const double least = objective(model, rows, 1);
-  for (std::size_t k = 0; k < kNumScoreParts; ++k) {
+  for (std::size_t k = 0; k < kCorrelationPart; ++k) {
     for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
-      ASSERT_GE(model.weights[k][i], 0);
+      ASSERT_GE(model.weights[0][k][i], 0);
       for (const float step : {-0.02F, 0.02F}) {
         ScoreModel moved = model;
-        moved.weights[k][i] = std::max(0.0F, moved.weights[k][i] + step);
+        moved.weights[0][k][i] = std::max(0.0F, moved.weights[0][k][i] + step);
         EXPECT_GE(objective(moved, rows, 1), least - 1e-4) << kScoreParts[k].name << " " << i;
       }
     }
@@ -86,9 +97,7 @@ TEST(FitScore, BoundsWhatDividesAllOutcomes) {
     rows.right[i] = rows.parts[i][kHold] > 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   EXPECT_TRUE(std::isfinite(log_loss(model, rows.parts, rows.right)));
-  for (const auto& weights : model.weights) {
-    for (const float weight : weights) EXPECT_LT(weight, 50);
-  }
+  for (const float weight : weights_of(model)) EXPECT_LT(weight, 50);
 }
 
 // A part that stands for a right pose but comes with wrong ones is not believed.
@@ -97,7 +106,7 @@ TEST(FitScore, TurnsNoPartAround) {
   for (std::size_t i = 0; i < rows.parts.size(); ++i)
     rows.right[i] = rows.parts[i][kHold] < 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
-  for (const float weight : model.weights[kHold]) EXPECT_EQ(weight, 0);
+  for (const float weight : model.weights[0][kHold]) EXPECT_EQ(weight, 0);
 }
 
 }  // namespace

@@ -27,28 +27,35 @@ Examination good() {
   return e;
 }
 
-float probability(const Examination& e) {
-  return pose_probability(default_score(), score_parts(e, 0.016F));
+float probability(const Examination& e, float correlation = 0) {
+  return pose_probability(default_score(), score_parts(e, 0.016F, correlation));
 }
 
 TEST(PoseScore, IsAProbability) {
-  EXPECT_GT(probability(good()), 0.8F);
-  EXPECT_LT(probability(Examination{}), 0.05F) << "nothing was seen";
+  for (const float correlation : {0.0F, 0.5F, 1.0F}) {
+    EXPECT_GT(probability(good(), correlation), 0.5F) << correlation;
+    EXPECT_LE(probability(good(), correlation), 1) << correlation;
+    EXPECT_GE(probability(Examination{}, correlation), 0) << correlation;
+    EXPECT_LT(probability(Examination{}, correlation), 0.05F) << "nothing was seen";
+  }
 }
 
 TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
-  const auto worse = [](auto&& change) {
-    Examination e = good();
-    change(e);
-    return probability(e);
-  };
-  const float best = probability(good());
-  EXPECT_LT(worse([](Examination& e) { e.violation = 300; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.buried = 100; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);
+  for (const float correlation : {0.0F, 1.0F}) {
+    SCOPED_TRACE(correlation);
+    const auto worse = [&](auto&& change) {
+      Examination e = good();
+      change(e);
+      return probability(e, correlation);
+    };
+    const float best = probability(good(), correlation);
+    EXPECT_LT(worse([](Examination& e) { e.violation = 300; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.buried = 100; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);
+  }
 }
 
 // Whatever the fit: more of a part never speaks against what it stands for.
@@ -59,8 +66,9 @@ TEST(PoseScore, IsMonotoneInEachPart) {
     ScoreParts parts;
     for (std::size_t k = 0; k < parts.size(); ++k)
       parts[k] = random.uniform(model.knots[k].front() - 1, model.knots[k].back() + 1);
+    parts[kCorrelationPart] = random.uniform(0, 1);
     const float before = pose_probability(model, parts);
-    for (std::size_t k = 0; k < parts.size(); ++k) {
+    for (std::size_t k = 0; k < kCorrelationPart; ++k) {
       ScoreParts more = parts;
       more[k] += kScoreParts[k].favourable ? 0.3F : -0.3F;
       EXPECT_GE(pose_probability(model, more), before) << kScoreParts[k].name;
@@ -68,12 +76,10 @@ TEST(PoseScore, IsMonotoneInEachPart) {
   }
 }
 
-TEST(PoseScore, AddsWhatItsPartsSay) {
-  const ScoreModel& model = default_score();
-  const ScoreParts parts = score_parts(good(), 0.016F);
-  double log_odds = static_cast<double>(model.bias);
+/// A naive reference, of one kind of errors: walk along the knots.
+double log_odds_of(const ScoreModel& model, const ScoreParts& parts, std::size_t errors) {
+  double log_odds = static_cast<double>(model.bias[errors]);
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    // A naive reference: walk along the knots.
     for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
       const double low = static_cast<double>(model.knots[k][i]),
                    high = static_cast<double>(model.knots[k][i + 1]);
@@ -81,10 +87,17 @@ TEST(PoseScore, AddsWhatItsPartsSay) {
       double share = (static_cast<double>(parts[k]) - low) / (high - low);
       share = share < 0 ? 0 : share > 1 ? 1 : share;
       if (!kScoreParts[k].favourable) share = 1 - share;
-      log_odds += share * static_cast<double>(model.weights[k][i]);
+      log_odds += share * static_cast<double>(model.weights[errors][k][i]);
     }
   }
-  EXPECT_NEAR(pose_probability(model, parts), 1 / (1 + std::exp(-log_odds)), 1e-5);
+  return log_odds;
+}
+
+TEST(PoseScore, AddsWhatItsPartsSay) {
+  const ScoreModel& model = default_score();
+  const ScoreParts parts = score_parts(good(), 0.016F, 0);
+  EXPECT_NEAR(pose_probability(model, parts), 1 / (1 + std::exp(-log_odds_of(model, parts, 0))),
+              1e-5);
 }
 
 TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
@@ -92,7 +105,7 @@ TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
   for (std::size_t k = 0; k < kNumScoreParts; ++k) {
     for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
       EXPECT_LE(model.knots[k][i], model.knots[k][i + 1]);
-      EXPECT_GE(model.weights[k][i], 0);
+      for (const ScoreModel::Weights& weights : model.weights) EXPECT_GE(weights[k][i], 0);
     }
   }
 }
