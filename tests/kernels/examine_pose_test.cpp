@@ -403,6 +403,69 @@ TEST(ExaminePose, SeesWhereTheModelDipsBeneathTheScene) {
   EXPECT_EQ(seen_with(wall, slanted), 0) << "and what leans on it makes a fold";
 }
 
+ExamineOptions blurred(float edge_pixels, float correlation = 0) {
+  ExamineOptions options;
+  options.edge_pixels = edge_pixels;
+  options.correlation = correlation;
+  return options;
+}
+
+// Cameras that match windows show outlines by up to half a window beside their place.
+TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const RangeImage image = look({{&brick(), flat}});
+  RangeImage shifted = image;
+  for (std::size_t pixel = 3; pixel < image.depth.size(); ++pixel)
+    shifted.depth[pixel] = image.depth[pixel - 3];
+  const Examination strict = examine(shifted, brick(), flat, {}, nullptr, blurred(0));
+  EXPECT_GT(strict.violation, 50) << "the wall is seen through the side that it moved from";
+  EXPECT_GT(strict.outline_crossed, 20) << "and it runs on over the other one";
+  const Examination lenient = examine(shifted, brick(), flat, {}, nullptr, blurred(5));
+  EXPECT_EQ(lenient.violation, 0);
+  EXPECT_EQ(lenient.outline_crossed, 0);
+  EXPECT_EQ(lenient.consistent, strict.consistent);
+  EXPECT_GT(lenient.outline_free, strict.outline_free);
+}
+
+TEST(ExaminePose, SeesAHoleInTheMiddleThroughAnyBlur) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = look({{&brick(), flat}});
+  constexpr int kLeft = 68, kTop = 50, kAcross = 24, kDown = 20, kEdge = 5;
+  for (int v = kTop; v < kTop + kDown; ++v) {
+    for (int u = kLeft; u < kLeft + kAcross; ++u)
+      image.depth[static_cast<std::size_t>(v * 160 + u)] = kFar;
+  }
+  const Examination strict = examine(image, brick(), flat, {}, nullptr, blurred(0));
+  const Examination lenient = examine(image, brick(), flat, {}, nullptr, blurred(kEdge, 1));
+  // A pixel beside another one counts as that one: a pixel is lost on each side. Rays are two
+  // pixels apart.
+  EXPECT_NEAR(strict.violation, (kAcross - 2) * (kDown - 2), 2 * (kAcross + kDown));
+  constexpr int kWithin = (kAcross - 2 * kEdge) * (kDown - 2 * kEdge);
+  EXPECT_NEAR(lenient.violation, kWithin, 2 * (kAcross + kDown - 4 * kEdge));
+}
+
+// The scene lies behind the model, or before it, by so many tolerances.
+TEST(ExaminePose, CountsAViolationMoreTheMoreItIsOne) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const auto at = [&](float tolerances, float correlation) {
+    const Pose moved = test::pose_of({0, 0, 0}, {0, 0, 0.6F + tolerances * kTolerance});
+    return examine(look({{&brick(), moved}}), brick(), flat, {}, nullptr, blurred(0, correlation));
+  };
+  const float whole = at(4, 0).violation;
+  EXPECT_GT(whole, 1000);
+  for (const float correlation : {0.4F, 1.0F}) {
+    const float soft = 1.5F * correlation;
+    EXPECT_EQ(at(0.99F, correlation).violation, 0);
+    for (const float share : {0.1F, 0.5F, 0.9F}) {
+      EXPECT_NEAR(at(1 + share * soft, correlation).violation, share * whole, 0.05F * whole);
+      EXPECT_NEAR(at(1 + share * soft, 0).violation, whole, 0.05F * whole) << "else at once";
+    }
+    EXPECT_NEAR(at(1.01F + soft, correlation).violation, whole, 0.05F * whole);
+    EXPECT_NEAR(at(-1 - 0.5F * soft, correlation).occluded, whole, 0.05F * whole)
+        << "what hides the model hides it";
+  }
+}
+
 TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
   const RangeImage image = look({{&brick(), kCorner}});
   for (const Vector3f& place : {Vector3f(0, 0, -1), Vector3f(3, 0, 0.6F)}) {

@@ -100,6 +100,53 @@ TEST(PoseScore, AddsWhatItsPartsSay) {
               1e-5);
 }
 
+double log_odds(double probability) { return std::log(probability / (1 - probability)); }
+
+// Between scans whose pixels err for themselves and scans whose neighbours err alike.
+TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
+  test::Random random;
+  ScoreModel model;
+  for (std::size_t k = 0; k < kCorrelationPart; ++k) {
+    for (std::size_t i = 0; i < ScoreModel::kKnots; ++i)
+      model.knots[k][i] = static_cast<float>(i) + random.uniform(-0.4F, 0.4F);
+    for (ScoreModel::Weights& weights : model.weights) {
+      for (float& weight : weights[k]) weight = random.uniform(0, 0.2F);
+    }
+  }
+  model.bias = {-2, -1};
+  ScoreModel first = model, second = model;  // that differ in the other weights
+  first.bias[1] = second.bias[0] = 7;
+  first.weights[1] = model.weights[0];
+  second.weights[0] = model.weights[1];
+  for (int round = 0; round < 20; ++round) {
+    ScoreParts parts;
+    for (float& part : parts) part = random.uniform(-0.5F, 4.5F);
+    const auto at = [&](const ScoreModel& of, float correlation) {
+      parts[kCorrelationPart] = correlation;
+      return pose_probability(of, parts);
+    };
+    EXPECT_EQ(at(model, 0), at(first, 0));
+    EXPECT_EQ(at(model, 1), at(second, 1));
+    const double independent = log_odds_of(model, parts, 0), shared = log_odds_of(model, parts, 1);
+    EXPECT_GT(std::abs(independent - shared), 0.01);
+    for (const float correlation : {0.0F, 0.25F, 0.5F, 0.9F, 1.0F}) {
+      const double mixed = std::lerp(independent, shared, static_cast<double>(correlation));
+      EXPECT_NEAR(log_odds(static_cast<double>(at(model, correlation))), mixed, 1e-4);
+    }
+  }
+}
+
+TEST(PoseScore, CountsPixelsThatErrAlikeAsFewer) {
+  constexpr std::size_t kPixels = kNumScoreParts - 3;
+  static_assert(kScoreParts[kPixels].name == "pixels");
+  const ScoreParts own = score_parts(good(), 0.016F, 0), alike = score_parts(good(), 0.016F, 1);
+  EXPECT_NEAR(own[kPixels], std::log(200 + 1), 1e-5) << "more say how near the object is";
+  EXPECT_NEAR(alike[kPixels], std::log(900.0 / 20 + 1), 1e-5);
+  EXPECT_EQ(own[kCorrelationPart], 0);
+  EXPECT_EQ(alike[kCorrelationPart], 1);
+  for (std::size_t k = 0; k < kPixels; ++k) EXPECT_EQ(own[k], alike[k]) << kScoreParts[k].name;
+}
+
 TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
   const ScoreModel& model = default_score();
   for (std::size_t k = 0; k < kNumScoreParts; ++k) {
