@@ -91,15 +91,17 @@ Detection parse_detection(const JsonNode& node) {
     return node.has(key) ? static_cast<float>(node.at(key).number())
                          : std::numeric_limits<float>::quiet_NaN();
   };
-  return {node.at("model").string(),
-          static_cast<float>(node.at("score").number()),
-          node.at("T_scene_model").pose(),
-          number("visible_fraction"),
-          number("violation"),
-          number("contour"),
-          number("rmse"),
-          {},
-          {}};
+  Detection detection{node.at("model").string(),
+                      static_cast<float>(node.at("score").number()),
+                      node.at("T_scene_model").pose(),
+                      number("visible_fraction"),
+                      number("violation"),
+                      number("contour"),
+                      number("rmse"),
+                      {},
+                      {}};
+  if (node.has("pose_share")) detection.pose_share = number("pose_share");
+  return detection;
 }
 
 StoredScene parse_scene(const JsonNode& node) {

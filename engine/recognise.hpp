@@ -160,6 +160,9 @@ struct Detection {
   Source source = Source::ppf;        ///< that proposed it
   float pose_share = 1;               ///< of the score, what is this pose's, 0..1
   std::optional<TurnExtent> turns{};  ///< that the scan cannot tell apart; of a near axis
+
+  /// Probability that the object is here in this very pose.
+  float pose_score() const noexcept { return score * pose_share; }
 };
 
 enum class Rejection {

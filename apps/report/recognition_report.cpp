@@ -102,7 +102,7 @@ std::string origin(const RecognitionReport& report) {
            {"training", library.header.parameters},
            {"unit of the library", unit_name(library.header.unit)},
            {"models searched", models.empty() ? "all" : models},
-           {"least score", number(o.min_score)},
+           {"least score", number(o.min_score) + (o.require_pose ? ", of the very pose" : "")},
            {"instances a model", number(o.max_instances)},
            {"radius of pairs", fmt::format("{} diameters", o.vote.radius)},
            {"reference share", number(o.vote.reference_share)},

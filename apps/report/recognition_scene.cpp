@@ -115,6 +115,11 @@ std::string reason_in_words(const Subject& subject, const RejectedPose& rejected
   switch (rejected.reason) {
     case Rejection::too_low: {
       what = "below " + percent(options.min_score);
+      if (options.require_pose && rejected.score >= options.min_score) {
+        what = "this very pose is " + what;
+        why = "the scan does not tell it from others of this place";
+        break;
+      }
       const std::string costs = costliest_findings(subject.score(), rejected.parts);
       why = !rejected.explained_by ? costs : costs.empty() ? why : costs + "; " + why;
       break;

@@ -136,6 +136,12 @@ TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   }
 }
 
+TEST_F(TrainRecognize, ReportsAVeryPoseThatIsRequiredWhereTheScanHoldsIt) {
+  const nlohmann::json found = recognized(), required = recognized({"--require-pose"});
+  EXPECT_GT(found["scenes"][0]["detections"][0].at("pose_share"), 0.99);
+  EXPECT_EQ(required, found);
+}
+
 TEST_F(TrainRecognize, PrintsNothingButJsonToStandardOutput) {
   const test::Outcome outcome = run({"recognize", "library.h5", "scan.ply", "--json", "-"});
   ASSERT_EQ(outcome.exit_code, 0);
