@@ -81,6 +81,17 @@ nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
           {"to_deg", kDegreesPerRadian * turns->high}};
 }
 
+/// Lengths in the scene file's unit; null of closed surfaces, which no sensor saw.
+nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& sensor) {
+  if (!sensor) return nullptr;
+  return {{"range", sensor->range},
+          {"noise", sensor->noise},
+          {"shared", sensor->waviness.height},
+          {"exponent", sensor->exponent},
+          {"correlation", sensor->correlation},
+          {"edge_pixels", sensor->edge_pixels()}};
+}
+
 struct StoredScene {
   std::filesystem::path file;
   SceneResult result;
@@ -152,6 +163,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                               {"points", stats.num_points},
                               {"invalid_points", stats.num_invalid},
                               {"noise", stats.noise},
+                              {"sensor", sensor_json(stats.sensor)},
                               {"seconds", std::move(seconds)},
                               {"counts",
                                {{"references", stats.num_references},
