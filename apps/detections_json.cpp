@@ -81,6 +81,17 @@ nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
           {"to_deg", kDegreesPerRadian * turns->high}};
 }
 
+/// Lengths in the scene file's unit; null of closed surfaces, which no sensor saw.
+nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& sensor) {
+  if (!sensor) return nullptr;
+  return {{"range", sensor->range},
+          {"noise", sensor->noise},
+          {"shared", sensor->waviness.height},
+          {"exponent", sensor->exponent},
+          {"correlation", sensor->correlation},
+          {"edge_pixels", sensor->edge_pixels()}};
+}
+
 struct StoredScene {
   std::filesystem::path file;
   SceneResult result;
@@ -91,15 +102,17 @@ Detection parse_detection(const JsonNode& node) {
     return node.has(key) ? static_cast<float>(node.at(key).number())
                          : std::numeric_limits<float>::quiet_NaN();
   };
-  return {node.at("model").string(),
-          static_cast<float>(node.at("score").number()),
-          node.at("T_scene_model").pose(),
-          number("visible_fraction"),
-          number("violation"),
-          number("contour"),
-          number("rmse"),
-          {},
-          {}};
+  Detection detection{node.at("model").string(),
+                      static_cast<float>(node.at("score").number()),
+                      node.at("T_scene_model").pose(),
+                      number("visible_fraction"),
+                      number("violation"),
+                      number("contour"),
+                      number("rmse"),
+                      {},
+                      {}};
+  if (node.has("pose_share")) detection.pose_share = number("pose_share");
+  return detection;
 }
 
 StoredScene parse_scene(const JsonNode& node) {
@@ -150,6 +163,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                               {"points", stats.num_points},
                               {"invalid_points", stats.num_invalid},
                               {"noise", stats.noise},
+                              {"sensor", sensor_json(stats.sensor)},
                               {"seconds", std::move(seconds)},
                               {"counts",
                                {{"references", stats.num_references},

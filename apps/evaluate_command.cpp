@@ -92,8 +92,8 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
                                     ? recognise_scenes(*manifest, arguments, context)
                                     : stored_results(*manifest, arguments, context);
   if (!judged) return judged.error();
-  const Result<Evaluation> evaluation =
-      evaluate(*manifest, *meshes, judged->results, judged->min_score);
+  const Result<Evaluation> evaluation = evaluate(
+      *manifest, *meshes, judged->results, judged->min_score, arguments.recognise.require_pose);
   if (!evaluation) {
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};

@@ -42,6 +42,9 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       ->capture_default_str();
   command.add_option("--min-score", arguments.min_score,
                      "Detections below are not reported, 0 to 1 (default 0.8)");
+  command.add_flag("--require-pose", arguments.require_pose,
+                   "Report only detections whose very pose, not only the object, has the minimum "
+                   "score");
   command.add_option("--max-instances", arguments.max_instances,
                      "Per model and scene (default 100)");
   command.add_option("--normal-window", arguments.normal_window,
@@ -117,6 +120,7 @@ Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
   RecogniseOptions options = recognise_presets().at(arguments.preset);
   options.method = option_names<Method>().at(arguments.method);
   if (arguments.min_score) options.min_score = *arguments.min_score;
+  options.require_pose = arguments.require_pose;
   options.normal_window = arguments.normal_window;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
   if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;

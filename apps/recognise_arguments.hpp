@@ -19,7 +19,7 @@ struct RecogniseArguments {
   std::optional<float> min_score, reference_share, neighbour_share, max_distance, max_ratio,
       keypoint_spacing, max_lean, min_cluster_share, normal_window;
   std::optional<std::uint32_t> max_instances, max_votes, rounds, neighbours;
-  bool weigh_by_ratio = false;
+  bool require_pose = false, weigh_by_ratio = false;
 };
 
 /// `arguments` must live as long as the command.

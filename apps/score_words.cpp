@@ -93,7 +93,8 @@ constexpr std::array<Entry, 15> kEntries{{
        return fmt::format("agreement is to {:.1f} % of the diameter only", 100 * std::exp(v));
      }},
     {"correlation",
-     {"sensor", "how alike neighbouring pixels err: 0, each for itself, to 1, as in matched windows"},
+     {"sensor",
+      "how alike neighbouring pixels err: 0, each for itself, to 1, as in matched windows"},
      [](float v) { return percent(v) + " of the scan's errors are shared by neighbours"; }},
 }};
 

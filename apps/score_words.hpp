@@ -19,7 +19,8 @@ PartWords words_of(std::size_t part);
 /// What this value of a part says of the pose, as "the scene runs on beyond 40 % of its outline".
 std::string finding_of(std::size_t part, float value);
 
-/// The most that each part can add to the log odds; 0 where the model does not weigh it.
+/// The most that each part can add to the log odds of a pose in a scan whose errors correlate like
+/// this from pixel to pixel, 0..1; 0 where the model does not weigh it.
 std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreModel& model,
                                                          float correlation);
 

@@ -54,7 +54,7 @@ void by_rays(benchmark::State& state) {
   for (auto _ : state) {
     agreeing = 0;
     for (const Pose& pose : rough_poses()) {
-      kernels::examine_pose(prepared_scan().images, *surface, samples(), model.symmetry, pose,
+      kernels::examine_pose(prepared_scan().images, *surface, samples(), model.symmetry.axis, pose,
                             examine, scratch, found);
       agreeing += static_cast<double>(found.consistent / found.covered);
     }

@@ -114,11 +114,16 @@ std::optional<Match> nearest_truth(const PoseJudge& judge, const Detection& dete
   return best;
 }
 
+float asked_score(const Detection& detection, bool require_pose) {
+  return require_pose ? detection.pose_score() : detection.score;
+}
+
 /// Judges scene after scene.
 class Judge {
  public:
-  Judge(std::vector<std::string> scored, std::span<const EvaluationMesh> meshes, float min_score)
-      : scored_(std::move(scored)), min_score_(min_score) {
+  Judge(std::vector<std::string> scored, std::span<const EvaluationMesh> meshes, float min_score,
+        bool require_pose)
+      : scored_(std::move(scored)), min_score_(min_score), require_pose_(require_pose) {
     for (const EvaluationMesh& mesh : meshes) judges_.try_emplace(mesh.name, mesh);
   }
 
@@ -153,7 +158,7 @@ class Judge {
   JudgedDetection judge_detection(const ManifestScene& scene, const Detection& detection,
                                   std::span<const TruthOutcome> truths) {
     JudgedDetection judged;
-    judged.reported = detection.score >= min_score_;
+    judged.reported = asked_score(detection, require_pose_) >= min_score_;
     judged.verdict = is_scored(detection.model) ? Verdict::wrong : Verdict::neutral;
     const auto found = judges_.find(detection.model);
     if (found == judges_.end()) return judged;
@@ -179,6 +184,7 @@ class Judge {
 
   std::vector<std::string> scored_;
   float min_score_;
+  bool require_pose_;
   std::map<std::string, PoseJudge> judges_;
 };
 
@@ -194,11 +200,12 @@ double Tally::precision() const noexcept {
 }
 
 Result<Evaluation> evaluate(const Manifest& manifest, std::span<const EvaluationMesh> meshes,
-                            std::span<const std::optional<SceneResult>> results, float min_score) {
+                            std::span<const std::optional<SceneResult>> results, float min_score,
+                            bool require_pose) {
   assert(results.size() == manifest.scenes.size() && "one result, or none, for each scene");
   const Result<std::vector<std::string>> scored = scored_with_mesh(manifest, meshes);
   if (!scored) return scored.error();
-  Judge judge(*scored, meshes, min_score);
+  Judge judge(*scored, meshes, min_score, require_pose);
 
   Evaluation out;
   std::map<std::string, Tally> models;
@@ -233,7 +240,8 @@ Result<Evaluation> evaluate(const Manifest& manifest, std::span<const Evaluation
     for (const JudgedDetection& detection : judged.detections) {
       if (detection.verdict == Verdict::neutral) continue;
       const Detection& own = detections[detection.detection];
-      outcomes.push_back({static_cast<double>(own.score), detection.verdict == Verdict::right});
+      outcomes.push_back({static_cast<double>(asked_score(own, require_pose)),
+                          detection.verdict == Verdict::right});
       if (detection.verdict == Verdict::right || !detection.reported) continue;
       for (Tally* tally : {&out.total, &judged.tally, &models[own.model]}) ++tally->false_positives;
     }

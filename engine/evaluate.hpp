@@ -29,7 +29,7 @@ inline constexpr double kMaxAdd = 0.1;  ///< in diameters
 struct JudgedDetection {
   std::size_t detection = 0;  ///< index in the scene's result
   Verdict verdict = Verdict::wrong;
-  bool reported = true;  ///< its score reaches the threshold; others enter the curves only
+  bool reported = true;  ///< it reaches the threshold; others enter the curves only
   bool found = false;    ///< is the first to find `truth`
   /// Index in the scene's truth: the one found, else the nearest of its model, as the errors say;
   /// none where the scene has none of its model.
@@ -94,10 +94,12 @@ struct Evaluation {
 /// meshes     of the manifest's models (read_evaluation_meshes)
 /// results    one a scene of the manifest, poses in its unit; none where recognition did not run
 /// min_score  of reported detections: they alone enter tallies and medians
+/// require_pose  hold min_score and the curves' thresholds against pose_score, not score
 /// Errors: bad_data (the manifest scores a model that it does not list).
 /// Source: Drost et al., CVPR 2010, section 5 (limits); Hinterstoisser et al., ACCV 2012 (ADD).
 Result<Evaluation> evaluate(const Manifest& manifest, std::span<const EvaluationMesh> meshes,
                             std::span<const std::optional<SceneResult>> results,
-                            float min_score = -std::numeric_limits<float>::infinity());
+                            float min_score = -std::numeric_limits<float>::infinity(),
+                            bool require_pose = false);
 
 }  // namespace trivet

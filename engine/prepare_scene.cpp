@@ -178,12 +178,12 @@ void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& op
 /// How the sensor errs by range and from pixel to pixel; noise and waviness are measured already.
 void measure_sensor(const kernels::RangeImage& image, const RecogniseOptions& options,
                     kernels::SensorModel& sensor) {
-  if (options.without.contains(Improvement::waves)) return;
   std::vector<float> ranges;
   for (const float d : image.depth) {
     if (d > 0) ranges.push_back(d);
   }
   sensor.range = kernels::median(std::span(ranges));
+  if (options.without.contains(Improvement::waves)) return;
   const std::size_t height = image.geometry.height;
   std::vector<std::vector<kernels::SmoothPatch>> rows((height + kRowGrain - 1) / kRowGrain);
   for_each_index(rows.size(), [&](std::size_t k) {

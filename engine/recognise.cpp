@@ -113,6 +113,12 @@ Pose in_file_unit(Pose pose, double scene_scale) {
   return pose;
 }
 
+kernels::SensorModel in_file_unit(kernels::SensorModel sensor, double scene_scale) {
+  for (float* const length : {&sensor.range, &sensor.noise, &sensor.waviness.height})
+    *length /= static_cast<float>(scene_scale);
+  return sensor;
+}
+
 /// A candidate as its user sees it, in the scene file's unit.
 Detection report(const Library& library, const engine::Candidate& candidate, double scene_scale) {
   const Model& model = library.models[candidate.model];
@@ -243,6 +249,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
         report_rejected(library, search, *chosen, order, options.max_rejected, input.scale);
   }
   stats.noise = scene->sensor.noise;
+  if (scene->images.size() == 1) stats.sensor = in_file_unit(scene->sensor, input.scale);
   stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

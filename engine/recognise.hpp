@@ -17,6 +17,7 @@
 #include "engine/recogniser.hpp"
 #include "kernels/examine_pose.hpp"
 #include "kernels/pose_score.hpp"
+#include "kernels/sensor_model.hpp"
 #include "kernels/tri_spin_image.hpp"
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
@@ -160,10 +161,13 @@ struct Detection {
   Source source = Source::ppf;        ///< that proposed it
   float pose_share = 1;               ///< of the score, what is this pose's, 0..1
   std::optional<TurnExtent> turns{};  ///< that the scan cannot tell apart; of a near axis
+
+  /// Probability that the object is here in this very pose.
+  float pose_score() const noexcept { return score * pose_share; }
 };
 
 enum class Rejection {
-  too_low,    ///< the score is below min_score
+  too_low,    ///< the score, or pose_score if that is required, is below min_score
   explained,  ///< better poses already explain more than max_overlap of its pixels
   too_many,   ///< max_instances of its model are better
 };
@@ -208,6 +212,8 @@ struct SceneStats {
   std::size_t num_points = 0;   ///< finite points of the scene
   std::size_t num_invalid = 0;  ///< dropped when reading
   float noise = 0;              ///< measured standard deviation of the surface [library unit]
+  /// How the scan errs, with lengths in the scene file's unit; none of closed surfaces.
+  std::optional<kernels::SensorModel> sensor{};
   std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0,
                 num_refined = 0, num_examined = 0;
 };

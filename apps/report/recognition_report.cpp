@@ -70,20 +70,24 @@ std::string contents(const RecognitionReport& report) {
 }
 
 std::string score_key(const kernels::ScoreModel& model) {
-  const auto most = most_evidence(model, 0);
+  const auto independent = most_evidence(model, 0), shared = most_evidence(model, 1);
   std::string rows;
-  for (std::size_t k = 0; k < most.size(); ++k) {
-    if (!(most[k] > 0)) continue;
-    rows += fmt::format("<tr><td>{}<td class=\"n\">{:.1f}<td class=\"words\">{}\n",
-                        words_of(k).label, most[k], words_of(k).meaning);
+  for (std::size_t k = 0; k < independent.size(); ++k) {
+    if (!(independent[k] > 0 || shared[k] > 0)) continue;
+    rows += fmt::format(
+        "<tr><td>{}<td class=\"n\">{:.1f}<td class=\"n\">{:.1f}<td class=\"words\">{}\n",
+        words_of(k).label, independent[k], shared[k], words_of(k).meaning);
   }
   return fmt::format(
       "<div><h2>How a score is made</h2><div class=\"table\"><p class=\"dim\">Each part gives "
       "evidence for a pose, in log odds, up to the most that it can give. {:.1f} and what all "
-      "parts "
-      "give is the logarithm of the odds that the pose is right: 0 is 50 %, 3 is 95 %.</p>"
-      "<table><tr><th>part<th class=\"n\">at most<th>what it looks at\n{}</table></div></div>\n",
-      model.bias[0], rows);
+      "parts give is the logarithm of the odds that the object is there: 0 is 50 %, 3 is 95 %. "
+      "That is where each pixel of a scan errs for itself; where neighbours err alike, it is "
+      "{:.1f} "
+      "and what the parts give then. Scans between are between.</p>"
+      "<table><tr><th>part<th class=\"n\">at most<th class=\"n\">where neighbours err alike"
+      "<th>what it looks at\n{}</table></div></div>\n",
+      model.bias[0], model.bias[1], rows);
 }
 
 /// What leads to the same result again.
@@ -102,7 +106,7 @@ std::string origin(const RecognitionReport& report) {
            {"training", library.header.parameters},
            {"unit of the library", unit_name(library.header.unit)},
            {"models searched", models.empty() ? "all" : models},
-           {"least score", number(o.min_score)},
+           {"least score", number(o.min_score) + (o.require_pose ? ", of the very pose" : "")},
            {"instances a model", number(o.max_instances)},
            {"radius of pairs", fmt::format("{} diameters", o.vote.radius)},
            {"reference share", number(o.vote.reference_share)},

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <vector>
@@ -26,6 +29,11 @@ struct Subject {
   std::span<const EvaluationMesh> models;
 
   const kernels::ScoreModel& score() const { return report.recogniser.score(); }
+  /// The most that each part can give in this scan.
+  std::array<float, kernels::kNumScoreParts> most() const {
+    const std::optional<kernels::SensorModel>& sensor = result.stats.sensor;
+    return most_evidence(score(), sensor ? sensor->correlation : 0);
+  }
 };
 
 std::string percent(float share) { return fmt::format("{:.0f} %", 100 * share); }
@@ -115,6 +123,11 @@ std::string reason_in_words(const Subject& subject, const RejectedPose& rejected
   switch (rejected.reason) {
     case Rejection::too_low: {
       what = "below " + percent(options.min_score);
+      if (options.require_pose && rejected.score >= options.min_score) {
+        what = "this very pose is " + what;
+        why = "the scan does not tell it from others of this place";
+        break;
+      }
       const std::string costs = costliest_findings(subject.score(), rejected.parts);
       why = !rejected.explained_by ? costs : costs.empty() ? why : costs + "; " + why;
       break;
@@ -195,7 +208,7 @@ std::string rejected_table(const Subject& subject) {
 /// One row of bars: each as long as the part can give, filled as far as it gives.
 std::string parts_row(const Subject& subject, const std::string& id, const std::string& model,
                       float score, const kernels::ScoreParts& parts) {
-  const auto most = most_evidence(subject.score(), 0);
+  const auto most = subject.most();
   const float largest = *std::max_element(most.begin(), most.end());
   std::string row = fmt::format("<tr><td class=\"id\">{}<td>{}<td class=\"n\">{}", id,
                                 model_label(subject.models, model), probability(score));
@@ -212,7 +225,7 @@ std::string parts_row(const Subject& subject, const std::string& id, const std::
 }
 
 std::string parts_table(const Subject& subject) {
-  const auto most = most_evidence(subject.score(), 0);
+  const auto most = subject.most();
   std::string head = "<th><th>model<th class=\"n\">score", rows;
   for (std::size_t k = 0; k < most.size(); ++k) {
     if (most[k] > 0)
@@ -275,6 +288,33 @@ std::string caption(const Subject& subject) {
                            result.stats.num_points, result.stats.noise,
                            unit_name(subject.report.recogniser.library().header.unit),
                            result.stats.total_seconds);
+}
+
+/// "0.4 mm", "0.9 m", of a length in the scene's unit.
+std::string length_words(const Subject& subject, float length) {
+  const bool metres = scene_unit(subject) == std::string_view(unit_name(LengthUnit::metre));
+  const float in_metres = metres ? length : length / 1000;
+  return in_metres < 0.1F ? fmt::format("{:.2g} mm", 1000 * in_metres)
+                          : fmt::format("{:.3g} m", in_metres);
+}
+
+/// How the scan errs; empty of closed surfaces, which no sensor saw.
+std::string sensor_in_words(const Subject& subject) {
+  const std::optional<kernels::SensorModel>& sensor = subject.result.stats.sensor;
+  if (!sensor || !(sensor->noise > 0)) return "";
+  std::string out = fmt::format("The scan errs by {} at {}",
+                                length_words(subject, sensor->error_at(sensor->range)),
+                                length_words(subject, sensor->range));
+  if (sensor->exponent > 0)
+    out += fmt::format(", growing with range to the power {:.1f}", sensor->exponent);
+  constexpr float kHardly = 0.1F, kMostly = 0.5F;
+  out += sensor->correlation < kHardly   ? "; each pixel errs for itself"
+         : sensor->correlation < kMostly ? "; neighbouring pixels err somewhat alike"
+                                         : "; neighbouring pixels err alike (a camera that matches "
+                                           "windows)";
+  const auto edge = std::lround(sensor->edge_pixels());
+  if (edge >= 2) out += fmt::format(", so outlines count as uncertain within {} pixels", edge);
+  return fmt::format("<p class=\"dim\">{}.</p>\n", out);
 }
 
 // Pictures.
@@ -409,11 +449,11 @@ Result<std::string> recognition_figure(const RecognitionReport& report, std::siz
     return drawing.error();
   }
   return fmt::format(
-      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}<div "
+      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}<div "
       "class=\"rejected\">{}<div>{}</div></div>"
       "{}{}</figure>\n",
-      name, caption(subject), *found, found_table(subject), *rejected, rejected_table(subject),
-      parts_table(subject), times_and_counts(subject));
+      name, caption(subject), sensor_in_words(subject), *found, found_table(subject), *rejected,
+      rejected_table(subject), parts_table(subject), times_and_counts(subject));
 }
 
 }  // namespace trivet::apps

@@ -353,16 +353,16 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
 
 void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
   const kernels::ScoreModel& score = kernels::default_score();
-  const auto most = most_evidence(score, 0);
+  const auto independent = most_evidence(score, 0), shared = most_evidence(score, 1);
   Json parts = Json::array();
   for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
     const PartWords words = words_of(k);
     parts.push_back({{"name", kernels::kScoreParts[k].name},
                      {"label", words.label},
                      {"meaning", words.meaning},
-                     {"most_evidence", most[k]}});
+                     {"most_evidence", {independent[k], shared[k]}}});
   }
-  reply(call, json_response(200, {{"bias", score.bias[0]}, {"parts", std::move(parts)}}));
+  reply(call, json_response(200, {{"bias", score.bias}, {"parts", std::move(parts)}}));
 }
 
 void ServiceRoutes::reload(const CallPtr& call, std::string_view) {

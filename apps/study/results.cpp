@@ -41,12 +41,13 @@ class Judge {
         read_cells(plan_, folder_, sets_, point);
     if (!results) return results.error();
     float threshold = point.settings.recognise.min_score;
-    Result<Evaluation> evaluation = evaluate(manifest, **meshes, *results, threshold);
+    const bool require_pose = point.settings.recognise.require_pose;
+    Result<Evaluation> evaluation = evaluate(manifest, **meshes, *results, threshold, require_pose);
     if (!evaluation) return evaluation.error();
     const bool best = study_.experiments[point.experiment].threshold == Threshold::best_f1;
     if (best && evaluation->curve.best_f1) {
       threshold = static_cast<float>(evaluation->curve.best_f1->score);
-      evaluation = evaluate(manifest, **meshes, *results, threshold);
+      evaluation = evaluate(manifest, **meshes, *results, threshold, require_pose);
       if (!evaluation) return evaluation.error();
     }
     return JudgedPoint{&point, std::move(*evaluation), static_cast<double>(threshold)};

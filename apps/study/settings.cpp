@@ -150,6 +150,8 @@ constexpr std::array kSettings{
     setting<FIELD(train.component_energy)>("train.component-energy",
                                            "share of the variance in the components"),
     setting<FIELD(recognise.min_score)>("recognise.min-score", "least score"),
+    setting<FIELD(recognise.require_pose)>("recognise.require-pose",
+                                           "least score held against the very pose"),
     setting<FIELD(recognise.max_instances)>("recognise.max-instances", "instances of a model"),
     setting<FIELD(recognise.normal_window)>("recognise.normal-window",
                                             "radius of the normals' windows [spacing]"),

@@ -91,6 +91,17 @@ TEST_F(EvaluateCommand, CountsWhatReachesTheThreshold) {
   EXPECT_EQ(scores["precision_recall"]["score"].size(), 2U) << "the curve goes on";
 }
 
+TEST_F(EvaluateCommand, CountsOnlyTheVeryPosesIfThatIsRequired) {
+  nlohmann::json found = nlohmann::json::parse(test::read_bytes(folder_ / "found.json"));
+  found["scenes"][0]["detections"][0]["pose_share"] = 0.5;  // of 0.9
+  folder_.write("found.json", found.dump());
+  for (const auto& [least, right] : {std::pair{"0.4", 1}, {"0.5", 0}}) {
+    const test::Outcome outcome = run({"--json", "-", "--min-score", least, "--require-pose"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)["right"], right) << least;
+  }
+}
+
 TEST_F(EvaluateCommand, WritesTablesForSpreadsheets) {
   ASSERT_EQ(run({"--csv", "tables"}).exit_code, 0);
   const auto instances = lines("tables/instances.csv");

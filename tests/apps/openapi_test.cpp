@@ -28,6 +28,16 @@ TEST(OpenApi, NamesTheParametersThatAreTaken) {
   EXPECT_EQ(described, taken);
 }
 
+TEST(RecogniseQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
+  for (const auto& [value, required] : {std::pair{"", true}, {"true", true}, {"false", false}}) {
+    const auto query = apps::parse_recognise_query({{"require-pose", value}});
+    ASSERT_TRUE(query) << query.error().message;
+    EXPECT_EQ(query->options.require_pose, required) << value;
+  }
+  EXPECT_FALSE(apps::parse_recognise_query({})->options.require_pose);
+  EXPECT_FALSE(apps::parse_recognise_query({{"require-pose", "perhaps"}}));
+}
+
 TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
   const nlohmann::json document =
       nlohmann::json::parse(test::read_bytes(kSources + "/apps/serve/api/openapi.json"));

@@ -166,7 +166,9 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
     const nlohmann::json scene =
         ask(port, "POST", query_ + "&rejected=5", scan.body).json()["scenes"][0];
     ASSERT_FALSE(scene["detections"].empty());
-    double log_odds = words["bias"];
+    const double correlation = scene["detections"][0]["parts"]["correlation"];
+    double log_odds =
+        std::lerp(words["bias"][0].get<double>(), words["bias"][1].get<double>(), correlation);
     for (const nlohmann::json& part : words["parts"])
       log_odds += scene["detections"][0]["evidence"][part["name"].get<std::string>()].get<double>();
     EXPECT_NEAR(scene["detections"][0]["score"].get<double>(), 1 / (1 + std::exp(-log_odds)), 1e-3);

@@ -9,6 +9,7 @@
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
 #include "storage/write_png.hpp"
+#include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 
@@ -136,6 +137,61 @@ TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   }
 }
 
+// Lengths are in the file's unit; but for `noise` of the scene, which is in the library's.
+TEST_F(TrainRecognize, TellsHowTheScanErrs) {
+  constexpr float kNoise = 5e-4F;
+  Cloud scan = test::render_scan({{&bracket_, truth()}});
+  test::Random random;
+  const auto tell = [&](const std::string& unit) {
+    write("noisy.ply", scan);
+    const test::Outcome outcome =
+        run({"recognize", "library.h5", "noisy.ply", "--unit", unit, "--json", "-"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return nlohmann::json::parse(outcome.out)["scenes"][0];
+  };
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const Eigen::Vector3f p = scan.points[i];
+    scan.points.set(i, (1 + random.normal(kNoise) / p.norm()) * p);
+  }
+  const nlohmann::json in_metres = tell("m"), metres = in_metres.at("sensor");
+  EXPECT_NEAR(metres.at("range").get<double>(), 0.85, 0.3);
+  EXPECT_NEAR(metres.at("noise").get<double>(), kNoise, 0.5 * kNoise);
+  for (std::size_t i = 0; i < scan.points.size(); ++i) scan.points.set(i, 1000 * scan.points[i]);
+  const nlohmann::json in_millimetres = tell("mm"), millimetres = in_millimetres.at("sensor");
+  const auto near = [](const nlohmann::json& value, double expected) {
+    EXPECT_NEAR(value.get<double>(), expected, 0.01 * expected + 0.001);
+  };
+  for (const char* const length : {"range", "noise", "shared"})
+    near(millimetres.at(length), 1000 * metres.at(length).get<double>());
+  for (const char* const number : {"exponent", "correlation", "edge_pixels"})
+    near(millimetres.at(number), metres.at(number));
+  EXPECT_NEAR(in_millimetres.at("noise").get<double>(), in_metres.at("noise"), 0.01 * kNoise);
+}
+
+TEST_F(TrainRecognize, TellsNoSensorOfAClosedSurface) {
+  test::Shape whole = bracket_.moved(truth());
+  // Faces are closed where they share their corners.
+  for (auto* const corners : {&whole.triangles.a, &whole.triangles.b, &whole.triangles.c}) {
+    for (std::uint32_t& corner : *corners) {
+      std::uint32_t first = 0;
+      while (whole.vertices[first] != whole.vertices[corner]) ++first;
+      corner = first;
+    }
+  }
+  write("closed.ply", test::cloud_of(whole));
+  const test::Outcome outcome = run({"recognize", "library.h5", "closed.ply", "--json", "-"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json scene = nlohmann::json::parse(outcome.out)["scenes"][0];
+  EXPECT_TRUE(scene.at("sensor").is_null());
+  EXPECT_EQ(scene.at("detections").size(), 1U);
+}
+
+TEST_F(TrainRecognize, ReportsAVeryPoseThatIsRequiredWhereTheScanHoldsIt) {
+  const nlohmann::json found = recognized(), required = recognized({"--require-pose"});
+  EXPECT_GT(found["scenes"][0]["detections"][0].at("pose_share"), 0.99);
+  EXPECT_EQ(required, found);
+}
+
 TEST_F(TrainRecognize, PrintsNothingButJsonToStandardOutput) {
   const test::Outcome outcome = run({"recognize", "library.h5", "scan.ply", "--json", "-"});
   ASSERT_EQ(outcome.exit_code, 0);
@@ -167,7 +223,7 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
   for (const char* text :
        {"1 object found in 2 scenes", ">scan.ply<", ">a&lt;b&gt;&amp;&quot;c&quot;.ply<",
         "1 bracket", "None of the models.", "What spoke for and against", "below 80 %",
-        "prefers-color-scheme",
+        "prefers-color-scheme", "The scan errs by ", "where neighbours err alike",
         "recognize library.h5 scan.ply 'a&lt;b&gt;&amp;&quot;c&quot;.ply' --report report"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
   }

@@ -47,9 +47,9 @@ class Evaluate : public testing::Test {
     detection.T_scene_model = pose;
     result.detections.push_back(detection);
   }
-  Evaluation judge(float min_score = 0) {
+  Evaluation judge(float min_score = 0, bool require_pose = false) {
     const std::vector<std::optional<SceneResult>> results{result};
-    Result<Evaluation> evaluation = evaluate(manifest, meshes, results, min_score);
+    Result<Evaluation> evaluation = evaluate(manifest, meshes, results, min_score, require_pose);
     EXPECT_TRUE(evaluation) << evaluation.error().message;
     return *evaluation;
   }
@@ -223,6 +223,18 @@ TEST_F(Evaluate, KeepsDetectionsBelowTheThresholdOutOfTheSums) {
 }
 
 // What a threshold takes away is always the end of the list: the rest is judged the same.
+TEST_F(Evaluate, HoldsTheThresholdAgainstTheVeryPoseWhereThatIsRequired) {
+  add_truth(Pose::Identity());
+  add_detection(Pose::Identity(), 0.9F);
+  result.detections[0].pose_share = 0.5F;
+  EXPECT_EQ(judge(0.8F).total.right, 1U);
+  EXPECT_EQ(judge(0.8F, true).total.right, 0U);
+  const Evaluation open = judge(0.4F, true);
+  EXPECT_EQ(open.total.right, 1U);
+  ASSERT_TRUE(open.curve.best_f1);
+  EXPECT_FLOAT_EQ(static_cast<float>(open.curve.best_f1->score), 0.45F);
+}
+
 TEST_F(Evaluate, JudgesReportedDetectionsTheSameWithAndWithoutTheOthers) {
   for (int i = 0; i < 6; ++i) add_truth(pose_at({static_cast<float>(i), 0, 0}));
   for (int i = 0; i < 20; ++i) {

@@ -7,6 +7,7 @@
 
 #include "engine/progress.hpp"
 #include "kernels/add_noise.hpp"
+#include "kernels/median.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 
@@ -115,6 +116,24 @@ float mean_roughness(const engine::PreparedScene& scene) {
   return static_cast<float>(sum / count);
 }
 
+// The pixels of noisy_parts() err for themselves.
+TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
+  const engine::PreparedScene scene = prepare(noisy_parts(), {});
+  std::vector<float> ranges;
+  for (const float depth : scene.images[0].depth) {
+    if (depth > 0) ranges.push_back(depth);
+  }
+  EXPECT_EQ(scene.sensor.range, kernels::median(std::span(ranges)));
+  EXPECT_NEAR(scene.sensor.noise, 0.001F, 3e-4F);
+  EXPECT_LT(scene.sensor.correlation, 0.3F);
+  const engine::PreparedScene left_out =
+      prepare(noisy_parts(), {}, {.without = {Improvement::waves}});
+  EXPECT_EQ(left_out.sensor.range, scene.sensor.range);
+  EXPECT_EQ(left_out.sensor.exponent, 0);
+  EXPECT_EQ(left_out.sensor.correlation, 0);
+  EXPECT_EQ(left_out.sensor.error_at(2 * scene.sensor.range), scene.sensor.noise);
+}
+
 TEST(PrepareScene, WidensTheWindowsOfNormalsWithTheNoise) {
   EXPECT_LT(prepare(two_parts(), {}).window, 2.5F);
   const float window = prepare(noisy_parts(), {}).window;
@@ -151,7 +170,7 @@ TEST(PrepareScene, GivesTheSameByTheWindowThatTheNoiseAsksFor) {
   const engine::PreparedScene fixed =
       prepare(noisy_parts(), {}, {.normal_window = by_noise.window});
   EXPECT_TRUE(test::same_bits(fixed.normals, by_noise.normals));
-  EXPECT_EQ(fixed.noise, by_noise.noise) << "is measured in a window of its own";
+  EXPECT_EQ(fixed.sensor.noise, by_noise.sensor.noise) << "is measured in a window of its own";
 }
 
 TEST(ChooseVoters, LeavesOutWhatTheMarkedPixelsMeasured) {

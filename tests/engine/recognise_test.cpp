@@ -130,6 +130,7 @@ TEST_F(Recognise, NamesThePosesThatFitAlike) {
   ASSERT_TRUE(open);
   ASSERT_EQ(open->detections.size(), 1U);
   EXPECT_TRUE(open->detections[0].rivals.empty()) << "the knob is seen";
+  EXPECT_GT(open->detections[0].pose_share, 0.95F);
 
   const Eigen::Vector3f knob = pose * Eigen::Vector3f(0.08F, 0, 0.03F);
   const test::Shape cover = test::box({-0.05F, -0.1F, -0.005F}, {0.05F, 0.1F, 0.005F});
@@ -156,29 +157,58 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   library.models.push_back(std::move(trained->model));
   const Recogniser recogniser(std::move(library));
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
+  const auto pose_of = [](float turn) {
+    return test::pose_of({1.9F, 0, 0}, {0, 0, 0.6F}) * test::pose_of({0, 0, turn}, {0, 0, 0});
+  };
+  const auto scan_of = [&](float turn) {
+    return test::render_scan({{&wall, Pose::Identity()}, {&mug, pose_of(turn)}});
+  };
   const auto look_at = [&](float turn, ImprovementSet without = {}) {
-    const Pose pose =
-        test::pose_of({1.9F, 0, 0}, {0, 0, 0.6F}) * test::pose_of({0, 0, turn}, {0, 0, 0});
     const auto result =
-        recognise(recogniser, test::render_scan({{&wall, Pose::Identity()}, {&mug, pose}}), {},
-                  {.min_score = 0, .without = without});
+        recognise(recogniser, scan_of(turn), {}, {.min_score = 0, .without = without});
     EXPECT_TRUE(result && !result->detections.empty());
-    return std::pair{pose, result->detections.at(0)};
+    return std::pair{pose_of(turn), result->detections.at(0)};
   };
   for (const float turn : {-1.2F, -0.3F, 0.4F, 2.9F}) {
     const auto [pose, found] = look_at(turn);
     EXPECT_LT(kernels::rotation_angle(pose.linear(), found.T_scene_model.linear()), 0.04F) << turn;
     EXPECT_GT(found.score, 0.8F) << turn;
     EXPECT_TRUE(found.rivals.empty()) << turn;
+    EXPECT_GT(found.pose_share, 0.95F) << turn;
+    EXPECT_FALSE(found.turns) << turn;
   }
   constexpr float kBehind = 1.57F;
   const Detection hidden = look_at(kBehind).second;
-  EXPECT_GT(kernels::pose_probability(recogniser.score(), hidden.parts), 0.8F) << "it is a mug";
-  EXPECT_LT(hidden.score, 0.5F) << "its turn is open";
+  EXPECT_GT(hidden.score, 0.8F) << "it is a mug";
+  EXPECT_EQ(hidden.score, kernels::pose_probability(recogniser.score(), hidden.parts));
+  EXPECT_LT(hidden.pose_share, 0.5F) << "its turn is open";
   EXPECT_FALSE(hidden.rivals.empty());
+  ASSERT_TRUE(hidden.turns);
+  EXPECT_GT(std::abs(hidden.turns->axis.direction.z()), 0.99F);
+  EXPECT_LE(hidden.turns->low, 0) << "from the pose on";
+  EXPECT_GE(hidden.turns->high, 0);
+  EXPECT_GT(hidden.turns->high - hidden.turns->low, 0.5F);
   const Detection unrivalled = look_at(kBehind, {Improvement::rivals}).second;
   EXPECT_EQ(unrivalled.score, kernels::pose_probability(recogniser.score(), unrivalled.parts));
   EXPECT_TRUE(unrivalled.rivals.empty());
+  EXPECT_EQ(unrivalled.pose_share, 1);
+  EXPECT_FALSE(unrivalled.turns);
+
+  // Whoever needs the very pose is not given it; the mug alone is there.
+  const auto with = [&](float turn, bool require_pose) {
+    const auto result =
+        recognise(recogniser, scan_of(turn), {},
+                  {.min_score = 0.7F, .max_rejected = 1, .require_pose = require_pose});
+    EXPECT_TRUE(result);
+    return *result;
+  };
+  EXPECT_EQ(with(0.4F, true).detections.size(), 1U) << "its handle is seen";
+  EXPECT_EQ(with(kBehind, false).detections.size(), 1U);
+  const SceneResult refused = with(kBehind, true);
+  EXPECT_TRUE(refused.detections.empty());
+  ASSERT_FALSE(refused.rejected.empty());
+  EXPECT_EQ(refused.rejected[0].reason, Rejection::too_low);
+  EXPECT_EQ(refused.rejected[0].score, hidden.score) << "of the object";
 }
 
 TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {

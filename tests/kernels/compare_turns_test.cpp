@@ -100,6 +100,52 @@ TEST(CompareTurns, SharesTheLikelihoodAmongTurnsThatLookAlike) {
   }
 }
 
+/// Something before the camera hides what of the drum's top lies between two directions from its
+/// middle.
+RangeImage hide(RangeImage image, const Pose& pose, float from, float to) {
+  const Pose T_drum_camera = pose.inverse();
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const Eigen::Vector3f eye = T_drum_camera.translation();
+    const Eigen::Vector3f ray = T_drum_camera.linear() * image.geometry.back_project(pixel, 1);
+    const Eigen::Vector3f p = eye + (0.026F - eye.z()) / ray.z() * ray;
+    const float direction = std::atan2(p.y(), p.x());
+    if (direction > from && direction < to) image.depth[pixel] = 0.3F;
+  }
+  return image;
+}
+
+// The knob is known to be behind the cover, which is three times as wide, and no more.
+TEST(CompareTurns, TakesTheMiddleOfTurnsThatLookAlikeAndTellsTheirEnds) {
+  const Drum drum(1);
+  constexpr float kHalf = 50 * kDegree, kKnob = 9 * kDegree;
+  for (const float knob : {-25.0F, 0.0F, 30.0F}) {
+    const Pose truth = kFacing * turn_about(kAxis, knob * kDegree);
+    const RangeImage image = hide(drum.look(truth), kFacing, -kHalf, kHalf);
+    for (const float off : {0.0F, 2.3F}) {
+      const TurnComparison turns =
+          drum.compare(image, kFacing * turn_about(kAxis, off * kDegree), kFull);
+      EXPECT_LT(apart(turns.best, -off * kDegree, kFull), 6 * kDegree) << knob;
+      EXPECT_LT(apart(turns.low, -kHalf + kKnob - off * kDegree, kFull), 10 * kDegree) << knob;
+      EXPECT_LT(apart(turns.high, kHalf - kKnob - off * kDegree, kFull), 10 * kDegree) << knob;
+      EXPECT_LE(turns.low, turns.best);
+      EXPECT_GE(turns.high, turns.best);
+    }
+  }
+}
+
+TEST(CompareTurns, KeepsThePoseWhereAllTurnsAreAlike) {
+  const Drum drum(1);
+  RangeImage image = drum.look(kFacing);
+  for (float& depth : image.depth) depth = 0.3F;  // hidden altogether
+  for (const float period : {kFull, kFull / 3}) {
+    const TurnComparison turns = drum.compare(image, kFacing, period);
+    EXPECT_EQ(turns.best, 0);
+    EXPECT_FLOAT_EQ(turns.low, -0.5F * period);
+    EXPECT_FLOAT_EQ(turns.high, 0.5F * period);
+    EXPECT_NEAR(turns.share, 2 * kNear / period, 0.05F);
+  }
+}
+
 TEST(CompareTurns, AgreesWithASearchOfAllTurns) {
   const Drum drum(2);
   const Pose hidden = test::pose_of({1.4F, 0.6F, 0}, {0.02F, -0.01F, 0.5F});

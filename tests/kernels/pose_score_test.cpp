@@ -27,28 +27,35 @@ Examination good() {
   return e;
 }
 
-float probability(const Examination& e) {
-  return pose_probability(default_score(), score_parts(e, 0.016F));
+float probability(const Examination& e, float correlation = 0) {
+  return pose_probability(default_score(), score_parts(e, 0.016F, correlation));
 }
 
 TEST(PoseScore, IsAProbability) {
-  EXPECT_GT(probability(good()), 0.8F);
-  EXPECT_LT(probability(Examination{}), 0.05F) << "nothing was seen";
+  for (const float correlation : {0.0F, 0.5F, 1.0F}) {
+    EXPECT_GT(probability(good(), correlation), 0.5F) << correlation;
+    EXPECT_LE(probability(good(), correlation), 1) << correlation;
+    EXPECT_GE(probability(Examination{}, correlation), 0) << correlation;
+    EXPECT_LT(probability(Examination{}, correlation), 0.05F) << "nothing was seen";
+  }
 }
 
 TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
-  const auto worse = [](auto&& change) {
-    Examination e = good();
-    change(e);
-    return probability(e);
-  };
-  const float best = probability(good());
-  EXPECT_LT(worse([](Examination& e) { e.violation = 300; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.buried = 100; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
-  EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);
+  for (const float correlation : {0.0F, 1.0F}) {
+    SCOPED_TRACE(correlation);
+    const auto worse = [&](auto&& change) {
+      Examination e = good();
+      change(e);
+      return probability(e, correlation);
+    };
+    const float best = probability(good(), correlation);
+    EXPECT_LT(worse([](Examination& e) { e.violation = 300; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.buried = 100; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);
+  }
 }
 
 // Whatever the fit: more of a part never speaks against what it stands for.
@@ -59,8 +66,9 @@ TEST(PoseScore, IsMonotoneInEachPart) {
     ScoreParts parts;
     for (std::size_t k = 0; k < parts.size(); ++k)
       parts[k] = random.uniform(model.knots[k].front() - 1, model.knots[k].back() + 1);
+    parts[kCorrelationPart] = random.uniform(0, 1);
     const float before = pose_probability(model, parts);
-    for (std::size_t k = 0; k < parts.size(); ++k) {
+    for (std::size_t k = 0; k < kCorrelationPart; ++k) {
       ScoreParts more = parts;
       more[k] += kScoreParts[k].favourable ? 0.3F : -0.3F;
       EXPECT_GE(pose_probability(model, more), before) << kScoreParts[k].name;
@@ -68,12 +76,10 @@ TEST(PoseScore, IsMonotoneInEachPart) {
   }
 }
 
-TEST(PoseScore, AddsWhatItsPartsSay) {
-  const ScoreModel& model = default_score();
-  const ScoreParts parts = score_parts(good(), 0.016F);
-  double log_odds = static_cast<double>(model.bias);
+/// A naive reference, of one kind of errors: walk along the knots.
+double log_odds_of(const ScoreModel& model, const ScoreParts& parts, std::size_t errors) {
+  double log_odds = static_cast<double>(model.bias[errors]);
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    // A naive reference: walk along the knots.
     for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
       const double low = static_cast<double>(model.knots[k][i]),
                    high = static_cast<double>(model.knots[k][i + 1]);
@@ -81,10 +87,64 @@ TEST(PoseScore, AddsWhatItsPartsSay) {
       double share = (static_cast<double>(parts[k]) - low) / (high - low);
       share = share < 0 ? 0 : share > 1 ? 1 : share;
       if (!kScoreParts[k].favourable) share = 1 - share;
-      log_odds += share * static_cast<double>(model.weights[k][i]);
+      log_odds += share * static_cast<double>(model.weights[errors][k][i]);
     }
   }
-  EXPECT_NEAR(pose_probability(model, parts), 1 / (1 + std::exp(-log_odds)), 1e-5);
+  return log_odds;
+}
+
+TEST(PoseScore, AddsWhatItsPartsSay) {
+  const ScoreModel& model = default_score();
+  const ScoreParts parts = score_parts(good(), 0.016F, 0);
+  EXPECT_NEAR(pose_probability(model, parts), 1 / (1 + std::exp(-log_odds_of(model, parts, 0))),
+              1e-5);
+}
+
+double log_odds(double probability) { return std::log(probability / (1 - probability)); }
+
+// Between scans whose pixels err for themselves and scans whose neighbours err alike.
+TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
+  test::Random random;
+  ScoreModel model;
+  for (std::size_t k = 0; k < kCorrelationPart; ++k) {
+    for (std::size_t i = 0; i < ScoreModel::kKnots; ++i)
+      model.knots[k][i] = static_cast<float>(i) + random.uniform(-0.4F, 0.4F);
+    for (ScoreModel::Weights& weights : model.weights) {
+      for (float& weight : weights[k]) weight = random.uniform(0, 0.2F);
+    }
+  }
+  model.bias = {-2, -1};
+  ScoreModel first = model, second = model;  // that differ in the other weights
+  first.bias[1] = second.bias[0] = 7;
+  first.weights[1] = model.weights[0];
+  second.weights[0] = model.weights[1];
+  for (int round = 0; round < 20; ++round) {
+    ScoreParts parts;
+    for (float& part : parts) part = random.uniform(-0.5F, 4.5F);
+    const auto at = [&](const ScoreModel& of, float correlation) {
+      parts[kCorrelationPart] = correlation;
+      return pose_probability(of, parts);
+    };
+    EXPECT_EQ(at(model, 0), at(first, 0));
+    EXPECT_EQ(at(model, 1), at(second, 1));
+    const double independent = log_odds_of(model, parts, 0), shared = log_odds_of(model, parts, 1);
+    EXPECT_GT(std::abs(independent - shared), 0.01);
+    for (const float correlation : {0.0F, 0.25F, 0.5F, 0.9F, 1.0F}) {
+      const double mixed = std::lerp(independent, shared, static_cast<double>(correlation));
+      EXPECT_NEAR(log_odds(static_cast<double>(at(model, correlation))), mixed, 1e-4);
+    }
+  }
+}
+
+TEST(PoseScore, CountsPixelsThatErrAlikeAsFewer) {
+  constexpr std::size_t kPixels = kNumScoreParts - 3;
+  static_assert(kScoreParts[kPixels].name == "pixels");
+  const ScoreParts own = score_parts(good(), 0.016F, 0), alike = score_parts(good(), 0.016F, 1);
+  EXPECT_NEAR(own[kPixels], std::log(200 + 1), 1e-5) << "more say how near the object is";
+  EXPECT_NEAR(alike[kPixels], std::log(900.0 / 20 + 1), 1e-5);
+  EXPECT_EQ(own[kCorrelationPart], 0);
+  EXPECT_EQ(alike[kCorrelationPart], 1);
+  for (std::size_t k = 0; k < kPixels; ++k) EXPECT_EQ(own[k], alike[k]) << kScoreParts[k].name;
 }
 
 TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
@@ -92,7 +152,7 @@ TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
   for (std::size_t k = 0; k < kNumScoreParts; ++k) {
     for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
       EXPECT_LE(model.knots[k][i], model.knots[k][i + 1]);
-      EXPECT_GE(model.weights[k][i], 0);
+      for (const ScoreModel::Weights& weights : model.weights) EXPECT_GE(weights[k][i], 0);
     }
   }
 }

@@ -18,13 +18,15 @@ struct Examination {
   double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, unknown = 0,
          background = 0;
   double residual = 0, smooth = 0, slope = 0, area = 0, hold = 0;
+  double beside = 0;  // of the covered pixels: what is seen beside its place counts for nothing
 };
 
 /// What the words of examine_pose say, for one image whose plane 1 is background, a window of 2
-/// pixels, and rays that lie `square` pixels apart around the middle of the model's image.
+/// pixels, and rays that lie `square` pixels apart around the middle of the model's image; of a
+/// scan whose outlines lie up to `edge` pixels beside their place.
 inline Examination examination(const kernels::RangeImage& image, const kernels::RayScene& surface,
                                float diameter, const Pose& T_camera_model, std::uint32_t square,
-                               float tolerance) {
+                               float tolerance, int edge, double correlation) {
   const kernels::ImageGeometry& g = image.geometry;
   const int width = static_cast<int>(g.width), height = static_cast<int>(g.height);
   const int stride = static_cast<int>(square);
@@ -81,12 +83,31 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
         }
         if (du == 0 && dv == 0 && std::abs(r) <= tau) break;
       }
+      bool beside = false;
+      for (int step = 2; step <= edge; ++step) {
+        for (int dv = -step; dv <= step; dv += step) {
+          for (int du = -step; du <= step; du += step) {
+            if (!inside(u + du, v + dv)) continue;
+            const double d = static_cast<double>(
+                image.depth[static_cast<std::size_t>((v + dv) * width + u + du)]);
+            beside = beside || (d > 0 && std::abs(d - z) * ray.norm() * facing <= tau);
+          }
+        }
+      }
+      // From the tolerance on a violation counts more and more, up to 1.5 correlations beyond it.
+      const double beyond = std::abs(best) / tau - 1;
+      const double share = beyond < 1.5 * correlation ? beyond / (1.5 * correlation) : 1;
       if (!std::isfinite(best)) {
         out.unknown += each;
+      } else if (beyond > 0 && beside) {
+        out.beside += each;
       } else if (best > tau) {
-        out.violation += each;
+        out.violation += each * share;
       } else if (best < -tau) {
-        (background ? out.violation : out.occluded) += each;
+        if (background)
+          out.violation += each * share;
+        else
+          out.occluded += each;
         edges[{i, j}] = background;
       } else if (background) {
         out.background += each;
@@ -118,7 +139,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     if (!shown) continue;
     const auto [i, j] = at;
     const double z = hits[at];
-    const int blur = stride - 1 + std::max(3, static_cast<int>(0.03 * size * fx / z));
+    const int blur = stride - 1 + std::max({3, edge + 1, static_cast<int>(0.03 * size * fx / z)});
     Eigen::Vector2d across(0, 0), farther(0, 0);
     for (int dj = -3; dj <= 3; ++dj) {
       for (int di = -3; di <= 3; ++di) {

@@ -46,7 +46,7 @@ function detailsOf({ kind, pose }, unit, scoreParts) {
           " drawn as outlines",
       ],
     ]),
-    pose.evidence && scoreParts && scoreBars(pose.evidence, scoreParts),
+    pose.evidence && scoreParts && scoreBars(pose, scoreParts),
     element("p", { className: "buttons" }, copyPose(pose)),
   ].flat();
 }

@@ -11,14 +11,19 @@ function share(className, value) {
 /**
  * What a score is made of: each part's log odds beside the most it could add.
  *
- * evidence    { part: log odds }
- * scoreParts  { bias, parts: [{ name, label, meaning, most_evidence }] }
+ * pose        { evidence: { part: log odds }, parts: { correlation } } of the service
+ * scoreParts  { bias, parts: [{ name, label, meaning, most_evidence }] }, where bias and
+ *             most_evidence are two numbers: for a correlation of 0, and for one of 1
  */
-export function scoreBars(evidence, { bias, parts }) {
-  const order = [...parts].sort((a, b) => b.most_evidence - a.most_evidence);
-  const most = order[0]?.most_evidence || 1;
-  const sum = parts.reduce((total, { name }) => total + (evidence[name] ?? 0), bias);
-  const rows = order.map(({ name, label, meaning, most_evidence: limit }) => {
+export function scoreBars({ evidence, parts: { correlation } }, scoreParts) {
+  const mixed = ([none, full]) => none + (full - none) * (correlation ?? 0);
+  const bias = mixed(scoreParts.bias);
+  const order = scoreParts.parts
+    .map((part) => ({ ...part, limit: mixed(part.most_evidence) }))
+    .sort((a, b) => b.limit - a.limit);
+  const most = order[0]?.limit || 1;
+  const sum = order.reduce((total, { name }) => total + (evidence[name] ?? 0), bias);
+  const rows = order.map(({ name, label, meaning, limit }) => {
     const added = evidence[name] ?? 0;
     const track = element("span", { className: "track" });
     track.append(share("limit", limit / most), share("added", added / most));

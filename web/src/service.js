@@ -51,7 +51,7 @@ export const fetchLibrary = () => getJson("/v1/models");
 /** [{ name, query: parameters to read it with, url }] */
 export const fetchExamples = async () => (await getJson("/v1/examples")).examples;
 
-/** { bias, parts: [{ name, label, meaning, most_evidence }] } */
+/** { bias, parts: [{ name, label, meaning, most_evidence }] }: see scoreBars */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
 
 /** The bytes at an address of the service. */

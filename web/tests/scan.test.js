@@ -87,9 +87,11 @@ test("a detection that is clicked is looked at, and says what its score is made 
   const { parts } = await (await request.get("/v1/score-parts")).json();
   const bars = page.locator(".score-bars > li");
   await expect(bars).toHaveCount(parts.length);
-  for (const { name, label } of parts) {
-    const added = detections[last].evidence[name].toFixed(1);
-    await expect(bars.filter({ hasText: label }).filter({ hasText: added })).not.toHaveCount(0);
+  const { correlation } = detections[last].parts;
+  for (const { name, label, most_evidence: [none, full] } of parts) {
+    const most = none + (full - none) * correlation;
+    const words = `${detections[last].evidence[name].toFixed(1)} of ${most.toFixed(1)}`;
+    await expect(bars.filter({ hasText: label }).filter({ hasText: words })).not.toHaveCount(0);
   }
   await page.keyboard.press("Escape");
   await expect(foundRows(page).nth(last)).toHaveAttribute("aria-expanded", "false");
