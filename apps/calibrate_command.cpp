@@ -21,9 +21,10 @@ namespace {
 
 constexpr double kRidge = 1;
 constexpr std::uint64_t kMaxOutcomesBytes = 1ULL << 30;
-/// Share of right ones among the detections that scores are given for. In the calibration scenes it
-/// is lower, as half of their objects and a third of the scenes are unknown to the library.
-constexpr double kRightShare = 1.0 / 3;
+/// In the calibration scenes half of the objects and a third of the scenes are unknown to the
+/// library, where scores are given a few are: the odds that a detection is right are so many times
+/// higher.
+constexpr double kFewerUnknown = 5;
 
 struct CalibrateArguments {
   std::vector<std::string> libraries, manifests, outcomes;
@@ -60,20 +61,8 @@ Result<void> check_outcomes(const Outcomes& outcomes, const std::string& source)
   return {};
 }
 
-/// Move a fitted model from the share of right ones that it was fitted to, to another one.
-void set_prior(kernels::ScoreModel& model, const Outcomes& outcomes) {
-  std::array<std::array<double, 2>, 2> counts{};  // by kind of errors; wrong, right
-  for (std::size_t i = 0; i < outcomes.right.size(); ++i) {
-    const std::array<float, 2> shares = kernels::sensor_shares(outcomes.parts[i]);
-    for (std::size_t errors = 0; errors < 2; ++errors)
-      counts[errors][outcomes.right[i]] += static_cast<double>(shares[errors]);
-  }
-  for (std::size_t errors = 0; errors < 2; ++errors) {
-    const auto [wrong, right] = counts[errors];
-    if (wrong > 0 && right > 0)
-      model.bias[errors] +=
-          static_cast<float>(std::log(kRightShare / (1 - kRightShare) * wrong / right));
-  }
+void set_prior(kernels::ScoreModel& model) {
+  for (float& bias : model.bias) bias += static_cast<float>(std::log(kFewerUnknown));
 }
 
 std::string number(float value) {
@@ -103,7 +92,7 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
   }
   return fmt::format(
       "// Written by `trivet calibrate` {}, from {} right and {} wrong detections in rendered\n"
-      "// scenes; prior share of right ones {:.3f}. scripts/calibrate scans the scenes.\n"
+      "// scenes; the odds of right ones times {}. scripts/calibrate scans the scenes.\n"
       "#include \"kernels/pose_score.hpp\"\n\n"
       "namespace trivet::kernels {{\n\n"
       "// clang-format off\n"
@@ -116,7 +105,7 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
       "// clang-format on\n\n"
       "}}  // namespace trivet::kernels\n",
       TRIVET_VERSION, num_right, outcomes.right.size() - static_cast<std::size_t>(num_right),
-      kRightShare, number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
+      kFewerUnknown, number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
 }
 
 Result<void> publish_text(const std::string& file, const std::string& text) {
@@ -206,7 +195,7 @@ Result<void> calibrate_score(const CalibrateArguments& arguments, const Context&
                                      round + 1, outcomes.right.size(), before,
                                      kernels::log_loss(model, outcomes.parts, outcomes.right)));
   }
-  set_prior(model, outcomes);
+  set_prior(model);
   return publish_text(arguments.output, source_of(model, outcomes));
 }
 

@@ -19,7 +19,9 @@ constexpr float kRivalPlace = 0.3F;  // in diameters
 constexpr float kLeastRivalScore = 0.1F;
 constexpr float kRivalShare = 0.5F;  // of the score of the pose that is rivalled
 constexpr int kMaxHops = 3;          // from rival to better rival
-constexpr double kTelling = 0.7;     // in standard deviations; three to one
+// In standard deviations, three to one, where pixels err for themselves. Where neighbours err alike
+// edges and creases are shown beside their places: a rival must be significantly better.
+constexpr double kTelling = 0.7;
 // Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
 // noise is a twentieth.
 constexpr float kWavy = 0.25F;
@@ -37,6 +39,8 @@ class Rivalry {
 
   void settle(Candidate& candidate) {
     kernels::TurnComparison turns = settle_turn(candidate);
+    const double telling = std::lerp(kTelling, kernels::PoseComparison::kSignificant,
+                                     static_cast<double>(tester_.scene().sensor.correlation));
     std::vector<Alike> alike;
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
@@ -47,7 +51,7 @@ class Rivalry {
             kernels::compare_poses(tester_.scene().images, surface_, tester_.samples(), rival,
                                    candidate.T_scene_model, errors_of(candidate.T_scene_model),
                                    tester_.strict(candidate.T_scene_model), compare_scratch_);
-        if (comparison.log_ratio > most && comparison.z > kTelling) {
+        if (comparison.log_ratio > most && comparison.z > telling) {
           most = comparison.log_ratio;
           better = rival;
         }
@@ -108,12 +112,20 @@ class Rivalry {
         tester_.scene().images, surface_, tester_.samples(), candidate.T_scene_model,
         *model_.near_axis, turn_period(), kRightRotationRad, errors_of(candidate.T_scene_model),
         tester_.strict(candidate.T_scene_model), compare_scratch_);
-    const float best = std::exchange(turns.best, 0);
+    Candidate turned = examine(
+        candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best), candidate);
+    // Edges that lie beside their places may speak for a turn that the whole test speaks against.
+    const bool doubtful = tester_.scene().sensor.correlation > 0 && turned.score < candidate.score;
+    if (doubtful) {
+      turns.others.insert(turns.others.begin(), turns.best);
+      turns.share = 1 - turns.share;
+    }
+    const float best = doubtful ? 0 : turns.best;
+    turns.best = 0;
     for (float& other : turns.others) other -= best;
     turns.low -= best;
     turns.high -= best;
-    candidate =
-        examine(candidate.T_scene_model * kernels::turn_about(*model_.near_axis, best), candidate);
+    if (!doubtful) candidate = std::move(turned);
     return turns;
   }
 

@@ -7,9 +7,6 @@ namespace trivet::kernels {
 namespace {
 
 constexpr float kEnoughPixels = 200;  // more of them say how near the object is, not how right
-// Where neighbours err alike, so many pixels tell as much as one that errs for itself: the sum of
-// the noise's autocorrelation over the image is 20 to 50 for cameras that match windows.
-constexpr float kPixelsAlike = 20;
 
 }  // namespace
 
@@ -19,23 +16,21 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   // The constants are what a sensor cannot tell from nothing: without them a part would grow with
   // the number of pixels, and near objects would score better than far ones.
-  return {
-      std::log(e.violation / (seen + 10) + 0.03F),
-      std::log(e.background / (seen + 10) + 0.05F),
-      e.outline_free / (e.outline + 5),
-      std::log(e.outline_crossed / (outline + 5) + 0.05F),
-      std::log(e.outline_touching / (outline + 5) + 0.05F),
-      std::log(e.buried / (outline + e.buried + 5) + 0.05F),
-      e.residual,
-      std::log(e.smooth + 0.005F),
-      std::log(e.slope + 0.02F),
-      std::log(e.hold + 0.0003F),
-      std::log(e.consistent / (silhouette + 1) + 0.02F),
-      (e.unknown + e.outside) / (silhouette + 1),
-      std::log(std::min(e.consistent / std::lerp(1.0F, kPixelsAlike, correlation), kEnoughPixels) +
-               1),
-      std::log(relative_tolerance),
-      correlation};
+  return {std::log(e.violation / (seen + 10) + 0.03F),
+          std::log(e.background / (seen + 10) + 0.05F),
+          e.outline_free / (e.outline + 5),
+          std::log(e.outline_crossed / (outline + 5) + 0.05F),
+          std::log(e.outline_touching / (outline + 5) + 0.05F),
+          std::log(e.buried / (outline + e.buried + 5) + 0.05F),
+          e.residual,
+          std::log(e.smooth + 0.005F),
+          std::log(e.slope + 0.02F),
+          std::log(e.hold + 0.0003F),
+          std::log(e.consistent / (silhouette + 1) + 0.02F),
+          (e.unknown + e.outside) / (silhouette + 1),
+          std::log(std::min(e.consistent, kEnoughPixels) + 1),
+          std::log(relative_tolerance),
+          correlation};
 }
 
 float part_evidence(const ScoreModel& model, const ScoreParts& parts, std::size_t part) noexcept {

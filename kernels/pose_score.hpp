@@ -16,19 +16,19 @@ struct ScorePart {
 };
 
 inline constexpr std::array<ScorePart, 15> kScoreParts{{
-    {"violation", false},   // log share of the seen pixels that the sensor looked through
-    {"background", false},  // ... that agree only with a background plane
-    {"free", true},         // share of the outline beyond which the scene falls back
-    {"crossed", false},     // log share of the judged outline beyond which the scene runs on
-    {"touching", false},    // ... beyond which something else touches
-    {"buried", false},      // log share of the edge of the seen part that dips beneath the scene
-    {"residual", false},    // mean squared residual in squared tolerances
-    {"smooth", false},      // log of the same, averaged over windows first
-    {"slope", false},       // log of the mean angle between both surfaces
-    {"hold", true},         // log of how well the seen surface holds the pose
-    {"consistent", true},   // log share of the silhouette that agrees
-    {"unknown", false},     // share of the silhouette without measurement
-    {"pixels", true},  // log of the number of pixels that agree, as independent ones, up to 200
+    {"violation", false},    // log share of the seen pixels that the sensor looked through
+    {"background", false},   // ... that agree only with a background plane
+    {"free", true},          // share of the outline beyond which the scene falls back
+    {"crossed", false},      // log share of the judged outline beyond which the scene runs on
+    {"touching", false},     // ... beyond which something else touches
+    {"buried", false},       // log share of the edge of the seen part that dips beneath the scene
+    {"residual", false},     // mean squared residual in squared tolerances
+    {"smooth", false},       // log of the same, averaged over windows first
+    {"slope", false},        // log of the mean angle between both surfaces
+    {"hold", true},          // log of how well the seen surface holds the pose
+    {"consistent", true},    // log share of the silhouette that agrees
+    {"unknown", false},      // share of the silhouette without measurement
+    {"pixels", true},        // log of the number of pixels that agree, up to 200
     {"coarseness", false},   // log of the tolerance in diameters
     {"correlation", false},  // of the scan's errors from pixel to pixel: chooses the weights
 }};
