@@ -134,11 +134,11 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     ExplainedPixels explained;
     ExamineOptions options;
     if (trial % 4 > 0) options.correlation = between(0, 1);
-    if (trial % 4 > 1) options.edge_pixels = std::round(between(2, 6));
+    if (trial % 4 > 1) options.edge_pixels = static_cast<int>(std::lround(between(2, 6)));
     const Examination e = examine(image, body, pose, {}, &explained, options);
     const reference::Examination naive = reference::examination(
         image, body.surface, body.samples.diameter, pose, explained.square, kTolerance,
-        static_cast<int>(options.edge_pixels), static_cast<double>(options.correlation));
+        options.edge_pixels, static_cast<double>(options.correlation));
     beside += naive.beside;
     const auto near = [&](float value, double expected, double relative) {
       EXPECT_NEAR(static_cast<double>(value), expected, relative * expected + 1e-6);
@@ -403,7 +403,7 @@ TEST(ExaminePose, SeesWhereTheModelDipsBeneathTheScene) {
   EXPECT_EQ(seen_with(wall, slanted), 0) << "and what leans on it makes a fold";
 }
 
-ExamineOptions blurred(float edge_pixels, float correlation = 0) {
+ExamineOptions blurred(int edge_pixels, float correlation = 0) {
   ExamineOptions options;
   options.edge_pixels = edge_pixels;
   options.correlation = correlation;
