@@ -136,17 +136,6 @@ TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
   }
 }
 
-TEST(PoseScore, CountsPixelsThatErrAlikeAsFewer) {
-  constexpr std::size_t kPixels = kNumScoreParts - 3;
-  static_assert(kScoreParts[kPixels].name == "pixels");
-  const ScoreParts own = score_parts(good(), 0.016F, 0), alike = score_parts(good(), 0.016F, 1);
-  EXPECT_NEAR(own[kPixels], std::log(200 + 1), 1e-5) << "more say how near the object is";
-  EXPECT_NEAR(alike[kPixels], std::log(900.0 / 20 + 1), 1e-5);
-  EXPECT_EQ(own[kCorrelationPart], 0);
-  EXPECT_EQ(alike[kCorrelationPart], 1);
-  for (std::size_t k = 0; k < kPixels; ++k) EXPECT_EQ(own[k], alike[k]) << kScoreParts[k].name;
-}
-
 TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
   const ScoreModel& model = default_score();
   for (std::size_t k = 0; k < kNumScoreParts; ++k) {
