@@ -116,7 +116,7 @@ class Rivalry {
         candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best), candidate);
     // Edges that lie beside their places may speak for a turn that the whole test speaks against.
     const bool doubtful = tester_.scene().sensor.correlation > 0 && turned.score < candidate.score;
-    if (doubtful) {
+    if (doubtful && std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad) {
       turns.others.insert(turns.others.begin(), turns.best);
       turns.share = 1 - turns.share;
     }
