@@ -27,6 +27,12 @@ constexpr double kTelling = 0.7;
 constexpr float kWavy = 0.25F;
 constexpr float kSameAxis = 0.99F;  // cosine
 
+double log_odds(float probability) noexcept {
+  constexpr double kLeast = 1e-6;
+  const double p = std::clamp(static_cast<double>(probability), kLeast, 1 - kLeast);
+  return std::log(p / (1 - p));
+}
+
 class Rivalry {
  public:
   Rivalry(const PoseTester& tester, const kernels::RayScene& surface,
@@ -47,10 +53,7 @@ class Rivalry {
       std::optional<Pose> better;
       double most = 0;
       for (const Pose& rival : rivals_of(candidate)) {
-        const kernels::PoseComparison comparison =
-            kernels::compare_poses(tester_.scene().images, surface_, tester_.samples(), rival,
-                                   candidate.T_scene_model, errors_of(candidate.T_scene_model),
-                                   tester_.strict(candidate.T_scene_model), compare_scratch_);
+        const kernels::PoseComparison comparison = compare(rival, candidate);
         if (comparison.log_ratio > most && comparison.z > telling) {
           most = comparison.log_ratio;
           better = rival;
@@ -90,7 +93,14 @@ class Rivalry {
     const PreparedScene& scene = tester_.scene();
     const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
     const bool wavy = scene.sensor.waviness.height > kWavy * scene.sensor.noise;
-    return {tester_.error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3};
+    return {tester_.error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3,
+            scene.sensor.correlation};
+  }
+
+  kernels::PoseComparison compare(const Pose& pose, const Candidate& with) {
+    return kernels::compare_poses(tester_.scene().images, surface_, tester_.samples(), pose,
+                                  with.T_scene_model, errors_of(with.T_scene_model),
+                                  tester_.strict(with.T_scene_model), compare_scratch_);
   }
 
   bool is_rival(const Pose& pose, const Candidate& candidate) {
@@ -112,11 +122,16 @@ class Rivalry {
         tester_.scene().images, surface_, tester_.samples(), candidate.T_scene_model,
         *model_.near_axis, turn_period(), kRightRotationRad, errors_of(candidate.T_scene_model),
         tester_.strict(candidate.T_scene_model), compare_scratch_);
-    Candidate turned = examine(
-        candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best), candidate);
+    const bool far = std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad;
+    const Pose there =
+        candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
+    Candidate turned = examine(far ? tester_.polished(there) : there, candidate);
     // Edges that lie beside their places may speak for a turn that the whole test speaks against.
-    const bool doubtful = tester_.scene().sensor.correlation > 0 && turned.score < candidate.score;
-    if (doubtful && std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad) {
+    const bool doubtful = tester_.scene().sensor.correlation > 0 &&
+                          compare(turned.T_scene_model, candidate).log_ratio +
+                                  log_odds(turned.score) - log_odds(candidate.score) <
+                              0;
+    if (doubtful && far) {
       turns.others.insert(turns.others.begin(), turns.best);
       turns.share = 1 - turns.share;
     }

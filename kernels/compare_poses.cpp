@@ -12,6 +12,11 @@ constexpr float kGrazing = 0.17F;      // cosine below which a surface is too ob
 constexpr float kFitError = 0.004F;    // of model and pose, as a share of the diameter
 constexpr double kAgreement = 10;      // likelihood of r = 0 over that of a pixel off the model
 constexpr double kSeenThrough = 0.03;  // ... of a measurement anywhere behind the surface
+// Where neighbours err alike, so much of the surface is blended with what lies beside it, as thin
+// parts and edges are, and errs so many times more.
+constexpr double kBlended = 0.3, kBlend = 8;
+// Shares of rays without measurement are told by so many rays, and not below this.
+constexpr double kFewestRays = 50, kFewHoles = 0.02;
 
 /// One pose's rendering of one ray.
 struct Rendered {
@@ -31,8 +36,9 @@ Rendered render(const CompareScratch::Look& look, std::size_t at, const Eigen::M
 
 class Comparer {
  public:
-  Comparer(const RangeImage& image, float sigma, const VerifyOptions& options)
-      : image_(image), options_(options), sigma_(static_cast<double>(sigma)) {}
+  Comparer(const RangeImage& image, float sigma, float correlation, const VerifyOptions& options)
+      : image_(image), options_(options), sigma_(static_cast<double>(sigma)),
+        blended_(kBlended * static_cast<double>(correlation)) {}
 
   /// Whether the renderings tell the poses apart here.
   bool differ(const Rendered& a, const Rendered& b) const noexcept {
@@ -41,24 +47,54 @@ class Comparer {
     return std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
   }
 
+  /// Count a ray for the shares of rays without measurement.
+  void count(const Rendered& a, const Rendered& b, int u, int v) noexcept {
+    if (a.meets != b.meets) return;
+    if (!a.meets) return off_.add(is_missing(u, v));
+    if (a.scale > 0 && b.scale > 0) on_.add(is_missing(u, v));
+  }
+
   /// Log-likelihood of what was measured, relative to a pixel off the model.
   double log_likelihood(const Rendered& pose, int u, int v) const noexcept {
     if (!pose.meets) return 0;
     const float tolerance = options_.tolerance;
     const auto [r, pixel] = measure_along(image_, u, v, pose.z, pose.scale, tolerance);
-    if (pixel < 0) return 0;
+    if (pixel < 0) return log_missing();
     if (options_.is_background(image_.plane[static_cast<std::size_t>(pixel)]))
       return std::abs(r) <= tolerance ? 0 : std::log(kSeenThrough);
     const double share = static_cast<double>(r) / sigma_;
-    const double mixture =
-        kSeenThrough + (kAgreement - kSeenThrough) * std::exp(-0.5 * share * share);
+    const double agreement = (1 - blended_) * std::exp(-0.5 * share * share) +
+                             blended_ / kBlend * std::exp(-0.5 * share * share / (kBlend * kBlend));
+    const double mixture = kSeenThrough + (kAgreement - kSeenThrough) * agreement;
     return r < 0 && mixture < 1 ? 0 : std::log(mixture);
   }
 
  private:
+  /// How often a ray has no measurement.
+  struct Share {
+    double num = 0, num_missing = 0;
+
+    void add(bool missing) noexcept {
+      num += 1;
+      num_missing += missing ? 1 : 0;
+    }
+    double missing() const noexcept { return std::max(kFewHoles, num_missing / num); }
+  };
+
+  /// Of a ray without measurement, which a dark object has more of, and the shadow beside it.
+  double log_missing() const noexcept {
+    if (std::min(on_.num, off_.num) < kFewestRays) return 0;
+    return std::log(on_.missing() / off_.missing());
+  }
+
+  bool is_missing(int u, int v) const noexcept {
+    return measure_along(image_, u, v, 1, 1, 0).pixel < 0;
+  }
+
   const RangeImage& image_;
   const VerifyOptions& options_;
-  double sigma_;
+  double sigma_, blended_;
+  Share on_, off_;  // of rays that meet the model by both poses, and by neither
 };
 
 }  // namespace
@@ -84,27 +120,35 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene&
     shoot_rays(g, crop, surface, T_camera_second, scratch.directions, scratch.second.depth,
                scratch.second.normals);
 
-    const Comparer comparer(image, sigma, options);
+    Comparer comparer(image, sigma, errors.correlation, options);
     const int side =
         std::max(1, (errors.together + crop.stride / 2) / crop.stride);  // of a block [rays]
     const double share = 1.0 / (side * side);
     const int columns = (crop.width + side - 1) / side, rows = (crop.height + side - 1) / side;
     scratch.votes.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
-    for (int j = 0; j < crop.height; ++j) {
-      for (int i = 0; i < crop.width; ++i) {
-        const int u = crop.u(i), v = crop.v(j);
-        if (u < 0 || v < 0 || u >= static_cast<int>(g.width) || v >= static_cast<int>(g.height))
-          continue;
-        const Eigen::Vector3f ray = ray_through(g, u, v);
-        const std::size_t at = crop.at(i, j);
-        const Rendered a = render(scratch.first, at, T_camera_first.linear(), ray);
-        const Rendered b = render(scratch.second, at, T_camera_second.linear(), ray);
-        if (!comparer.differ(a, b)) continue;
-        out.num_votes += share;
-        scratch.votes[static_cast<std::size_t>(j / side * columns + i / side)] +=
-            share * (comparer.log_likelihood(a, u, v) - comparer.log_likelihood(b, u, v));
+    const auto for_each_ray = [&](auto&& visit) {
+      for (int j = 0; j < crop.height; ++j) {
+        for (int i = 0; i < crop.width; ++i) {
+          const int u = crop.u(i), v = crop.v(j);
+          if (u < 0 || v < 0 || u >= static_cast<int>(g.width) || v >= static_cast<int>(g.height))
+            continue;
+          const Eigen::Vector3f ray = ray_through(g, u, v);
+          const std::size_t at = crop.at(i, j);
+          visit(render(scratch.first, at, T_camera_first.linear(), ray),
+                render(scratch.second, at, T_camera_second.linear(), ray), u, v,
+                static_cast<std::size_t>(j / side * columns + i / side));
+        }
       }
-    }
+    };
+    for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t) {
+      comparer.count(a, b, u, v);
+    });
+    for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t block) {
+      if (!comparer.differ(a, b)) return;
+      out.num_votes += share;
+      scratch.votes[block] +=
+          share * (comparer.log_likelihood(a, u, v) - comparer.log_likelihood(b, u, v));
+    });
     for (const double vote : scratch.votes) {
       out.log_ratio += vote;
       squares += vote * vote;

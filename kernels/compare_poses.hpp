@@ -27,8 +27,9 @@ struct PoseComparison {
 
 /// How measurements err across the surface.
 struct MeasurementErrors {
-  float deviation = 0;  ///< standard deviation [scene unit], >= 0
-  int together = 3;     ///< side of a block of pixels that err alike [pixel], >= 1
+  float deviation = 0;    ///< standard deviation [scene unit], >= 0
+  int together = 3;       ///< side of a block of pixels that err alike [pixel], >= 1
+  float correlation = 0;  ///< from pixel to pixel, 0..1
 };
 
 /// Working memory of compare_poses.
@@ -51,8 +52,11 @@ struct CompareScratch {
 /// normal distribution around 0, as wide as noise and error of model and pose together, mixed with
 /// a uniform one (relative to what a pixel off the model may show). Measured in front is occlusion
 /// and says nothing, unless it is a background plane, which nothing reaches through; nor does a
-/// background plane at the model's depth, a missing measurement or a grazing surface. A block of
-/// pixels that err alike has one vote.
+/// background plane at the model's depth or a grazing surface. Where neighbours err alike, part of
+/// the normal distribution is eight times as wide: thin parts and edges are blended with what lies
+/// beside them. Without a measurement the likelihood is the share of such rays among those that
+/// both poses meet the model by, over the share among those that neither does. A block of pixels
+/// that err alike has one vote.
 /// compare_poses(b, a) is exactly the negative of compare_poses(a, b).
 /// Source: Vuong, Econometrica 1989 (likelihood ratio of models that do not contain each other); z
 /// takes the mean square of the votes for their variance, so that a few cannot be significant.

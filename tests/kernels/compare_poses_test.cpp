@@ -56,9 +56,10 @@ VerifyOptions options() {
   return verify;
 }
 
-PoseComparison compare(const RangeImage& image, const Pose& a, const Pose& b) {
+PoseComparison compare(const RangeImage& image, const Pose& a, const Pose& b,
+                       const MeasurementErrors& errors = kErrors) {
   CompareScratch scratch;
-  return compare_poses({&image, 1}, club().surface, club().samples, a, b, kErrors, options(),
+  return compare_poses({&image, 1}, club().surface, club().samples, a, b, errors, options(),
                        scratch);
 }
 
@@ -131,10 +132,13 @@ TEST(ComparePoses, AgreesWithANaiveReference) {
                            ->joined(*project_ball(g, c.second * club().samples.centre, radius)),
                        0);
     ASSERT_EQ(crop.stride, 1);
-    const PoseComparison found = compare(c.image, c.first, c.second);
+    const float correlation = trial % 2 == 0 ? 0 : random.uniform(0, 1);
+    const PoseComparison found =
+        compare(c.image, c.first, c.second, {kNoise, 3, correlation});
     const reference::Comparison naive = reference::comparison(
         c.image, club().surface, static_cast<double>(club().samples.diameter), c.first, c.second,
-        static_cast<double>(kNoise), static_cast<double>(kTolerance), crop.u0, crop.v0);
+        static_cast<double>(kNoise), static_cast<double>(correlation),
+        static_cast<double>(kTolerance), crop);
     // Rounding decides at most a few rays.
     EXPECT_NEAR(found.num_votes, naive.num_votes, 0.5);
     EXPECT_NEAR(found.log_ratio, naive.log_ratio, 1.5);
@@ -175,6 +179,31 @@ TEST(ComparePoses, SaysNothingWhereTheDifferenceIsHiddenOrNotMeasured) {
   RangeImage empty = look({kTruth});
   empty.depth.assign(empty.depth.size(), 0);
   EXPECT_EQ(compare(empty, kTruth, kFlipped).z, 0);
+}
+
+// A matching sensor shows nothing beside what is near, and misses little of what it sees: a part
+// that a pose puts into the shadow speaks against it.
+TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
+  const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.01F, 0});
+  RangeImage image = look({kTruth});
+  const PoseComparison whole = compare(image, kTruth, aside);
+  const RangeImage bare = look({});
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
+    if (image.depth[pixel] == bare.depth[pixel]) image.depth[pixel] = 0;
+  const PoseComparison shadowed = compare(image, kTruth, aside);
+  EXPECT_EQ(shadowed.num_votes, whole.num_votes);
+  EXPECT_GT(shadowed.z, PoseComparison::kSignificant);
+}
+
+// Smoothed over the width of a thin part, its depth is off by many times the noise.
+TEST(ComparePoses, ForgivesBlendedDepthWhereNeighboursErrAlike) {
+  RangeImage image = look({kTruth});
+  const RangeImage bare = look({});
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
+    if (image.depth[pixel] != bare.depth[pixel]) image.depth[pixel] += 6 * kNoise;
+  const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: meets nothing
+  EXPECT_LT(compare(image, kTruth, away).log_ratio,
+            compare(image, kTruth, away, {kNoise, 3, 1}).log_ratio);
 }
 
 TEST(ComparePoses, CountsWhatIsSeenThroughAndWhatReachesThroughATable) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "kernels/range_image.hpp"
+#include "kernels/ray_crop.hpp"
 #include "kernels/ray_scene.hpp"
 #include "storage/model.hpp"
 
@@ -19,11 +20,11 @@ struct Comparison {
   double log_ratio = 0, num_votes = 0, z = 0;
 };
 
-/// What the words of compare_poses say, for one image whose plane 1 is background, and a crop that
-/// begins at (u0, v0) with one ray in each pixel.
+/// What the words of compare_poses say, for one image whose plane 1 is background, and a crop with
+/// one ray in each pixel.
 inline Comparison comparison(const kernels::RangeImage& image, const kernels::RayScene& surface,
                              double diameter, const Pose& first, const Pose& second, double noise,
-                             double tolerance, int u0, int v0) {
+                             double correlation, double tolerance, const kernels::RayCrop& crop) {
   const kernels::ImageGeometry& g = image.geometry;
   const int width = static_cast<int>(g.width), height = static_cast<int>(g.height);
   const double sigma = std::hypot(noise, 0.004 * diameter);
@@ -40,8 +41,11 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     const double scale = std::abs((pose.linear() * hit.normal).cast<double>().dot(d));
     return Sight{static_cast<double>(hit.distance), scale > 0.17 * d.norm() ? scale : 0};
   };
-  const auto likelihood = [&](const std::optional<Sight>& sight, int u, int v) {
-    if (!sight) return 1.0;
+  struct Measured {
+    double residual;  // infinite for nothing
+    bool background;
+  };
+  const auto measured = [&](const Sight& sight, int u, int v) {
     double best = std::numeric_limits<double>::infinity();
     bool background = false;
     const int cross[5][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
@@ -50,34 +54,61 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
       const auto pixel = static_cast<std::size_t>((v + dv) * width + u + du);
       const double depth = static_cast<double>(image.depth[pixel]);
       if (!(depth > 0)) continue;
-      const double r = (depth - sight->z) * sight->scale;
+      const double r = (depth - sight.z) * sight.scale;
       if (std::abs(r) < std::abs(best)) {
         best = r;
         background = image.plane[pixel] == 1;
       }
       if (du == 0 && dv == 0 && std::abs(r) <= tolerance) break;
     }
-    if (!std::isfinite(best)) return 1.0;
-    if (background) return std::abs(best) <= tolerance ? 1.0 : 0.03;
-    const double mixture = 0.03 + 9.97 * std::exp(-best * best / (2 * sigma * sigma));
-    return best < 0 ? std::max(1.0, mixture) : mixture;
+    return Measured{best, background};
   };
+  const auto likelihood = [&](const std::optional<Sight>& sight, int u, int v, double missing) {
+    if (!sight) return 1.0;
+    const auto [r, background] = measured(*sight, u, v);
+    if (!std::isfinite(r)) return missing;
+    if (background) return std::abs(r) <= tolerance ? 1.0 : 0.03;
+    const auto normal = [&](double wide) {
+      return std::exp(-r * r / (2 * wide * wide * sigma * sigma)) / wide;
+    };
+    const double mixture =
+        0.03 + 9.97 * ((1 - 0.3 * correlation) * normal(1) + 0.3 * correlation * normal(8));
+    return r < 0 ? std::max(1.0, mixture) : mixture;
+  };
+  const auto for_each_ray = [&](auto&& visit) {
+    for (int v = std::max(0, crop.v0); v < std::min(height, crop.v0 + crop.height); ++v) {
+      for (int u = std::max(0, crop.u0); u < std::min(width, crop.u0 + crop.width); ++u) {
+        const Eigen::Vector3f ray((static_cast<float>(u) - g.cx) / g.fx,
+                                  (static_cast<float>(v) - g.cy) / g.fy, 1);
+        visit(look(first, ray), look(second, ray), u, v);
+      }
+    }
+  };
+
+  struct {
+    double num = 0, num_missing = 0;
+  } on, off;
+  for_each_ray([&](const auto& a, const auto& b, int u, int v) {
+    if (a.has_value() != b.has_value() || (a && (a->scale == 0 || b->scale == 0))) return;
+    auto& share = a ? on : off;
+    share.num += 1;
+    share.num_missing += std::isfinite(measured({1, 1}, u, v).residual) ? 0 : 1;
+  });
+  const double missing = std::min(on.num, off.num) < 50
+                             ? 1
+                             : std::max(0.02, on.num_missing / on.num) /
+                                   std::max(0.02, off.num_missing / off.num);
 
   Comparison out;
   std::map<std::pair<int, int>, double> votes;
-  for (int v = std::max(0, v0); v < height; ++v) {
-    for (int u = std::max(0, u0); u < width; ++u) {
-      const Eigen::Vector3f ray((static_cast<float>(u) - g.cx) / g.fx,
-                                (static_cast<float>(v) - g.cy) / g.fy, 1);
-      const auto a = look(first, ray), b = look(second, ray);
-      if (!a && !b) continue;
-      if ((a && a->scale == 0) || (b && b->scale == 0)) continue;
-      if (a && b && std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2) continue;
-      out.num_votes += 1.0 / 9;
-      votes[{(u - u0) / 3, (v - v0) / 3}] +=
-          std::log(likelihood(a, u, v) / likelihood(b, u, v)) / 9;
-    }
-  }
+  for_each_ray([&](const auto& a, const auto& b, int u, int v) {
+    if (!a && !b) return;
+    if ((a && a->scale == 0) || (b && b->scale == 0)) return;
+    if (a && b && std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2) return;
+    out.num_votes += 1.0 / 9;
+    votes[{(u - crop.u0) / 3, (v - crop.v0) / 3}] +=
+        std::log(likelihood(a, u, v, missing) / likelihood(b, u, v, missing)) / 9;
+  });
   double squares = 0;
   for (const auto& [at, vote] : votes) {
     out.log_ratio += vote;
