@@ -8,9 +8,10 @@
 namespace trivet::engine {
 namespace {
 
-// Below it a candidate is wrong rather than right: those above have the choice of the scene's
-// pixels, whatever score is asked for.
-constexpr float kLikely = 0.5F;
+// A candidate that will be refused explains nothing: those that are reported by default, or by the
+// score that is asked for, have the first choice of the scene's pixels, then those that are right
+// rather than wrong.
+constexpr float kReported = 0.8F, kLikely = 0.5F;
 // What is explained is not searched again. Of the detections below this too many are wrong, and
 // hide the right ones.
 constexpr float kSure = 0.95F;
@@ -100,10 +101,14 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
                         const RecogniseOptions& options, const Repeats& repeats) {
   std::vector<std::uint32_t> order(claims.size());
   std::iota(order.begin(), order.end(), 0U);
+  const float reported = std::max(options.min_score, kReported);
   const float likely = std::min(options.min_score, kLikely);
   const auto doubtful = [&](std::uint32_t c) { return claims[c].score < likely; };
+  const auto doubts = [&](std::uint32_t c) {
+    return (claims[c].score < reported ? 1 : 0) + (doubtful(c) ? 1 : 0);
+  };
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return doubtful(a) != doubtful(b) ? doubtful(b) : claims[a].rank > claims[b].rank;
+    return doubts(a) != doubts(b) ? doubts(a) < doubts(b) : claims[a].rank > claims[b].rank;
   });
 
   Selection selection;

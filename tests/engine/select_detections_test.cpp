@@ -53,6 +53,15 @@ TEST_F(SelectDetections, PrefersTheLargerSurfaceWhereTwoClaimOnePlace) {
   EXPECT_EQ(names(both, {}), Names{"large"});
 }
 
+TEST_F(SelectDetections, LetsNoCandidateThatIsRefusedHideOneThatIsReported) {
+  const std::vector<Candidate> both{candidate(0, 0.75F, 0, 80), candidate(1, 0.85F, 0, 8)};
+  EXPECT_EQ(names(both, {}), Names{"small"});
+  EXPECT_EQ(names(both, {.min_score = 0.7F}), Names{"small"}) << "whatever is asked for";
+  const std::vector<Candidate> stricter{candidate(0, 0.85F, 0, 80), candidate(1, 0.95F, 0, 8)};
+  EXPECT_EQ(names(stricter, {}), Names{"large"});
+  EXPECT_EQ(names(stricter, {.min_score = 0.9F}), Names{"small"});
+}
+
 // The same two, but the larger one is doubtful: as a candidate of a higher rank it would hide the
 // other one.
 TEST_F(SelectDetections, LetsNoDoubtfulCandidateHideAnother) {
