@@ -21,10 +21,10 @@ namespace {
 
 constexpr double kRidge = 1;
 constexpr std::uint64_t kMaxOutcomesBytes = 1ULL << 30;
-/// In the calibration scenes half of the objects and a third of the scenes are unknown to the
-/// library, where scores are given a few are: the odds that a detection is right are so many times
+/// The calibration scenes hold nearly two unknown objects to each one of the library, where scores
+/// are given there are about half as many: the odds that a detection is right are so many times
 /// higher.
-constexpr double kFewerUnknown = 5;
+constexpr double kFewerUnknown = 3.5;
 
 struct CalibrateArguments {
   std::vector<std::string> libraries, manifests, outcomes;

@@ -25,7 +25,7 @@ struct Entry {
   std::string (*finding)(float value);
 };
 
-constexpr std::array<Entry, 15> kEntries{{
+constexpr std::array<Entry, 17> kEntries{{
     {"violation",
      {"looked through", "share of what is seen that the sensor looked through"},
      [](float v) {
@@ -87,6 +87,17 @@ constexpr std::array<Entry, 15> kEntries{{
     {"pixels",
      {"pixels", "number of pixels that agree"},
      [](float v) { return fmt::format("only {:.0f} pixels agree", std::exp(v) - 1); }},
+    {"sunk",
+     {"sunk", "share of it that lies just beneath the measured surface"},
+     [](float v) {
+       return percent(std::exp(v) - 0.03F) + " of it lies just beneath the measured surface";
+     }},
+    {"relief",
+     {"relief", "how far what is seen of it is from a plane, in tolerances"},
+     [](float v) {
+       return fmt::format("what is seen of it is within {:.1f} tolerances of a plane",
+                          std::max(0.0F, std::exp(v) - 0.3F));
+     }},
     {"coarseness",
      {"tolerance", "how far off a measurement may be and agree, in diameters"},
      [](float v) {

@@ -27,6 +27,7 @@ constexpr double kOutlineShare = 0.25;
 // What is buried goes deeper beneath the measured surface than bent depth and the rims of clouds
 // do: by more than so many tolerances, after so many rays at least and at most.
 constexpr float kDeep = 3;
+constexpr float kShallow = 6;  // tolerances
 constexpr int kLeastRays = 3, kMostRays = 16;
 // Where neighbours err alike, depth is wrong by a few tolerances in places: what lies so much
 // farther than a whole one behind the model is looked through for sure.
@@ -38,6 +39,8 @@ enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 struct Sums {
   double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
   Matrix6 covariance = Matrix6::Zero();
+  Eigen::Vector3d places = Eigen::Vector3d::Zero();  // from the model's centre
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   double outline = 0;  // number of its places
   Matrix6 outline_covariance = Matrix6::Zero();
 };
@@ -103,6 +106,7 @@ class Examiner {
             out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
           } else {
             out.occluded += square;
+            if (r > -kShallow * tolerance) out.sunk += square;
             s_.state[at] = kHidden;
             s_.residual[at] = r;
           }
@@ -116,6 +120,9 @@ class Examiner {
           sums.count += 1;
           sums.squares += share * share;
           sums.area += static_cast<double>(square * z * z / (g_.fx * g_.fy * facing));
+          const Eigen::Vector3d place = (R_scene_camera * (ray * z - centre_)).cast<double>();
+          sums.places += place;
+          sums.spread.noalias() += place * place.transpose();
           const Vector6 J = constraint(R_scene_camera, ray * z, normal);
           sums.covariance.noalias() += J * J.transpose();
           if (explained)
@@ -409,6 +416,14 @@ Vector6 free_turn(const ModelSamples& samples, const std::optional<Symmetry::Axi
   return turn.normalized();
 }
 
+/// Standard deviation of the consistent places from the plane through them.
+float off_plane(const Sums& sums) {
+  const Eigen::Vector3d mean = sums.places / sums.count;
+  const Eigen::Matrix3d spread = sums.spread / sums.count - mean * mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread, Eigen::EigenvaluesOnly);
+  return static_cast<float>(std::sqrt(std::max(0.0, solver.eigenvalues()(0))));
+}
+
 }  // namespace
 
 void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
@@ -442,6 +457,7 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
   const double slope = sums.slope / std::max(1.0, sums.num_slopes);
   out.slope = std::sqrt(beyond(slope * slope, options.waviness.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
+  out.relief = off_plane(sums) / options.verify.tolerance;
   const Vector6 turn = free_turn(samples, free_axis, T_scene_model);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
   if (sums.outline > 0) held += kOutlineShare / sums.outline * sums.outline_covariance;

@@ -23,6 +23,7 @@ struct Examination {
   float consistent = 0;  ///< measured where the model says
   float violation = 0;  ///< the sensor looked through the model, or it cuts into a background plane
   float occluded = 0;   ///< something nearer hides the model
+  float sunk = 0;       ///< ... by so little that it may be what the model is taken for
   float unknown = 0;    ///< no measurement
   float background = 0;  ///< agrees only with a background plane
 
@@ -39,6 +40,7 @@ struct Examination {
   float smooth = 0;    ///< the same of residuals that were averaged over their window
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
   float area = 0;      ///< of the model's surface that is seen [squared diameters]
+  float relief = 0;    ///< standard deviation of that surface from a plane [tolerances]
   /// How well what is seen holds the pose: the smallest eigenvalue of the mean of J J^T over the
   /// surface, J = (arm x n, n), arms in half diameters, and a quarter of the same over the outline,
   /// whose n points across it, square to the ray. There only places count up to which the model was

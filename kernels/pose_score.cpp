@@ -27,8 +27,10 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
           std::log(e.slope + 0.02F),
           std::log(e.hold + 0.0003F),
           std::log(e.consistent / (silhouette + 1) + 0.02F),
-          (e.unknown + e.outside) / (silhouette + 1),
+          e.unknown / (e.covered + 1),
           std::log(std::min(e.consistent, kEnoughPixels) + 1),
+          std::log(e.sunk / (seen + e.sunk + 10) + 0.03F),
+          std::log(e.relief + 0.3F),
           std::log(relative_tolerance),
           correlation};
 }

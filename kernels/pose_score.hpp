@@ -15,7 +15,7 @@ struct ScorePart {
   bool favourable;
 };
 
-inline constexpr std::array<ScorePart, 15> kScoreParts{{
+inline constexpr std::array<ScorePart, 17> kScoreParts{{
     {"violation", false},    // log share of the seen pixels that the sensor looked through
     {"background", false},   // ... that agree only with a background plane
     {"free", true},          // share of the outline beyond which the scene falls back
@@ -29,6 +29,8 @@ inline constexpr std::array<ScorePart, 15> kScoreParts{{
     {"consistent", true},    // log share of the silhouette that agrees
     {"unknown", false},      // share of the silhouette without measurement
     {"pixels", true},        // log of the number of pixels that agree, up to 200
+    {"sunk", false},         // log share of what is hidden by little
+    {"relief", true},        // log of how far what is seen is from a plane, in tolerances
     {"coarseness", false},   // log of the tolerance in diameters
     {"correlation", false},  // of the scan's errors from pixel to pixel: chooses the weights
 }};

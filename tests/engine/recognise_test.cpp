@@ -113,6 +113,28 @@ TEST_F(Recognise, FindsEachOfSeveralInstances) {
   EXPECT_EQ(limited->detections.size(), 1U);
 }
 
+// What is scored is where the pose settles, not where it started.
+TEST_F(Recognise, SettlesToOneResultFromADozenStarts) {
+  test::Random random;
+  Cloud scan = clutter();
+  for (float& coordinate : scan.points.z) coordinate += random.normal(0.0005F);
+  std::vector<Detection> settled;
+  for (int start = 0; start < 12; ++start) {
+    const Pose off = test::pose_of(0.05F * random.direction(), 0.004F * random.direction());
+    RecogniseOptions options{.min_score = 0};
+    options.expected = {{"bracket", bracket_pose() * off}};
+    options.pose.rounds = 0;
+    const auto result = recognise(recogniser_, scan, {}, options);
+    ASSERT_TRUE(result) << result.error().message;
+    ASSERT_EQ(result->detections.size(), 1U) << start;
+    settled.push_back(result->detections[0]);
+  }
+  for (const Detection& detection : settled) {
+    expect_pose(&detection, settled[0].T_scene_model, 0.2F);
+    EXPECT_NEAR(detection.score, settled[0].score, 0.02F);
+  }
+}
+
 // A block with a knob at one end, which something hides: it may as well lie the other way round.
 TEST_F(Recognise, NamesThePosesThatFitAlike) {
   test::Shape key = test::box({-0.1F, -0.03F, -0.02F}, {0.1F, 0.03F, 0.02F});

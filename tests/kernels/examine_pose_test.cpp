@@ -150,6 +150,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     EXPECT_NEAR(e.consistent, naive.consistent, slack);
     EXPECT_NEAR(e.violation, naive.violation, slack);
     EXPECT_NEAR(e.occluded, naive.occluded, slack);
+    EXPECT_NEAR(e.sunk, naive.sunk, slack);
     EXPECT_NEAR(e.unknown, naive.unknown, slack);
     EXPECT_NEAR(e.background, naive.background, slack);
     if (naive.consistent > 100 * explained.square * explained.square) {
@@ -157,18 +158,43 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
       near(e.smooth, naive.smooth, 0.05);
       near(e.slope, naive.slope, 0.05);
       near(e.area, naive.area, 0.03);
+      EXPECT_NEAR(static_cast<double>(e.relief), naive.relief, 0.02 * naive.relief + 0.01);
       near(e.hold, naive.hold, 0.05);
     }
     EXPECT_EQ(explained.pixels.size() * explained.square * explained.square, e.consistent);
     total.consistent += e.consistent;
     total.violation += e.violation;
     total.occluded += e.occluded;
+    total.sunk += e.sunk;
     total.unknown += e.unknown;
     total.background += e.background;
   }
-  for (const float count : {total.consistent, total.violation, total.occluded, total.background})
+  for (const float count : {total.consistent, total.violation, total.occluded, total.sunk, total.background})
     EXPECT_GT(count, 200) << "each is met";
   EXPECT_GT(beside, 200);
+}
+
+// A face agrees with any plane; an edge, and more so a corner, only with its like.
+TEST(ExaminePose, TellsHowFarFromAPlaneWhatIsSeenIs) {
+  const Pose face = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const Pose edge = test::pose_of({0.8F, 0, 0}, {0, 0, 0.6F});
+  const auto relief = [](const Pose& pose) {
+    return examine(look({{&brick(), pose}}), brick(), pose).relief;
+  };
+  EXPECT_LT(relief(face), 0.05F);
+  EXPECT_GT(relief(edge), 2);
+}
+
+// What is taken for a thing may be what it would lie beneath.
+TEST(ExaminePose, TellsWhatIsSunkFromWhatIsHidden) {
+  const auto behind = [](float depth) {
+    const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.6F + depth});
+    return examine(look({{&brick(), test::pose_of({0, 0, 0}, {0, 0, 0.6F})}}), brick(), pose);
+  };
+  const Examination sunk = behind(3 * kTolerance), hidden = behind(10 * kTolerance);
+  EXPECT_GT(sunk.sunk, 0.9F * sunk.covered);
+  EXPECT_GT(hidden.occluded, 0.9F * hidden.covered);
+  EXPECT_EQ(hidden.sunk, 0);
 }
 
 TEST(ExaminePose, TellsAWrongTurnByTheSlopeOfWhatIsLeft) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <vector>
 #include <utility>
 
 #include "kernels/range_image.hpp"
@@ -15,9 +16,9 @@
 namespace trivet::reference {
 
 struct Examination {
-  double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, unknown = 0,
-         background = 0;
-  double residual = 0, smooth = 0, slope = 0, area = 0, hold = 0;
+  double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, sunk = 0,
+         unknown = 0, background = 0;
+  double residual = 0, smooth = 0, slope = 0, area = 0, relief = 0, hold = 0;
   double beside = 0;  // of the covered pixels: what is seen beside its place counts for nothing
 };
 
@@ -42,6 +43,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   Examination out;
   std::map<std::pair<int, int>, double> residuals;  // by steps from the middle
   std::map<std::pair<int, int>, double> depths;
+  std::vector<Eigen::Vector3d> places;  // that agree
   std::map<std::pair<int, int>, double> hits;  // all that the model's image consists of
   std::map<std::pair<int, int>, bool> edges;   // those inside the image that nothing hides
   Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
@@ -108,6 +110,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
           out.violation += each * share;
         else
           out.occluded += each;
+        if (!background && best > -6 * tau) out.sunk += each;
         edges[{i, j}] = background;
       } else if (background) {
         out.background += each;
@@ -117,6 +120,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
         depths[{i, j}] = z;
         out.residual += best * best / (tau * tau);
         out.area += each * z * z / static_cast<double>(g.fx * g.fy) / facing;
+        places.push_back(ray * z);
         const Eigen::Vector3d arm = (ray * z - centre) / (static_cast<double>(diameter) / 2);
         Eigen::Matrix<double, 6, 1> J;
         J << arm.cross(n), n;
@@ -127,6 +131,12 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   if (residuals.empty()) return out;
   const auto count = static_cast<double>(residuals.size());
   out.residual /= count;
+  Eigen::MatrixX3d offsets(places.size(), 3);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    offsets.row(static_cast<Eigen::Index>(k)) = places[k].transpose();
+  offsets.rowwise() -= offsets.colwise().mean().eval();
+  if (places.size() >= 3)
+    out.relief = offsets.jacobiSvd().singularValues()(2) / std::sqrt(count) / tau;
   out.area /= static_cast<double>(diameter) * static_cast<double>(diameter);
 
   // The outline: where the model was seen up to its end, and all around beyond it something
