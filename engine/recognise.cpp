@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/check_camera.hpp"
 #include "engine/check_range.hpp"
 #include "engine/leave_out.hpp"
 #include "engine/scene_search.hpp"
@@ -247,6 +248,10 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   if (options.max_rejected > 0) {
     result.rejected =
         report_rejected(library, search, *chosen, order, options.max_rejected, input.scale);
+  }
+  if (cloud.camera && scene->images.size() == 1) {
+    const StageTimer timer(stats.times, "check camera");
+    stats.camera_check = engine::check_camera(recogniser, *scene, *cloud.camera, *chosen);
   }
   stats.noise = scene->sensor.noise;
   if (scene->images.size() == 1) stats.sensor = in_file_unit(scene->sensor, input.scale);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/camera_check.hpp"
 #include "engine/improvements.hpp"
 #include "engine/method.hpp"
 #include "engine/pose_limits.hpp"
@@ -214,6 +215,7 @@ struct SceneStats {
   float noise = 0;              ///< measured standard deviation of the surface [library unit]
   /// How the scan errs, with lengths in the scene file's unit; none of closed surfaces.
   std::optional<kernels::SensorModel> sensor{};
+  std::optional<CameraCheck> camera_check{};  ///< of depth images
   std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0,
                 num_refined = 0, num_examined = 0;
 };
