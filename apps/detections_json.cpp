@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "apps/camera_words.hpp"
 #include "apps/claims_json.hpp"
 #include "storage/json_file.hpp"
 
@@ -137,6 +138,32 @@ bool ends_with(const std::filesystem::path& path, const std::string& name) {
 
 }  // namespace
 
+nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
+  std::optional<kernels::Factor> focal, depth;
+  if (check.scale) {
+    focal = check.scale->focal;
+    depth = check.scale->depth;
+  }
+  const auto number = [](const std::optional<kernels::Factor>& factor,
+                         double kernels::Factor::*of) {
+    return factor ? nlohmann::ordered_json((*factor).*of) : nullptr;
+  };
+  const Camera& camera = check.camera;
+  const std::optional<std::string> finding = camera_finding(check);
+  return {{"camera",
+           {{"fx", camera.fx},
+            {"fy", camera.fy},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"depth_scale", camera.depth_scale}}},
+          {"objects", check.objects.size()},
+          {"focal_scale", number(focal, &kernels::Factor::value)},
+          {"focal_scale_error", number(focal, &kernels::Factor::error)},
+          {"depth_scale", number(depth, &kernels::Factor::value)},
+          {"depth_scale_error", number(depth, &kernels::Factor::error)},
+          {"finding", finding ? nlohmann::ordered_json(*finding) : nullptr}};
+}
+
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
                                   bool with_rejected) {
   nlohmann::ordered_json seconds, detections = nlohmann::ordered_json::array();
@@ -159,20 +186,23 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"method", name_of(detection.source)}});
   }
   const SceneStats& stats = result.stats;
-  nlohmann::ordered_json json{{"scene", file},
-                              {"points", stats.num_points},
-                              {"invalid_points", stats.num_invalid},
-                              {"noise", stats.noise},
-                              {"sensor", sensor_json(stats.sensor)},
-                              {"seconds", std::move(seconds)},
-                              {"counts",
-                               {{"references", stats.num_references},
-                                {"pairs", stats.num_pairs},
-                                {"votes", stats.num_votes},
-                                {"hypotheses", stats.num_hypotheses},
-                                {"refined", stats.num_refined},
-                                {"examined", stats.num_examined}}},
-                              {"detections", std::move(detections)}};
+  nlohmann::ordered_json json{
+      {"scene", file},
+      {"points", stats.num_points},
+      {"invalid_points", stats.num_invalid},
+      {"noise", stats.noise},
+      {"sensor", sensor_json(stats.sensor)},
+      {"camera_check", stats.camera_check ? camera_check_json(*stats.camera_check)
+                                          : nlohmann::ordered_json(nullptr)},
+      {"seconds", std::move(seconds)},
+      {"counts",
+       {{"references", stats.num_references},
+        {"pairs", stats.num_pairs},
+        {"votes", stats.num_votes},
+        {"hypotheses", stats.num_hypotheses},
+        {"refined", stats.num_refined},
+        {"examined", stats.num_examined}}},
+      {"detections", std::move(detections)}};
   if (with_rejected) json["rejected"] = rejected_json(result.rejected);
   if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;

@@ -17,6 +17,9 @@ namespace trivet::apps {
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
                                   bool with_rejected = false);
 
+/// What a check of a camera told; the "camera_check" of a scene, an element of "cameras".
+nlohmann::ordered_json camera_check_json(const CameraCheck& check);
+
 /// The poses of all scenes of such a document, as expected ones. Errors: as read_detections.
 Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file);
 

@@ -4,12 +4,14 @@
 #include <vector>
 
 #include "apps/bop_csv.hpp"
+#include "apps/camera_words.hpp"
 #include "apps/commands.hpp"
 #include "apps/detections_json.hpp"
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
 #include "apps/recognise_arguments.hpp"
 #include "apps/report/recognition_report.hpp"
+#include "engine/estimate_camera.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -18,6 +20,7 @@ struct RecognizeArguments {
   std::string library, unit, json, bop_csv, report;
   SceneArguments scenes;
   RecogniseArguments recognise;
+  bool estimate_camera = false;
 };
 
 void print_scene(const std::string& file, const SceneResult& result) {
@@ -29,6 +32,31 @@ void print_scene(const std::string& file, const SceneResult& result) {
                detection.model, detection.score, detection.visible_fraction, detection.rmse, t.x(),
                t.y(), t.z());
   }
+  if (!result.stats.camera_check) return;
+  if (const std::optional<std::string> finding = camera_finding(*result.stats.camera_check))
+    fmt::print("  {}\n", *finding);
+}
+
+void print_camera(const CameraCheck& check) {
+  const Camera& c = check.camera;
+  const std::optional<std::string> finding = camera_finding(check);
+  if (!finding) return;
+  fmt::print("camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g}, by {} objects: {}\n", c.fx, c.fy, c.cx,
+             c.cy, c.depth_scale, check.objects.size(), *finding);
+}
+
+/// Recognise the scenes, one after the other to `emit`; with the cameras that were estimated, if
+/// that is asked for.
+Result<void> recognise_scenes(const Recogniser& recogniser, std::span<SceneInput> scenes,
+                              const RecogniseOptions& options, bool estimate_camera,
+                              const Progress& progress,
+                              const std::function<void(std::size_t, const SceneResult&)>& emit) {
+  if (!estimate_camera) return recognise_all(recogniser, scenes, options, progress, emit);
+  const Result<std::vector<SceneResult>> results =
+      recognise_estimating_camera(recogniser, scenes, options, progress);
+  if (!results) return results.error();
+  for (std::size_t s = 0; s < results->size(); ++s) emit(s, (*results)[s]);
+  return {};
 }
 
 Result<void> recognize(const RecognizeArguments& arguments, const Context& context) {
@@ -38,7 +66,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   const Library& library = recogniser.library();
   SceneArguments scene_arguments = arguments.scenes;
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
-  const Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
+  Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
   Result<RecogniseOptions> options = options_of(arguments.recognise);
   if (!options) return options.error();
@@ -49,22 +77,32 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   }
 
   nlohmann::ordered_json document{{"library", arguments.library},
-                                  {"scenes", nlohmann::ordered_json::array()}};
+                                  {"scenes", nlohmann::ordered_json::array()},
+                                  {"cameras", nlohmann::ordered_json::array()}};
   std::vector<BopResult> bop_results;
   std::vector<SceneResult> told;  // for the report
-  const Result<void> done = recognise_all(
-      recogniser, scenes->sources, *options, context.console.progress("recognised", context.stop),
-      [&](std::size_t index, const SceneResult& result) {
-        const std::string file = scenes->sources[index].file.string();
-        if (arguments.json.empty()) {
-          print_scene(file, result);
-        } else {
-          document["scenes"].push_back(scene_json(file, result));
-        }
-        if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
-        if (!arguments.report.empty()) told.push_back(result);
-      });
+  std::vector<CameraCheck> checks;
+  const Result<void> done =
+      recognise_scenes(recogniser, scenes->sources, *options, arguments.estimate_camera,
+                       context.console.progress("recognised", context.stop),
+                       [&](std::size_t index, const SceneResult& result) {
+                         const std::string file = scenes->sources[index].file.string();
+                         if (arguments.json.empty()) {
+                           print_scene(file, result);
+                         } else {
+                           document["scenes"].push_back(scene_json(file, result));
+                         }
+                         if (!arguments.bop_csv.empty())
+                           add_bop_results(*scenes, index, result, bop_results);
+                         if (!arguments.report.empty()) told.push_back(result);
+                         if (result.stats.camera_check)
+                           checks.push_back(*result.stats.camera_check);
+                       });
   if (!done) return done;
+  for (const CameraCheck& check : join_checks(checks)) {
+    document["cameras"].push_back(camera_check_json(check));
+    if (arguments.json.empty()) print_camera(check);
+  }
   if (!arguments.bop_csv.empty()) {
     const Result<void> written = write_bop_results(arguments.bop_csv, bop_results);
     if (!written) return written;
@@ -105,6 +143,9 @@ void add_recognize(CLI::App& app, Context& context) {
           "Position x,y,z of the sensor in the scene's frame; default: the file's, else the origin")
       ->delimiter(',')
       ->expected(3);
+  command->add_flag("--estimate-camera", arguments->estimate_camera,
+                    "Where sure detections say that the focal length or the depth scale of depth "
+                    "images is wrong, correct it and recognise once more");
   command->add_option("--json", arguments->json,
                       "Write the result as JSON to this file, - for standard output");
   command->add_option("--bop-csv", arguments->bop_csv,

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/camera_words.hpp"
 #include "apps/inputs.hpp"
 #include "apps/report/html.hpp"
 #include "apps/score_words.hpp"
@@ -317,6 +318,15 @@ std::string sensor_in_words(const Subject& subject) {
   return fmt::format("<p class=\"dim\">{}.</p>\n", out);
 }
 
+/// What is wrong with the camera that was given; empty where nothing seems to be.
+std::string camera_in_words(const Subject& subject) {
+  const std::optional<CameraCheck>& check = subject.result.stats.camera_check;
+  const std::optional<std::string> finding = check ? camera_finding(*check) : std::nullopt;
+  return finding
+             ? fmt::format("<p>By {} of these objects {}.</p>\n", check->objects.size(), *finding)
+             : "";
+}
+
 // Pictures.
 
 struct Plan {
@@ -449,11 +459,12 @@ Result<std::string> recognition_figure(const RecognitionReport& report, std::siz
     return drawing.error();
   }
   return fmt::format(
-      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}<div "
+      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}{}<div "
       "class=\"rejected\">{}<div>{}</div></div>"
       "{}{}</figure>\n",
-      name, caption(subject), sensor_in_words(subject), *found, found_table(subject), *rejected,
-      rejected_table(subject), parts_table(subject), times_and_counts(subject));
+      name, caption(subject), sensor_in_words(subject), camera_in_words(subject), *found,
+      found_table(subject), *rejected, rejected_table(subject), parts_table(subject),
+      times_and_counts(subject));
 }
 
 }  // namespace trivet::apps

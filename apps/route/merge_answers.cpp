@@ -81,6 +81,8 @@ Json merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
     take_slower(answer.scenes[index].json["seconds"], merged["seconds"]);
     add_counts(answer.scenes[index].json["counts"], merged["counts"]);
   }
+  // Each shard checked the camera by its own objects.
+  if (answers.size() > 1) merged["camera_check"] = nullptr;
   std::vector<DetectionPlace> standing = *merge_claims(claims);
   const auto detection = [&](const DetectionPlace& place) -> const Json& {
     return answers[place.library].scenes[index].detections[place.detection];
