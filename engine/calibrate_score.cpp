@@ -44,6 +44,7 @@ Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest
       evaluate(with_near_axes(manifest, recogniser.library()), *meshes, results);
   if (!judged) return judged.error();
   for (std::size_t s = 0; s < results.size(); ++s) {
+    outcomes.scans.push_back(manifest.scenes[s].name);
     for (const JudgedDetection& detection : judged->scenes[s].detections) {
       const bool right = detection.verdict == Verdict::right;
       if (detection.verdict == Verdict::neutral ||
@@ -53,6 +54,7 @@ Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest
       }
       outcomes.parts.push_back(results[s]->detections[detection.detection].parts);
       outcomes.right.push_back(right ? 1 : 0);
+      outcomes.scan.push_back(static_cast<std::uint32_t>(outcomes.scans.size() - 1));
     }
   }
   return {};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "engine/recognise.hpp"
@@ -15,6 +16,8 @@ namespace trivet {
 struct Outcomes {
   std::vector<kernels::ScoreParts> parts;
   std::vector<std::uint8_t> right;
+  std::vector<std::uint32_t> scan;  ///< index of each in `scans`
+  std::vector<std::string> scans;   ///< that were looked at, also where nothing was found
 };
 
 /// Recognise the scenes of a manifest, and add the detections that count to `outcomes`: those that
