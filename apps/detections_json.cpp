@@ -28,11 +28,11 @@ nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
 }
 
 /// What each part adds to the log odds.
-nlohmann::ordered_json evidence_json(const kernels::ScoreParts& parts) {
+nlohmann::ordered_json evidence_json(const kernels::ScoreModel& score,
+                                     const kernels::ScoreParts& parts) {
   nlohmann::ordered_json json;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    json[std::string(kernels::kScoreParts[k].name)] =
-        kernels::part_evidence(kernels::default_score(), parts, k);
+    json[std::string(kernels::kScoreParts[k].name)] = kernels::part_evidence(score, parts, k);
   }
   return json;
 }
@@ -49,7 +49,8 @@ std::string_view name_of(Rejection reason) {
   return "";
 }
 
-nlohmann::ordered_json rejected_json(const std::vector<RejectedPose>& rejected) {
+nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score,
+                                     const std::vector<RejectedPose>& rejected) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const RejectedPose& pose : rejected) {
     json.push_back(
@@ -57,7 +58,7 @@ nlohmann::ordered_json rejected_json(const std::vector<RejectedPose>& rejected) 
          {"score", pose.score},
          {"T_scene_model", matrix_json(pose.T_scene_model)},
          {"parts", parts_json(pose.parts)},
-         {"evidence", evidence_json(pose.parts)},
+         {"evidence", evidence_json(score, pose.parts)},
          {"reason", name_of(pose.reason)},
          {"explained_by", pose.explained_by ? nlohmann::ordered_json(*pose.explained_by) : nullptr},
          {"explained_share", pose.explained_share}});
@@ -165,7 +166,7 @@ nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
 }
 
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
-                                  bool with_rejected) {
+                                  const kernels::ScoreModel& score, bool with_rejected) {
   nlohmann::ordered_json seconds, detections = nlohmann::ordered_json::array();
   for (const auto& [stage, value] : result.stats.times.seconds) seconds[stage] = value;
   seconds["total"] = result.stats.total_seconds;
@@ -178,7 +179,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"contour", detection.contour},
                           {"rmse", detection.rmse},
                           {"parts", parts_json(detection.parts)},
-                          {"evidence", evidence_json(detection.parts)},
+                          {"evidence", evidence_json(score, detection.parts)},
                           {"ambiguous", !detection.rivals.empty()},
                           {"pose_share", detection.pose_share},
                           {"turns", turns_json(detection.turns)},
@@ -203,7 +204,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
         {"refined", stats.num_refined},
         {"examined", stats.num_examined}}},
       {"detections", std::move(detections)}};
-  if (with_rejected) json["rejected"] = rejected_json(result.rejected);
+  if (with_rejected) json["rejected"] = rejected_json(score, result.rejected);
   if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;
 }

@@ -12,10 +12,10 @@
 
 namespace trivet::apps {
 
-/// One element of "scenes"; with what was rejected where it is asked for, and with
-/// "claims" where the result holds them.
+/// One element of "scenes", with the evidence of the score that it was recognised with; with what
+/// was rejected where it is asked for, and with "claims" where the result holds them.
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
-                                  bool with_rejected = false);
+                                  const kernels::ScoreModel& score, bool with_rejected = false);
 
 /// What a check of a camera told; the "camera_check" of a scene, an element of "cameras".
 nlohmann::ordered_json camera_check_json(const CameraCheck& check);

@@ -12,6 +12,7 @@
 #include "apps/evaluation_json.hpp"
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
+#include "apps/open_recogniser.hpp"
 #include "apps/recognise_arguments.hpp"
 #include "apps/report/evaluation_report.hpp"
 #include "engine/bop_scores.hpp"
@@ -24,7 +25,7 @@ namespace {
 constexpr float kLowestScore = 0.1F;
 
 struct EvaluateArguments {
-  std::string library, manifest, detections, json, csv, report;
+  std::string library, calibration, manifest, detections, json, csv, report;
   RecogniseArguments recognise;
 };
 
@@ -35,15 +36,19 @@ struct Judged {
   std::string source;   ///< the file that it came from
 };
 
+std::string source_of(const std::string& library, const std::string& calibration) {
+  return calibration.empty() ? library : fmt::format("{}, calibrated by {}", library, calibration);
+}
+
 Result<Judged> recognise_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
                                 const Context& context) {
-  Result<Library> library = open_library(arguments.library);
-  if (!library) return library.error();
-  const Recogniser recogniser(std::move(*library));
+  const Result<Recogniser> opened = open_recogniser(arguments.library, arguments.calibration);
+  if (!opened) return opened.error();
+  const Recogniser& recogniser = *opened;
   Result<RecogniseOptions> options = options_of(arguments.recognise);
   if (!options) return options.error();
   options->doubtful_score = std::min(kLowestScore, options->min_score);
-  Judged judged{{}, options->min_score, arguments.library};
+  Judged judged{{}, options->min_score, source_of(arguments.library, arguments.calibration)};
   judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognise_all(
       recogniser, scenes_of(manifest, recogniser.library().header.unit), *options,
@@ -135,6 +140,7 @@ void add_evaluate(CLI::App& app, Context& context) {
       "Score the detections in this file, as `trivet recognize --json` or another program wrote "
       "them, or a file of BOP results (.csv), instead of recognising");
   add_recognise_options(*command, arguments->recognise);
+  add_calibration_option(*command, arguments->calibration);
   command->add_option("--json", arguments->json,
                       "Write the scores as JSON to this file, - for standard output");
   command->add_option("--csv", arguments->csv,

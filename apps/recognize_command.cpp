@@ -9,6 +9,7 @@
 #include "apps/detections_json.hpp"
 #include "apps/inputs.hpp"
 #include "apps/json_output.hpp"
+#include "apps/open_recogniser.hpp"
 #include "apps/recognise_arguments.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "engine/estimate_camera.hpp"
@@ -17,7 +18,7 @@ namespace trivet::apps {
 namespace {
 
 struct RecognizeArguments {
-  std::string library, unit, json, bop_csv, report;
+  std::string library, calibration, unit, json, bop_csv, report;
   SceneArguments scenes;
   RecogniseArguments recognise;
   bool estimate_camera = false;
@@ -60,9 +61,9 @@ Result<void> recognise_scenes(const Recogniser& recogniser, std::span<SceneInput
 }
 
 Result<void> recognize(const RecognizeArguments& arguments, const Context& context) {
-  Result<Library> opened = open_library(arguments.library);
+  const Result<Recogniser> opened = open_recogniser(arguments.library, arguments.calibration);
   if (!opened) return opened.error();
-  const Recogniser recogniser(std::move(*opened));
+  const Recogniser& recogniser = *opened;
   const Library& library = recogniser.library();
   SceneArguments scene_arguments = arguments.scenes;
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
@@ -77,6 +78,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   }
 
   nlohmann::ordered_json document{{"library", arguments.library},
+                                  {"calibration", calibration_json(recogniser)},
                                   {"scenes", nlohmann::ordered_json::array()},
                                   {"cameras", nlohmann::ordered_json::array()}};
   std::vector<BopResult> bop_results;
@@ -90,7 +92,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
                          if (arguments.json.empty()) {
                            print_scene(file, result);
                          } else {
-                           document["scenes"].push_back(scene_json(file, result));
+                           document["scenes"].push_back(scene_json(file, result, recogniser.score()));
                          }
                          if (!arguments.bop_csv.empty())
                            add_bop_results(*scenes, index, result, bop_results);
@@ -131,6 +133,7 @@ void add_recognize(CLI::App& app, Context& context) {
           "BOP data sets (the folder, or that of one split)")
       ->required();
   add_recognise_options(*command, arguments->recognise);
+  add_calibration_option(*command, arguments->calibration);
   command
       ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
       ->check(CLI::IsMember({"m", "mm"}));

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
+
+#include "kernels/adapt_score.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -125,14 +126,11 @@ std::string finding_of(std::size_t part, float value) { return kEntries[part].fi
 
 std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreModel& model,
                                                          float correlation) {
-  constexpr float kBeyond = std::numeric_limits<float>::max();
-  kernels::ScoreParts best{};
   std::array<float, kernels::kNumScoreParts> most{};
-  for (std::size_t k = 0; k < best.size(); ++k) {
-    best[k] = kernels::kScoreParts[k].favourable ? kBeyond : -kBeyond;
+  for (std::size_t k = 0; k < most.size(); ++k) {
+    const auto [independent, shared] = kernels::most_evidence(model, k);
+    most[k] = (1 - correlation) * independent + correlation * shared;
   }
-  best[kernels::kCorrelationPart] = correlation;
-  for (std::size_t k = 0; k < best.size(); ++k) most[k] = kernels::part_evidence(model, best, k);
   return most;
 }
 

@@ -63,14 +63,14 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   if (!examples) return examples.error();
   const ListenSettings& listen = settings.listen;
   RequestLog log(listen.log_descriptor());  // outlives all that may write
-  Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.library, 1);
+  Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.files(), 1);
   if (!first) return first.error();
 
   std::optional<HttpServer> server;  // outlives all that may still answer
   Metrics metrics;
   RecognitionService service(settings.service(), *first);
   first = std::shared_ptr<const LibraryGeneration>();
-  std::optional<LibrarySlot> slot(std::in_place, settings.library, service, metrics);
+  std::optional<LibrarySlot> slot(std::in_place, settings.files(), service, metrics);
   ServiceRoutes routes(service, metrics, log,
                        {milliseconds(listen.deadline_ms), settings.service().max_waiting_bytes},
                        std::move(*examples),

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "apps/inputs.hpp"
+#include "apps/open_recogniser.hpp"
 #include "apps/report/html.hpp"
 #include "apps/report/pictures.hpp"
 #include "apps/report/recognition_scene.hpp"
@@ -90,6 +91,11 @@ std::string score_key(const kernels::ScoreModel& model) {
       model.bias[0], model.bias[1], rows);
 }
 
+std::string calibration_words(const Recogniser& recogniser) {
+  const nlohmann::ordered_json name = calibration_json(recogniser);
+  return name.is_null() ? "none" : name.get<std::string>();
+}
+
 /// What leads to the same result again.
 std::string origin(const RecognitionReport& report) {
   const Library& library = report.recogniser.library();
@@ -104,6 +110,7 @@ std::string origin(const RecognitionReport& report) {
            {"library format", fmt::format("{}.{}", kLibraryVersionMajor, library.version_minor)},
            {"trained by", library.header.producer},
            {"training", library.header.parameters},
+           {"calibration of the score", calibration_words(report.recogniser)},
            {"unit of the library", unit_name(library.header.unit)},
            {"models searched", models.empty() ? "all" : models},
            {"least score", number(o.min_score) + (o.require_pose ? ", of the very pose" : "")},

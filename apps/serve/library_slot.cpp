@@ -2,20 +2,22 @@
 
 #include <utility>
 
+#include "apps/open_recogniser.hpp"
+
 namespace trivet::apps {
 
-Result<std::shared_ptr<const LibraryGeneration>> load_generation(const std::filesystem::path& file,
+Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number) {
-  Result<Library> library = open_library(file);
-  if (!library) return library.error();
-  auto generation = std::make_shared<LibraryGeneration>(
-      LibraryGeneration{Recogniser(std::move(*library)), number});
+  Result<Recogniser> recogniser = open_recogniser(files.library, files.calibration);
+  if (!recogniser) return recogniser.error();
+  auto generation =
+      std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recogniser), number});
   generation->recogniser.build_all();
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 
-LibrarySlot::LibrarySlot(std::filesystem::path file, RecognitionService& service, Metrics& metrics)
-    : file_(std::move(file)), service_(service), metrics_(metrics), thread_([this] { work(); }) {}
+LibrarySlot::LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics)
+    : files_(std::move(files)), service_(service), metrics_(metrics), thread_([this] { work(); }) {}
 
 LibrarySlot::~LibrarySlot() {
   {
@@ -43,7 +45,7 @@ void LibrarySlot::work() {
       if (asked_.empty()) return;
       asked.swap(asked_);
     }
-    Result<std::shared_ptr<const LibraryGeneration>> next = load_generation(file_, next_number_);
+    Result<std::shared_ptr<const LibraryGeneration>> next = load_generation(files_, next_number_);
     metrics_.count_reload(next.has_value());
     if (next) {
       service_.publish(std::move(*next));

@@ -4,10 +4,10 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "apps/serve/metrics.hpp"
@@ -15,16 +15,21 @@
 
 namespace trivet::apps {
 
-/// Open a library and build all that its first scene would wait for. Errors: of opening.
-Result<std::shared_ptr<const LibraryGeneration>> load_generation(const std::filesystem::path& file,
+/// What a service answers with.
+struct LibraryFiles {
+  std::string library, calibration;  ///< the calibration of the score: empty, the default
+};
+
+/// Open a library and build all that its first scene would wait for. Errors: of open_recogniser.
+Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number);
 
 /// Reads on a thread of its own, one after the other. A bad file leaves the old library answering.
 class LibrarySlot {
  public:
   using Done = std::function<void(Result<void>)>;
-  /// `service` answers with generation 1 of `file`. Both outlive the slot.
-  LibrarySlot(std::filesystem::path file, RecognitionService& service, Metrics& metrics);
+  /// `service` answers with generation 1 of `files`. Both outlive the slot.
+  LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics);
   LibrarySlot(const LibrarySlot&) = delete;
   LibrarySlot& operator=(const LibrarySlot&) = delete;
   ~LibrarySlot();
@@ -35,7 +40,7 @@ class LibrarySlot {
  private:
   void work();
 
-  const std::filesystem::path file_;
+  const LibraryFiles files_;
   RecognitionService& service_;
   Metrics& metrics_;
   std::mutex mutex_;

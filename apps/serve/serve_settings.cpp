@@ -14,6 +14,10 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
   ServeSettings& s = settings;
   std::vector<Setting> all{
       text_setting("library", "Library file, made by `trivet train`", s.library),
+      text_setting("calibration",
+                   "Score as `trivet calibrate` adapted it to these scans, from this file; read "
+                   "anew with the library",
+                   s.calibration),
       number_setting("parallel",
                      "Scenes at a time: 1 for the shortest answer of each, 0, one a core, for the "
                      "most answers",
@@ -41,6 +45,7 @@ SettingFaults faults_of(const ServeSettings& settings) {
   } else {
     check_file("library", settings.library);
   }
+  if (!settings.calibration.empty()) check_file("calibration", settings.calibration);
   if (!settings.examples.empty()) check_file("examples", settings.examples);
   return faults;
 }

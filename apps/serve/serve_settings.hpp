@@ -6,16 +6,18 @@
 #include <vector>
 
 #include "apps/listen_settings.hpp"
+#include "apps/serve/library_slot.hpp"
 #include "engine/recognition_service.hpp"
 
 namespace trivet::apps {
 
 struct ServeSettings {
-  std::string library, examples;
+  std::string library, calibration, examples;
   std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512;
   ListenSettings listen;
 
   ServiceOptions service() const;
+  LibraryFiles files() const { return {library, calibration}; }
 };
 
 /// They write to `settings`, which outlives them.

@@ -12,6 +12,7 @@
 #include "apps/http/http_messages.hpp"
 #include "apps/http/query.hpp"
 #include "apps/inputs.hpp"
+#include "apps/open_recogniser.hpp"
 #include "apps/score_words.hpp"
 #include "apps/serve/inference_protocol.hpp"
 #include "apps/serve/openapi.hpp"
@@ -243,16 +244,18 @@ void ServiceRoutes::recognise(const CallPtr& call, std::string_view) {
     Json scenes = Json::array();
     for (std::size_t i = 0; i < state->results.size(); ++i) {
       scenes.push_back(scene_json(state->request.scans[i].name, state->results[i],
+                                  found.generation->recogniser.score(),
                                   state->request.options.max_rejected > 0));
     }
     const Library& library = found.generation->recogniser.library();
     return json_response(
-        200,
-        {{"request_id", call->id},
-         {"library",
-          {{"file", library.file.filename().string()}, {"generation", found.generation->number}}},
-         {"seconds", {{"queue", found.queue_seconds}, {"work", found.work_seconds}}},
-         {"scenes", std::move(scenes)}});
+        200, {{"request_id", call->id},
+              {"library",
+               {{"file", library.file.filename().string()},
+                {"generation", found.generation->number},
+                {"calibration", calibration_json(found.generation->recogniser)}}},
+              {"seconds", {{"queue", found.queue_seconds}, {"work", found.work_seconds}}},
+              {"scenes", std::move(scenes)}});
   });
 }
 
@@ -352,7 +355,8 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
 }
 
 void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
-  const kernels::ScoreModel& score = kernels::default_score();
+  const auto generation = service_.generation();
+  const kernels::ScoreModel& score = generation->recogniser.score();
   const auto independent = most_evidence(score, 0), shared = most_evidence(score, 1);
   Json parts = Json::array();
   for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {

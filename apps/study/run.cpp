@@ -159,7 +159,7 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
         const Cell& cell = plan.cells[missing[i]];
         const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
         nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-        scenes.push_back(scene_json(name, result));
+        scenes.push_back(scene_json(name, result, kernels::default_score()));
         return write_json(folder.cell(cell).string(), {{"scenes", std::move(scenes)}});
       });
 }

@@ -16,6 +16,7 @@
 
 #include "apps/http_client.hpp"
 #include "apps/serve_fixture.hpp"
+#include "engine/score_calibration.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
@@ -211,13 +212,15 @@ TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
   const test::Outcome good = check("library = 'l.h5'\nmax-waiting = 8\n", {});
   EXPECT_EQ(good.exit_code, 0) << good.error;
   const test::Outcome bad = check(
-      "library = 'absent.h5'\nmax-waitings = 8\nport = 70000\nparallel = 1.5\nlog = 'loud'\n"
+      "library = 'absent.h5'\ncalibration = 'absent.json'\nmax-waitings = 8\nport = "
+      "70000\nparallel = 1.5\nlog = 'loud'\n"
       "max-body-mb = 600\n",
       {"--deadline-ms", "soon"});
   EXPECT_EQ(bad.exit_code, 2);
   for (const char* const fault :
-       {"serve.toml:2: expected one of", "found 'max-waitings'", "serve.toml:3: port",
-        "serve.toml:4: parallel", "serve.toml:5: log", "absent.h5: no such file", "--deadline-ms",
+       {"serve.toml:3: expected one of", "found 'max-waitings'", "serve.toml:4: port",
+        "serve.toml:5: parallel", "serve.toml:6: log", "absent.json: no such file",
+        "absent.h5: no such file", "--deadline-ms",
         "max-body-mb: expected at most max-waiting-mb"}) {
     EXPECT_NE(bad.error.find(fault), std::string::npos) << fault << " in\n" << bad.error;
   }
@@ -225,6 +228,36 @@ TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
   EXPECT_EQ(check("library = 'absent.h5'\nport = 70000\n", {"l.h5", "--port", "0"}).exit_code, 0);
   EXPECT_NE(check("library = \n", {}).error.find("serve.toml:1"), std::string::npos);
   EXPECT_EQ(check("", {}).exit_code, 2) << "no library";
+}
+
+TEST_F(Serve, AnswersWithACalibratedScore) {
+  ScoreCalibration calibration{{}, 5, 30, 60};
+  calibration.adaptation.shift = -1;
+  ASSERT_TRUE(write_calibration(folder_ / "cell.json", calibration));
+  const std::string scan = read_bytes(depth_);
+  const auto library_of = [&](int port) {
+    return ask(port, "POST", query_, scan).json()["library"];
+  };
+  nlohmann::json bias;
+  const test::Outcome plain = serve({}, [&](int port) {
+    EXPECT_TRUE(library_of(port)["calibration"].is_null());
+    bias = ask(port, "GET", "/v1/score-parts").json()["bias"];
+  });
+  EXPECT_EQ(plain.exit_code, 0) << plain.error;
+  const test::Outcome calibrated = serve({"--calibration", "cell.json"}, [&](int port) {
+    EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
+    const nlohmann::json shifted = ask(port, "GET", "/v1/score-parts").json()["bias"];
+    EXPECT_NEAR(shifted[0].get<double>(), bias[0].get<double>() - 1, 1e-4);
+    // A reload reads it anew; a bad one leaves the old one answering.
+    calibration.adaptation.shift = -2;
+    ASSERT_TRUE(write_calibration(folder_ / "cell.json", calibration));
+    EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);
+    EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
+    folder_.write("cell.json", "{}");
+    EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 409);
+    EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
+  });
+  EXPECT_EQ(calibrated.exit_code, 0) << calibrated.error;
 }
 
 TEST_F(Serve, SpeaksTheOpenInferenceProtocol) {
