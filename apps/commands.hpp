@@ -27,6 +27,7 @@ void add_evaluate(CLI::App& app, Context& context);
 void add_scan(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
+void add_fit_score(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
 void add_route(CLI::App& app, Context& context);
 void add_load(CLI::App& app, Context& context);

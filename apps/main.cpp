@@ -113,6 +113,7 @@ int main(int argc, char** argv) {
   apps::add_scan(app, context);
   apps::add_mesh(app, context);
   apps::add_calibrate(app, context);
+  apps::add_fit_score(app, context);
   apps::add_study(app, context);
   apps::add_serve(app, context);
   apps::add_route(app, context);

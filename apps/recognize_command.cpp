@@ -84,22 +84,20 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   std::vector<BopResult> bop_results;
   std::vector<SceneResult> told;  // for the report
   std::vector<CameraCheck> checks;
-  const Result<void> done =
-      recognise_scenes(recogniser, scenes->sources, *options, arguments.estimate_camera,
-                       context.console.progress("recognised", context.stop),
-                       [&](std::size_t index, const SceneResult& result) {
-                         const std::string file = scenes->sources[index].file.string();
-                         if (arguments.json.empty()) {
-                           print_scene(file, result);
-                         } else {
-                           document["scenes"].push_back(scene_json(file, result, recogniser.score()));
-                         }
-                         if (!arguments.bop_csv.empty())
-                           add_bop_results(*scenes, index, result, bop_results);
-                         if (!arguments.report.empty()) told.push_back(result);
-                         if (result.stats.camera_check)
-                           checks.push_back(*result.stats.camera_check);
-                       });
+  const Result<void> done = recognise_scenes(
+      recogniser, scenes->sources, *options, arguments.estimate_camera,
+      context.console.progress("recognised", context.stop),
+      [&](std::size_t index, const SceneResult& result) {
+        const std::string file = scenes->sources[index].file.string();
+        if (arguments.json.empty()) {
+          print_scene(file, result);
+        } else {
+          document["scenes"].push_back(scene_json(file, result, recogniser.score()));
+        }
+        if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
+        if (!arguments.report.empty()) told.push_back(result);
+        if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
+      });
   if (!done) return done;
   for (const CameraCheck& check : join_checks(checks)) {
     document["cameras"].push_back(camera_check_json(check));

@@ -123,8 +123,7 @@ class Rivalry {
         *model_.near_axis, turn_period(), kRightRotationRad, errors_of(candidate.T_scene_model),
         tester_.strict(candidate.T_scene_model), compare_scratch_);
     const bool far = std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad;
-    const Pose there =
-        candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
+    const Pose there = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
     Candidate turned = examine(far ? tester_.polished(there) : there, candidate);
     // Edges that lie beside their places may speak for a turn that the whole test speaks against.
     const bool doubtful = tester_.scene().sensor.correlation > 0 &&

@@ -37,7 +37,9 @@ Rendered render(const CompareScratch::Look& look, std::size_t at, const Eigen::M
 class Comparer {
  public:
   Comparer(const RangeImage& image, float sigma, float correlation, const VerifyOptions& options)
-      : image_(image), options_(options), sigma_(static_cast<double>(sigma)),
+      : image_(image),
+        options_(options),
+        sigma_(static_cast<double>(sigma)),
         blended_(kBlended * static_cast<double>(correlation)) {}
 
   /// Whether the renderings tell the poses apart here.

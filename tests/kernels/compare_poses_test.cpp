@@ -133,8 +133,7 @@ TEST(ComparePoses, AgreesWithANaiveReference) {
                        0);
     ASSERT_EQ(crop.stride, 1);
     const float correlation = trial % 2 == 0 ? 0 : random.uniform(0, 1);
-    const PoseComparison found =
-        compare(c.image, c.first, c.second, {kNoise, 3, correlation});
+    const PoseComparison found = compare(c.image, c.first, c.second, {kNoise, 3, correlation});
     const reference::Comparison naive = reference::comparison(
         c.image, club().surface, static_cast<double>(club().samples.diameter), c.first, c.second,
         static_cast<double>(kNoise), static_cast<double>(correlation),

@@ -169,7 +169,8 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     total.unknown += e.unknown;
     total.background += e.background;
   }
-  for (const float count : {total.consistent, total.violation, total.occluded, total.sunk, total.background})
+  for (const float count :
+       {total.consistent, total.violation, total.occluded, total.sunk, total.background})
     EXPECT_GT(count, 200) << "each is met";
   EXPECT_GT(beside, 200);
 }

@@ -94,10 +94,10 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     share.num += 1;
     share.num_missing += std::isfinite(measured({1, 1}, u, v).residual) ? 0 : 1;
   });
-  const double missing = std::min(on.num, off.num) < 50
-                             ? 1
-                             : std::max(0.02, on.num_missing / on.num) /
-                                   std::max(0.02, off.num_missing / off.num);
+  const double missing =
+      std::min(on.num, off.num) < 50
+          ? 1
+          : std::max(0.02, on.num_missing / on.num) / std::max(0.02, off.num_missing / off.num);
 
   Comparison out;
   std::map<std::pair<int, int>, double> votes;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <vector>
 #include <utility>
+#include <vector>
 
 #include "kernels/range_image.hpp"
 #include "kernels/ray_scene.hpp"
@@ -43,7 +43,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   Examination out;
   std::map<std::pair<int, int>, double> residuals;  // by steps from the middle
   std::map<std::pair<int, int>, double> depths;
-  std::vector<Eigen::Vector3d> places;  // that agree
+  std::vector<Eigen::Vector3d> places;         // that agree
   std::map<std::pair<int, int>, double> hits;  // all that the model's image consists of
   std::map<std::pair<int, int>, bool> edges;   // those inside the image that nothing hides
   Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
