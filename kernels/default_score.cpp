@@ -1,4 +1,4 @@
-// Written by `trivet calibrate` 0.1.0, from 1211 right and 18428 wrong detections in rendered
+// Written by `trivet fit-score` 0.1.0, from 1211 right and 18428 wrong detections in rendered
 // scenes; the odds of right ones times 3.5. scripts/calibrate scans the scenes.
 #include "kernels/pose_score.hpp"
 
