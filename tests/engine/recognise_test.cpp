@@ -117,7 +117,7 @@ TEST_F(Recognise, FindsEachOfSeveralInstances) {
 TEST_F(Recognise, SettlesToOneResultFromADozenStarts) {
   test::Random random;
   Cloud scan = clutter();
-  for (float& coordinate : scan.points.z) coordinate += random.normal(0.0005F);
+  for (float& coordinate : scan.points.span().z) coordinate += random.normal(0.0005F);
   std::vector<Detection> settled;
   for (int start = 0; start < 12; ++start) {
     const Pose off = test::pose_of(0.05F * random.direction(), 0.004F * random.direction());
