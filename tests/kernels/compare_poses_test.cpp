@@ -199,7 +199,7 @@ TEST(ComparePoses, ForgivesBlendedDepthWhereNeighboursErrAlike) {
   RangeImage image = look({kTruth});
   const RangeImage bare = look({});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
-    if (image.depth[pixel] != bare.depth[pixel]) image.depth[pixel] += 6 * kNoise;
+    if (image.depth[pixel] != bare.depth[pixel]) image.depth[pixel] += 12 * kNoise;
   const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: meets nothing
   EXPECT_LT(compare(image, kTruth, away).log_ratio,
             compare(image, kTruth, away, {kNoise, 3, 1}).log_ratio);
