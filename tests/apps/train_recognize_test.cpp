@@ -211,9 +211,12 @@ void expect_stands_alone(const std::string& page) {
 }
 
 TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
-  // Another scene of a name that HTML must not take for a tag, without what one could find.
+  // Another scene of a name that HTML must not take for a tag, of an angle that is like a
+  // bracket's.
   const test::Shape wall = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
-  write("a<b>&\"c\".ply", test::render_scan({{&wall, Pose::Identity()}}));
+  test::Shape angle = test::box({0, 0, 0}, {0.1F, 0.05F, 0.01F});
+  angle.join(test::box({0, 0, 0}, {0.01F, 0.05F, 0.06F}));
+  write("a<b>&\"c\".ply", test::render_scan({{&wall, Pose::Identity()}, {&angle, truth()}}));
   const test::Outcome outcome =
       run({"recognize", "library.h5", "scan.ply", "a<b>&\"c\".ply", "--report", "report"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
@@ -227,7 +230,7 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
         "recognize library.h5 scan.ply 'a&lt;b&gt;&amp;&quot;c&quot;.ply' --report report"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
   }
-  EXPECT_EQ(page.find("<b>&"), std::string::npos);
+  EXPECT_EQ(page.find("<b>&\"c"), std::string::npos);
   for (const char* name : {"scene_0000_scan", "scene_0000_found", "scene_0001_scan"}) {
     const std::string png = bytes(std::string("report/pictures/") + name + ".png");
     EXPECT_EQ(png.substr(1, 3), "PNG") << name;
