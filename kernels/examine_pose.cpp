@@ -27,8 +27,9 @@ constexpr double kOutlineShare = 0.25;
 // What is buried goes deeper beneath the measured surface than bent depth and the rims of clouds
 // do: by more than so many tolerances, after so many rays at least and at most.
 constexpr float kDeep = 3;
-constexpr float kShallow = 6;  // tolerances
 constexpr int kLeastRays = 3, kMostRays = 16;
+// What lies beneath the measured surface by less may be what the model is taken for [tolerances].
+constexpr float kShallow = 6;
 // Where neighbours err alike, depth is wrong by a few tolerances in places: what lies so much
 // farther than a whole one behind the model is looked through for sure.
 constexpr float kSoftness = 1.5F;
