@@ -72,7 +72,7 @@ nlohmann::ordered_json rivals_json(const std::vector<Pose>& rivals) {
   return json;
 }
 
-/// The axis in the model's frame, in the library's unit, and the angles that are as likely.
+/// The axis in the model's frame, in the scene file's unit, and the angles that are as likely.
 nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
   if (!turns) return nullptr;
   constexpr float kDegreesPerRadian = 57.29578F;

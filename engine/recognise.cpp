@@ -140,6 +140,7 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
     detection.rivals.push_back(in_file_unit(rival, scene_scale));
   detection.pose_share = candidate.pose_share;
   detection.turns = candidate.turns;
+  if (detection.turns) detection.turns->axis.point /= static_cast<float>(scene_scale);
   return detection;
 }
 

@@ -141,7 +141,7 @@ struct SceneInput {
 
 /// Turns about an axis of the model from a pose on.
 struct TurnExtent {
-  Symmetry::Axis axis;      ///< in the model's frame, in the library's unit
+  Symmetry::Axis axis;      ///< in the model's frame, in the scene file's unit
   float low = 0, high = 0;  ///< [rad]; apart by a whole turn, or by one of its symmetry: any
 };
 

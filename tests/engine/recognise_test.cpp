@@ -32,6 +32,13 @@ class Recognise : public testing::Test {
     return test::render_scan(
         {{&wall, Pose::Identity()}, {&bracket_, bracket_pose()}, {&lever_, lever_pose()}});
   }
+  static Cloud in_millimetres(Cloud scene) {
+    const PointsSpan span = scene.points;
+    for (const std::span<float> column : {span.x, span.y, span.z}) {
+      for (float& value : column) value *= 1000;
+    }
+    return scene;
+  }
   static Pose bracket_pose() { return test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F}); }
   static Pose lever_pose() { return test::pose_of({-0.6F, 0.5F, 1.9F}, {0.12F, 0.02F, 0.95F}); }
 
@@ -210,6 +217,12 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   EXPECT_LE(hidden.turns->low, 0) << "from the pose on";
   EXPECT_GE(hidden.turns->high, 0);
   EXPECT_GT(hidden.turns->high - hidden.turns->low, 0.5F);
+  const auto scaled = recognise(recogniser, in_millimetres(scan_of(kBehind)), {.scale = 1e-3},
+                                {.min_score = 0});
+  ASSERT_TRUE(scaled && !scaled->detections.empty() && scaled->detections[0].turns);
+  EXPECT_LT((scaled->detections[0].turns->axis.point - 1000 * hidden.turns->axis.point).norm(),
+            0.01F * hidden.turns->axis.point.norm() * 1000)
+      << "in the scene's unit, as the pose is";
   const Detection unrivalled = look_at(kBehind, {Improvement::rivals}).second;
   EXPECT_EQ(unrivalled.score, kernels::pose_probability(recogniser.score(), unrivalled.parts));
   EXPECT_TRUE(unrivalled.rivals.empty());
@@ -451,11 +464,7 @@ TEST_F(Recognise, TestsExpectedPosesWithoutVoting) {
 }
 
 TEST_F(Recognise, ConvertsTheScenesUnit) {
-  Cloud scene = clutter();
-  const PointsSpan span = scene.points;
-  for (const std::span<float> column : {span.x, span.y, span.z}) {
-    for (float& value : column) value *= 1000;
-  }
+  const Cloud scene = in_millimetres(clutter());
   const auto refused = recognise(recogniser_, scene, {}, {});
   ASSERT_FALSE(refused) << "a scene in mm against a library in m";
   EXPECT_EQ(refused.error().code, ErrorCode::bad_data);
