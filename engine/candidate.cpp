@@ -4,6 +4,10 @@
 
 namespace trivet::engine {
 
+float scale_odds(float probability, float factor) noexcept {
+  return factor * probability / (1 - probability + factor * probability);
+}
+
 bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept {
   const kernels::PoseDistance distance = kernels::pose_distance(a, b, model.symmetry, model.centre);
   return distance.translation <= kRightTranslation * model.diameter &&

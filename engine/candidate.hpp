@@ -29,6 +29,9 @@ struct Candidate {
   std::optional<TurnExtent> turns;  ///< about the model's near axis, if more than one is as likely
 };
 
+/// The probability whose odds are `factor` times those of this one, which is below 1.
+float scale_odds(float probability, float factor) noexcept;
+
 /// Limits within which a pose is right [diameters], [rad].
 inline constexpr float kRightTranslation = 0.1F;
 inline constexpr float kRightRotationRad = 12 * 3.14159265F / 180;

@@ -16,10 +16,6 @@ namespace {
 /// rendered scenes were right, and 71 of 76 of the others.
 constexpr float kOddsBesideVotes = 0.55F;
 
-float scale_odds(float probability, float factor) noexcept {
-  return factor * probability / (1 - probability + factor * probability);
-}
-
 /// Only references whose model could lie within the limits vote.
 void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, float reach,
                          SceneLevel& level) {

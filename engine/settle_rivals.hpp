@@ -15,7 +15,7 @@ namespace trivet::engine {
 /// symmetry leads to, and `candidates` of the same model in the same place. It moves to the turn
 /// and the rival that the scan speaks for, by the pixels where the renderings differ
 /// (kernels::compare_turns, kernels::compare_poses); rivals that are not significantly worse are
-/// noted. Its score is lowered to what the scan leaves of it among all turns: they are many.
+/// noted, and lower its score if its shape does not explain them.
 /// `step` as for settle_model. Errors: internal (no memory for the model's ray-tracing tree).
 Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
                            std::span<const Candidate> candidates, const RecogniseOptions& options,

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 
+#include "engine/candidate.hpp"
 #include "engine/train.hpp"
 #include "kernels/pose_math.hpp"
 #include "storage/read_cloud.hpp"
@@ -175,6 +176,38 @@ TEST_F(Recognise, NamesThePosesThatFitAlike) {
       << "that the key is there is as sure as it looks";
 }
 
+// A plank whose ends are hidden may lie farther on: no symmetry of it says so.
+TEST_F(Recognise, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
+  const test::Shape plank = test::box({-0.15F, -0.03F, -0.02F}, {0.15F, 0.03F, 0.02F});
+  const Recogniser recogniser(test::trained_library({{"plank", &plank}}));
+  const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
+  const test::Shape left = test::box({-0.25F, -0.08F, 0.7F}, {-0.085F, 0.08F, 0.71F});
+  const test::Shape right = test::box({0.085F, -0.08F, 0.7F}, {0.25F, 0.08F, 0.71F});
+  const Pose pose = test::pose_of({0.6F, 0, 0}, {0, 0, 0.8F});
+  const Cloud scene = test::render_scan({{&wall, Pose::Identity()},
+                                         {&plank, pose},
+                                         {&left, Pose::Identity()},
+                                         {&right, Pose::Identity()}});
+  const auto found_of = [&](std::vector<ExpectedPose> expected) {
+    RecogniseOptions options{.min_score = 0};
+    options.pose.rounds = 0;
+    options.expected = std::move(expected);
+    const auto result = recognise(recogniser, scene, {}, options);
+    EXPECT_TRUE(result && result->detections.size() == 1);
+    return result->detections.at(0);
+  };
+  const Pose farther = test::pose_of({0, 0, 0}, {0.04F, 0, 0}) * pose;
+  const Detection alone = found_of({{"plank", pose}});
+  EXPECT_TRUE(alone.rivals.empty());
+  EXPECT_EQ(alone.score, kernels::pose_probability(recogniser.score(), alone.parts));
+  const Detection rivalled = found_of({{"plank", pose}, {"plank", farther}});
+  EXPECT_EQ(rivalled.rivals.size(), 1U);
+  EXPECT_LT(rivalled.pose_share, 0.9F);
+  EXPECT_EQ(
+      rivalled.score,
+      engine::scale_odds(kernels::pose_probability(recogniser.score(), rivalled.parts), 0.4F));
+}
+
 // A mug looks alike under any turn but for its handle.
 TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   test::Shape mug = test::prism(60, test::circle(0.04), -0.05, 0.05, 0.035, 0.9);
@@ -217,8 +250,8 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   EXPECT_LE(hidden.turns->low, 0) << "from the pose on";
   EXPECT_GE(hidden.turns->high, 0);
   EXPECT_GT(hidden.turns->high - hidden.turns->low, 0.5F);
-  const auto scaled = recognise(recogniser, in_millimetres(scan_of(kBehind)), {.scale = 1e-3},
-                                {.min_score = 0});
+  const auto scaled =
+      recognise(recogniser, in_millimetres(scan_of(kBehind)), {.scale = 1e-3}, {.min_score = 0});
   ASSERT_TRUE(scaled && !scaled->detections.empty() && scaled->detections[0].turns);
   EXPECT_LT((scaled->detections[0].turns->axis.point - 1000 * hidden.turns->axis.point).norm(),
             0.01F * hidden.turns->axis.point.norm() * 1000)
