@@ -76,8 +76,11 @@ TEST(MergeClaims, FindsInHalvesOfALibraryWhatTheWholeFinds) {
     names.push_back(detection.model);
     for (const Detection& other : whole->detections) {
       if (other.model != detection.model) continue;
-      EXPECT_EQ(other.T_scene_model.matrix(), detection.T_scene_model.matrix());
-      EXPECT_EQ(other.score, detection.score);
+      // Refinement may begin at other hypotheses: its end is the same but for rounding.
+      EXPECT_TRUE(other.T_scene_model.isApprox(detection.T_scene_model, 1e-5F))
+          << other.T_scene_model.matrix() << "\n"
+          << detection.T_scene_model.matrix();
+      EXPECT_NEAR(other.score, detection.score, 1e-4F);
     }
   }
   std::ranges::sort(names);
