@@ -13,17 +13,20 @@ constexpr std::size_t kRefineSamples = 500;
 constexpr float kMostViolation = 0.15F;
 // Of the diameter: what is thinner than twice it must not be all edge.
 constexpr float kMostEdge = 0.06F;
+// Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
+// noise is a twentieth.
+constexpr float kWavy = 0.25F;
 
 }  // namespace
 
+kernels::ModelSamples samples_of(const Model& model) noexcept {
+  return {model.samples,        model.sample_normals, model.sample_views,
+          model.sample_spacing, model.diameter,       model.centre};
+}
+
 PoseTester::PoseTester(const Model& model, const PreparedScene& scene, float step,
                        const RecogniseOptions& options)
-    : model_(model), scene_(scene), step_(step), options_(options), samples_{model.samples,
-                                                                             model.sample_normals,
-                                                                             model.sample_views,
-                                                                             model.sample_spacing,
-                                                                             model.diameter,
-                                                                             model.centre} {
+    : model_(model), scene_(scene), step_(step), options_(options), samples_(samples_of(model)) {
   if (!left_out(Improvement::background)) background_ = background_planes(scene, model.diameter);
 }
 
@@ -37,6 +40,14 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
                               options_.verify.tolerance_diameters * model_.diameter);
   strict.plane_is_background = background_;
   return strict;
+}
+
+kernels::MeasurementErrors PoseTester::errors_of(const Pose& pose) const {
+  // In waves, half a patch of the windows that they are measured in errs alike.
+  const int window = 2 * static_cast<int>(std::lround(scene_.window)) + 1;
+  const bool wavy = scene_.sensor.waviness.height > kWavy * scene_.sensor.noise;
+  return {error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3,
+          scene_.sensor.correlation};
 }
 
 int PoseTester::edge_pixels(const Pose& pose) const {

@@ -7,12 +7,16 @@
 #include "engine/candidate.hpp"
 #include "engine/prepare_scene.hpp"
 #include "engine/recognise.hpp"
+#include "kernels/compare_poses.hpp"
 #include "kernels/examine_pose.hpp"
 #include "kernels/pose_score.hpp"
 #include "kernels/ray_scene.hpp"
 #include "kernels/refine_pose.hpp"
 
 namespace trivet::engine {
+
+/// A model's samples as kernels take them.
+kernels::ModelSamples samples_of(const Model& model) noexcept;
 
 /// All its arguments must outlive it. Its methods may be called from many threads.
 class PoseTester {
@@ -33,6 +37,8 @@ class PoseTester {
 
   /// What the sensor errs by across a surface at this pose's range [library unit].
   float error_at(const Pose& pose) const { return scene_.sensor.error_at(range_of(pose)); }
+  /// The same and what of it neighbours share, to compare poses by.
+  kernels::MeasurementErrors errors_of(const Pose& pose) const;
   /// By which this pose's outline may be seen beside its place [pixel].
   int edge_pixels(const Pose& pose) const;
 

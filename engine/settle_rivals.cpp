@@ -22,9 +22,6 @@ constexpr int kMaxHops = 3;          // from rival to better rival
 // In standard deviations, three to one, where pixels err for themselves. Where neighbours err alike
 // edges and creases are shown beside their places: a rival must be significantly better.
 constexpr double kTelling = 0.7;
-// Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
-// noise is a twentieth.
-constexpr float kWavy = 0.25F;
 constexpr float kSameAxis = 0.99F;  // cosine
 // Of a pose that might as well lie in its place in a way that its shape does not explain. What is
 // not there often does: of detections from 0.8 on, in the drawn scenes of scripts/calibrate, 39 of
@@ -95,18 +92,10 @@ class Rivalry {
     double log_ratio;  ///< of its likelihood over that of the other one
   };
 
-  /// In waves, half a patch of the windows that they are measured in errs alike.
-  kernels::MeasurementErrors errors_of(const Pose& pose) const {
-    const PreparedScene& scene = tester_.scene();
-    const int window = 2 * static_cast<int>(std::lround(scene.window)) + 1;
-    const bool wavy = scene.sensor.waviness.height > kWavy * scene.sensor.noise;
-    return {tester_.error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3,
-            scene.sensor.correlation};
-  }
-
   kernels::PoseComparison compare(const Pose& pose, const Candidate& with) {
-    return kernels::compare_poses(tester_.scene().images, surface_, tester_.samples(), pose,
-                                  with.T_scene_model, errors_of(with.T_scene_model),
+    return kernels::compare_poses(tester_.scene().images, {surface_, tester_.samples(), pose},
+                                  {surface_, tester_.samples(), with.T_scene_model},
+                                  tester_.errors_of(with.T_scene_model),
                                   tester_.strict(with.T_scene_model), compare_scratch_);
   }
 
@@ -125,10 +114,11 @@ class Rivalry {
   /// with that one.
   kernels::TurnComparison settle_turn(Candidate& candidate) {
     if (!model_.near_axis) return {};
-    kernels::TurnComparison turns = kernels::compare_turns(
-        tester_.scene().images, surface_, tester_.samples(), candidate.T_scene_model,
-        *model_.near_axis, turn_period(), kRightRotationRad, errors_of(candidate.T_scene_model),
-        tester_.strict(candidate.T_scene_model), compare_scratch_);
+    kernels::TurnComparison turns =
+        kernels::compare_turns(tester_.scene().images, surface_, tester_.samples(),
+                               candidate.T_scene_model, *model_.near_axis, turn_period(),
+                               kRightRotationRad, tester_.errors_of(candidate.T_scene_model),
+                               tester_.strict(candidate.T_scene_model), compare_scratch_);
     const bool far = std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad;
     const Pose there = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
     Candidate turned = examine(far ? tester_.polished(there) : there, candidate);

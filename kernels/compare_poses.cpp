@@ -99,27 +99,30 @@ class Comparer {
   Share on_, off_;  // of rays that meet the model by both poses, and by neither
 };
 
+auto ball_of(const ImageGeometry& g, const ModelSamples& samples, const Pose& T_camera_model) {
+  return project_ball(g, T_camera_model * samples.centre, 0.5F * ball_diameter(samples));
+}
+
 }  // namespace
 
-PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene& surface,
-                             const ModelSamples& samples, const Pose& T_scene_first,
-                             const Pose& T_scene_second, const MeasurementErrors& errors,
+PoseComparison compare_poses(std::span<const RangeImage> images, const PosedModel& first,
+                             const PosedModel& second, const MeasurementErrors& errors,
                              const VerifyOptions& options, CompareScratch& scratch) {
-  const float sigma = std::hypot(errors.deviation, kFitError * samples.diameter);
-  const float radius = 0.5F * ball_diameter(samples);
+  const float diameter = std::max(first.samples.diameter, second.samples.diameter);
+  const float sigma = std::hypot(errors.deviation, kFitError * diameter);
   PoseComparison out;
   double squares = 0;
   for (const RangeImage& image : images) {
     const ImageGeometry& g = image.geometry;
-    const Pose T_camera_first = g.T_camera_scene * T_scene_first;
-    const Pose T_camera_second = g.T_camera_scene * T_scene_second;
-    const auto box = project_ball(g, T_camera_first * samples.centre, radius);
-    const auto other = project_ball(g, T_camera_second * samples.centre, radius);
+    const Pose T_camera_first = g.T_camera_scene * first.T_scene_model;
+    const Pose T_camera_second = g.T_camera_scene * second.T_scene_model;
+    const auto box = ball_of(g, first.samples, T_camera_first);
+    const auto other = ball_of(g, second.samples, T_camera_second);
     if (!box && !other) continue;
     const RayCrop crop(box && other ? box->joined(*other) : box ? *box : *other, 0);
-    shoot_rays(g, crop, surface, T_camera_first, scratch.directions, scratch.first.depth,
+    shoot_rays(g, crop, first.surface, T_camera_first, scratch.directions, scratch.first.depth,
                scratch.first.normals);
-    shoot_rays(g, crop, surface, T_camera_second, scratch.directions, scratch.second.depth,
+    shoot_rays(g, crop, second.surface, T_camera_second, scratch.directions, scratch.second.depth,
                scratch.second.normals);
 
     Comparer comparer(image, sigma, errors.correlation, options);

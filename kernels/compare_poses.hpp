@@ -1,4 +1,5 @@
-/// Decide between two poses of one model that look alike, by the pixels where they do not.
+/// Decide between two posed models that look alike, by the pixels where they do not: poses of one
+/// model, or models of one place.
 #pragma once
 
 #include <span>
@@ -25,6 +26,13 @@ struct PoseComparison {
   bool significant() const noexcept { return z > kSignificant || z < -kSignificant; }
 };
 
+/// A model where it may lie. All are referred to.
+struct PosedModel {
+  const RayScene& surface;  ///< of the model, in its own frame and unit
+  const ModelSamples& samples;
+  const Pose& T_scene_model;
+};
+
 /// How measurements err across the surface.
 struct MeasurementErrors {
   float deviation = 0;    ///< standard deviation [scene unit], >= 0
@@ -43,11 +51,10 @@ struct CompareScratch {
   std::vector<double> votes;
 };
 
-/// Shoot rays at both poses through the pixels that either may cover, at most some 2,500 an image,
-/// and add up log p(measured | first) - log p(measured | second) where the renderings differ: where
-/// depths are half a tolerance apart, or only one of them meets the model.
+/// Shoot rays at both through the pixels that either may cover, at most some 2,500 an image, and
+/// add up log p(measured | first) - log p(measured | second) where the renderings differ: where
+/// depths are half a tolerance apart, or only one of them is met.
 ///
-/// surface  of the model, in its own frame and unit
 /// Of a pose that meets the model: with r the perpendicular residual, the likelihood is that of a
 /// normal distribution around 0, as wide as noise and error of model and pose together, mixed with
 /// a uniform one (relative to what a pixel off the model may show). Measured in front is occlusion
@@ -60,9 +67,8 @@ struct CompareScratch {
 /// compare_poses(b, a) is exactly the negative of compare_poses(a, b).
 /// Source: Vuong, Econometrica 1989 (likelihood ratio of models that do not contain each other); z
 /// takes the mean square of the votes for their variance, so that a few cannot be significant.
-PoseComparison compare_poses(std::span<const RangeImage> images, const RayScene& surface,
-                             const ModelSamples& samples, const Pose& T_scene_first,
-                             const Pose& T_scene_second, const MeasurementErrors& errors,
+PoseComparison compare_poses(std::span<const RangeImage> images, const PosedModel& first,
+                             const PosedModel& second, const MeasurementErrors& errors,
                              const VerifyOptions& options, CompareScratch& scratch);
 
 }  // namespace trivet::kernels

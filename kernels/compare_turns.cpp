@@ -25,7 +25,8 @@ TurnComparison compare_turns(std::span<const RangeImage> images, const RayScene&
                              CompareScratch& scratch) {
   const auto log_ratio = [&](float angle) {
     const Pose turned = T_scene_model * turn_about(axis, angle);
-    return compare_poses(images, surface, samples, turned, T_scene_model, errors, options, scratch)
+    return compare_poses(images, {surface, samples, turned}, {surface, samples, T_scene_model},
+                         errors, options, scratch)
         .log_ratio;
   };
   const auto n = std::max(kFewest, static_cast<std::size_t>(std::lround(period / kStep)));

@@ -23,8 +23,14 @@ constexpr MeasurementErrors kErrors{kNoise, 3};
 
 /// A rod with a slightly thicker end.
 struct Club {
-  test::Shape shape = test::box({-0.08F, -0.02F, -0.02F}, {0.06F, 0.02F, 0.02F})
-                          .join(test::box({0.06F, -0.027F, -0.027F}, {0.08F, 0.027F, 0.027F}));
+  explicit Club(float end = 0.027F)
+      : shape(test::box({-0.08F, -0.02F, -0.02F}, {0.06F, 0.02F, 0.02F})
+                  .join(test::box({0.06F, -end, -end}, {0.08F, end, end}))) {}
+  Club(const Club&) = delete;
+  Club& operator=(const Club&) = delete;
+  PosedModel at(const Pose& T_scene_model) const { return {surface, samples, T_scene_model}; }
+
+  test::Shape shape;
   RayScene surface = *RayScene::from_mesh(shape.vertices, shape.triangles);
   test::SampledShape sampled = test::sample_shape(shape.vertices, shape.triangles);
   ModelSamples samples = sampled.view();
@@ -59,8 +65,7 @@ VerifyOptions options() {
 PoseComparison compare(const RangeImage& image, const Pose& a, const Pose& b,
                        const MeasurementErrors& errors = kErrors) {
   CompareScratch scratch;
-  return compare_poses({&image, 1}, club().surface, club().samples, a, b, errors, options(),
-                       scratch);
+  return compare_poses({&image, 1}, club().at(a), club().at(b), errors, options(), scratch);
 }
 
 TEST(ComparePoses, TellsAClubFromItsFlip) {
@@ -159,11 +164,39 @@ TEST(ComparePoses, DoesNotDependOnTheFrameOfTheScene) {
   EXPECT_NEAR(here.z, there.z, 0.3);
 }
 
+TEST(ComparePoses, TellsModelsApartWhereTheyDiffer) {
+  const Club thicker(0.032F);
+  test::Random random;
+  RangeImage image = look({kTruth});
+  add_noise(random, image);
+  const auto decide = [&](const RangeImage& scan, bool swapped) {
+    CompareScratch scratch;
+    const PosedModel right = club().at(kTruth), wrong = thicker.at(kTruth);
+    return compare_poses({&scan, 1}, swapped ? wrong : right, swapped ? right : wrong, kErrors,
+                         options(), scratch);
+  };
+  const PoseComparison seen = decide(image, false), swapped = decide(image, true);
+  EXPECT_GT(seen.z, PoseComparison::kSignificant);
+  EXPECT_EQ(swapped.log_ratio, -seen.log_ratio);
+  EXPECT_EQ(swapped.num_votes, seen.num_votes);
+
+  // Behind something that hides its end, one looks like the other.
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    const Eigen::Vector3f end = kTruth * Eigen::Vector3f(0.07F, 0, 0);
+    const ImageGeometry g = camera();
+    const float u = g.cx + g.fx * end.x() / end.z(), v = g.cy + g.fy * end.y() / end.z();
+    const auto du = static_cast<float>(i % g.width) - u, dv = static_cast<float>(i / g.width) - v;
+    if (std::hypot(du, dv) < 16) image.depth[i] = 0.3F;
+  }
+  const PoseComparison hidden = decide(image, false);
+  EXPECT_LT(std::abs(hidden.log_ratio), 0.2 * seen.log_ratio);
+}
+
 TEST(ComparePoses, AddsUpOverImages) {
   const std::array<RangeImage, 2> images{look({kTruth}), look({kTruth})};
   CompareScratch scratch;
-  const PoseComparison both = compare_poses(images, club().surface, club().samples, kTruth,
-                                            kFlipped, kErrors, options(), scratch);
+  const PoseComparison both =
+      compare_poses(images, club().at(kTruth), club().at(kFlipped), kErrors, options(), scratch);
   const PoseComparison one = compare(images[0], kTruth, kFlipped);
   EXPECT_NEAR(both.log_ratio, 2 * one.log_ratio, 1e-9);
   EXPECT_NEAR(both.num_votes, 2 * one.num_votes, 1e-9);
@@ -233,7 +266,7 @@ TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
     // The outline, where only one pose meets the model, is left out.
     CompareScratch scratch;
     const PoseComparison c =
-        compare_poses({&image, 1}, club().surface, club().samples, near, far, kErrors,
+        compare_poses({&image, 1}, club().at(near), club().at(far), kErrors,
                       {.tolerance = 0.0015F, .plane_is_background = {}}, scratch);
     ASSERT_GT(c.num_votes, 20);
     sum += c.z;
@@ -249,8 +282,8 @@ TEST(ComparePoses, IsNoSurerOfErrorsThatPixelsShare) {
   const RangeImage image = look({kTruth});
   CompareScratch scratch;
   const auto decide = [&](int together) {
-    return compare_poses({&image, 1}, club().surface, club().samples, kTruth, aside,
-                         {kNoise, together}, options(), scratch);
+    return compare_poses({&image, 1}, club().at(kTruth), club().at(aside), {kNoise, together},
+                         options(), scratch);
   };
   const PoseComparison alone = decide(1), blocks = decide(12);
   EXPECT_GT(blocks.z, 0);
@@ -263,8 +296,7 @@ TEST(ComparePoses, AllocatesNothingOnceItsMemoryIsThere) {
   CompareScratch scratch;
   const VerifyOptions verify = options();
   const auto run = [&] {
-    compare_poses({&image, 1}, club().surface, club().samples, kTruth, kFlipped, kErrors, verify,
-                  scratch);
+    compare_poses({&image, 1}, club().at(kTruth), club().at(kFlipped), kErrors, verify, scratch);
   };
   run();
   EXPECT_EQ(test::allocations_in(run), 0U);

@@ -54,8 +54,10 @@ struct Drum {
   }
   double log_ratio(const RangeImage& image, const Pose& pose, float angle) const {
     CompareScratch scratch;
-    return compare_poses({&image, 1}, surface, sampled.view(), pose * turn_about(kAxis, angle),
-                         pose, kErrors, {.tolerance = 0.003F, .plane_is_background = {}}, scratch)
+    const ModelSamples samples = sampled.view();
+    const Pose turned = pose * turn_about(kAxis, angle);
+    return compare_poses({&image, 1}, {surface, samples, turned}, {surface, samples, pose}, kErrors,
+                         {.tolerance = 0.003F, .plane_is_background = {}}, scratch)
         .log_ratio;
   }
 };
