@@ -180,10 +180,12 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"rmse", detection.rmse},
                           {"parts", parts_json(detection.parts)},
                           {"evidence", evidence_json(score, detection.parts)},
+                          {"alone", kernels::pose_probability(score, detection.parts)},
                           {"ambiguous", !detection.rivals.empty()},
                           {"pose_share", detection.pose_share},
                           {"turns", turns_json(detection.turns)},
                           {"rivals", rivals_json(detection.rivals)},
+                          {"siblings", detection.siblings},
                           {"method", name_of(detection.source)}});
   }
   const SceneStats& stats = result.stats;

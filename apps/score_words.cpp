@@ -14,6 +14,7 @@ namespace {
 constexpr float kDegreesPerRadian = 57.29578F;
 constexpr float kWorthWords = 1;  // of log odds: what costs less goes unnamed
 constexpr float kMinor = 0.4F;    // of the costliest part's cost: what costs less goes unnamed, too
+constexpr float kHardlyLower = 0.95F;
 
 std::string percent(float share) {
   return share < 0.01F ? "less than 1 %" : fmt::format("{:.0f} %", 100 * std::min(share, 1.0F));
@@ -147,6 +148,12 @@ std::string costliest_findings(const kernels::ScoreModel& model, const kernels::
   if (cost[order[1]] >= std::max(kWorthWords, kMinor * cost[order[0]]))
     out += "; " + finding_of(order[1], parts[order[1]]);
   return out;
+}
+
+std::string lowered_from(const kernels::ScoreModel& model, const kernels::ScoreParts& parts,
+                         float score) {
+  const float alone = kernels::pose_probability(model, parts);
+  return score < kHardlyLower * alone ? percent(alone) + " but for other answers" : "";
 }
 
 }  // namespace trivet::apps

@@ -28,4 +28,9 @@ std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreMod
 /// Empty where no part lacks enough to be worth a word.
 std::string costliest_findings(const kernels::ScoreModel& model, const kernels::ScoreParts& parts);
 
+/// What the evidence alone makes of a score that other answers lower: "96 % but for other answers".
+/// Empty where they hardly do.
+std::string lowered_from(const kernels::ScoreModel& model, const kernels::ScoreParts& parts,
+                         float score);
+
 }  // namespace trivet::apps

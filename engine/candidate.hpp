@@ -26,6 +26,7 @@ struct Candidate {
   // What the scan cannot tell from this pose.
   std::vector<Pose> rivals;
   float pose_share = 1;  ///< of the score that is this pose's, the rest its rivals', 0..1
+  std::vector<std::uint32_t> siblings;  ///< models that it may be as well
   std::optional<TurnExtent> turns;  ///< about the model's near axis, if more than one is as likely
 };
 

@@ -138,6 +138,8 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   detection.parts = candidate.parts;
   for (const Pose& rival : candidate.rivals)
     detection.rivals.push_back(in_file_unit(rival, scene_scale));
+  for (const std::uint32_t sibling : candidate.siblings)
+    detection.siblings.push_back(library.models[sibling].name);
   detection.pose_share = candidate.pose_share;
   detection.turns = candidate.turns;
   if (detection.turns) detection.turns->axis.point /= static_cast<float>(scene_scale);

@@ -159,9 +159,10 @@ struct Detection {
   /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
   /// detection is ambiguous.
   std::vector<Pose> rivals{};
-  Source source = Source::ppf;        ///< that proposed it
-  float pose_share = 1;               ///< of the score, what is this pose's, 0..1
-  std::optional<TurnExtent> turns{};  ///< that the scan cannot tell apart; of a near axis
+  std::vector<std::string> siblings{};  ///< other models that explain as well what is seen here
+  Source source = Source::ppf;          ///< that proposed it
+  float pose_share = 1;                 ///< of the score, what is this pose's, 0..1
+  std::optional<TurnExtent> turns{};    ///< that the scan cannot tell apart; of a near axis
 
   /// Probability that the object is here in this very pose.
   float pose_score() const noexcept { return score * pose_share; }

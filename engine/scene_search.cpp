@@ -5,6 +5,7 @@
 
 #include "engine/feature_library.hpp"
 #include "engine/find_hypotheses.hpp"
+#include "engine/other_answers.hpp"
 #include "engine/parallel.hpp"
 #include "engine/settle_rivals.hpp"
 
@@ -167,13 +168,15 @@ SceneSample SceneSearch::sample(float step, std::span<const std::uint32_t> model
 Result<std::vector<Candidate>> SceneSearch::settle_rivals(std::span<const std::uint32_t> chosen) {
   const StageTimer timer(stats_.times, "rivals");
   std::vector<Candidate> settled(chosen.size());
+  for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
+  if (options_.without.contains(Improvement::rivals)) return settled;
+  const OtherAnswers others(recogniser_, scene_, candidates_, options_);
   std::vector<Result<void>> results(chosen.size());
   for_each_index(chosen.size(), [&](std::size_t k) {
-    settled[k] = candidates_[chosen[k]];
-    if (options_.without.contains(Improvement::rivals)) return;
     const Model& model = library_.models[settled[k].model];
     results[k] = engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
                                        candidates_, options_, settled[k]);
+    if (results[k]) results[k] = others.weigh(chosen[k], settled[k]);
   });
   for (const Result<void>& result : results) {
     if (!result) return result.error();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -111,6 +112,15 @@ const Reason& reason_of(const RejectedPose& rejected) {
   return kTooLow;
 }
 
+/// Those that are not empty, with semicolons.
+std::string joined(std::initializer_list<std::string> texts) {
+  std::string out;
+  for (const std::string& text : texts) {
+    if (!text.empty()) out += (out.empty() ? "" : "; ") + text;
+  }
+  return out;
+}
+
 /// "<below 50 %>: only 60 pixels agree; 83 % of its pixels are explained by gear (2)".
 std::string reason_in_words(const Subject& subject, const RejectedPose& rejected) {
   const RecogniseOptions& options = subject.report.options;
@@ -129,8 +139,9 @@ std::string reason_in_words(const Subject& subject, const RejectedPose& rejected
         why = "the scan does not tell it from others of this place";
         break;
       }
-      const std::string costs = costliest_findings(subject.score(), rejected.parts);
-      why = !rejected.explained_by ? costs : costs.empty() ? why : costs + "; " + why;
+      why = joined({costliest_findings(subject.score(), rejected.parts),
+                    lowered_from(subject.score(), rejected.parts, rejected.score),
+                    rejected.explained_by ? why : ""});
       break;
     }
     case Rejection::explained:
@@ -155,12 +166,22 @@ std::string table(std::string_view title, std::string_view head, const std::stri
       title, head, rows);
 }
 
+/// What the scan cannot tell a detection from: "2 other poses; can_1".
+std::string other_than(const Detection& detection) {
+  std::string out;
+  if (!detection.rivals.empty())
+    out = counted(detection.rivals.size(), "other pose", "other poses");
+  for (const std::string& sibling : detection.siblings)
+    out += (out.empty() ? "" : "; ") + escape_html(sibling);
+  return out;
+}
+
 /// With a column for ambiguity and one for doubts only where there are any.
 std::string found_table(const Subject& subject) {
   const std::vector<Detection>& detections = subject.result.detections;
   if (detections.empty()) return "<h3>Found</h3><p class=\"dim\">None of the models.</p>\n";
   const bool ambiguous = std::any_of(detections.begin(), detections.end(),
-                                     [](const Detection& d) { return !d.rivals.empty(); });
+                                     [](const Detection& d) { return !other_than(d).empty(); });
   std::string rows;
   for (std::size_t d = 0; d < detections.size(); ++d) {
     const Detection& detection = detections[d];
@@ -170,12 +191,11 @@ std::string found_table(const Subject& subject) {
         d + 1, model_label(subject.models, detection.model), probability(detection.score),
         percent(detection.visible_fraction), detection.rmse, position(detection.T_scene_model));
     if (ambiguous) rows += "<td>";
-    if (!detection.rivals.empty()) {
-      rows += fmt::format("<span class=\"doubtful\">with {}</span>",
-                          counted(detection.rivals.size(), "other pose", "other poses"));
-    }
+    if (const std::string others = other_than(detection); !others.empty())
+      rows += fmt::format("<span class=\"doubtful\">with {}</span>", others);
     rows += fmt::format("<td class=\"words\">{}\n",
-                        costliest_findings(subject.score(), detection.parts));
+                        joined({costliest_findings(subject.score(), detection.parts),
+                                lowered_from(subject.score(), detection.parts, detection.score)}));
   }
   const std::string unit = scene_unit(subject);
   return "<div class=\"found\">" +

@@ -9,6 +9,9 @@ import {
   scoreWords,
 } from "./words.js";
 
+/** A score below this share of what the evidence alone makes of it is worth a word. */
+const HARDLY_LOWER = 0.95;
+
 const position = (pose) => pose.T_scene_model.slice(0, 3).map((row) => row[3]);
 
 function noteOf({ kind, pose, reason }, unit) {
@@ -44,6 +47,11 @@ function detailsOf({ kind, pose }, unit, scoreParts) {
         "ambiguous",
         `the scan cannot tell it from ${numbered(pose.rivals.length, "other pose", "other poses")},` +
           " drawn as outlines",
+      ],
+      pose.siblings?.length > 0 && ["may as well be", pose.siblings.join(", ")],
+      pose.alone > pose.score / HARDLY_LOWER && [
+        "by itself",
+        `${percentWords(pose.alone)}; rivals, look-alikes or doubtful answers beside it lower that`,
       ],
     ]),
     pose.evidence && scoreParts && scoreBars(pose, scoreParts),
