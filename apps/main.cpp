@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "apps/commands.hpp"
+#include "apps/commands/commands.hpp"
 #include "engine/progress.hpp"
 
 namespace {

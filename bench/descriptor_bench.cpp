@@ -7,8 +7,8 @@
 
 #include "descriptors/descriptors.hpp"
 #include "engine/progress.hpp"
-#include "kernels/feature_forest.hpp"
-#include "kernels/tri_spin_image.hpp"
+#include "kernels/spin_images/feature_forest.hpp"
+#include "kernels/spin_images/tri_spin_image.hpp"
 #include "relief.hpp"
 #include "support/reference_descriptor.hpp"
 

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/boundary_share.hpp"
-#include "kernels/estimate_normals_grid.hpp"
-#include "kernels/triangulate_greedy.hpp"
-#include "kernels/triangulate_grid.hpp"
+#include "kernels/meshing/boundary_share.hpp"
+#include "kernels/meshing/triangulate_greedy.hpp"
+#include "kernels/meshing/triangulate_grid.hpp"
+#include "kernels/scans/estimate_normals_grid.hpp"
 #include "mesh_input.hpp"
 #include "rows.hpp"
 

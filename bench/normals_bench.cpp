@@ -1,8 +1,8 @@
 #include <numeric>
 
-#include "kernels/estimate_normals.hpp"
-#include "kernels/estimate_normals_grid.hpp"
-#include "kernels/voxel_hash.hpp"
+#include "kernels/common/voxel_hash.hpp"
+#include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/surfaces/estimate_normals.hpp"
 #include "rows.hpp"
 #include "storage/neighbourhoods.hpp"
 #include "support/reference.hpp"

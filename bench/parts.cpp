@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "engine/train.hpp"
-#include "kernels/pose_math.hpp"
+#include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"
 
 namespace trivet::bench {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/prepare_scene.hpp"
+#include "engine/hypotheses/prepare_scene.hpp"
 #include "storage/library.hpp"
 #include "support/shapes.hpp"
 

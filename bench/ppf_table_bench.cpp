@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "kernels/ppf_table.hpp"
+#include "kernels/pair_features/ppf_table.hpp"
 #include "parts.hpp"
 #include "support/reference_ppf.hpp"
 

@@ -1,7 +1,7 @@
 #include <numeric>
 
-#include "kernels/nearest_neighbours.hpp"
-#include "kernels/voxel_hash.hpp"
+#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/voxel_hash.hpp"
 #include "rows.hpp"
 #include "storage/neighbourhoods.hpp"
 #include "support/reference.hpp"

@@ -7,7 +7,7 @@
 
 #include "engine/recognise.hpp"
 #include "engine/train.hpp"
-#include "kernels/refine_pose.hpp"
+#include "kernels/verification/refine_pose.hpp"
 #include "parts.hpp"
 #include "support/rendered_scene.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "descriptors/degrade_mesh.hpp"
 #include "descriptors/descriptors.hpp"
-#include "kernels/counter_random.hpp"
-#include "kernels/mesh_resolution.hpp"
+#include "kernels/common/counter_random.hpp"
+#include "kernels/surfaces/mesh_resolution.hpp"
 
 namespace trivet::bench {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "descriptors/feature_pool.hpp"
 #include "descriptors/keypoint_surface.hpp"
-#include "kernels/pca.hpp"
+#include "kernels/common/pca.hpp"
 
 namespace trivet::bench {
 

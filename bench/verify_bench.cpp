@@ -2,7 +2,7 @@
 // by rays after it. Items are hypotheses.
 #include <benchmark/benchmark.h>
 
-#include "kernels/examine_pose.hpp"
+#include "kernels/verification/examine_pose.hpp"
 #include "parts.hpp"
 
 namespace trivet::bench {

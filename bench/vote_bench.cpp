@@ -7,7 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "kernels/vote.hpp"
+#include "kernels/pair_features/vote.hpp"
 #include "parts.hpp"
 
 namespace trivet::bench {

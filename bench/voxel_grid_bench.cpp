@@ -1,6 +1,6 @@
-#include "kernels/subsample_approximate_voxel_grid.hpp"
-#include "kernels/subsample_by_normals.hpp"
-#include "kernels/subsample_voxel_grid.hpp"
+#include "kernels/surfaces/subsample_approximate_voxel_grid.hpp"
+#include "kernels/surfaces/subsample_by_normals.hpp"
+#include "kernels/surfaces/subsample_voxel_grid.hpp"
 #include "rows.hpp"
 #include "support/reference.hpp"
 

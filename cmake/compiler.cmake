@@ -13,8 +13,8 @@ if(TRIVET_SANITIZE)
   target_compile_definitions(trivet_compiler INTERFACE TRIVET_NO_SIMD_CLONES)
 endif()
 
-# add_floor(NAME LIBRARIES...): a static library from all sources of this folder.
-function(add_floor name)
+# add_layer(NAME LIBRARIES...): a static library from all sources of this folder.
+function(add_layer name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   add_library(trivet_${name} STATIC ${sources})
   add_library(trivet::${name} ALIAS trivet_${name})

@@ -4,9 +4,24 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/trivet)
 
 install(TARGETS trivet RUNTIME)
 install(TARGETS trivet_storage trivet_kernels trivet_engine EXPORT trivet_targets ARCHIVE)
-# Left out: headers that name a library which the public interface hides.
-install(DIRECTORY storage kernels engine DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trivet FILES_MATCHING PATTERN "*.hpp"
-  PATTERN formats EXCLUDE PATTERN hdf5.hpp EXCLUDE PATTERN json_file.hpp EXCLUDE PATTERN parallel.hpp EXCLUDE)
+# The public headers, which stand at the top of storage and engine, and what they include.
+function(install_header header)
+  get_property(installed GLOBAL PROPERTY trivet_installed_headers)
+  if(NOT header IN_LIST installed)
+    set_property(GLOBAL APPEND PROPERTY trivet_installed_headers "${header}")
+    cmake_path(GET header PARENT_PATH folder)
+    install(FILES "${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/trivet/${folder}")
+    file(STRINGS "${header}" includes REGEX "^#include \"")
+    list(TRANSFORM includes REPLACE "#include \"(.*)\"" "\\1")
+    foreach(included IN LISTS includes)
+      install_header("${included}")
+    endforeach()
+  endif()
+endfunction()
+file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" storage/*.hpp engine/*.hpp)
+foreach(header IN LISTS headers)
+  install_header("${header}")
+endforeach()
 
 install(EXPORT trivet_targets NAMESPACE trivet:: DESTINATION ${package_folder} FILE trivet_targets.cmake)
 configure_package_config_file(cmake/trivetConfig.cmake.in ${PROJECT_BINARY_DIR}/trivetConfig.cmake

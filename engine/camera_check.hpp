@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/camera_scale.hpp"
+#include "kernels/verification/camera_scale.hpp"
 #include "storage/cloud.hpp"
 
 namespace trivet {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "kernels/pose_score.hpp"
-#include "kernels/ray_scene.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/verification/pose_score.hpp"
 #include "storage/library.hpp"
 #include "storage/result.hpp"
 

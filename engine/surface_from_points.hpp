@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "kernels/triangulate_greedy.hpp"
-#include "kernels/triangulate_grid.hpp"
+#include "kernels/meshing/triangulate_greedy.hpp"
+#include "kernels/meshing/triangulate_grid.hpp"
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
 

@@ -37,7 +37,7 @@ struct Symmetry {
 };
 
 /// For each surface sample, the directions from which it can be seen, as one bit a direction.
-/// Bit d of word w stands for view_direction(64 w + d) of kernels/visibility.hpp.
+/// Bit d of word w stands for view_direction(64 w + d) of kernels/surfaces/visibility.hpp.
 inline constexpr std::size_t kViewWords = 4;
 using ViewMask = std::array<std::uint64_t, kViewWords>;
 

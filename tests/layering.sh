@@ -1,20 +1,49 @@
 #!/bin/sh
-# Proves the floors: includes point down only, and each library stays on its floor.
+# Proves the layers, and the rooms within each: includes point down only, and each library stays in its layer.
 # usage: layering.sh SOURCE_DIR
 cd "$1" || exit 2
 failed=0
+fail() { echo "error: $1" >&2; failed=1; }
 forbid() {  # forbid FOLDER PATTERN REASON
-  if grep -rnE "$2" "$1" --include='*.hpp' --include='*.cpp'; then echo "error: $1: $3" >&2; failed=1; fi
+  if grep -rnE "$2" "$1" --include='*.hpp' --include='*.cpp'; then fail "$1: $3"; fi
 }
 forbid storage '#include "(kernels|engine|apps)/' 'storage may include nothing above it'
 forbid kernels '#include "(engine|apps)/' 'kernels may include only storage'
 forbid engine '#include "apps/' 'engine may not include apps'
 forbid kernels '#include [<"](tbb|oneapi)/|<thread>|<mutex>|<atomic>|<chrono>|<fstream>|hdf5|H5' 'kernels are mathematics: no threads, files, clocks'
-for floor in storage kernels apps; do forbid $floor '#include [<"](tbb|oneapi)/' 'TBB lives in engine'; done
-for floor in kernels engine apps; do forbid $floor '#include [<"]hdf5|H5[A-Z][a-z]+\(' 'HDF5 lives in storage'; done
-for floor in storage engine apps; do forbid $floor '#include [<"](flann|embree3)/' 'FLANN and Embree live in kernels'; done
-headers=$(grep -rlE '#include [<"]flann/' kernels | wc -l)
-[ "$headers" -le 1 ] || { echo "error: FLANN belongs behind one file, found in $headers" >&2; failed=1; }
-headers=$(grep -rlE '#include [<"]embree3/' kernels | wc -l)
-[ "$headers" -le 1 ] || { echo "error: Embree belongs behind one file, found in $headers" >&2; failed=1; }
+for layer in storage kernels apps; do forbid $layer '#include [<"](tbb|oneapi)/' 'TBB lives in engine'; done
+for layer in kernels engine apps; do forbid $layer '#include [<"]hdf5|H5[A-Z][a-z]+\(' 'HDF5 lives in storage'; done
+for layer in storage engine apps; do forbid $layer '#include [<"](flann|embree3)/' 'FLANN and Embree live in kernels'; done
+for library in flann embree3; do
+  headers=$(grep -rlE "#include [<\"]$library/" kernels | wc -l)
+  [ "$headers" -le 1 ] || fail "$library belongs behind one file, found in $headers"
+done
+
+# rooms LAYER ROOM...: a room includes only itself, the layer's own headers, which include no room, and rooms before it.
+rooms() {
+  layer=$1
+  shift
+  listed=" $* " below=
+  for room in $(find "$layer" -mindepth 2 -name '*.[ch]pp' -exec dirname {} + | sort -u); do
+    case "$listed" in *" ${room#"$layer"/} "*) ;; *) fail "$room: a room that tests/layering.sh does not list" ;; esac
+  done
+  for above in . "$@"; do
+    if [ "$above" = . ]; then
+      files=$(find "$layer" -maxdepth 1 -name '*.[ch]pp' ! -name main.cpp)
+      allowed="$layer/[^/\"]+\""
+    else
+      below="$below|$above"
+      files=$(find "$layer/$above" -maxdepth 1 -name '*.[ch]pp')
+      allowed="$layer/((${below#|})/)?[^/\"]+\""
+    fi
+    # shellcheck disable=SC2086
+    if grep -nE "#include \"$layer/" $files /dev/null | grep -vE "#include \"$allowed"; then
+      fail "$layer/$above may include only$(echo " $below" | tr '|' ' ')"
+    fi
+  done
+}
+rooms storage files formats library datasets
+rooms kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
+rooms engine common training hypotheses verification camera recognition evaluation pictures meshing simulation/parts simulation
+rooms apps inputs results options report study service/http service service/route service/serve commands
 exit $failed

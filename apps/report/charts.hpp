@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/evaluate.hpp"
+#include "engine/evaluation/evaluate.hpp"
 
 namespace trivet::apps {
 

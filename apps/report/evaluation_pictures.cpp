@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/evaluation_json.hpp"
 #include "apps/report/html.hpp"
+#include "apps/results/evaluation_json.hpp"
 
 namespace trivet::apps {
 namespace {

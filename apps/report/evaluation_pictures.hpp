@@ -8,7 +8,7 @@
 
 #include "apps/report/evaluation_report.hpp"
 #include "apps/report/pictures.hpp"
-#include "engine/draw_scene.hpp"
+#include "engine/pictures/draw_scene.hpp"
 
 namespace trivet::apps {
 

@@ -7,7 +7,7 @@
 #include "apps/report/charts.hpp"
 #include "apps/report/evaluation_pictures.hpp"
 #include "apps/report/html.hpp"
-#include "engine/manifest_inputs.hpp"
+#include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

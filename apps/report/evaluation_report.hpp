@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "engine/bop_scores.hpp"
-#include "engine/evaluate.hpp"
+#include "engine/evaluation/bop_scores.hpp"
+#include "engine/evaluation/evaluate.hpp"
 #include "engine/progress.hpp"
 #include "storage/manifest.hpp"
 

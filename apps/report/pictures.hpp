@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/draw_scene.hpp"
+#include "engine/pictures/draw_scene.hpp"
 
 namespace trivet::apps {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <set>
 
-#include "apps/inputs.hpp"
-#include "apps/open_recogniser.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/open_recogniser.hpp"
 #include "apps/report/html.hpp"
 #include "apps/report/pictures.hpp"
 #include "apps/report/recognition_scene.hpp"
-#include "apps/score_words.hpp"
+#include "apps/results/score_words.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

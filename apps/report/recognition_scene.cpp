@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/camera_words.hpp"
-#include "apps/inputs.hpp"
+#include "apps/inputs/inputs.hpp"
 #include "apps/report/html.hpp"
-#include "apps/score_words.hpp"
+#include "apps/results/camera_words.hpp"
+#include "apps/results/score_words.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 #include "apps/report/html.hpp"
 
 namespace trivet::apps {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 #include "apps/report/html.hpp"
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 #include "apps/report/html.hpp"
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"

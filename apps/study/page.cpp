@@ -5,13 +5,13 @@
 #include <fstream>
 #include <thread>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 #include "apps/report/evaluation_pictures.hpp"
 #include "apps/report/html.hpp"
 #include "apps/study/charts.hpp"
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"
-#include "engine/manifest_inputs.hpp"
+#include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "apps/inputs.hpp"
+#include "apps/inputs/inputs.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

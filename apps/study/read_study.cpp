@@ -8,9 +8,9 @@
 #include <set>
 #include <string_view>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 #include "apps/study/study.hpp"
-#include "engine/make_parts.hpp"
+#include "engine/simulation/make_parts.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 namespace trivet::apps {
 namespace {
 

@@ -10,8 +10,8 @@
 #include "apps/study/plan.hpp"
 #include "apps/study/run.hpp"
 #include "apps/study/study.hpp"
-#include "engine/compare_paired.hpp"
-#include "engine/evaluate.hpp"
+#include "engine/evaluation/compare_paired.hpp"
+#include "engine/evaluation/evaluate.hpp"
 
 namespace trivet::apps {
 

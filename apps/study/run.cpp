@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <set>
 
-#include "apps/detections_json.hpp"
-#include "apps/inputs.hpp"
-#include "apps/json_output.hpp"
+#include "apps/inputs/inputs.hpp"
 #include "apps/report/html.hpp"
-#include "engine/manifest_inputs.hpp"
-#include "engine/recognise_cells.hpp"
+#include "apps/results/detections_json.hpp"
+#include "apps/results/json_output.hpp"
+#include "engine/evaluation/manifest_inputs.hpp"
+#include "engine/evaluation/recognise_cells.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

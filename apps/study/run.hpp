@@ -8,7 +8,7 @@
 
 #include "apps/study/plan.hpp"
 #include "apps/study/study.hpp"
-#include "engine/evaluate.hpp"
+#include "engine/evaluation/evaluate.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet::apps {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <type_traits>
 
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
 
 namespace trivet::apps {
 namespace {

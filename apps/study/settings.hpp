@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
-#include "engine/degrade_scene.hpp"
+#include "engine/evaluation/degrade_scene.hpp"
 #include "engine/recognise.hpp"
-#include "engine/render_scenes.hpp"
+#include "engine/simulation/render_scenes.hpp"
 #include "engine/train.hpp"
 #include "storage/result.hpp"
 

@@ -1,7 +1,7 @@
 #include "apps/study/tables.hpp"
 
-#include "apps/csv_table.hpp"
-#include "apps/option_names.hpp"
+#include "apps/options/option_names.hpp"
+#include "apps/results/csv_table.hpp"
 
 namespace trivet::apps {
 namespace {

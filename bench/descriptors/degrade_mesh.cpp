@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "kernels/add_noise.hpp"
-#include "kernels/counter_random.hpp"
-#include "kernels/decimate_mesh.hpp"
+#include "kernels/common/counter_random.hpp"
+#include "kernels/meshing/decimate_mesh.hpp"
+#include "kernels/simulation/add_noise.hpp"
 
 namespace trivet::bench {
 

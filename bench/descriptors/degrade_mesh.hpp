@@ -24,7 +24,7 @@ Pose random_pose(std::uint64_t seed, float reach);
 /// Move a model, then thin it, then disturb what is left.
 ///
 /// resolution  of the model: its mean length of edges
-/// Thinning takes the edges away that matter least to the shape (kernels/decimate_mesh).
+/// Thinning takes the edges away that matter least to the shape (kernels/meshing/decimate_mesh).
 Mesh degrade_mesh(const Mesh& model, const Degradation& how, float resolution,
                   const Pose& T_scene_model, std::uint64_t seed);
 

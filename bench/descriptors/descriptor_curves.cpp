@@ -13,10 +13,10 @@
 #include "descriptors/degrade_mesh.hpp"
 #include "descriptors/descriptors.hpp"
 #include "descriptors/feature_pool.hpp"
-#include "engine/parallel.hpp"
-#include "kernels/mesh_resolution.hpp"
-#include "kernels/pca.hpp"
-#include "kernels/voxel_hash.hpp"
+#include "engine/common/parallel.hpp"
+#include "kernels/common/pca.hpp"
+#include "kernels/common/voxel_hash.hpp"
+#include "kernels/surfaces/mesh_resolution.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::bench {

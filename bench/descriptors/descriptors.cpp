@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/parallel.hpp"
-#include "kernels/tri_spin_image.hpp"
+#include "engine/common/parallel.hpp"
+#include "kernels/spin_images/tri_spin_image.hpp"
 
 namespace trivet::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/parallel.hpp"
+#include "engine/common/parallel.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::bench {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/score_curves.hpp"
+#include "engine/evaluation/score_curves.hpp"
 #include "storage/columns.hpp"
 #include "storage/points.hpp"
 

@@ -4,13 +4,13 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/parallel.hpp"
-#include "kernels/counter_random.hpp"
-#include "kernels/estimate_normals.hpp"
-#include "kernels/sample_mesh.hpp"
-#include "kernels/subsample_by_normals.hpp"
-#include "kernels/support.hpp"
-#include "kernels/voxel_hash.hpp"
+#include "engine/common/parallel.hpp"
+#include "kernels/common/counter_random.hpp"
+#include "kernels/common/voxel_hash.hpp"
+#include "kernels/spin_images/support.hpp"
+#include "kernels/surfaces/estimate_normals.hpp"
+#include "kernels/surfaces/sample_mesh.hpp"
+#include "kernels/surfaces/subsample_by_normals.hpp"
 #include "storage/neighbourhoods.hpp"
 
 namespace trivet::bench {
@@ -19,7 +19,7 @@ namespace {
 constexpr double kSamplesPerPoint = 4;
 constexpr float kNormalRadius = 4;          // [resolutions]
 constexpr float kShareRadius = 2.5F;        // [resolutions]
-constexpr float kNormalClusterRad = 0.52F;  // as in engine/describe_model
+constexpr float kNormalClusterRad = 0.52F;  // as in engine/training/describe_model
 
 /// Normals at `queries` of planes fitted to the samples around them, on the side of their faces.
 Normals fit_normals(PointsView samples, NormalsView face_normals, PointsView queries,

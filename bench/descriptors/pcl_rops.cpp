@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "descriptors/descriptors.hpp"
-#include "engine/parallel.hpp"
+#include "engine/common/parallel.hpp"
 
 namespace trivet::bench {
 namespace {

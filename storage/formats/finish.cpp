@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "storage/keep_points.hpp"
+#include "storage/formats/keep_points.hpp"
 
 namespace trivet::formats {
 namespace {

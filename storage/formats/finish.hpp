@@ -2,7 +2,7 @@
 #pragma once
 
 #include "storage/cloud.hpp"
-#include "storage/formats/input.hpp"
+#include "storage/files/input.hpp"
 
 namespace trivet::formats {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <utility>
 
+#include "storage/files/text.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/formats/text.hpp"
 
 namespace trivet::formats {
 namespace {

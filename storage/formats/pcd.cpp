@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "storage/files/text.hpp"
 #include "storage/formats/lzf.hpp"
 #include "storage/formats/pcd_header.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/formats/text.hpp"
 
 namespace trivet::formats {
 namespace {

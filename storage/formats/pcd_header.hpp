@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/formats/input.hpp"
-#include "storage/formats/scalar.hpp"
+#include "storage/files/input.hpp"
+#include "storage/files/scalar.hpp"
 
 namespace trivet::formats {
 

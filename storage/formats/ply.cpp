@@ -5,9 +5,9 @@
 #include <span>
 #include <utility>
 
+#include "storage/files/text.hpp"
 #include "storage/formats/ply_header.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/formats/text.hpp"
 
 namespace trivet::formats {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "storage/formats/text.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::formats {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "storage/cloud.hpp"
-#include "storage/formats/input.hpp"
+#include "storage/files/input.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::formats {

@@ -7,9 +7,9 @@
 #include <tuple>
 #include <vector>
 
+#include "storage/files/scalar.hpp"
+#include "storage/files/text.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/formats/scalar.hpp"
-#include "storage/formats/text.hpp"
 
 namespace trivet::formats {
 namespace {

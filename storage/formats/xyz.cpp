@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "storage/files/text.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/formats/text.hpp"
 
 namespace trivet::formats {
 namespace {

@@ -1,4 +1,4 @@
-// The door that libFuzzer comes in by. TRIVET_FUZZ_TARGET names the function to be searched.
+// What libFuzzer calls. TRIVET_FUZZ_TARGET names the function to be searched.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // A request of the Open Inference Protocol: JSON, then binary tensors.
-#include "apps/serve/inference_protocol.hpp"
+#include "apps/service/serve/inference_protocol.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {

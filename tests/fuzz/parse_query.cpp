@@ -1,6 +1,6 @@
 // The options of a recognition, as parameters of the target or as a JSON object.
-#include "apps/serve/json_parameters.hpp"
-#include "apps/serve/recognise_query.hpp"
+#include "apps/service/serve/json_parameters.hpp"
+#include "apps/service/serve/recognise_query.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {

@@ -1,5 +1,5 @@
 // The path and parameters of a request.
-#include "apps/http/query.hpp"
+#include "apps/service/http/query.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {

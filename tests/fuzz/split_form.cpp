@@ -1,5 +1,5 @@
 // A body of several parts: the content type on the first line, then the body.
-#include "apps/http/multipart.hpp"
+#include "apps/service/http/multipart.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {

@@ -10,9 +10,9 @@
 #include <numbers>
 #include <vector>
 
-#include "kernels/range_image.hpp"
-#include "kernels/verify_pose.hpp"
-#include "kernels/visibility.hpp"
+#include "kernels/scans/range_image.hpp"
+#include "kernels/surfaces/visibility.hpp"
+#include "kernels/verification/verify_pose.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::test {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "storage/file.hpp"
-#include "storage/library_format.hpp"
+#include "storage/library/library_format.hpp"
 
 namespace trivet::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "storage/hdf5.hpp"
+#include "storage/library/hdf5.hpp"
 
 namespace trivet::test {
 

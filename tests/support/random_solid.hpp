@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "kernels/solid.hpp"
+#include "kernels/simulation/solid.hpp"
 #include "support/random.hpp"
 
 namespace trivet::test {

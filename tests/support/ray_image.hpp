@@ -6,8 +6,8 @@
 #include <limits>
 #include <span>
 
-#include "kernels/range_image.hpp"
-#include "kernels/ray_scene.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/scans/range_image.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::test {

@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
-#include "kernels/range_image.hpp"
-#include "kernels/ray_crop.hpp"
-#include "kernels/ray_scene.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/scans/range_image.hpp"
+#include "kernels/verification/ray_crop.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::reference {

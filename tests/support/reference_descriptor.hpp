@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/spin_image.hpp"
-#include "kernels/support.hpp"
+#include "kernels/spin_images/spin_image.hpp"
+#include "kernels/spin_images/support.hpp"
 
 namespace trivet::reference {
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "kernels/range_image.hpp"
-#include "kernels/visibility.hpp"
+#include "kernels/scans/range_image.hpp"
+#include "kernels/surfaces/visibility.hpp"
 #include "support/analytic_scene.hpp"
 
 namespace trivet::reference {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/range_image.hpp"
-#include "kernels/ray_scene.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/scans/range_image.hpp"
 #include "storage/model.hpp"
 
 namespace trivet::reference {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels/render_depth.hpp"
+#include "kernels/scans/render_depth.hpp"
 #include "storage/cloud.hpp"
 #include "support/shapes.hpp"
 

@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "kernels/ray_scene.hpp"
-#include "kernels/sample_mesh.hpp"
-#include "kernels/verify_pose.hpp"
-#include "kernels/visibility.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/surfaces/sample_mesh.hpp"
+#include "kernels/surfaces/visibility.hpp"
+#include "kernels/verification/verify_pose.hpp"
 #include "storage/cloud.hpp"
 #include "storage/points.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "kernels/support.hpp"
+#include "kernels/spin_images/support.hpp"
 
 namespace trivet::test {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/find_basis.hpp"
 #include "engine/train.hpp"
+#include "engine/training/find_basis.hpp"
 #include "storage/library.hpp"
 #include "support/rendered_scene.hpp"
 

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/commands/commands.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/marked_detections.hpp"
+#include "apps/inputs/open_recogniser.hpp"
+#include "apps/options/recognise_arguments.hpp"
+#include "apps/results/commission_text.hpp"
+#include "engine/evaluation/score_calibration.hpp"
+
+namespace trivet::apps {
+namespace {
+
+constexpr float kLowestLeast = 0.5F;  // below, what is reported changes what is found
+
+struct CalibrateArguments {
+  std::string library, output;
+  std::vector<std::string> manifests, marked;
+  RecogniseArguments recognise;
+};
+
+Result<void> check(const CalibrateArguments& arguments, float least) {
+  if (arguments.library.empty() != arguments.manifests.empty() ||
+      (arguments.manifests.empty() && arguments.marked.empty())) {
+    return Error{ErrorCode::usage,
+                 "expected LIBRARY and MANIFEST, or --marked, which needs no library; see `trivet "
+                 "calibrate --help`"};
+  }
+  if (!(least >= kLowestLeast && least < 1)) {
+    return Error{ErrorCode::usage,
+                 fmt::format("--min-score: expected {} to below 1, found {}", kLowestLeast, least)};
+  }
+  return {};
+}
+
+Result<void> recognise_scans(const CalibrateArguments& arguments, const RecogniseOptions& options,
+                             const Context& context, Outcomes& outcomes) {
+  if (arguments.manifests.empty()) return {};
+  const Result<Recogniser> recogniser = open_recogniser(arguments.library, "");
+  if (!recogniser) return recogniser.error();
+  for (const std::string& file : arguments.manifests) {
+    const Result<Manifest> manifest = read_listing(file);
+    if (!manifest) return manifest.error();
+    const Result<void> added =
+        add_outcomes(*recogniser, *manifest, options,
+                     context.console.progress("recognised", context.stop), outcomes);
+    if (!added) return added;
+  }
+  return {};
+}
+
+Result<void> calibrate(const CalibrateArguments& arguments, const Context& context) {
+  const Result<RecogniseOptions> options = options_of(arguments.recognise);
+  if (!options) return options.error();
+  const float least = options->min_score;
+  if (const Result<void> good = check(arguments, least); !good) return good;
+  Outcomes outcomes;
+  if (const Result<void> done = recognise_scans(arguments, *options, context, outcomes); !done)
+    return done;
+  for (const std::string& file : arguments.marked) {
+    if (const Result<void> added = add_marked(file, outcomes); !added) return added;
+  }
+  fmt::print("{}", doubtful_marks(kernels::default_score(), outcomes));
+  const Result<Commissioning> found = commission_score(kernels::default_score(), outcomes, least);
+  if (!found) return found.error();
+  const ScoreCalibration calibration{
+      found->adaptation, static_cast<std::uint32_t>(outcomes.scans.size()),
+      static_cast<std::uint32_t>(found->num_right), static_cast<std::uint32_t>(found->num_wrong)};
+  if (const Result<void> written = write_calibration(arguments.output, calibration); !written)
+    return written;
+  fmt::print("{}{}: calibration {}\n", commission_text(*found, outcomes, least), arguments.output,
+             score_name(calibrated_score(calibration)));
+  return {};
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Adapt the score to the scans of one cell, from a few of them\n\n"
+      "Either recognises scans of known truth, or takes results in which detections are marked\n"
+      "right or wrong: `trivet recognize LIBRARY SCANS --min-score 0.02 --json FOUND.json`, then\n"
+      "\"right\": true or false in each detection. Five scans are a start. Says what it changes,\n"
+      "judged on scans left out in turn; writes a file for --calibration of recognize, evaluate\n"
+      "and serve. No pose's odds grow more than tenfold by it, whatever was marked.");
+  command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`");
+  command->add_option("MANIFEST", arguments->manifests,
+                      "Manifests of scans with their complete truth, or BOP data sets");
+  command->add_option("--marked", arguments->marked,
+                      "Results of `trivet recognize --json` with marks; they need no library");
+  command->add_option("-o,--output", arguments->output, "File to write")->required();
+  add_recognise_options(*command, arguments->recognise);
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return calibrate(*arguments, context); };
+  });
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,53 @@
+#include "apps/commands/console.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+namespace trivet::apps {
+namespace {
+
+/// How long the rest will take, by what was done so far; empty while that says little.
+std::string remaining(double elapsed_seconds, std::size_t done, std::size_t total) {
+  if (done >= total || done == 0 || elapsed_seconds < 2) return "";
+  const double left =
+      elapsed_seconds / static_cast<double>(done) * static_cast<double>(total - done);
+  return left < 90 ? fmt::format(", {:.0f} s left", left)
+                   : fmt::format(", {:.0f} min left", left / 60);
+}
+
+}  // namespace
+
+void Console::line(std::string_view text) const {
+  if (!quiet) fmt::print(stderr, "{}\n", text);
+}
+
+void Console::warning(std::string_view text) const { fmt::print(stderr, "warning: {}\n", text); }
+
+Progress Console::progress(std::string_view verb, std::stop_token stop) const {
+  Progress progress;
+  progress.stop = std::move(stop);
+  if (quiet) return progress;
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  progress.report = [terminal, verb = std::string(verb), start = std::chrono::steady_clock::now()](
+                        std::size_t done, std::size_t total, std::string_view item) {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const std::string left = remaining(elapsed.count(), done, total);
+    if (!terminal) {
+      fmt::print(stderr, "{} {}/{} {}{}\n", verb, done, total, item, left);
+      return;
+    }
+    constexpr std::size_t kWidth = 30;
+    const std::size_t filled = total > 0 ? kWidth * done / total : kWidth;
+    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}{}{}", verb, std::string(filled, '#'),
+               std::string(kWidth - filled, '.'), done, total, item, left,
+               done == total ? "\n" : "");
+    std::fflush(stderr);
+  };
+  return progress;
+}
+
+}  // namespace trivet::apps

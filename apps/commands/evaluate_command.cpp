@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <set>
+
+#include "apps/commands/commands.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/open_recogniser.hpp"
+#include "apps/options/recognise_arguments.hpp"
+#include "apps/report/evaluation_report.hpp"
+#include "apps/results/bop_csv.hpp"
+#include "apps/results/detections_json.hpp"
+#include "apps/results/evaluation_csv.hpp"
+#include "apps/results/evaluation_json.hpp"
+#include "apps/results/json_output.hpp"
+#include "engine/evaluation/bop_scores.hpp"
+#include "engine/evaluation/manifest_inputs.hpp"
+
+namespace trivet::apps {
+namespace {
+
+/// Detections down to this score enter the curves over the score.
+constexpr float kLowestScore = 0.1F;
+
+struct EvaluateArguments {
+  std::string library, calibration, manifest, detections, json, csv, report;
+  RecogniseArguments recognise;
+};
+
+/// What is judged: recognised now, or stored by any program.
+struct Judged {
+  std::vector<std::optional<SceneResult>> results;
+  float min_score = 0;  ///< of what counts as reported
+  std::string source;   ///< the file that it came from
+};
+
+std::string source_of(const std::string& library, const std::string& calibration) {
+  return calibration.empty() ? library : fmt::format("{}, calibrated by {}", library, calibration);
+}
+
+Result<Judged> recognise_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
+                                const Context& context) {
+  const Result<Recogniser> opened = open_recogniser(arguments.library, arguments.calibration);
+  if (!opened) return opened.error();
+  const Recogniser& recogniser = *opened;
+  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  if (!options) return options.error();
+  options->doubtful_score = std::min(kLowestScore, options->min_score);
+  Judged judged{{}, options->min_score, source_of(arguments.library, arguments.calibration)};
+  judged.results.resize(manifest.scenes.size());
+  const Result<void> done = recognise_all(
+      recogniser, scenes_of(manifest, recogniser.library().header.unit), *options,
+      context.console.progress("recognised", context.stop),
+      [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; });
+  if (!done) return done.error();
+  return judged;
+}
+
+/// All that is stored was reported, unless a threshold is given.
+Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments& arguments,
+                              const Context& context) {
+  const bool is_bop = std::filesystem::path(arguments.detections).extension() == ".csv";
+  Result<std::vector<std::optional<SceneResult>>> results =
+      is_bop ? read_bop_detections(arguments.detections, manifest)
+             : read_detections(arguments.detections, manifest);
+  if (!results) return results.error();
+  std::set<std::string> strangers;
+  for (const std::optional<SceneResult>& result : *results) {
+    if (!result) continue;
+    for (const Detection& detection : result->detections) strangers.insert(detection.model);
+  }
+  for (const ManifestModel& model : manifest.models) strangers.erase(model.name);
+  if (!strangers.empty()) {
+    context.console.warning(
+        fmt::format("{}: detections of {} models that the manifest does not list, as '{}', are not "
+                    "counted",
+                    arguments.detections, strangers.size(), *strangers.begin()));
+  }
+  return Judged{std::move(*results),
+                arguments.recognise.min_score.value_or(-std::numeric_limits<float>::infinity()),
+                arguments.detections};
+}
+
+Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
+  const Result<Manifest> manifest = read_listing(arguments.manifest);
+  if (!manifest) return manifest.error();
+  if (manifest->scenes.empty()) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format("{}: expected scenes with their truth, found none", arguments.manifest)};
+  }
+  const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(*manifest);
+  if (!meshes) return meshes.error();
+  const Result<Judged> judged = arguments.detections.empty()
+                                    ? recognise_scenes(*manifest, arguments, context)
+                                    : stored_results(*manifest, arguments, context);
+  if (!judged) return judged.error();
+  const Result<Evaluation> evaluation = evaluate(
+      *manifest, *meshes, judged->results, judged->min_score, arguments.recognise.require_pose);
+  if (!evaluation) {
+    return Error{evaluation.error().code,
+                 fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
+  }
+  const Result<BopScores> bop = bop_scores(*manifest, *meshes, judged->results);
+  if (!bop) return bop.error();
+
+  if (arguments.json != "-") fmt::print("{}", evaluation_table(*evaluation, *bop));
+  if (!arguments.json.empty()) {
+    const Result<void> written =
+        write_json(arguments.json, evaluation_json(*manifest, *evaluation, *bop, judged->results));
+    if (!written) return written;
+  }
+  if (!arguments.csv.empty()) {
+    const Result<void> written =
+        write_evaluation_csv(arguments.csv, *manifest, *evaluation, *bop, judged->results);
+    if (!written) return written;
+  }
+  if (arguments.report.empty()) return {};
+  return write_report(arguments.report,
+                      {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source},
+                      context.console.progress("drawn", context.stop));
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Recognise scenes whose truth is known, and score the result");
+  command
+      ->add_option("LIBRARY", arguments->library,
+                   "Library file, made by `trivet train`; leave it out with --detections")
+      ->required();
+  command->add_option("MANIFEST", arguments->manifest,
+                      "Manifest of scenes with their truth, or the folder of a BOP data set");
+  command->add_option(
+      "--detections", arguments->detections,
+      "Score the detections in this file, as `trivet recognize --json` or another program wrote "
+      "them, or a file of BOP results (.csv), instead of recognising");
+  add_recognise_options(*command, arguments->recognise);
+  add_calibration_option(*command, arguments->calibration);
+  command->add_option("--json", arguments->json,
+                      "Write the scores as JSON to this file, - for standard output");
+  command->add_option("--csv", arguments->csv,
+                      "Write instances.csv, detections.csv and summary.csv into this folder");
+  command->add_option("--report", arguments->report,
+                      "Write index.html with tables, curves and pictures into this folder");
+  command->callback([arguments, &context] {
+    // The manifest is what stands last.
+    if (arguments->manifest.empty()) arguments->library.swap(arguments->manifest);
+    if (arguments->library.empty() && arguments->detections.empty()) {
+      throw CLI::RequiredError("LIBRARY and MANIFEST, or a MANIFEST with --detections,");
+    }
+    context.run = [arguments, &context] { return evaluate_manifest(*arguments, context); };
+  });
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,232 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <span>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "apps/commands/commands.hpp"
+#include "engine/evaluation/calibrate_score.hpp"
+#include "kernels/verification/fit_score.hpp"
+#include "storage/file.hpp"
+#include "storage/library.hpp"
+#include "storage/manifest.hpp"
+
+namespace trivet::apps {
+namespace {
+
+constexpr double kRidge = 1;
+constexpr std::uint64_t kMaxOutcomesBytes = 1ULL << 30;
+/// The calibration scenes hold nearly two unknown objects to each one of the library, where scores
+/// are given there are about half as many: the odds that a detection is right are so many times
+/// higher.
+constexpr double kFewerUnknown = 3.5;
+
+struct FitScoreArguments {
+  std::vector<std::string> libraries, manifests, outcomes;
+  std::string output, csv;
+  unsigned rounds = 2;
+};
+
+Result<Outcomes> recognise_with(const kernels::ScoreModel& score,
+                                const FitScoreArguments& arguments, const Context& context) {
+  Outcomes outcomes;
+  for (std::size_t k = 0; k < arguments.manifests.size(); ++k) {
+    Result<Library> library = open_library(arguments.libraries[k]);
+    if (!library) return library.error();
+    const Result<Manifest> manifest = read_manifest(arguments.manifests[k]);
+    if (!manifest) return manifest.error();
+    const Recogniser recogniser(std::move(*library), score);
+    const Result<void> added = add_outcomes(
+        recogniser, *manifest, {}, context.console.progress("recognised", context.stop), outcomes);
+    if (!added) return added.error();
+  }
+  return outcomes;
+}
+
+Result<void> check_outcomes(const Outcomes& outcomes, const std::string& source) {
+  const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
+  if (num_right < 20 || static_cast<std::size_t>(num_right) + 20 > outcomes.right.size()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected scenes with at least 20 right and 20 wrong detections, "
+                             "found {} and {}; scan more scenes, with objects that the library has "
+                             "and others that it has not",
+                             source, num_right,
+                             outcomes.right.size() - static_cast<std::size_t>(num_right))};
+  }
+  return {};
+}
+
+void set_prior(kernels::ScoreModel& model) {
+  for (float& bias : model.bias) bias += static_cast<float>(std::log(kFewerUnknown));
+}
+
+std::string number(float value) {
+  std::string text = fmt::format("{:.5g}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+template <std::size_t N>
+std::string row(const std::array<float, N>& values, std::string_view name) {
+  std::string text = "{";
+  for (std::size_t k = 0; k < N; ++k) {
+    text += (k ? ", " : "") + number(values[k]) + "F";
+  }
+  return fmt::format("    {}}},  // {}\n", text, name);
+}
+
+/// The source that default_score() is built from.
+std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes) {
+  const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
+  std::string knots;
+  std::array<std::string, 2> weights;
+  for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
+    knots += row(model.knots[k], kernels::kScoreParts[k].name);
+    for (std::size_t errors = 0; errors < 2; ++errors)
+      weights[errors] += row(model.weights[errors][k], kernels::kScoreParts[k].name);
+  }
+  return fmt::format(
+      "// Written by `trivet fit-score` {}, from {} right and {} wrong detections in rendered\n"
+      "// scenes; the odds of right ones times {}. scripts/calibrate scans the scenes.\n"
+      "#include \"kernels/verification/pose_score.hpp\"\n\n"
+      "namespace trivet::kernels {{\n\n"
+      "// clang-format off\n"
+      "const ScoreModel& default_score() noexcept {{\n"
+      "  static constexpr ScoreModel model{{{{{}F, {}F}}, {{{{\n{}  }}}}, {{{{\n"
+      "  {{{{  // where errors are independent from pixel to pixel\n{}  }}}},\n"
+      "  {{{{  // where neighbours share them\n{}  }}}}}}}}}};\n"
+      "  return model;\n"
+      "}}\n"
+      "// clang-format on\n\n"
+      "}}  // namespace trivet::kernels\n",
+      TRIVET_VERSION, num_right, outcomes.right.size() - static_cast<std::size_t>(num_right),
+      kFewerUnknown, number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
+}
+
+Result<void> publish_text(const std::string& file, const std::string& text) {
+  return publish_file(file, std::as_bytes(std::span(text)));
+}
+
+std::string csv_header() {
+  std::string text = "right";
+  for (const kernels::ScorePart& part : kernels::kScoreParts) text += fmt::format(",{}", part.name);
+  return text;
+}
+
+std::string csv_of(const Outcomes& outcomes) {
+  std::string text = csv_header() + '\n';
+  for (std::size_t i = 0; i < outcomes.right.size(); ++i) {
+    text += outcomes.right[i] != 0 ? '1' : '0';
+    for (const float value : outcomes.parts[i]) text += fmt::format(",{:.6g}", value);
+    text += '\n';
+  }
+  return text;
+}
+
+/// Add what csv_of() wrote.
+Result<void> read_outcomes(const std::string& file, Outcomes& outcomes) {
+  const Result<MappedFile> bytes = MappedFile::open(file, kMaxOutcomesBytes);
+  if (!bytes) return bytes.error();
+  const std::span<const std::byte> view = bytes->bytes();
+  std::istringstream lines(std::string(reinterpret_cast<const char*>(view.data()), view.size()));
+  std::string line;
+  std::getline(lines, line);
+  if (line != csv_header()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected outcomes of this version, of columns \"{}\", found "
+                             "\"{:.100}\"",
+                             file, csv_header(), line)};
+  }
+  for (std::size_t number = 2; std::getline(lines, line); ++number) {
+    std::istringstream fields(line);
+    int right = -1;
+    kernels::ScoreParts parts{};
+    fields >> right;
+    for (float& part : parts) fields.ignore(1, ',') >> part;
+    if (!fields || (right != 0 && right != 1) || fields.peek() != EOF) {
+      return Error{ErrorCode::bad_data,
+                   fmt::format("{}: line {}: expected 0 or 1 and {} numbers, found \"{:.100}\"",
+                               file, number, parts.size(), line)};
+    }
+    outcomes.parts.push_back(parts);
+    outcomes.right.push_back(static_cast<std::uint8_t>(right));
+  }
+  return {};
+}
+
+Result<void> fit_score(const FitScoreArguments& arguments, const Context& context) {
+  if (arguments.libraries.size() != arguments.manifests.size()) {
+    return Error{ErrorCode::usage,
+                 fmt::format("expected one --library for each --scenes, found {} and {}",
+                             arguments.libraries.size(), arguments.manifests.size())};
+  }
+  if (arguments.manifests.empty() && arguments.outcomes.empty())
+    return Error{ErrorCode::usage, "expected --scenes or --outcomes to fit to, found neither"};
+  Outcomes known;
+  for (const std::string& file : arguments.outcomes) {
+    if (const Result<void> read = read_outcomes(file, known); !read) return read;
+  }
+  const std::string& source =
+      arguments.manifests.empty() ? arguments.outcomes.front() : arguments.manifests.front();
+  kernels::ScoreModel model = kernels::default_score();
+  Outcomes outcomes;
+  // Outcomes of earlier runs stay as they are.
+  const unsigned rounds = arguments.manifests.empty() ? 1 : arguments.rounds;
+  for (unsigned round = 0; round < rounds; ++round) {
+    Result<Outcomes> found = recognise_with(model, arguments, context);
+    if (!found) return found.error();
+    if (!arguments.csv.empty()) {
+      const Result<void> written = publish_text(arguments.csv, csv_of(*found));
+      if (!written) return written;
+    }
+    outcomes = known;
+    outcomes.parts.insert(outcomes.parts.end(), found->parts.begin(), found->parts.end());
+    outcomes.right.insert(outcomes.right.end(), found->right.begin(), found->right.end());
+    if (arguments.output.empty()) return {};
+    if (const Result<void> enough = check_outcomes(outcomes, source); !enough) return enough;
+    const double before = kernels::log_loss(model, outcomes.parts, outcomes.right);
+    model = kernels::fit_score(outcomes.parts, outcomes.right, kRidge);
+    context.console.line(fmt::format("round {}: {} detections, log loss {:.4f} -> {:.4f}",
+                                     round + 1, outcomes.right.size(), before,
+                                     kernels::log_loss(model, outcomes.parts, outcomes.right)));
+  }
+  set_prior(model);
+  return publish_text(arguments.output, source_of(model, outcomes));
+}
+
+}  // namespace
+
+void add_fit_score(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<FitScoreArguments>();
+  CLI::App* command = app.add_subcommand(
+      "fit-score",
+      "Fit the default score of detections to scenes of known truth, for developers\n\n"
+      "Recognises the scenes, and fits a monotone logistic model to what the examination of each\n"
+      "detection found and whether it was right. The detections depend on their scores, so this\n"
+      "is done in rounds. Objects in the scenes that the library does not have are unknown ones.\n"
+      "`trivet calibrate` adapts the score that this program has to the scans of one cell.");
+  command->add_option("--library", arguments->libraries,
+                      "Library to find in the scenes that follow; as often as --scenes");
+  command->add_option("--scenes", arguments->manifests, "Manifest of scenes with their truth");
+  command->add_option("--outcomes", arguments->outcomes,
+                      "What --csv of earlier runs wrote, to fit to as well or alone");
+  command->add_option(
+      "-o,--output", arguments->output,
+      "C++ source of the score, kernels/verification/default_score.cpp; without it nothing is "
+      "fitted");
+  command->add_option("--csv", arguments->csv,
+                      "Write the parts of every detection's score and the outcome to this file");
+  command->add_option("--rounds", arguments->rounds, "Of recognising and fitting")
+      ->check(CLI::Range(1, 5))
+      ->capture_default_str();
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return fit_score(*arguments, context); };
+  });
+}
+
+}  // namespace trivet::apps

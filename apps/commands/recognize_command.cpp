@@ -1,0 +1,162 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <vector>
+
+#include "apps/commands/commands.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/open_recogniser.hpp"
+#include "apps/options/recognise_arguments.hpp"
+#include "apps/report/recognition_report.hpp"
+#include "apps/results/bop_csv.hpp"
+#include "apps/results/camera_words.hpp"
+#include "apps/results/detections_json.hpp"
+#include "apps/results/json_output.hpp"
+#include "engine/estimate_camera.hpp"
+
+namespace trivet::apps {
+namespace {
+
+struct RecognizeArguments {
+  std::string library, calibration, unit, json, bop_csv, report;
+  SceneArguments scenes;
+  RecogniseArguments recognise;
+  bool estimate_camera = false;
+};
+
+void print_scene(const std::string& file, const SceneResult& result) {
+  fmt::print("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points,
+             result.stats.total_seconds, result.detections.size());
+  for (const Detection& detection : result.detections) {
+    const Eigen::Vector3f t = detection.T_scene_model.translation();
+    fmt::print("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n",
+               detection.model, detection.score, detection.visible_fraction, detection.rmse, t.x(),
+               t.y(), t.z());
+  }
+  if (!result.stats.camera_check) return;
+  if (const std::optional<std::string> finding = camera_finding(*result.stats.camera_check))
+    fmt::print("  {}\n", *finding);
+}
+
+void print_camera(const CameraCheck& check) {
+  const Camera& c = check.camera;
+  const std::optional<std::string> finding = camera_finding(check);
+  if (!finding) return;
+  fmt::print("camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g}, by {} objects: {}\n", c.fx, c.fy, c.cx,
+             c.cy, c.depth_scale, check.objects.size(), *finding);
+}
+
+/// Recognise the scenes, one after the other to `emit`; with the cameras that were estimated, if
+/// that is asked for.
+Result<void> recognise_scenes(const Recogniser& recogniser, std::span<SceneInput> scenes,
+                              const RecogniseOptions& options, bool estimate_camera,
+                              const Progress& progress,
+                              const std::function<void(std::size_t, const SceneResult&)>& emit) {
+  if (!estimate_camera) return recognise_all(recogniser, scenes, options, progress, emit);
+  const Result<std::vector<SceneResult>> results =
+      recognise_estimating_camera(recogniser, scenes, options, progress);
+  if (!results) return results.error();
+  for (std::size_t s = 0; s < results->size(); ++s) emit(s, (*results)[s]);
+  return {};
+}
+
+Result<void> recognize(const RecognizeArguments& arguments, const Context& context) {
+  const Result<Recogniser> opened = open_recogniser(arguments.library, arguments.calibration);
+  if (!opened) return opened.error();
+  const Recogniser& recogniser = *opened;
+  const Library& library = recogniser.library();
+  SceneArguments scene_arguments = arguments.scenes;
+  if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
+  Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
+  if (!scenes) return scenes.error();
+  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  if (!options) return options.error();
+  if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
+  if (!arguments.bop_csv.empty()) {
+    const Result<void> checked = check_bop_ids(*scenes, library, options->models);
+    if (!checked) return checked;
+  }
+
+  nlohmann::ordered_json document{{"library", arguments.library},
+                                  {"calibration", calibration_json(recogniser)},
+                                  {"scenes", nlohmann::ordered_json::array()},
+                                  {"cameras", nlohmann::ordered_json::array()}};
+  std::vector<BopResult> bop_results;
+  std::vector<SceneResult> told;  // for the report
+  std::vector<CameraCheck> checks;
+  const Result<void> done = recognise_scenes(
+      recogniser, scenes->sources, *options, arguments.estimate_camera,
+      context.console.progress("recognised", context.stop),
+      [&](std::size_t index, const SceneResult& result) {
+        const std::string file = scenes->sources[index].file.string();
+        if (arguments.json.empty()) {
+          print_scene(file, result);
+        } else {
+          document["scenes"].push_back(scene_json(file, result, recogniser.score()));
+        }
+        if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
+        if (!arguments.report.empty()) told.push_back(result);
+        if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
+      });
+  if (!done) return done;
+  for (const CameraCheck& check : join_checks(checks)) {
+    document["cameras"].push_back(camera_check_json(check));
+    if (arguments.json.empty()) print_camera(check);
+  }
+  if (!arguments.bop_csv.empty()) {
+    const Result<void> written = write_bop_results(arguments.bop_csv, bop_results);
+    if (!written) return written;
+  }
+  if (!arguments.json.empty()) {
+    const Result<void> written = write_json(arguments.json, document);
+    if (!written) return written;
+  }
+  if (arguments.report.empty()) return {};
+  return write_recognition_report(arguments.report,
+                                  {recogniser, *options, scenes->sources, told, context.command},
+                                  context.console.progress("drawn", context.stop));
+}
+
+}  // namespace
+
+void add_recognize(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<RecognizeArguments>();
+  CLI::App* command = app.add_subcommand("recognize", "Find the models of a library in scenes");
+  command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")
+      ->required();
+  command
+      ->add_option(
+          "SCENE", arguments->scenes.scenes,
+          "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, manifests, or "
+          "BOP data sets (the folder, or that of one split)")
+      ->required();
+  add_recognise_options(*command, arguments->recognise);
+  add_calibration_option(*command, arguments->calibration);
+  command
+      ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
+      ->check(CLI::IsMember({"m", "mm"}));
+  command->add_option(
+      "--camera", arguments->scenes.camera,
+      "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");
+  command
+      ->add_option(
+          "--viewpoint", arguments->scenes.viewpoint,
+          "Position x,y,z of the sensor in the scene's frame; default: the file's, else the origin")
+      ->delimiter(',')
+      ->expected(3);
+  command->add_flag("--estimate-camera", arguments->estimate_camera,
+                    "Where sure detections say that the focal length or the depth scale of depth "
+                    "images is wrong, correct it and recognise once more");
+  command->add_option("--json", arguments->json,
+                      "Write the result as JSON to this file, - for standard output");
+  command->add_option("--bop-csv", arguments->bop_csv,
+                      "Write the poses found in BOP data sets to this file, as BOP takes them");
+  command->add_option("--report", arguments->report,
+                      "Write index.html with pictures of what was found, and of what was rejected "
+                      "and why, into this folder");
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context] { return recognize(*arguments, context); };
+  });
+}
+
+}  // namespace trivet::apps

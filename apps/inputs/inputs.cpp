@@ -1,0 +1,176 @@
+#include "apps/inputs/inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <span>
+
+#include "engine/evaluation/manifest_inputs.hpp"
+#include "storage/datasets/read_bop.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_extension(const fs::path& file, std::string_view extension) {
+  std::string own = file.extension().string();
+  std::transform(own.begin(), own.end(), own.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return own == extension;
+}
+
+/// The files of a folder that `readable` accepts, by name. Errors: missing_input, bad_data (none).
+template <class Readable>
+Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& readable) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_regular_file() && readable(entry.path())) files.push_back(entry.path());
+  }
+  if (error)
+    return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
+  if (files.empty()) {
+    return Error{ErrorCode::missing_input,
+                 fmt::format("{}: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found none",
+                             folder.string())};
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// In a folder of BOP models (obj_000001.ply ...) models_info.json declares the symmetries, in the
+/// models' unit.
+Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSource> sources) {
+  const fs::path info = folder / "models_info.json";
+  if (!fs::exists(info)) return {};
+  const Result<std::vector<BopObject>> objects = read_bop_models_info(info);
+  if (!objects) return objects.error();
+  for (const BopObject& object : *objects) {
+    for (ModelSource& source : sources) {
+      if (source.name == bop_model_name(object.id) && !object.symmetry.trivial())
+        source.symmetry = object.symmetry;
+    }
+  }
+  return {};
+}
+
+void add_scenes(const Manifest& manifest, LengthUnit library_unit, SceneInputs& inputs) {
+  for (SceneInput& source : scenes_of(manifest, library_unit))
+    inputs.sources.push_back(std::move(source));
+  for (const ManifestScene& scene : manifest.scenes)
+    inputs.ids.push_back({scene.scene_id, scene.image_id});
+  for (const ManifestModel& model : manifest.models)
+    if (model.object_id > 0) inputs.object_ids[model.name] = model.object_id;
+}
+
+}  // namespace
+
+LengthUnit parse_unit(const std::string& text) {
+  return text == "mm" ? LengthUnit::millimetre : LengthUnit::metre;
+}
+
+const char* unit_name(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
+
+bool is_listing(const std::string& argument) {
+  return has_extension(argument, ".json") || is_bop_folder(argument);
+}
+
+Result<Manifest> read_listing(const std::string& argument) {
+  return is_bop_folder(argument) ? read_bop(argument) : read_manifest(argument);
+}
+
+Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
+  ModelInputs inputs;
+  for (const std::string& argument : arguments) {
+    if (is_listing(argument)) {
+      // Of a BOP data set the models alone: its scenes may be many, or not there.
+      const Result<Manifest> manifest =
+          is_bop_folder(argument) ? read_bop_models(argument) : read_manifest(argument);
+      if (!manifest) return manifest.error();
+      if (inputs.unit && *inputs.unit != manifest->unit) {
+        return Error{ErrorCode::usage,
+                     fmt::format("{}: expected models of one unit, found '{}' after '{}'", argument,
+                                 unit_name(manifest->unit), unit_name(*inputs.unit))};
+      }
+      inputs.unit = manifest->unit;
+      const std::vector<ModelSource> listed = models_of(*manifest);
+      inputs.sources.insert(inputs.sources.end(), listed.begin(), listed.end());
+    } else if (fs::is_directory(argument)) {
+      const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
+      if (!files) return files.error();
+      const std::size_t first = inputs.sources.size();
+      for (const fs::path& file : *files)
+        inputs.sources.push_back({file.stem().string(), file, 1, {}});
+      const Result<void> declared =
+          declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
+      if (!declared) return declared.error();
+    } else if (const std::size_t equals = argument.find('=');
+               equals != std::string::npos && !fs::exists(argument)) {
+      inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
+    } else {
+      inputs.sources.push_back({fs::path(argument).stem().string(), argument, 1, {}});
+    }
+  }
+  std::set<std::string> names;
+  for (const ModelSource& source : inputs.sources) {
+    if (!names.insert(source.name).second) {
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: expected each model's name once, found '{}' again; name it as "
+                               "NAME=FILE",
+                               source.file.string(), source.name)};
+    }
+  }
+  return inputs;
+}
+
+Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given) {
+  if (inputs.unit && !given.empty() && *inputs.unit != parse_unit(given)) {
+    return Error{ErrorCode::usage,
+                 fmt::format("--unit: expected '{}' as the models are in, found '{}'",
+                             unit_name(*inputs.unit), given)};
+  }
+  return inputs.unit.value_or(parse_unit(given));
+}
+
+Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
+  SceneInput common;
+  common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
+  if (!arguments.camera.empty()) {
+    const Result<Camera> camera = read_camera(arguments.camera);
+    if (!camera) return camera.error();
+    common.camera = *camera;
+  }
+  if (!arguments.viewpoint.empty()) {
+    common.viewpoint =
+        Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
+  }
+
+  SceneInputs inputs;
+  for (const std::string& argument : arguments.scenes) {
+    if (is_listing(argument)) {
+      const Result<Manifest> manifest = read_listing(argument);
+      if (!manifest) return manifest.error();
+      add_scenes(*manifest, library_unit, inputs);
+      continue;
+    }
+    std::vector<fs::path> files{argument};
+    if (fs::is_directory(argument)) {
+      Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
+        return is_cloud_file(file) || (common.camera && has_extension(file, ".png"));
+      });
+      if (!listed) return listed.error();
+      files = std::move(*listed);
+    }
+    for (const fs::path& file : files) {
+      inputs.sources.push_back(common);
+      inputs.sources.back().file = file;
+      inputs.ids.emplace_back();
+    }
+  }
+  return inputs;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,33 @@
+#include "apps/inputs/open_recogniser.hpp"
+
+#include <utility>
+
+#include "engine/evaluation/score_calibration.hpp"
+#include "storage/library.hpp"
+
+namespace trivet::apps {
+
+void add_calibration_option(CLI::App& command, std::string& file) {
+  command.add_option("--calibration", file,
+                     "Score as `trivet calibrate` adapted it to these scans, from this file");
+}
+
+Result<Recogniser> open_recogniser(const std::string& library, const std::string& calibration) {
+  kernels::ScoreModel score = kernels::default_score();
+  if (!calibration.empty()) {
+    const Result<ScoreCalibration> read = read_calibration(calibration);
+    if (!read) return read.error();
+    score = calibrated_score(*read);
+  }
+  Result<Library> opened = open_library(library);
+  if (!opened) return opened.error();
+  return Recogniser(std::move(*opened), score);
+}
+
+nlohmann::ordered_json calibration_json(const Recogniser& recogniser) {
+  const std::string name = score_name(recogniser.score());
+  if (name == score_name(kernels::default_score())) return nullptr;
+  return name;
+}
+
+}  // namespace trivet::apps

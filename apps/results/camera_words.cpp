@@ -1,0 +1,29 @@
+#include "apps/results/camera_words.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace trivet::apps {
+namespace {
+
+/// What was given, as a share of what it should be; `scale` makes it right.
+std::string how_far(double scale) {
+  const double off = 1 / scale - 1;
+  return fmt::format("{:.1f} % too {}", 100 * std::abs(off), off > 0 ? "large" : "small");
+}
+
+}  // namespace
+
+std::optional<std::string> camera_finding(const CameraCheck& check) {
+  std::string words;
+  if (check.focal_is_off()) words = "the focal length looks " + how_far(check.scale->focal.value);
+  if (check.depth_is_off()) {
+    words += words.empty() ? "" : "; ";
+    words += "depths look " + how_far(check.scale->depth->value);
+  }
+  if (words.empty()) return std::nullopt;
+  return words;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,257 @@
+#include "apps/results/detections_json.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "apps/results/camera_words.hpp"
+#include "apps/results/claims_json.hpp"
+#include "storage/files/json_file.hpp"
+
+namespace trivet::apps {
+namespace {
+
+nlohmann::ordered_json matrix_json(const Pose& pose) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  const Eigen::Matrix4f matrix = pose.matrix();
+  for (Eigen::Index row = 0; row < 4; ++row) {
+    rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+  }
+  return rows;
+}
+
+nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
+  nlohmann::ordered_json json;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    json[std::string(kernels::kScoreParts[k].name)] = parts[k];
+  return json;
+}
+
+/// What each part adds to the log odds.
+nlohmann::ordered_json evidence_json(const kernels::ScoreModel& score,
+                                     const kernels::ScoreParts& parts) {
+  nlohmann::ordered_json json;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    json[std::string(kernels::kScoreParts[k].name)] = kernels::part_evidence(score, parts, k);
+  }
+  return json;
+}
+
+std::string_view name_of(Rejection reason) {
+  switch (reason) {
+    case Rejection::too_low:
+      return "too_low";
+    case Rejection::explained:
+      return "explained";
+    case Rejection::too_many:
+      return "too_many";
+  }
+  return "";
+}
+
+nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score,
+                                     const std::vector<RejectedPose>& rejected) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const RejectedPose& pose : rejected) {
+    json.push_back(
+        {{"model", pose.model},
+         {"score", pose.score},
+         {"T_scene_model", matrix_json(pose.T_scene_model)},
+         {"parts", parts_json(pose.parts)},
+         {"evidence", evidence_json(score, pose.parts)},
+         {"reason", name_of(pose.reason)},
+         {"explained_by", pose.explained_by ? nlohmann::ordered_json(*pose.explained_by) : nullptr},
+         {"explained_share", pose.explained_share}});
+  }
+  return json;
+}
+
+nlohmann::ordered_json rivals_json(const std::vector<Pose>& rivals) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Pose& rival : rivals) json.push_back(matrix_json(rival));
+  return json;
+}
+
+/// The axis in the model's frame, in the scene file's unit, and the angles that are as likely.
+nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
+  if (!turns) return nullptr;
+  constexpr float kDegreesPerRadian = 57.29578F;
+  const auto vector = [](const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; };
+  return {{"axis", vector(turns->axis.direction)},
+          {"point", vector(turns->axis.point)},
+          {"from_deg", kDegreesPerRadian * turns->low},
+          {"to_deg", kDegreesPerRadian * turns->high}};
+}
+
+/// Lengths in the scene file's unit; null of closed surfaces, which no sensor saw.
+nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& sensor) {
+  if (!sensor) return nullptr;
+  return {{"range", sensor->range},
+          {"noise", sensor->noise},
+          {"shared", sensor->waviness.height},
+          {"exponent", sensor->exponent},
+          {"correlation", sensor->correlation},
+          {"edge_pixels", sensor->edge_pixels()}};
+}
+
+struct StoredScene {
+  std::filesystem::path file;
+  SceneResult result;
+};
+
+Detection parse_detection(const JsonNode& node) {
+  const auto number = [&](std::string_view key) {
+    return node.has(key) ? static_cast<float>(node.at(key).number())
+                         : std::numeric_limits<float>::quiet_NaN();
+  };
+  Detection detection{node.at("model").string(),
+                      static_cast<float>(node.at("score").number()),
+                      node.at("T_scene_model").pose(),
+                      number("visible_fraction"),
+                      number("violation"),
+                      number("contour"),
+                      number("rmse"),
+                      {},
+                      {}};
+  if (node.has("pose_share")) detection.pose_share = number("pose_share");
+  return detection;
+}
+
+StoredScene parse_scene(const JsonNode& node) {
+  StoredScene scene{node.at("scene").string(), {}};
+  for (const JsonNode& detection : node.at("detections").elements()) {
+    scene.result.detections.push_back(parse_detection(detection));
+  }
+  if (!node.has("seconds")) return scene;
+  for (const auto& [stage, seconds] : node.at("seconds").members()) {
+    if (stage == "total") {
+      scene.result.stats.total_seconds = seconds.number();
+    } else {
+      scene.result.stats.times.add(stage, seconds.number());
+    }
+  }
+  return scene;
+}
+
+bool ends_with(const std::filesystem::path& path, const std::string& name) {
+  return path == name || path.string().ends_with("/" + name);
+}
+
+}  // namespace
+
+nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
+  std::optional<kernels::Factor> focal, depth;
+  if (check.scale) {
+    focal = check.scale->focal;
+    depth = check.scale->depth;
+  }
+  const auto number = [](const std::optional<kernels::Factor>& factor,
+                         double kernels::Factor::*of) {
+    return factor ? nlohmann::ordered_json((*factor).*of) : nullptr;
+  };
+  const Camera& camera = check.camera;
+  const std::optional<std::string> finding = camera_finding(check);
+  return {{"camera",
+           {{"fx", camera.fx},
+            {"fy", camera.fy},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"depth_scale", camera.depth_scale}}},
+          {"objects", check.objects.size()},
+          {"focal_scale", number(focal, &kernels::Factor::value)},
+          {"focal_scale_error", number(focal, &kernels::Factor::error)},
+          {"depth_scale", number(depth, &kernels::Factor::value)},
+          {"depth_scale_error", number(depth, &kernels::Factor::error)},
+          {"finding", finding ? nlohmann::ordered_json(*finding) : nullptr}};
+}
+
+nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
+                                  const kernels::ScoreModel& score, bool with_rejected) {
+  nlohmann::ordered_json seconds, detections = nlohmann::ordered_json::array();
+  for (const auto& [stage, value] : result.stats.times.seconds) seconds[stage] = value;
+  seconds["total"] = result.stats.total_seconds;
+  for (const Detection& detection : result.detections) {
+    detections.push_back({{"model", detection.model},
+                          {"score", detection.score},
+                          {"T_scene_model", matrix_json(detection.T_scene_model)},
+                          {"visible_fraction", detection.visible_fraction},
+                          {"violation", detection.violation},
+                          {"contour", detection.contour},
+                          {"rmse", detection.rmse},
+                          {"parts", parts_json(detection.parts)},
+                          {"evidence", evidence_json(score, detection.parts)},
+                          {"alone", kernels::pose_probability(score, detection.parts)},
+                          {"ambiguous", !detection.rivals.empty()},
+                          {"pose_share", detection.pose_share},
+                          {"turns", turns_json(detection.turns)},
+                          {"rivals", rivals_json(detection.rivals)},
+                          {"siblings", detection.siblings},
+                          {"method", name_of(detection.source)}});
+  }
+  const SceneStats& stats = result.stats;
+  nlohmann::ordered_json json{
+      {"scene", file},
+      {"points", stats.num_points},
+      {"invalid_points", stats.num_invalid},
+      {"noise", stats.noise},
+      {"sensor", sensor_json(stats.sensor)},
+      {"camera_check", stats.camera_check ? camera_check_json(*stats.camera_check)
+                                          : nlohmann::ordered_json(nullptr)},
+      {"seconds", std::move(seconds)},
+      {"counts",
+       {{"references", stats.num_references},
+        {"pairs", stats.num_pairs},
+        {"votes", stats.num_votes},
+        {"hypotheses", stats.num_hypotheses},
+        {"refined", stats.num_refined},
+        {"examined", stats.num_examined}}},
+      {"detections", std::move(detections)}};
+  if (with_rejected) json["rejected"] = rejected_json(score, result.rejected);
+  if (result.claims) json["claims"] = claims_json(*result.claims);
+  return json;
+}
+
+Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file) {
+  std::vector<ExpectedPose> expected;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    for (const JsonNode& scene : root.at("scenes").elements()) {
+      for (const JsonNode& detection : scene.at("detections").elements())
+        expected.push_back({detection.at("model").string(), detection.at("T_scene_model").pose()});
+    }
+  });
+  if (!done) return done.error();
+  return expected;
+}
+
+Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
+                                                                const Manifest& manifest) {
+  const auto absolute = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  std::vector<StoredScene> stored;
+  std::set<std::filesystem::path> seen;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    for (const JsonNode& scene : root.at("scenes").elements()) {
+      stored.push_back(parse_scene(scene));
+      if (!seen.insert(absolute(stored.back().file)).second)
+        scene.at("scene").refuse("expected each scene once");
+    }
+  });
+  if (!done) return done.error();
+
+  std::vector<std::optional<SceneResult>> results;
+  for (const ManifestScene& scene : manifest.scenes) {
+    const auto same = [&](const StoredScene& other) {
+      return absolute(other.file) == absolute(scene.file);
+    };
+    const auto alike = [&](const StoredScene& other) { return ends_with(other.file, scene.name); };
+    auto found = std::find_if(stored.begin(), stored.end(), same);
+    if (found == stored.end() && std::count_if(stored.begin(), stored.end(), alike) == 1) {
+      found = std::find_if(stored.begin(), stored.end(), alike);
+    }
+    results.push_back(found == stored.end() ? std::nullopt : std::optional(found->result));
+  }
+  return results;
+}
+
+}  // namespace trivet::apps

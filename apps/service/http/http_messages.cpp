@@ -1,0 +1,132 @@
+#include "apps/service/http/http_messages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+namespace trivet::apps {
+namespace {
+
+constexpr double kMaxDeadlineMs = 3.6e6;
+
+bool is_plain(const std::string& id) {
+  return !id.empty() && id.size() <= 128 && std::ranges::all_of(id, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  });
+}
+
+/// sysexits and HTTP speak of the same faults.
+unsigned status_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::usage:
+    case ErrorCode::bad_data:
+    case ErrorCode::missing_input:
+      return 400;
+    case ErrorCode::cannot_create:
+    case ErrorCode::io:
+    case ErrorCode::resumable:
+    case ErrorCode::internal:
+      return 500;
+  }
+  return 500;
+}
+
+}  // namespace
+
+HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json) {
+  using Json = nlohmann::ordered_json;
+  return {status, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
+}
+
+HttpResponse error_response(unsigned status, const std::string& reason) {
+  return json_response(status, {{"error", reason}});
+}
+
+HttpResponse error_response(const Error& error) {
+  return error_response(status_of(error.code), error.message);
+}
+
+HttpResponse refusal_response(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::full: {
+      HttpResponse response =
+          error_response(503, "as many requests wait as may, or as can be answered in time");
+      response.headers.emplace_back("Retry-After", "1");
+      return response;
+    }
+    case Refusal::too_late:
+      return error_response(504, "the deadline passed");
+    case Refusal::gone:
+      return error_response(499, "the client closed the connection");
+    case Refusal::closed:
+      return error_response(503, "the service is being shut down");
+  }
+  return error_response(500, "unknown refusal");
+}
+
+std::string_view reason_of(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::full:
+      return "full";
+    case Refusal::too_late:
+      return "deadline";
+    case Refusal::gone:
+      return "gone";
+    case Refusal::closed:
+      return "closed";
+  }
+  return "";
+}
+
+bool has_method(const HttpRequest& request, std::string_view method, const HttpAnswer& reply) {
+  if (request.method == method) return true;
+  HttpResponse response =
+      error_response(405, fmt::format("expected {}, found {}", method, request.method));
+  response.headers.emplace_back("Allow", std::string(method));
+  reply(std::move(response));
+  return false;
+}
+
+std::string request_id(const HttpRequest& request) {
+  const std::string given = request.header("x-request-id");
+  if (is_plain(given)) return given;
+  thread_local std::mt19937_64 random{std::random_device{}()};
+  return fmt::format("{:016x}", random());
+}
+
+std::string trace_parent(const HttpRequest& request) {
+  const std::string given = request.header("traceparent");
+  static constexpr std::string_view kForm =
+      "xx-xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx-xxxxxxxxxxxxxxxx-xx";
+  const bool good =
+      given.size() == kForm.size() &&
+      std::equal(given.begin(), given.end(), kForm.begin(), [](char c, char form) {
+        return form == '-' ? c == '-' : (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+      });
+  const auto is_zero = [&](std::size_t at, std::size_t count) {
+    return given.find_first_not_of('0', at) >= at + count;
+  };
+  return good && !given.starts_with("ff") && !is_zero(3, 32) && !is_zero(36, 16) ? given : "";
+}
+
+Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,
+                                                          std::chrono::milliseconds otherwise) {
+  std::chrono::milliseconds deadline = otherwise;
+  if (const std::string asked = request.header("x-deadline-ms"); !asked.empty()) {
+    char* end = nullptr;
+    const double value = std::strtod(asked.c_str(), &end);
+    if (*end != '\0' || !(value > 0) || value > kMaxDeadlineMs) {
+      return Error{ErrorCode::usage,
+                   fmt::format("X-Deadline-Ms: expected above 0 to {:.0f}, found '{}'",
+                               kMaxDeadlineMs, asked)};
+    }
+    deadline = std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(value)));
+  }
+  return std::chrono::steady_clock::now() + deadline;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,39 @@
+/// What all our services read from requests and answer with.
+#pragma once
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "apps/service/http/http_server.hpp"
+#include "engine/recognition_service.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json);
+/// {"error": reason}; bytes of the reason that are no UTF-8 are replaced.
+HttpResponse error_response(unsigned status, const std::string& reason);
+/// 400 for what the client can mend, else 500.
+HttpResponse error_response(const Error& error);
+/// 503 with Retry-After, 504, or 499.
+HttpResponse refusal_response(Refusal refusal);
+/// One word for metrics and logs.
+std::string_view reason_of(Refusal refusal);
+
+/// Whether a request has this method; if not, it is answered with 405.
+bool has_method(const HttpRequest& request, std::string_view method, const HttpAnswer& reply);
+
+/// X-Request-Id, if it is up to 128 letters, digits, '-', '_' and '.'; else one of our own.
+std::string request_id(const HttpRequest& request);
+
+/// The header traceparent as W3C Trace Context, 3.2, has it: version, trace, parent and flags in
+/// lower-case hexadecimal digits, trace and parent not zero; empty where it is anything else.
+std::string trace_parent(const HttpRequest& request);
+
+/// When a request must be answered: X-Deadline-Ms, above 0 to an hour, from now. Errors: usage.
+Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,
+                                                          std::chrono::milliseconds otherwise);
+
+}  // namespace trivet::apps

@@ -1,0 +1,418 @@
+#include "apps/service/http/http_server.hpp"
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <atomic>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <cctype>
+#include <cerrno>
+#include <future>
+#include <map>
+#include <thread>
+
+namespace trivet::apps {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using tcp = asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000}, kPatience{1000};
+
+std::string lower(beast::string_view text) {
+  std::string out(text);
+  std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+/// Counts while it lives.
+template <class Sum>
+class Share {
+ public:
+  Share(Sum& sum, std::size_t n) : sum_(sum), n_(n) { sum_ += n_; }
+  Share(const Share&) = delete;
+  Share& operator=(const Share&) = delete;
+  ~Share() { sum_ -= n_; }
+
+ private:
+  Sum& sum_;
+  std::size_t n_;
+};
+
+HttpResponse refusal(unsigned status, const std::string& reason) {
+  std::string text;
+  for (const char c : reason) text += c == '"' || c == '\\' ? '\'' : c;
+  return {status, fmt::format("{{\"error\":\"{}\"}}\n", text)};
+}
+
+/// What a failed read deserves; none: the connection just ends.
+std::optional<HttpResponse> refusal_of(const error_code& error, const HttpLimits& limits) {
+  if (error == http::error::body_limit) {
+    return refusal(413, fmt::format("expected a body of at most {} bytes", limits.max_body_bytes));
+  }
+  if (error == http::error::header_limit) {
+    return refusal(431,
+                   fmt::format("expected headers of at most {} bytes", limits.max_header_bytes));
+  }
+  if (error == http::error::end_of_stream || error == http::error::partial_message ||
+      error.category() != http::make_error_code(http::error::bad_value).category()) {
+    return std::nullopt;
+  }
+  return refusal(400, fmt::format("not an HTTP request: {}", error.message()));
+}
+
+/// What a well-formed request may still not be; none: it may be read on.
+std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& head) {
+  // RFC 9112, 3.2: whoever routes by the host must not be told two things.
+  if (head.version() >= 11 && head.count(http::field::host) != 1)
+    return refusal(400, "expected one Host header");
+  // RFC 9112, 6.1: other codings would hide where the body ends.
+  const std::size_t num_codings = head.count(http::field::transfer_encoding);
+  if (num_codings > 1 ||
+      (num_codings == 1 &&
+       (head.version() < 11 || !beast::iequals(head[http::field::transfer_encoding], "chunked")))) {
+    return refusal(400, "expected no Transfer-Encoding but chunked, and that of HTTP/1.1");
+  }
+  if (head.count(http::field::content_encoding) > 0 &&
+      !beast::iequals(head[http::field::content_encoding], "identity")) {
+    HttpResponse response = refusal(415, "expected a body without Content-Encoding");
+    response.headers.emplace_back("Accept-Encoding", "identity");
+    return response;
+  }
+  return std::nullopt;
+}
+
+/// A time after which whatever a socket waits for ends, with the socket still open for an answer:
+/// the stream's own expiry would close it.
+class Deadline {
+ public:
+  Deadline(tcp::socket& socket, std::chrono::milliseconds after)
+      : timer_(socket.get_executor(), after) {
+    timer_.async_wait([&socket, state = state_](const error_code& error) {
+      if (error || !state->is_awaited) return;  // the socket may be gone
+      state->has_passed = true;
+      error_code ignored;
+      socket.cancel(ignored);
+    });
+  }
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+  ~Deadline() { state_->is_awaited = false; }
+
+  bool has_passed() const { return state_->has_passed; }
+
+ private:
+  struct State {
+    bool is_awaited = true, has_passed = false;
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+  asio::steady_timer timer_;
+};
+
+}  // namespace
+
+struct HttpServer::State {
+  State(const HttpLimits& http_limits, HttpHandler http_handler)
+      : limits(http_limits), handler(std::move(http_handler)) {}
+
+  ~State() { stop(); }
+
+  void stop() {
+    context.stop();
+    if (thread.joinable()) thread.join();
+  }
+
+  asio::awaitable<void> accept() {
+    asio::steady_timer pause(context);
+    while (acceptor.is_open()) {
+      if (num_connections >= limits.max_connections) {  // the system queues a few more
+        pause.expires_after(kPauseWhenFull);
+        error_code ignored;
+        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+        continue;
+      }
+      error_code error;
+      tcp::socket socket =
+          co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+      if (error == asio::error::operation_aborted) co_return;
+      if (error) {  // no file descriptors left
+        pause.expires_after(kPauseWhenFull);
+        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+        continue;
+      }
+      take(std::move(socket));
+    }
+  }
+
+  void take(tcp::socket socket) {
+    error_code ignored;
+    const tcp::endpoint from = socket.remote_endpoint(ignored);
+    ++num_connections;
+    const bool is_welcome = ++per_address[from.address()] <= limits.max_connections_per_address;
+    const bool is_last = is_closing;  // from the system's queue: its request is on its way
+    if (is_last) ++num_busy;
+    asio::co_spawn(context,
+                   is_welcome ? serve(beast::tcp_stream(std::move(socket)))
+                              : send_away(beast::tcp_stream(std::move(socket))),
+                   [this, is_last, address = from.address()](const std::exception_ptr&) {
+                     if (is_last) --num_busy;
+                     --num_connections;
+                     const auto entry = per_address.find(address);
+                     if (--entry->second == 0) per_address.erase(entry);
+                   });
+  }
+
+  /// Stop listening; who is in the system's queue has been told that it is connected.
+  void close_door() {
+    is_closing = true;
+    error_code error;
+    acceptor.non_blocking(true, error);
+    while (!error && num_connections < limits.max_connections) {
+      tcp::socket socket(context);
+      acceptor.accept(socket, error);
+      if (!error) take(std::move(socket));
+    }
+    acceptor.close(error);
+  }
+
+  asio::awaitable<void> send_away(beast::tcp_stream stream) {
+    co_await write(stream, busy("too many connections from this address"), 11, false, false);
+  }
+
+  static HttpResponse busy(const std::string& reason) {
+    HttpResponse response = refusal(503, reason);
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
+
+  /// Before the body is read.
+  std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes) const {
+    if (num_arriving + body_bytes > limits.max_arriving_bytes)
+      return busy("as many bytes arrive as may");
+    return handler.admit(target, body_bytes);
+  }
+
+  /// One connection, request after request.
+  asio::awaitable<void> serve(beast::tcp_stream stream) {
+    beast::flat_buffer buffer(limits.max_header_bytes + 65'536);
+    error_code error;
+    stream.socket().set_option(tcp::no_delay(true), error);
+    for (;;) {
+      http::request_parser<http::string_body> parser;
+      parser.header_limit(static_cast<std::uint32_t>(limits.max_header_bytes));
+      parser.body_limit(limits.max_body_bytes);
+      // Idle until the first byte, then a deadline for the whole of the request.
+      if (buffer.size() == 0) {
+        stream.expires_after(is_closing ? kPatience : limits.idle_timeout);
+        const std::size_t n = co_await stream.async_read_some(
+            buffer.prepare(4096), asio::redirect_error(asio::use_awaitable, error));
+        if (error) break;
+        buffer.commit(n);
+      }
+      const Share busy(num_busy, 1);
+      const std::optional<HttpResponse> refused = co_await read(stream, buffer, parser, error);
+      if (refused) {
+        co_await write(stream, *refused, 11, false, false);
+        co_await discard(stream);
+      }
+      if (error || refused) break;
+      const unsigned version = parser.get().version();
+      const bool keep_alive = parser.get().keep_alive() && !is_closing;
+      const bool is_head = parser.get().method() == http::verb::head;
+      stream.expires_never();
+      const HttpResponse response = co_await answer(stream, parser.release());
+      const bool written =
+          co_await write(stream, response, version, keep_alive && !is_closing, is_head);
+      if (!written || !keep_alive || is_closing) break;
+    }
+    stream.socket().shutdown(tcp::socket::shutdown_send, error);
+  }
+
+  /// Read a whole request. Returns what to answer instead; with `error` and nothing there is nobody
+  /// to answer.
+  asio::awaitable<std::optional<HttpResponse>> read(beast::tcp_stream& stream,
+                                                    beast::flat_buffer& buffer,
+                                                    http::request_parser<http::string_body>& parser,
+                                                    error_code& error) {
+    const auto token = [&error] { return asio::redirect_error(asio::use_awaitable, error); };
+    const Deadline deadline(stream.socket(), limits.request_timeout);
+    stream.expires_after(limits.request_timeout + kPatience);  // if it passes between two reads
+    co_await http::async_read_header(stream, buffer, parser, token());
+    if (!error) {
+      if (std::optional<HttpResponse> refused = refusal_of(parser.get())) co_return refused;
+      const std::size_t body_bytes =
+          parser.content_length().value_or(parser.chunked() ? limits.max_body_bytes : 0);
+      const Share share(num_arriving, body_bytes);
+      const auto target = parser.get().target();
+      if (std::optional<HttpResponse> refused = admit({target.data(), target.size()}, body_bytes))
+        co_return refused;
+      if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+        http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
+        co_await http::async_write(stream, go_on, token());
+      }
+      if (!error) co_await http::async_read(stream, buffer, parser, token());
+    }
+    if (deadline.has_passed()) {
+      co_return refusal(408, fmt::format("expected the whole request within {} ms",
+                                         limits.request_timeout.count()));
+    }
+    if (!error) co_return std::nullopt;
+    co_return refusal_of(error, limits);
+  }
+
+  /// Hand a request to the handler and wait for its answer.
+  asio::awaitable<HttpResponse> answer(beast::tcp_stream& stream,
+                                       http::request<http::string_body> message) {
+    // HEAD is answered as GET is, less the body.
+    HttpRequest request{
+        message.method() == http::verb::head ? "GET" : std::string(message.method_string()),
+        std::string(message.target()),
+        std::move(message.body()),
+        {},
+        {}};
+    for (const auto& field : message.base())
+      request.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
+    request.is_gone = [descriptor = stream.socket().native_handle()] {
+      char byte = 0;
+      const ssize_t n = ::recv(descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+      return n == 0 || (n < 0 && errno == ECONNRESET);
+    };
+    auto initiate = [this](auto completion, HttpRequest asked) {
+      // A handler may be copied; a completion may not.
+      auto shared = std::make_shared<decltype(completion)>(std::move(completion));
+      handler.handle(std::move(asked), [this, shared](HttpResponse response) {
+        asio::post(context, [shared, response = std::move(response)]() mutable {
+          (*shared)(std::move(response));
+        });
+      });
+    };
+    co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(
+        initiate, asio::use_awaitable, std::move(request));
+  }
+
+  asio::awaitable<bool> write(beast::tcp_stream& stream, const HttpResponse& response,
+                              unsigned version, bool keep_alive, bool is_head) {
+    http::response<http::string_body> message;
+    message.version(version);
+    message.result(response.status);
+    message.set(http::field::content_type, response.content_type);
+    for (const auto& [name, value] : response.headers) message.set(name, value);
+    message.keep_alive(keep_alive);
+    message.body() = response.body;
+    message.prepare_payload();
+    stream.expires_after(limits.write_timeout);
+    error_code error;
+    http::response_serializer<http::string_body> serializer(message);
+    if (is_head) {
+      co_await http::async_write_header(stream, serializer,
+                                        asio::redirect_error(asio::use_awaitable, error));
+    } else {
+      co_await http::async_write(stream, serializer,
+                                 asio::redirect_error(asio::use_awaitable, error));
+    }
+    co_return !error;
+  }
+
+  /// Read what a refused client still sends, and throw it away: most clients read the answer when
+  /// they have sent all.
+  asio::awaitable<void> discard(beast::tcp_stream& stream) {
+    error_code error;
+    stream.socket().shutdown(tcp::socket::shutdown_send, error);
+    stream.expires_after(kMaxDiscardTime);
+    std::string rest(65'536, '\0');
+    for (std::size_t sum = 0; sum < limits.max_body_bytes && !error;) {
+      sum += co_await stream.async_read_some(asio::buffer(rest),
+                                             asio::redirect_error(asio::use_awaitable, error));
+    }
+  }
+
+  HttpLimits limits;
+  HttpHandler handler;
+  asio::io_context context{1};
+  tcp::acceptor acceptor{context};
+  std::atomic<std::size_t> num_connections{0}, num_busy{0};
+  std::size_t num_arriving = 0;  // bytes of bodies; of the network's thread, as the next
+  std::map<asio::ip::address, std::size_t> per_address;
+  std::atomic<bool> is_closing{false};
+  std::uint16_t port = 0;
+  std::thread thread;
+};
+
+std::string HttpRequest::header(std::string_view name) const {
+  for (const auto& [key, value] : headers) {
+    if (key == name) return value;
+  }
+  return "";
+}
+
+Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t port,
+                                     const HttpLimits& limits, HttpHandler handler) {
+  auto state = std::make_unique<State>(limits, std::move(handler));
+  error_code error;
+  const asio::ip::address where = asio::ip::make_address(address, error);
+  if (error) {
+    return Error{
+        ErrorCode::usage,
+        fmt::format("--address: expected an IP address as 127.0.0.1, found '{}'", address)};
+  }
+  const tcp::endpoint endpoint(where, port);
+  state->acceptor.open(endpoint.protocol(), error);
+  if (!error) state->acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) state->acceptor.bind(endpoint, error);
+  if (!error) state->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    return Error{ErrorCode::cannot_create,
+                 fmt::format("{}:{}: cannot listen: {}; choose another --port", address, port,
+                             error.message())};
+  }
+  state->port = state->acceptor.local_endpoint().port();
+  asio::co_spawn(state->context, state->accept(), asio::detached);
+  state->thread = std::thread([&context = state->context] {
+    // Keeps running while no connection is open.
+    const auto work = asio::make_work_guard(context);
+    context.run();
+  });
+  return HttpServer(std::move(state));
+}
+
+HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+HttpServer::HttpServer(HttpServer&&) noexcept = default;
+HttpServer& HttpServer::operator=(HttpServer&&) noexcept = default;
+HttpServer::~HttpServer() = default;
+
+std::uint16_t HttpServer::port() const { return state_->port; }
+std::size_t HttpServer::num_connections() const { return state_->num_connections; }
+
+void HttpServer::stop_accepting() {
+  std::promise<void> closed;
+  asio::post(state_->context, [&] {
+    state_->close_door();
+    closed.set_value();
+  });
+  closed.get_future().wait();
+}
+
+void HttpServer::stop() { state_->stop(); }
+
+bool HttpServer::wait_until_idle(std::chrono::steady_clock::time_point deadline) const {
+  while (state_->num_busy > 0) {
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,82 @@
+#include "apps/service/http/query.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <sstream>
+
+namespace trivet::apps {
+namespace {
+
+Result<std::string> decode(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      out += text[i];
+      continue;
+    }
+    unsigned value = 0;
+    const std::string_view digits = text.substr(i + 1, 2);
+    const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16).ptr;
+    if (digits.size() < 2 || end != digits.data() + 2) {
+      return Error{ErrorCode::usage,
+                   fmt::format("expected two hexadecimal digits after '%', found '{}'", digits)};
+    }
+    out += static_cast<char>(value);
+    i += 2;
+  }
+  return out;
+}
+
+std::string encode(std::string_view text, std::string_view also_plain = "") {
+  std::string out;
+  for (const char c : text) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                          std::string_view("-._~").find(c) != std::string_view::npos ||
+                          also_plain.find(c) != std::string_view::npos;
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<std::string> Target::parameter(std::string_view name) const {
+  for (const auto& [key, value] : parameters) {
+    if (key == name) return value;
+  }
+  return std::nullopt;
+}
+
+Result<Target> parse_target(std::string_view target) {
+  const std::size_t mark = target.find('?');
+  Result<std::string> path = decode(target.substr(0, mark));
+  if (!path) return path.error();
+  Target out{std::move(*path), {}};
+  const std::string query(mark == std::string_view::npos ? "" : target.substr(mark + 1));
+  std::istringstream pairs(query);
+  for (std::string pair; std::getline(pairs, pair, '&');) {
+    if (pair.empty()) continue;
+    const std::size_t equals = std::min(pair.find('='), pair.size());
+    Result<std::string> key = decode(pair.substr(0, equals));
+    if (!key) return key.error();
+    Result<std::string> value = decode(pair.substr(std::min(equals + 1, pair.size())));
+    if (!value) return value.error();
+    out.parameters.emplace_back(std::move(*key), std::move(*value));
+  }
+  return out;
+}
+
+std::string write_target(const Target& target) {
+  std::string out = encode(target.path, "/");
+  char mark = '?';
+  for (const auto& [key, value] : target.parameters) {
+    out += mark + encode(key) + "=" + encode(value, ",");
+    mark = '&';
+  }
+  return out;
+}
+
+}  // namespace trivet::apps

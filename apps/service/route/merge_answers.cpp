@@ -1,0 +1,139 @@
+#include "apps/service/route/merge_answers.hpp"
+
+#include <algorithm>
+
+#include "apps/results/claims_json.hpp"
+#include "engine/merge_claims.hpp"
+#include "storage/files/json_file.hpp"
+
+namespace trivet::apps {
+namespace {
+
+using Json = nlohmann::json;
+
+void check_numbers(const JsonNode& node) {
+  for (const auto& [key, value] : node.members()) value.number();
+}
+
+ShardScene parse_scene(const JsonNode& node) {
+  ShardScene scene;
+  for (const JsonNode& detection : node.at("detections").elements()) {
+    detection.at("score").number();
+    scene.detections.push_back(detection.value());
+  }
+  const auto last = static_cast<int>(scene.detections.size()) - 1;
+  for (const JsonNode& pose :
+       node.has("rejected") ? node.at("rejected").elements() : std::vector<JsonNode>()) {
+    pose.at("score").number();
+    if (pose.has("explained_by")) pose.at("explained_by").integer(0, last);
+    scene.rejected.push_back(pose.value());
+  }
+  check_numbers(node.at("seconds"));
+  check_numbers(node.at("counts"));
+  scene.claims = parse_claims(node.at("claims"), scene.detections.size());
+  scene.json = node.value();
+  for (const char* const key : {"claims", "detections"}) scene.json.erase(key);
+  return scene;
+}
+
+/// Take the larger of each number.
+void take_slower(const Json& other, Json& seconds) {
+  for (const auto& [key, value] : other.items()) {
+    Json& mine = seconds[key];
+    if (mine.is_null() || mine < value) mine = value;
+  }
+}
+
+void add_counts(const Json& other, Json& counts) {
+  for (const auto& [key, value] : other.items())
+    counts[key] = counts.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
+}
+
+void sort_by_score(std::vector<Json>& poses) {
+  std::ranges::stable_sort(poses, [](const Json& a, const Json& b) {
+    return a["score"].get<double>() > b["score"].get<double>();
+  });
+}
+
+/// The rejected poses of all shards; what explains one is told by its index among `standing`.
+std::vector<Json> merge_rejected(std::span<const ShardAnswer> answers, std::size_t index,
+                                 std::span<const DetectionPlace> standing) {
+  std::vector<Json> all;
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    for (Json pose : answers[k].scenes[index].rejected) {
+      if (!pose["explained_by"].is_null()) {
+        const DetectionPlace by{k, pose["explained_by"].get<std::size_t>()};
+        const auto found = std::ranges::find(standing, by);
+        pose["explained_by"] = found == standing.end() ? Json() : Json(found - standing.begin());
+      }
+      all.push_back(std::move(pose));
+    }
+  }
+  sort_by_score(all);
+  return all;
+}
+
+Json merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
+  Json merged = answers.front().scenes[index].json;
+  std::vector<SceneClaims> claims;
+  for (const ShardAnswer& answer : answers) claims.push_back(answer.scenes[index].claims);
+  for (const ShardAnswer& answer : answers.subspan(1)) {
+    take_slower(answer.scenes[index].json["seconds"], merged["seconds"]);
+    add_counts(answer.scenes[index].json["counts"], merged["counts"]);
+  }
+  // Each shard checked the camera by its own objects.
+  if (answers.size() > 1) merged["camera_check"] = nullptr;
+  std::vector<DetectionPlace> standing = *merge_claims(claims);
+  const auto detection = [&](const DetectionPlace& place) -> const Json& {
+    return answers[place.library].scenes[index].detections[place.detection];
+  };
+  std::ranges::stable_sort(standing, [&](const DetectionPlace& a, const DetectionPlace& b) {
+    return detection(a)["score"].get<double>() > detection(b)["score"].get<double>();
+  });
+  merged["detections"] = Json::array();
+  for (const DetectionPlace& place : standing) merged["detections"].push_back(detection(place));
+  if (merged.contains("rejected")) merged["rejected"] = merge_rejected(answers, index, standing);
+  return merged;
+}
+
+}  // namespace
+
+Result<ShardAnswer> parse_answer(const std::string& shard, const std::string& body) {
+  ShardAnswer answer;
+  answer.shard = shard;
+  const Result<void> done =
+      with_json(std::as_bytes(std::span(body)), "its answer", [&](const JsonNode& root) {
+        answer.library = root.at("library").object().value();
+        check_numbers(root.at("seconds"));
+        answer.seconds = root.at("seconds").value();
+        for (const JsonNode& scene : root.at("scenes").elements())
+          answer.scenes.push_back(parse_scene(scene));
+      });
+  if (!done) return done.error();
+  return answer;
+}
+
+bool is_of_same_scenes(const ShardAnswer& a, const ShardAnswer& b) {
+  return std::ranges::equal(a.scenes, b.scenes, [](const ShardScene& x, const ShardScene& y) {
+    return x.claims.images == y.claims.images;
+  });
+}
+
+nlohmann::ordered_json merge_answers(std::span<const ShardAnswer> answers) {
+  nlohmann::ordered_json libraries = nlohmann::ordered_json::array();
+  nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
+  Json seconds = answers.front().seconds;
+  for (const ShardAnswer& answer : answers) {
+    nlohmann::ordered_json library{{"shard", answer.shard}};
+    for (const auto& [key, value] : answer.library.items()) library[key] = value;
+    libraries.push_back(std::move(library));
+    take_slower(answer.seconds, seconds);
+  }
+  for (std::size_t s = 0; s < answers.front().scenes.size(); ++s)
+    scenes.push_back(nlohmann::ordered_json(merge_scenes(answers, s)));
+  return {{"libraries", std::move(libraries)},
+          {"seconds", std::move(seconds)},
+          {"scenes", std::move(scenes)}};
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,54 @@
+/// The library that a service answers with, read anew aside while the old one answers.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "apps/service/serve/metrics.hpp"
+#include "engine/recognition_service.hpp"
+
+namespace trivet::apps {
+
+/// What a service answers with.
+struct LibraryFiles {
+  std::string library, calibration;  ///< the calibration of the score: empty, the default
+};
+
+/// Open a library and build all that its first scene would wait for. Errors: of open_recogniser.
+Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
+                                                                 std::uint64_t number);
+
+/// Reads on a thread of its own, one after the other. A bad file leaves the old library answering.
+class LibrarySlot {
+ public:
+  using Done = std::function<void(Result<void>)>;
+  /// `service` answers with generation 1 of `files`. Both outlive the slot.
+  LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics);
+  LibrarySlot(const LibrarySlot&) = delete;
+  LibrarySlot& operator=(const LibrarySlot&) = delete;
+  ~LibrarySlot();
+
+  /// `done` is called from the slot's thread. Requests that come while a read waits share it.
+  void reload(Done done);
+
+ private:
+  void work();
+
+  const LibraryFiles files_;
+  RecognitionService& service_;
+  Metrics& metrics_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Done> asked_;
+  bool is_closed_ = false;
+  std::uint64_t next_number_ = 2;
+  std::thread thread_;
+};
+
+}  // namespace trivet::apps

@@ -1,0 +1,10 @@
+/// The description of the service for programs: OpenAPI 3.1, apps/service/serve/api/openapi.json.
+#pragma once
+
+#include <string_view>
+
+namespace trivet::apps {
+
+std::string_view openapi_document();
+
+}  // namespace trivet::apps

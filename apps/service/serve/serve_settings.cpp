@@ -1,0 +1,53 @@
+#include "apps/service/serve/serve_settings.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace trivet::apps {
+
+ServiceOptions ServeSettings::service() const {
+  return {max_waiting, std::size_t{max_waiting_mb} << 20, parallel};
+}
+
+std::vector<Setting> settings_of(ServeSettings& settings) {
+  ServeSettings& s = settings;
+  std::vector<Setting> all{
+      text_setting("library", "Library file, made by `trivet train`", s.library),
+      text_setting("calibration",
+                   "Score as `trivet calibrate` adapted it to these scans, from this file; read "
+                   "anew with the library",
+                   s.calibration),
+      number_setting("parallel",
+                     "Scenes at a time: 1 for the shortest answer of each, 0, one a core, for the "
+                     "most answers",
+                     s.parallel, 0, 1024),
+      number_setting("max-waiting", "Scenes that may wait; more get 503", s.max_waiting, 1,
+                     100'000),
+      number_setting("max-waiting-mb", "Memory of requests that arrive, wait and run; more get 503",
+                     s.max_waiting_mb, 1, kMaxMb),
+      text_setting("examples", "Manifest or BOP data set whose scenes the page offers", s.examples),
+  };
+  all.front().argument = "LIBRARY";
+  for (Setting& one : settings_of(s.listen)) all.push_back(std::move(one));
+  return all;
+}
+
+SettingFaults faults_of(const ServeSettings& settings) {
+  SettingFaults faults = faults_of(settings.listen, "max-waiting-mb", settings.max_waiting_mb);
+  const auto check_file = [&](const char* setting, const std::string& file) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored))
+      faults.push_back(fmt::format("{}: {}: no such file", setting, file));
+  };
+  if (settings.library.empty()) {
+    faults.emplace_back("library: expected a file made by `trivet train`, found none");
+  } else {
+    check_file("library", settings.library);
+  }
+  if (!settings.calibration.empty()) check_file("calibration", settings.calibration);
+  if (!settings.examples.empty()) check_file("examples", settings.examples);
+  return faults;
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,29 @@
+/// Everything that a service can be told.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "apps/service/listen_settings.hpp"
+#include "apps/service/serve/library_slot.hpp"
+#include "engine/recognition_service.hpp"
+
+namespace trivet::apps {
+
+struct ServeSettings {
+  std::string library, calibration, examples;
+  std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512;
+  ListenSettings listen;
+
+  ServiceOptions service() const;
+  LibraryFiles files() const { return {library, calibration}; }
+};
+
+/// They write to `settings`, which outlives them.
+std::vector<Setting> settings_of(ServeSettings& settings);
+
+/// What is missing or contradicts itself.
+SettingFaults faults_of(const ServeSettings& settings);
+
+}  // namespace trivet::apps

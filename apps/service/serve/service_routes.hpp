@@ -1,0 +1,97 @@
+/// What the service answers to which request.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/service/http/http_server.hpp"
+#include "apps/service/http/request_log.hpp"
+#include "apps/service/serve/examples.hpp"
+#include "apps/service/serve/metrics.hpp"
+#include "apps/service/serve/model_views.hpp"
+#include "engine/recognise.hpp"
+#include "engine/recognition_service.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct RouteOptions {
+  std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
+  std::size_t max_waiting_bytes = 0;                   ///< that the service takes
+};
+
+/// All members may be called from any thread.
+class ServiceRoutes {
+ public:
+  /// Calls back once the library was read anew, or could not be.
+  using Reload = std::function<void(std::function<void(Result<void>)>)>;
+  /// All that is given outlives the routes.
+  ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
+                const RouteOptions& options, std::vector<Example> examples, Reload reload)
+      : service_(service),
+        metrics_(metrics),
+        log_(log),
+        options_(options),
+        examples_(std::move(examples)),
+        reload_(std::move(reload)) {}
+
+  void handle(HttpRequest request, HttpAnswer answer);
+  /// What needs work is refused before its body is read where no more is taken.
+  std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
+  void set_ready(bool ready) { is_ready_ = ready; }
+  void set_num_connections(std::function<std::size_t()> num) { num_connections_ = std::move(num); }
+
+  /// One request on its way, and what is told of it in the log.
+  struct Call;
+  using CallPtr = std::shared_ptr<Call>;
+
+ private:
+  struct Route;
+  static const std::vector<Route>& routes();
+
+  // Each takes what of the path lies behind that of its route.
+  void page(const CallPtr& call, std::string_view rest);
+  void recognise(const CallPtr& call, std::string_view rest);
+  void points(const CallPtr& call, std::string_view rest);
+  void list_models(const CallPtr& call, std::string_view rest);
+  void view_model(const CallPtr& call, std::string_view rest);
+  void examples(const CallPtr& call, std::string_view rest);
+  void score_parts(const CallPtr& call, std::string_view rest);
+  void reload(const CallPtr& call, std::string_view rest);
+  void openapi(const CallPtr& call, std::string_view rest);
+  void live(const CallPtr& call, std::string_view rest);
+  void ready(const CallPtr& call, std::string_view rest);
+  void server(const CallPtr& call, std::string_view rest);
+  void inference_model(const CallPtr& call, std::string_view rest);
+  void infer(const CallPtr& call, std::string_view rest);
+  void metrics(const CallPtr& call, std::string_view rest);
+
+  /// Answer with what `write` makes of the job's answer, or with the refusal or error.
+  void submit(const CallPtr& call, ServiceJob job,
+              std::function<HttpResponse(const ServiceAnswer&)> write);
+  /// A small job: `work` gives the answer.
+  void submit_one(const CallPtr& call,
+                  std::function<Result<HttpResponse>(const LibraryGeneration&)> work);
+  void tell_recognition(const CallPtr& call, const ServiceAnswer& found,
+                        std::span<const SceneResult> results);
+  void reply(const CallPtr& call, HttpResponse response);
+
+  RecognitionService& service_;
+  Metrics& metrics_;
+  RequestLog& log_;
+  const RouteOptions options_;
+  const std::vector<Example> examples_;
+  const Reload reload_;
+  Thumbnails thumbnails_;
+  std::function<std::size_t()> num_connections_;
+  std::atomic<bool> is_ready_{false};
+};
+
+}  // namespace trivet::apps

@@ -1,0 +1,105 @@
+#include "engine/camera/check_camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/common/parallel.hpp"
+#include "kernels/verification/object_scale.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kSureScore = 0.9F;
+constexpr int kSteps = 3;  // to the solution: scales and poses start near it
+constexpr std::size_t kFewestRays = 40;
+// Of the tolerance that the pose was examined with: wrong scales leave more.
+constexpr float kGate = 1.5F;
+constexpr float kFinest = 1e-4F;  // noise, as a share of the range
+// Edges lean inside; of small objects hardly anything would be left without them.
+constexpr float kLeastEdge = 2, kMostEdge = 3;  // [pixel]
+constexpr double kFarthest = 0.2;               // log scales beyond it are no calibration's
+
+struct SureObject {
+  std::uint32_t model = 0;
+  Pose T_camera_model;
+  kernels::ScaleOptions options;
+  kernels::ObjectEquations equations{};
+
+  bool tells() const noexcept { return equations.num_used >= kFewestRays; }
+};
+
+std::vector<SureObject> sure_objects(const Library& library, const PreparedScene& scene,
+                                     std::span<const Candidate> found) {
+  std::vector<SureObject> objects;
+  const Pose& T_camera_scene = scene.images.front().geometry.T_camera_scene;
+  for (const Candidate& candidate : found) {
+    if (candidate.score < kSureScore || !candidate.rivals.empty()) continue;
+    const Pose pose = T_camera_scene * candidate.T_scene_model;
+    const float range = (pose * library.models[candidate.model].centre).z();
+    kernels::ScaleOptions options;
+    options.sigma = std::max(scene.sensor.error_at(range), kFinest * range);
+    options.gate = kGate * candidate.tolerance;
+    options.edge_pixels = static_cast<int>(
+        std::lround(std::clamp(scene.sensor.edge_pixels(), kLeastEdge, kMostEdge)));
+    objects.push_back({candidate.model, pose, options});
+  }
+  return objects;
+}
+
+/// Set up the equations of all objects. Errors of ray tracing leave an object without.
+void gather(const Recogniser& recogniser, const kernels::RangeImage& image,
+            const kernels::LogScales& scales, std::span<SureObject> objects) {
+  PerThread<kernels::ScaleScratch> scratch;
+  for_each_index(objects.size(), [&](std::size_t k) {
+    SureObject& object = objects[k];
+    const Model& model = recogniser.library().models[object.model];
+    const Result<kernels::RayScene>& surface = recogniser.surface(object.model);
+    if (!surface) return;
+    const kernels::ModelSamples samples{model.samples,      model.sample_normals,
+                                        model.sample_views, model.sample_spacing,
+                                        model.diameter,     model.centre};
+    kernels::gather_object(image, *surface, samples, object.T_camera_model, scales, object.options,
+                           scratch.local(), object.equations);
+  });
+}
+
+}  // namespace
+
+CameraCheck check_camera(const Recogniser& recogniser, const PreparedScene& scene,
+                         const Camera& camera, std::span<const Candidate> found) {
+  CameraCheck check{camera, {}};
+  std::vector<SureObject> objects = sure_objects(recogniser.library(), scene, found);
+  kernels::LogScales scales;
+  for (int step = 0; step <= kSteps; ++step) {
+    gather(recogniser, scene.images.front(), scales, objects);
+    check.objects.clear();
+    for (const SureObject& object : objects) {
+      check.num_rays += object.equations.num_rays;
+      if (!object.tells()) continue;
+      check.objects.push_back(kernels::leave_pose_free(object.equations, scales));
+      check.objects.back().model = object.model;
+      check.objects.back().correlation = scene.sensor.correlation;
+    }
+    if (check.objects.empty()) break;
+    check.scale = kernels::estimate_scales(check.objects);
+    const kernels::LogScales now{std::log(check.scale->focal.value),
+                                 check.scale->depth ? std::log(check.scale->depth->value) : 0};
+    if (std::max(std::abs(now.focal), std::abs(now.depth)) > kFarthest) {
+      check.objects.clear();
+      break;
+    }
+    const kernels::LogScales change{now.focal - scales.focal, now.depth - scales.depth};
+    for (SureObject& object : objects) {
+      if (!object.tells()) continue;
+      object.T_camera_model =
+          kernels::follow_scales(object.equations, change, object.T_camera_model,
+                                 recogniser.library().models[object.model].centre);
+    }
+    scales = now;
+  }
+  if (check.objects.empty()) check.scale.reset();
+  return check;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,63 @@
+#include "engine/evaluation/calibrate_score.hpp"
+
+#include <algorithm>
+
+#include "engine/evaluation/evaluate.hpp"
+#include "engine/evaluation/evaluation_meshes.hpp"
+#include "engine/evaluation/manifest_inputs.hpp"
+
+namespace trivet {
+namespace {
+
+/// A wrong pose in the place of an object of its model, in diameters, and turned: near symmetries
+/// look alike, and compare_poses decides between them. What slid from its place is wrong.
+constexpr double kSamePlace = 0.25, kFlippedDeg = 45;
+
+/// The question is whether an object is there, not which way it is turned about an axis that its
+/// shape hardly tells.
+Manifest with_near_axes(Manifest manifest, const Library& library) {
+  const auto to_manifest = static_cast<float>(unit_scale(library.header.unit, manifest.unit));
+  for (ManifestModel& entry : manifest.models) {
+    const auto model = std::ranges::find(library.models, entry.name, &Model::name);
+    if (model == library.models.end() || model->symmetry.axis || !model->near_axis) continue;
+    if (!entry.symmetry) entry.symmetry = Symmetry{};
+    entry.symmetry->axis = *model->near_axis;
+    entry.symmetry->axis->point *= to_manifest;
+  }
+  return manifest;
+}
+
+}  // namespace
+
+Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
+                          RecogniseOptions options, const Progress& progress, Outcomes& outcomes) {
+  options.doubtful_score = 0;
+  options.without.insert(Improvement::rivals);  // the score is what the poses of choice get
+  std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
+  const Result<void> done = recognise_all(
+      recogniser, scenes_of(manifest, recogniser.library().header.unit), options, progress,
+      [&](std::size_t index, const SceneResult& result) { results[index] = result; });
+  if (!done) return done;
+  const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(manifest);
+  if (!meshes) return meshes.error();
+  const Result<Evaluation> judged =
+      evaluate(with_near_axes(manifest, recogniser.library()), *meshes, results);
+  if (!judged) return judged.error();
+  for (std::size_t s = 0; s < results.size(); ++s) {
+    outcomes.scans.push_back(manifest.scenes[s].name);
+    for (const JudgedDetection& detection : judged->scenes[s].detections) {
+      const bool right = detection.verdict == Verdict::right;
+      if (detection.verdict == Verdict::neutral ||
+          (!right && detection.translation_error < kSamePlace &&
+           detection.rotation_error_deg > kFlippedDeg)) {
+        continue;
+      }
+      outcomes.parts.push_back(results[s]->detections[detection.detection].parts);
+      outcomes.right.push_back(right ? 1 : 0);
+      outcomes.scan.push_back(static_cast<std::uint32_t>(outcomes.scans.size() - 1));
+    }
+  }
+  return {};
+}
+
+}  // namespace trivet

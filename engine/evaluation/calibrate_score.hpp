@@ -1,0 +1,30 @@
+/// Learn from scenes of known truth how sure a detection may be.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/recognise.hpp"
+#include "kernels/verification/pose_score.hpp"
+#include "storage/manifest.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// Detections of any score, and whether they were right.
+struct Outcomes {
+  std::vector<kernels::ScoreParts> parts;
+  std::vector<std::uint8_t> right;
+  std::vector<std::uint32_t> scan;  ///< index of each in `scans`
+  std::vector<std::string> scans;   ///< that were looked at, also where nothing was found
+};
+
+/// Recognise the scenes of a manifest, and add the detections that count to `outcomes`: those that
+/// remain when the best explain their pixels, down to any score, but for those that are an object
+/// of their model turned by more than 45 degrees. Truths of models that the library does not have
+/// are unknown objects. Errors: of recognise_all and evaluate.
+Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
+                          RecogniseOptions options, const Progress& progress, Outcomes& outcomes);
+
+}  // namespace trivet

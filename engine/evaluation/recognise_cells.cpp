@@ -1,0 +1,129 @@
+#include "engine/evaluation/recognise_cells.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "storage/read_cloud.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A library with everything built that the first scene would have to wait for.
+struct OpenLibrary {
+  Recogniser recogniser;
+  float mean_diameter = 0;
+
+  explicit OpenLibrary(Library&& library) : recogniser(std::move(library)) {
+    const std::vector<Model>& models = recogniser.library().models;
+    for (const Model& model : models)
+      mean_diameter += model.diameter / static_cast<float>(models.size());
+    recogniser.build_all();
+  }
+};
+
+/// The libraries that some cell still needs.
+class Shelf {
+ public:
+  Shelf(std::span<const fs::path> files, std::span<const RecognitionCell> cells)
+      : files_(files), open_(files.size()), num_left_(files.size()) {
+    for (const RecognitionCell& cell : cells) ++num_left_[cell.library];
+  }
+
+  Result<std::shared_ptr<const OpenLibrary>> take(std::size_t index) {
+    const std::lock_guard lock(mutex_);
+    if (!open_[index]) {
+      Result<Library> library = trivet::open_library(files_[index]);
+      if (!library) return library.error();
+      open_[index] = std::make_shared<const OpenLibrary>(std::move(*library));
+    }
+    return open_[index];
+  }
+  /// One cell less needs it.
+  void give_back(std::size_t index) {
+    const std::lock_guard lock(mutex_);
+    if (--num_left_[index] == 0) open_[index].reset();
+  }
+
+ private:
+  std::span<const fs::path> files_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<const OpenLibrary>> open_;
+  std::vector<std::size_t> num_left_;
+};
+
+Result<SceneResult> recognise_cell(const OpenLibrary& library, const RecognitionCell& cell,
+                                   const std::stop_token& stop) {
+  ReadOptions read_options;
+  read_options.camera = cell.scene.camera;
+  Result<Cloud> cloud = read_cloud(cell.scene.file, read_options);
+  if (!cloud) return cloud.error();
+  if (cell.scene.viewpoint) cloud->viewpoint = cell.scene.viewpoint;
+  const float diameter = library.mean_diameter / static_cast<float>(cell.scene.scale);
+  if (const Result<void> done = degrade_scene(*cloud, cell.degrade, diameter, cell.degrade_seed);
+      !done) {
+    return done.error();
+  }
+  return recognise(library.recogniser, *cloud, cell.scene, cell.options, stop);
+}
+
+}  // namespace
+
+Result<void> recognise_cells(
+    std::span<const fs::path> libraries, std::span<const RecognitionCell> cells,
+    const Progress& progress,
+    const std::function<Result<void>(std::size_t cell, const SceneResult&)>& emit) {
+  Shelf shelf(libraries, cells);
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::optional<Error> failure;
+  std::size_t num_done = 0;
+  const auto fail = [&](const Error& error) {
+    const std::lock_guard lock(mutex);
+    if (!failure) failure = error;
+    next = cells.size();
+  };
+  const auto work = [&] {
+    for (std::size_t i = next++; i < cells.size() && !progress.stop.stop_requested(); i = next++) {
+      const RecognitionCell& cell = cells[i];
+      Result<std::shared_ptr<const OpenLibrary>> library = shelf.take(cell.library);
+      if (!library) return fail(library.error());
+      const Result<SceneResult> result = recognise_cell(**library, cell, progress.stop);
+      if (!result) return fail(result.error());
+      library->reset();
+      shelf.give_back(cell.library);
+      const std::lock_guard lock(mutex);
+      if (const Result<void> kept = emit(i, *result); !kept) {
+        failure = kept.error();
+        next = cells.size();
+        return;
+      }
+      progress(++num_done, cells.size(), cell.scene.file.filename().string());
+    }
+  };
+  const int num_workers = tbb::this_task_arena::max_concurrency();
+  tbb::parallel_for(
+      tbb::blocked_range<int>(0, num_workers, 1),
+      [&](const auto&) {
+        tbb::task_arena alone(1);
+        alone.execute(work);
+      },
+      tbb::simple_partitioner());
+
+  if (failure) return *failure;
+  if (num_done < cells.size()) {
+    return Error{ErrorCode::resumable,
+                 fmt::format("stopped after {} of {} scenes", num_done, cells.size())};
+  }
+  return {};
+}
+
+}  // namespace trivet

@@ -1,0 +1,38 @@
+/// Many scenes by many libraries and options, for studies.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+
+#include "engine/evaluation/degrade_scene.hpp"
+#include "engine/progress.hpp"
+#include "engine/recognise.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// One recognition of a study.
+struct RecognitionCell {
+  std::size_t library = 0;  ///< index of its file
+  SceneInput scene;
+  DegradeOptions degrade{};
+  std::uint64_t degrade_seed = 0;
+  RecogniseOptions options{};
+};
+
+/// Read, degrade and recognise scenes. Each cell runs on one thread, as many side by side as there
+/// are threads, so that seconds are those of one core and no cell waits within itself. A library is
+/// open from its first cell to its last: cells of one should stand together.
+///
+/// emit  gets each result as soon as it is there, in any order, one at a time; its error ends the
+///       run
+/// Errors: of opening, reading and recognising; resumable when stopped.
+Result<void> recognise_cells(
+    std::span<const std::filesystem::path> libraries, std::span<const RecognitionCell> cells,
+    const Progress& progress,
+    const std::function<Result<void>(std::size_t cell, const SceneResult&)>& emit);
+
+}  // namespace trivet

@@ -1,0 +1,108 @@
+#include "engine/evaluation/score_calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "storage/file.hpp"
+#include "storage/files/json_file.hpp"
+
+namespace trivet {
+namespace {
+
+constexpr std::string_view kFormat = "trivet score calibration";
+constexpr int kVersion = 1;
+constexpr std::size_t kNameDigits = 16;
+constexpr double kLargestShift = 100;
+constexpr float kRounding = 1e-3F;  // of a raise, by numbers that were written out
+
+std::uint32_t count(const JsonNode& node) {
+  return static_cast<std::uint32_t>(node.integer(0, std::numeric_limits<int>::max()));
+}
+
+float number_within(const JsonNode& node, double low, double high) {
+  const double value = node.number();
+  if (value < low || value > high)
+    node.refuse(fmt::format("expected a number from {} to {}", low, high));
+  return static_cast<float>(value);
+}
+
+void check_origin(const JsonNode& root) {
+  const JsonNode format = root.at("format"), version = root.at("version"), of = root.at("score");
+  if (format.string() != kFormat)
+    format.refuse(fmt::format("expected \"{}\", as `trivet calibrate` writes it", kFormat));
+  (void)version.integer(kVersion, kVersion);
+  if (const std::string name = score_name(kernels::default_score()); of.string() != name) {
+    of.refuse(
+        fmt::format("expected {}, the score of this version of trivet; calibrate again, as "
+                    "`trivet calibrate` reads the same scans and marks",
+                    name));
+  }
+}
+
+kernels::ScoreAdaptation parse_adaptation(const JsonNode& root) {
+  kernels::ScoreAdaptation adaptation;
+  adaptation.shift = number_within(root.at("shift"), -kLargestShift, kLargestShift);
+  const JsonNode weights = root.at("weights");
+  for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
+    adaptation.weights[k] = number_within(weights.at(kernels::kScoreParts[k].name), 0,
+                                          static_cast<double>(kernels::kMaxCostWeight));
+  }
+  if (weights.members().size() != kernels::kNumScoreParts)
+    weights.refuse(fmt::format("expected the {} parts of a score alone", kernels::kNumScoreParts));
+  if (kernels::largest_raise(kernels::default_score(), adaptation) >
+      kernels::kMaxRaise + kRounding) {
+    root.refuse(
+        fmt::format("expected a shift and weights that raise the log odds of no pose by "
+                    "more than {:.1f}; calibrate again",
+                    kernels::kMaxRaise));
+  }
+  return adaptation;
+}
+
+}  // namespace
+
+std::string score_name(const kernels::ScoreModel& score) {
+  return xxh3_hex(std::as_bytes(std::span(&score, 1))).substr(0, kNameDigits);
+}
+
+kernels::ScoreModel calibrated_score(const ScoreCalibration& calibration) noexcept {
+  return kernels::adapted_score(kernels::default_score(), calibration.adaptation);
+}
+
+Result<void> write_calibration(const std::filesystem::path& file,
+                               const ScoreCalibration& calibration) {
+  nlohmann::ordered_json weights;
+  for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k)
+    weights[std::string(kernels::kScoreParts[k].name)] = calibration.adaptation.weights[k];
+  const nlohmann::ordered_json document{{"format", kFormat},
+                                        {"version", kVersion},
+                                        {"score", score_name(kernels::default_score())},
+                                        {"name", score_name(calibrated_score(calibration))},
+                                        {"shift", calibration.adaptation.shift},
+                                        {"weights", std::move(weights)},
+                                        {"made_from",
+                                         {{"scans", calibration.num_scans},
+                                          {"right", calibration.num_right},
+                                          {"wrong", calibration.num_wrong}}}};
+  const std::string text = document.dump(2) + '\n';
+  return publish_file(file, std::as_bytes(std::span(text)));
+}
+
+Result<ScoreCalibration> read_calibration(const std::filesystem::path& file) {
+  ScoreCalibration calibration;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    check_origin(root);
+    calibration.adaptation = parse_adaptation(root);
+    const JsonNode from = root.at("made_from");
+    calibration.num_scans = count(from.at("scans"));
+    calibration.num_right = count(from.at("right"));
+    calibration.num_wrong = count(from.at("wrong"));
+  });
+  if (!done) return done.error();
+  return calibration;
+}
+
+}  // namespace trivet

@@ -1,0 +1,113 @@
+#include "engine/hypotheses/find_hypotheses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/common/parallel.hpp"
+#include "kernels/pair_features/scene_pairs.hpp"
+#include "kernels/pair_features/vote.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kMaxPairs = 8000;  // of one reference, so that 16-bit counters hold
+
+/// What each thread needs to vote; nothing in it outlives one reference point.
+struct VoteScratch {
+  explicit VoteScratch(std::size_t num_points) : pairs(num_points) {}
+  std::vector<std::uint32_t> indices;
+  Points points;
+  Normals normals;
+  kernels::PairScratch pairs;
+  std::vector<std::uint64_t> keys;
+  std::vector<kernels::SceneVote> votes;
+  Column<std::uint16_t> accumulator;
+  std::uint64_t num_pairs = 0, num_votes = 0;
+};
+
+void gather_neighbours(const SceneLevel& level, const Eigen::Vector3f& centre, float radius,
+                       VoteScratch& scratch) {
+  scratch.indices.clear();
+  level.grid.visit_within(centre, radius,
+                          [&](std::uint32_t i, float) { scratch.indices.push_back(i); });
+  const std::size_t step = 1 + scratch.indices.size() / kMaxPairs;
+  const std::size_t n = (scratch.indices.size() + step - 1) / step;
+  scratch.points.resize(n);
+  scratch.normals.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    scratch.points.set(k, level.points[scratch.indices[k * step]]);
+    scratch.normals.set(k, level.normals[scratch.indices[k * step]]);
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& library,
+                                                              const SceneLevel& level,
+                                                              std::span<const std::uint32_t> models,
+                                                              const VoteOptions& options,
+                                                              SceneStats& stats) {
+  // The largest table's quantisation serves all: keys of equal step differ only in how far they
+  // reach, which is cut to the ball.
+  PpfQuantisation quantisation;
+  for (const std::uint32_t m : models) {
+    const PpfQuantisation& own = library.models[m].ppf.quantisation;
+    if (own.num_distance_bins > quantisation.num_distance_bins) quantisation = own;
+  }
+  quantisation.num_distance_bins = static_cast<std::uint32_t>(
+      std::ceil(options.radius * static_cast<float>(quantisation.num_distance_bins)));
+  const float radius =
+      quantisation.distance_step * static_cast<float>(quantisation.num_distance_bins);
+
+  const std::size_t slots = models.size() * options.max_peaks;
+  std::vector<kernels::Hypothesis> found(level.references.size() * slots);
+  PerThread<VoteScratch> per_thread(
+      [&] { return VoteScratch(std::min(level.points.size(), kMaxPairs + 1)); });
+  for_chunks(level.references.size(), 4, [&](std::size_t first, std::size_t count) {
+    VoteScratch& scratch = per_thread.local();
+    for (std::size_t r = first; r < first + count; ++r) {
+      const std::uint32_t i = level.references[r];
+      const kernels::ReferenceFrame frame =
+          kernels::reference_frame(level.points[i], level.normals[i]);
+      gather_neighbours(level, frame.point, radius, scratch);
+      kernels::collect_scene_votes(frame, scratch.points, scratch.normals, quantisation,
+                                   options.neighbour_share, scratch.pairs, scratch.keys,
+                                   scratch.votes);
+      if (scratch.votes.size() > kMaxPairs) scratch.votes.resize(kMaxPairs);
+      scratch.num_pairs += scratch.points.size();
+      const Pose T_scene_frame = kernels::frame_pose(frame).inverse();
+      for (std::size_t m = 0; m < models.size(); ++m) {
+        const Model& model = library.models[models[m]];
+        if (model.ppf.entries.empty()) continue;
+        scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
+        scratch.num_votes +=
+            kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);
+        const kernels::VotePeaks peaks =
+            kernels::take_peaks(scratch.accumulator, options.max_peaks, options.peak_share);
+        for (std::size_t k = 0; k < peaks.count; ++k) {
+          const kernels::VotePeak& peak = peaks.peak[k];
+          Pose turn = Pose::Identity();
+          turn.linear() =
+              Eigen::AngleAxisf(peak.rotation_rad, Eigen::Vector3f::UnitX()).toRotationMatrix();
+          const Pose T_frame_model = kernels::frame_pose(kernels::reference_frame(
+              model.ppf_points[peak.model_point], model.ppf_normals[peak.model_point]));
+          found[r * slots + m * options.max_peaks + k] = {T_scene_frame * turn * T_frame_model,
+                                                          static_cast<float>(peak.votes)};
+        }
+      }
+    }
+  });
+  for (const VoteScratch& scratch : per_thread) {
+    stats.num_pairs += scratch.num_pairs;
+    stats.num_votes += scratch.num_votes;
+  }
+  stats.num_references += level.references.size();
+
+  std::vector<std::vector<kernels::Hypothesis>> hypotheses(models.size());
+  for (std::size_t slot = 0; slot < found.size(); ++slot) {
+    if (found[slot].votes > 0) hypotheses[slot % slots / options.max_peaks].push_back(found[slot]);
+  }
+  return hypotheses;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,23 @@
+/// From a sampled scene to poses that point pairs vote for.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognise.hpp"
+#include "kernels/common/hypothesis.hpp"
+#include "storage/library.hpp"
+
+namespace trivet::engine {
+
+/// Every reference point of the level votes for every model of `models`, which share its sampling
+/// step: hypotheses per model, in the order of the references.
+std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& library,
+                                                              const SceneLevel& level,
+                                                              std::span<const std::uint32_t> models,
+                                                              const VoteOptions& options,
+                                                              SceneStats& stats);
+
+}  // namespace trivet::engine

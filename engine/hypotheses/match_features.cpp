@@ -1,0 +1,185 @@
+#include "engine/hypotheses/match_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/common/parallel.hpp"
+#include "engine/training/describe_surface.hpp"
+#include "kernels/common/pca.hpp"
+#include "kernels/spin_images/group_matches.hpp"
+#include "kernels/spin_images/keypoints_uniform.hpp"
+#include "kernels/spin_images/salient_points.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kGrain = 32;
+constexpr std::size_t kMoreForRatio = 7;  // neighbours, among which one is of another place
+// Of groupings that are not by frames.
+constexpr std::size_t kMostGrouped = 3000;  // matches of a model
+constexpr std::size_t kSmallestGroup = 3;
+constexpr std::uint32_t kDraws = 20000;
+
+struct MatchScratch {
+  kernels::FeatureForest::Scratch forest;
+  Column<float> features;
+};
+
+/// Leave at most so many, spread over all.
+template <class T, class Allocator>
+void thin_out(std::size_t limit, std::vector<T, Allocator>& all) {
+  if (all.size() <= limit) return;
+  for (std::size_t k = 0; k < limit; ++k) all[k] = all[k * all.size() / limit];
+  all.erase(all.begin() + static_cast<std::ptrdiff_t>(limit), all.end());
+}
+
+Column<std::uint32_t> find_keypoints(const SceneSample& sample, Detector detector, float spacing) {
+  Column<std::uint32_t> keypoints;
+  if (detector == Detector::uniform) {
+    kernels::UniformScratch scratch;
+    kernels::find_uniform_keypoints(sample.points, spacing, keypoints, scratch);
+    return keypoints;
+  }
+  const kernels::VoxelHash grid(sample.points, spacing);
+  std::vector<float> saliency(sample.points.size());
+  if (detector == Detector::iss) {
+    kernels::rate_by_iss(grid, sample.points, 2 * spacing, saliency);
+  } else {
+    kernels::rate_by_harris(grid, sample.points, sample.normals, 2 * spacing, saliency);
+  }
+  kernels::find_salient_points(grid, sample.points, saliency, spacing, keypoints);
+  return keypoints;
+}
+
+/// The nearest features of models to those of a scene.
+struct Neighbours {
+  std::size_t per_feature = 0;
+  std::vector<std::uint32_t> indices;
+  std::vector<float> squared;
+};
+
+Neighbours find_neighbours(const TriSpinBasis& basis, const kernels::FeatureForest& forest,
+                           const Descriptions& described, const MatchOptions& options) {
+  const bool needs_ratio = options.max_ratio < 1 || options.weigh_by_ratio;
+  const std::size_t n = described.size(), k = basis.components.size();
+  Neighbours found;
+  found.per_feature = options.num_neighbours + (needs_ratio ? kMoreForRatio : 0);
+  found.indices.resize(n * found.per_feature);
+  found.squared.resize(n * found.per_feature);
+  PerThread<MatchScratch> per_thread;
+  for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
+    MatchScratch& scratch = per_thread.local();
+    scratch.features.resize(count * k);
+    kernels::project(basis.components,
+                     std::span(described.images)
+                         .subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
+                     scratch.features);
+    const auto rows = [&](auto& all) {
+      return std::span(all).subspan(first * found.per_feature, count * found.per_feature);
+    };
+    forest.k_nearest(scratch.features, found.per_feature, options.max_checks, rows(found.indices),
+                     rows(found.squared), scratch.forest);
+  });
+  return found;
+}
+
+/// The distance of a feature's neighbour by that of its nearest one of another model or place; of
+/// the farthest known where all are of this place.
+///
+/// neighbours  of the feature, from the nearest on
+float ratio_to_other_place(const FeatureLevel& level, std::span<const std::uint32_t> neighbours,
+                           std::span<const float> squared, std::size_t of, float place) {
+  const std::uint32_t i = neighbours[of];
+  float other = squared[of];
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    const std::uint32_t j = neighbours[k];
+    if (j == kernels::FeatureForest::kNone) break;
+    other = squared[k];
+    if (level.model[j] != level.model[i] ||
+        (level.keypoints[j] - level.keypoints[i]).norm() > place)
+      break;
+  }
+  return other > squared[of] ? std::sqrt(squared[of] / other) : 1;
+}
+
+}  // namespace
+
+SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
+                            const PreparedScene& scene, const SceneSample& sample,
+                            std::span<const std::uint8_t> explained, const MatchOptions& options) {
+  SceneMatches out;
+  out.spacing = options.spacing * level.resolution;
+  Column<std::uint32_t> keypoints = find_keypoints(sample, options.detector, out.spacing);
+  if (!explained.empty()) {
+    std::erase_if(keypoints, [&](std::uint32_t i) {
+      return is_explained(scene, explained, sample.points[i], out.spacing);
+    });
+  }
+  thin_out(options.max_keypoints, keypoints);
+  const float support = basis.support * level.resolution;
+  Descriptions described;
+  describe_surface(sample.points, sample.normals, keypoints, support, options.limits, described);
+
+  const Neighbours found = find_neighbours(basis, level.forest, described, options);
+  const std::size_t k = found.per_feature;
+  for (std::uint32_t s = 0; s < described.size(); ++s) {
+    const auto neighbours = std::span(found.indices).subspan(s * k, k);
+    const auto squared = std::span(found.squared).subspan(s * k, k);
+    for (std::size_t of = 0; of < options.num_neighbours; ++of) {
+      const std::uint32_t i = neighbours[of];
+      if (i == kernels::FeatureForest::kNone || std::sqrt(squared[of]) > options.max_distance)
+        break;
+      const float ratio = k == options.num_neighbours
+                              ? 0
+                              : ratio_to_other_place(level, neighbours, squared, of, support / 2);
+      if (options.max_ratio < 1 && ratio > options.max_ratio) continue;
+      const float votes = options.weigh_by_ratio ? 1 - ratio : 1;
+      if (!(votes > 0)) continue;
+      Pose pose = Pose::Identity();
+      pose.linear() = described.frames[s].transpose() * level.frames[i];
+      pose.translation() = described.keypoints[s] - pose.linear() * level.keypoints[i];
+      out.matches.push_back({s, level.model[i], level.keypoints[i], pose, votes});
+    }
+  }
+  out.keypoints = std::move(described.keypoints);
+  return out;
+}
+
+std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& matches,
+                                                            const PreparedScene& scene,
+                                                            std::span<const std::uint8_t> explained,
+                                                            std::size_t num_models,
+                                                            Grouping grouping) {
+  std::vector<std::vector<const FeatureMatch*>> of_model(num_models);
+  for (const FeatureMatch& match : matches.matches) {
+    if (!explained.empty() &&
+        is_explained(scene, explained, matches.keypoints[match.keypoint], matches.spacing))
+      continue;
+    of_model[match.model].push_back(&match);
+  }
+  std::vector<std::vector<kernels::Hypothesis>> hypotheses(num_models);
+  for_each_index(num_models, [&](std::size_t m) {
+    std::vector<const FeatureMatch*>& all = of_model[m];
+    if (grouping == Grouping::frames) {
+      for (const FeatureMatch* match : all)
+        hypotheses[m].push_back({match->T_scene_model, match->votes});
+      return;
+    }
+    std::ranges::stable_sort(all, std::ranges::greater(), &FeatureMatch::votes);
+    thin_out(kMostGrouped, all);
+    Points in_scene, in_model;
+    for (const FeatureMatch* match : all) {
+      in_scene.push_back(matches.keypoints[match->keypoint]);
+      in_model.push_back(match->model_point);
+    }
+    const kernels::PointMatches points{in_scene, in_model};
+    hypotheses[m] =
+        grouping == Grouping::consistency
+            ? kernels::group_by_consistency(points, matches.spacing, kSmallestGroup)
+            : kernels::group_by_ransac(points, matches.spacing, kSmallestGroup, kDraws, m);
+  });
+  return hypotheses;
+}
+
+}  // namespace trivet::engine

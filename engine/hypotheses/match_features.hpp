@@ -1,0 +1,51 @@
+/// From a sampled scene to poses that matches of Tri-Spin-Images give.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/hypotheses/feature_library.hpp"
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognise.hpp"
+#include "kernels/common/hypothesis.hpp"
+#include "kernels/spin_images/tri_spin_image.hpp"
+#include "storage/tri_spin_features.hpp"
+
+namespace trivet::engine {
+
+struct FeatureMatch {
+  std::uint32_t keypoint = 0;   ///< of the scene
+  std::uint32_t model = 0;      ///< of the library
+  Eigen::Vector3f model_point;  ///< that the keypoint may be
+  Pose T_scene_model;           ///< by the two frames
+  float votes = 1;
+};
+
+/// What the features of a scene were matched with.
+struct SceneMatches {
+  float spacing = 0;  ///< between keypoints
+  Points keypoints;
+  std::vector<FeatureMatch> matches;  ///< in the order of the keypoints, the nearest first
+};
+
+/// Describe a scene that was sampled at the level's resolution, and match each feature with the
+/// nearest ones of the models. Keypoints on a marked pixel stay out.
+///
+/// explained  nonzero for marked pixels, of all images one after the other; empty: none
+/// A match gives a pose by its two frames: R = E_scene^T E_model, t = p_scene - R p_model (Guo et
+/// al., IJCV 2013, section 5.2). Same bytes for any number of threads.
+SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
+                            const PreparedScene& scene, const SceneSample& sample,
+                            std::span<const std::uint8_t> explained, const MatchOptions& options);
+
+/// The poses of matches, per model of the library. Matches whose keypoint lies on a pixel that was
+/// marked since stay out.
+std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& matches,
+                                                            const PreparedScene& scene,
+                                                            std::span<const std::uint8_t> explained,
+                                                            std::size_t num_models,
+                                                            Grouping grouping);
+
+}  // namespace trivet::engine

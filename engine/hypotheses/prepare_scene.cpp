@@ -1,0 +1,453 @@
+#include "engine/hypotheses/prepare_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "engine/common/parallel.hpp"
+#include "kernels/common/median.hpp"
+#include "kernels/meshing/boundary_share.hpp"
+#include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/surfaces/estimate_normals.hpp"
+#include "kernels/surfaces/sample_mesh.hpp"
+#include "kernels/surfaces/subsample_by_normals.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kRowGrain = 8;          // image rows a task
+constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
+constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched in
+
+/// Half-width of the window that the scene's noise is measured in, in pixels or spacings.
+constexpr std::uint32_t kNoiseWindow = 2;
+
+/// The same of the window for normals: wide enough that noise of this size turns them by about as
+/// much as the quantisation of the pair's angles, no wider, since corners round off.
+float choose_window(float noise, float spacing) {
+  return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
+}
+
+struct Bounds {
+  Eigen::Vector3f low, high;
+};
+
+Bounds bounds(PointsView points) {
+  Bounds box{points[0], points[0]};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    box.low = box.low.cwiseMin(points[i]);
+    box.high = box.high.cwiseMax(points[i]);
+  }
+  return box;
+}
+
+/// Depth and normals of each pixel from the points that the grid names.
+kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid,
+                               PointsView points, NormalsView normals) {
+  kernels::RangeImage image;
+  image.geometry = geometry;
+  const std::size_t n = grid.point_index.size();
+  image.depth.assign(n, 0);
+  image.plane.assign(n, 0);
+  image.near_plane.assign(n, 0);
+  image.normals.resize(n);
+  const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
+  for (std::size_t pixel = 0; pixel < n; ++pixel) {
+    const std::int32_t i = grid.point_index[pixel];
+    if (i == PixelGrid::kNone) {
+      image.normals.set(pixel, Eigen::Vector3f::Constant(kNaN));
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(i);
+    image.depth[pixel] = (geometry.T_camera_scene * points[at]).z();
+    image.normals.set(pixel, R * normals[at]);
+  }
+  return image;
+}
+
+/// Close single missing pixels, which scattered points leave between them, with their neighbours'
+/// normals.
+void close_holes(float max_step, kernels::RangeImage& image) {
+  const Column<float> measured = image.depth;
+  kernels::fill_small_holes(image.geometry, max_step, 4, image.depth);
+  const std::size_t width = image.geometry.width;
+  for (std::size_t pixel = width + 1; pixel + width + 1 < measured.size(); ++pixel) {
+    if (measured[pixel] > 0 || !(image.depth[pixel] > 0)) continue;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const std::size_t row : {pixel - width, pixel, pixel + width}) {
+      for (const std::size_t at : {row - 1, row, row + 1}) {
+        if (std::isfinite(image.normals.view().x[at])) sum += image.normals[at];
+      }
+    }
+    if (sum.norm() > 0) image.normals.set(pixel, sum.normalized());
+  }
+}
+
+/// What the sensor's pixels are: given, recovered from the grid, or made up for scattered points.
+struct SensorView {
+  kernels::ImageGeometry geometry;
+  PixelGrid grid;
+  bool scattered = false;
+};
+
+std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
+                                      const Eigen::Vector3f& viewpoint) {
+  std::optional<Camera> camera = cloud.camera;
+  if (!camera && cloud.grid && viewpoint.isZero())
+    camera = kernels::fit_camera(*cloud.grid, points);
+  if (camera && cloud.grid) {
+    SensorView view;
+    view.grid = *cloud.grid;
+    view.geometry.fx = static_cast<float>(camera->fx);
+    view.geometry.fy = static_cast<float>(camera->fy);
+    view.geometry.cx = static_cast<float>(camera->cx);
+    view.geometry.cy = static_cast<float>(camera->cy);
+    view.geometry.width = view.grid.width;
+    view.geometry.height = view.grid.height;
+    return view;
+  }
+  const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
+  if (!geometry) return std::nullopt;
+  return SensorView{*geometry, kernels::rasterise(*geometry, points), true};
+}
+
+void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& options,
+                          PreparedScene& scene) {
+  const kernels::ImageGeometry& geometry = image.geometry;
+  std::size_t measured = 0;
+  for (const float d : image.depth) measured += d > 0;
+  const auto stride = static_cast<std::size_t>(
+      std::max(1.0, std::floor(std::sqrt(static_cast<double>(measured) / kPlaneSamples))));
+  Points points;
+  Normals normals;
+  std::vector<float> areas;
+  float total = 0;
+  for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
+    for (std::size_t u = stride / 2; u < geometry.width; u += stride) {
+      const std::size_t pixel = v * geometry.width + u;
+      const float d = image.depth[pixel];
+      const Eigen::Vector3f n = image.normals[pixel];
+      if (!(d > 0) || !std::isfinite(n.x())) continue;
+      const Eigen::Vector3f p = geometry.back_project(pixel, d);
+      const float facing = std::max(0.2F, -n.dot(p.normalized()));
+      points.push_back(p);
+      normals.push_back(n);
+      areas.push_back(d * d / (geometry.fx * geometry.fy) / facing *
+                      static_cast<float>(stride * stride));
+      total += areas.back();
+    }
+  }
+  if (points.size() < 100) return;
+  scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
+  kernels::PlaneOptions plane_options;
+  plane_options.tolerance = scene.plane_tolerance;
+  plane_options.min_area = 0.01F * total;  // the walls of a bin on a large table
+  plane_options.max_planes = 8;            // table, floor and four walls of a bin, and two more
+  scene.planes = kernels::find_planes(points, normals, areas, plane_options);
+
+  // The images hold planes in the camera's frame, the scene in its own.
+  Points at(geometry.width);
+  for (std::size_t v = 0; v < geometry.height; ++v) {
+    for (std::size_t u = 0; u < geometry.width; ++u) {
+      const std::size_t pixel = v * geometry.width + u;
+      at.set(u, image.depth[pixel] > 0 ? geometry.back_project(pixel, image.depth[pixel])
+                                       : Eigen::Vector3f::Constant(kNaN));
+    }
+    const std::size_t row = v * geometry.width;
+    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), scene.planes,
+                          scene.plane_tolerance, kPlaneAngleRad,
+                          std::span(image.plane).subspan(row, geometry.width));
+    kernels::label_planes(at, scene.planes, scene.plane_tolerance,
+                          std::span(image.near_plane).subspan(row, geometry.width));
+  }
+  if (!options.without.contains(Improvement::waves))
+    scene.sensor.waviness = kernels::measure_waviness(
+        image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
+  const Pose T_scene_camera = geometry.T_camera_scene.inverse();
+  for (kernels::Plane& plane : scene.planes) {
+    const Eigen::Vector3f n = T_scene_camera.linear() * plane.normal;
+    plane.offset += n.dot(T_scene_camera.translation());
+    plane.normal = n;
+  }
+}
+
+/// How the sensor errs by range and from pixel to pixel; noise and waviness are measured already.
+void measure_sensor(const kernels::RangeImage& image, const RecogniseOptions& options,
+                    kernels::SensorModel& sensor) {
+  std::vector<float> ranges;
+  for (const float d : image.depth) {
+    if (d > 0) ranges.push_back(d);
+  }
+  sensor.range = kernels::median(std::span(ranges));
+  if (options.without.contains(Improvement::waves)) return;
+  const std::size_t height = image.geometry.height;
+  std::vector<std::vector<kernels::SmoothPatch>> rows((height + kRowGrain - 1) / kRowGrain);
+  for_each_index(rows.size(), [&](std::size_t k) {
+    const std::size_t first = k * kRowGrain;
+    kernels::measure_patches(image, first, std::min(kRowGrain, height - first), rows[k]);
+  });
+  std::vector<kernels::SmoothPatch> patches;
+  for (const auto& row : rows) patches.insert(patches.end(), row.begin(), row.end());
+  kernels::fit_sensor_model(patches, sensor);
+}
+
+Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
+                                  const RecogniseOptions& options, PreparedScene& scene) {
+  const Eigen::Vector3f viewpoint =
+      input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
+      : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
+                        : Eigen::Vector3f::Zero();
+  const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
+  if (!view) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} "
+                             "points that no camera "
+                             "there can see; give the sensor's position with --viewpoint",
+                             input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
+                             cloud.points.size())};
+  }
+  const kernels::ImageGeometry& geometry = view->geometry;
+
+  Column<float> footprints;
+  for (std::size_t i = 0; i < scene.points.size(); i += 1 + scene.points.size() / 20000) {
+    footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
+  }
+  scene.spacing = kernels::median(std::span(footprints));
+
+  kernels::PixelPoints pixels;
+  kernels::arrange_pixels(view->grid, scene.points, pixels);
+  scene.normals.resize(scene.points.size());
+  std::fill(scene.normals.span().x.begin(), scene.normals.span().x.end(), kNaN);
+  Column<float> residuals(scene.points.size(), kNaN);
+  const auto estimate = [&](std::uint32_t window) {
+    kernels::GridNormalOptions window_options;
+    window_options.window = window;
+    for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
+      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, window_options, first, count,
+                                     scene.normals, residuals);
+    });
+  };
+  estimate(kNoiseWindow);
+  Column<float> scratch;
+  scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
+  scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
+  const auto window = static_cast<std::uint32_t>(std::lround(scene.window));
+  if (window != kNoiseWindow) estimate(window);
+
+  scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
+  if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
+  find_dominant_planes(scene.images.back(), options, scene);
+  measure_sensor(scene.images.back(), options, scene.sensor);
+  return {};
+}
+
+/// Unit normals of the vertices: the sum of their faces' normals, by area.
+Normals vertex_normals(PointsView points, const Triangles& triangles) {
+  Normals normals(points.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Eigen::Vector3f a = points[triangles.a[t]];
+    const Eigen::Vector3f n = (points[triangles.b[t]] - a).cross(points[triangles.c[t]] - a);
+    for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]}) {
+      normals.set(corner, normals[corner] + n);
+    }
+  }
+  return normals;
+}
+
+/// Points with outward directions all over a closed mesh: its vertices where they are dense enough
+/// to be a scan, else samples of its faces, as a CAD mesh has vertices at its corners only.
+Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
+  std::vector<double> area_sums(triangles.size());
+  const double area = kernels::sum_areas(scene.points, triangles, area_sums);
+  const auto [low, high] = bounds(scene.points);
+  const double widest_spacing = 0.01 * static_cast<double>((high - low).norm());
+  const auto num_needed = static_cast<std::size_t>(area / (widest_spacing * widest_spacing));
+  const bool shares_vertices =
+      scene.points.size() <= triangles.size();  // else points would lie on one another
+  if (shares_vertices && scene.points.size() >= num_needed) {
+    scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(scene.points.size())));
+    return vertex_normals(scene.points, triangles);
+  }
+  const std::size_t n = 2 * num_needed;
+  Points points(n);
+  Normals normals(n);
+  for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
+    kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n,
+                         points.span().slice(first, count), normals.span().slice(first, count));
+  });
+  scene.points = std::move(points);
+  scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
+  return normals;
+}
+
+void prepare_closed_scene(const Cloud& cloud, const RecogniseOptions& options,
+                          PreparedScene& scene) {
+  const Normals outward = cover_surface(cloud.triangles, scene);
+  const std::size_t n = scene.points.size();
+  scene.normals.resize(n);
+  Column<float> residuals(n);
+  const auto estimate = [&](float window) {
+    const float radius = window * scene.spacing;
+    const kernels::VoxelHash grid(scene.points, radius);
+    Neighbourhoods rows;
+    rows.offsets.assign(n + 1, 0);
+    for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
+      kernels::count_radius_neighbours(grid, scene.points.view().slice(first, count), radius,
+                                       std::span(rows.offsets).subspan(first, count));
+    });
+    rows.indices.resize(counts_to_offsets(rows.offsets));
+    for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
+      const NeighbourhoodsView view = rows.view().rows(first, count);
+      kernels::fill_radius_neighbours(grid, scene.points.view().slice(first, count), radius,
+                                      view.offsets, rows.indices);
+      kernels::estimate_normals(scene.points, view, scene.normals.span().slice(first, count),
+                                std::span(residuals).subspan(first, count));
+    });
+  };
+  estimate(kNoiseWindow);
+  Column<float> finite;
+  for (const float r : residuals) {
+    if (std::isfinite(r)) finite.push_back(r);
+  }
+  scene.sensor.noise = kernels::median(std::span(finite));
+  scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
+  // Windows that differ by less hold much the same points.
+  if (std::abs(scene.window - kNoiseWindow) > 0.25F) estimate(scene.window);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
+  }
+
+  // Six far cameras around the surface see it as sensors would.
+  const auto [low, high] = bounds(scene.points);
+  const Eigen::Vector3f middle = (low + high) / 2;
+  const float distance = 10 * (high - low).norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0F, 1.0F}) {
+      const Eigen::Vector3f eye = middle + side * distance * Eigen::Vector3f::Unit(axis);
+      std::optional<kernels::ImageGeometry> geometry =
+          kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
+      if (!geometry) continue;
+      const PixelGrid grid = kernels::rasterise(*geometry, scene.points, scene.normals);
+      scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
+      close_holes(3 * scene.spacing, scene.images.back());
+    }
+  }
+}
+
+/// Whether the scene is a whole surface instead of what a sensor saw from one place.
+bool is_closed(const Cloud& cloud, const SceneInput& input) {
+  if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty())
+    return false;
+  constexpr double kMostlyClosed =
+      0.02;  // scanned models have a few holes; a single scan has a long border
+  return input.closed_surface || kernels::boundary_share(cloud.triangles) < kMostlyClosed;
+}
+
+}  // namespace
+
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
+                                    const RecogniseOptions& options) {
+  const StageTimer timer(times, "prepare");
+  PreparedScene scene;
+  scene.points = cloud.points;
+  scene.scale = input.scale;
+  if (input.scale != 1) {
+    const PointsSpan span = scene.points;
+    const auto scale = static_cast<float>(input.scale);
+    for (const std::span<float> column : {span.x, span.y, span.z}) {
+      for (float& value : column) value *= scale;
+    }
+  }
+  const bool closed = is_closed(cloud, input);
+  if (!closed && cloud.points.size() < 50) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a scan of at least 50 points, found {}",
+                             input.file.string(), cloud.points.size())};
+  }
+  if (closed) {
+    prepare_closed_scene(cloud, options, scene);
+  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, options, scene);
+             !prepared) {
+    return prepared.error();
+  }
+  return scene;
+}
+
+std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter) {
+  std::vector<std::uint8_t> background;
+  for (const kernels::Plane& plane : scene.planes)
+    background.push_back(plane.area > 0.8F * diameter * diameter);
+  return background;
+}
+
+SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
+                         ImprovementSet without) {
+  SceneSample sample;
+  sample.step = step;
+  sample.largest_diameter = largest_diameter;
+  Points points;
+  Normals normals;
+  kernels::SubsampleScratch scratch;
+  kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
+                                normals, scratch);
+  if (without.contains(Improvement::planes)) {
+    sample.points = std::move(points);
+    sample.normals = std::move(normals);
+    return sample;
+  }
+
+  std::vector<std::uint8_t> labels(points.size(), 0);
+  kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,
+                        labels);
+  const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
+    sample.points.push_back(points[i]);
+    sample.normals.push_back(normals[i]);
+  }
+  return sample;
+}
+
+bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
+                  const Eigen::Vector3f& point, float tolerance) {
+  std::size_t first = 0;  // of the image's pixels among those of all images
+  for (const kernels::RangeImage& image : scene.images) {
+    const Eigen::Vector3f p = image.geometry.T_camera_scene * point;
+    const std::int64_t pixel = image.geometry.pixel_of(p);
+    if (pixel >= 0) {
+      const auto at = static_cast<std::size_t>(pixel);
+      if (explained[first + at] != 0 && std::abs(image.depth[at] - p.z()) <= tolerance) return true;
+    }
+    first += image.depth.size();
+  }
+  return false;
+}
+
+SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
+                         const VoteOptions& options, std::span<const std::uint8_t> explained) {
+  SceneLevel level;
+  level.step = sample.step;
+  for (std::size_t i = 0; i < sample.points.size(); ++i) {
+    if (!explained.empty() && is_explained(scene, explained, sample.points[i], sample.step))
+      continue;
+    level.points.push_back(sample.points[i]);
+    level.normals.push_back(sample.normals[i]);
+  }
+
+  const auto wanted = static_cast<std::size_t>(
+      std::ceil(options.reference_share * static_cast<float>(level.points.size())));
+  const std::size_t num_references = std::min<std::size_t>(wanted, options.max_references);
+  for (std::size_t k = 0; k < num_references; ++k) {
+    level.references.push_back(
+        static_cast<std::uint32_t>(k * level.points.size() / num_references));
+  }
+  level.grid =
+      kernels::VoxelHash(level.points, std::max(sample.step, 0.25F * sample.largest_diameter));
+  return level;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+#include <tbb/flow_graph.h>
+
+#include <chrono>
+#include <memory>
+
+#include "engine/common/parallel.hpp"
+#include "engine/recognise.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet {
+namespace {
+
+namespace flow = tbb::flow;
+
+/// Scenes in memory at once: one is read while another is recognised; more would only cost latency.
+constexpr std::size_t kScenesInFlight = 2;
+
+struct Finished {
+  std::size_t id = 0;
+  std::shared_ptr<Result<SceneResult>> result;
+};
+
+Result<SceneResult> read_and_recognise(const Recogniser& recogniser, const SceneInput& input,
+                                       const RecogniseOptions& options, std::stop_token stop) {
+  const auto start = std::chrono::steady_clock::now();
+  ReadOptions read_options;
+  read_options.camera = input.camera;
+  const Result<Cloud> cloud = read_cloud(input.file, read_options);
+  if (!cloud) return cloud.error();
+  const double read_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  Result<SceneResult> result = recognise(recogniser, *cloud, input, options, stop);
+  if (result) {
+    StageTimes times;
+    times.add("read", read_seconds);
+    times.seconds.insert(times.seconds.end(), result->stats.times.seconds.begin(),
+                         result->stats.times.seconds.end());
+    result->stats.times = std::move(times);
+    result->stats.total_seconds += read_seconds;
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<void> recognise_all(const Recogniser& recogniser, std::span<const SceneInput> scenes,
+                           const RecogniseOptions& options, const Progress& progress,
+                           const std::function<void(std::size_t index, const SceneResult&)>& emit) {
+  if (const Result<void> valid = validate(options); !valid) return valid;
+  std::optional<Error> failure;
+  std::size_t emitted = 0, next = 0;
+  flow::graph graph;
+  flow::input_node<std::size_t> jobs(graph, [&](tbb::flow_control& control) {
+    if (next == scenes.size() || progress.stop.stop_requested()) {
+      control.stop();
+      return std::size_t{0};
+    }
+    return next++;
+  });
+  flow::limiter_node<std::size_t> gate(graph, kScenesInFlight);
+  flow::function_node<std::size_t, Finished> work(graph, flow::unlimited, [&](std::size_t id) {
+    return Finished{id, std::make_shared<Result<SceneResult>>(
+                            read_and_recognise(recogniser, scenes[id], options, progress.stop))};
+  });
+  flow::sequencer_node<Finished> in_order(graph,
+                                          [](const Finished& finished) { return finished.id; });
+  flow::function_node<Finished> deliver(graph, flow::serial, [&](const Finished& finished) {
+    if (failure) return flow::continue_msg{};
+    if (!*finished.result) {
+      failure = finished.result->error();
+    } else {
+      emit(finished.id, **finished.result);
+      ++emitted;
+      progress(emitted, scenes.size(), scenes[finished.id].file.filename().string());
+    }
+    return flow::continue_msg{};
+  });
+  flow::make_edge(jobs, gate);
+  flow::make_edge(gate, work);
+  flow::make_edge(work, in_order);
+  flow::make_edge(in_order, deliver);
+  flow::make_edge(deliver, gate.decrementer());
+  jobs.activate();
+  graph.wait_for_all();
+
+  if (failure) return *failure;
+  if (emitted < scenes.size()) {
+    return Error{ErrorCode::resumable,
+                 fmt::format("stopped after {} of {} scenes", emitted, scenes.size())};
+  }
+  return {};
+}
+
+}  // namespace trivet

@@ -1,0 +1,57 @@
+#include "engine/recogniser.hpp"
+
+#include <tbb/collaborative_call_once.h>
+
+#include <optional>
+#include <utility>
+
+#include "engine/hypotheses/feature_library.hpp"
+#include "kernels/surfaces/visibility.hpp"
+
+namespace trivet {
+
+struct Recogniser::Surface {
+  tbb::collaborative_once_flag once;
+  std::optional<Result<kernels::RayScene>> rays;
+};
+
+struct Recogniser::Features {
+  tbb::collaborative_once_flag once;
+  std::vector<engine::FeatureLevel> levels;
+};
+
+Recogniser::Recogniser(Library library, const kernels::ScoreModel& score)
+    : library_(std::move(library)),
+      score_(score),
+      surfaces_(new Surface[library_.models.size()]),
+      features_(new Features) {}
+Recogniser::Recogniser(Recogniser&&) noexcept = default;
+Recogniser& Recogniser::operator=(Recogniser&&) noexcept = default;
+Recogniser::~Recogniser() = default;
+
+const Result<kernels::RayScene>& Recogniser::surface(std::uint32_t model) const {
+  Surface& surface = surfaces_[model];
+  // Embree builds with TBB: a waiting thread may take up another scene that asks for this model,
+  // which std::call_once would never come back from.
+  tbb::collaborative_call_once(surface.once, [&] {
+    const Model& m = library_.models[model];
+    surface.rays = m.triangles.empty()
+                       ? kernels::RayScene::from_discs(m.samples, m.sample_normals,
+                                                       kernels::kCloudRadius * m.sample_spacing)
+                       : kernels::RayScene::from_mesh(m.vertices, m.triangles);
+  });
+  return *surface.rays;
+}
+
+const std::vector<engine::FeatureLevel>& Recogniser::features() const {
+  tbb::collaborative_call_once(features_->once,
+                               [&] { features_->levels = engine::index_features(library_); });
+  return features_->levels;
+}
+
+void Recogniser::build_all() const {
+  for (std::uint32_t model = 0; model < library_.models.size(); ++model) (void)surface(model);
+  (void)features();
+}
+
+}  // namespace trivet

@@ -1,0 +1,284 @@
+#include "engine/simulation/render_scenes.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "engine/common/check_range.hpp"
+#include "engine/common/parallel.hpp"
+#include "engine/simulation/make_parts.hpp"
+#include "kernels/common/counter_random.hpp"
+#include "kernels/simulation/deform_surface.hpp"
+#include "kernels/surfaces/diameter.hpp"
+#include "storage/datasets/write_bop.hpp"
+#include "storage/read_cloud.hpp"
+#include "storage/write_png.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSceneId = 1;  // every image is of this scene of BOP
+
+constexpr std::uint64_t kDeviationStream = 0xDE7, kObjectStream = 0x0B1;
+
+/// Coarse: of a trained model only its symmetries are used here.
+constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
+
+Symmetry scaled(Symmetry symmetry, double factor) {
+  const auto f = static_cast<float>(factor);
+  for (Pose& pose : symmetry.poses) pose.translation() *= f;
+  if (symmetry.axis) symmetry.axis->point *= f;
+  return symmetry;
+}
+
+/// The vertices that triangles use, in their order, `factor` times as large.
+void keep_used(const Cloud& surface, double factor, ScanModel& model) {
+  constexpr std::uint32_t kUnused = 0xFFFF'FFFFU;
+  std::vector<std::uint32_t> place(surface.points.size(), kUnused);
+  const auto use = [&](std::uint32_t vertex) {
+    if (place[vertex] == kUnused) {
+      place[vertex] = static_cast<std::uint32_t>(model.vertices.size());
+      model.vertices.push_back((factor * surface.points[vertex].cast<double>()).cast<float>());
+    }
+    return place[vertex];
+  };
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const std::uint32_t a = use(surface.triangles.a[t]), b = use(surface.triangles.b[t]),
+                        c = use(surface.triangles.c[t]);
+    model.triangles.push_back(a, b, c);
+  }
+}
+
+Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
+                             const ScanModelOptions& options) {
+  const Result<Cloud> surface = read_cloud(source.file);
+  if (!surface) return surface.error();
+  if (surface->triangles.empty()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a mesh, found points without faces, which a sensor "
+                             "sees through",
+                             source.file.string())};
+  }
+  double scale = source.scale;  // to the library's unit
+  if (options.diameter > 0) {
+    const float diameter = kernels::find_diameter(surface->points);
+    if (diameter > 0) scale = static_cast<double>(options.diameter) / static_cast<double>(diameter);
+  }
+  const double metres = unit_scale(unit, LengthUnit::metre);
+  ScanModel model;
+  model.name = source.name;
+  model.metal = options.metal;
+  keep_used(*surface, scale * metres, model);
+  if (source.symmetry) {
+    model.symmetry = scaled(*source.symmetry, scale / source.scale * metres);
+    return model;
+  }
+  Cloud own;
+  own.points = model.vertices;
+  own.triangles = model.triangles;
+  Result<TrainedModel> trained = train_model(own, {source.name, source.file, 1, {}}, kSymmetryOnly);
+  if (!trained) return trained.error();
+  model.symmetry = std::move(trained->model.symmetry);
+  return model;
+}
+
+/// Run `make(i)`, which gives the item's name, for each i side by side, until one fails or a stop
+/// is asked for. Errors: that of the lowest index; resumable when stopped.
+template <class Make>
+Result<void> make_all(std::size_t n, const Progress& progress, Make&& make) {
+  std::vector<std::optional<Error>> errors(n);
+  std::mutex mutex;
+  std::size_t done = 0;
+  engine::for_each_index(n, [&](std::size_t i) {
+    if (progress.stop.stop_requested()) return;
+    const Result<std::string> made = make(i);
+    const std::lock_guard lock(mutex);
+    if (!made) {
+      errors[i] = made.error();
+    } else {
+      progress(++done, n, *made);
+    }
+  });
+  for (const std::optional<Error>& error : errors) {
+    if (error) return *error;
+  }
+  if (done < n)
+    return Error{ErrorCode::resumable, fmt::format("stopped after {} of {} scenes", done, n)};
+  return {};
+}
+
+Result<void> make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) return {};
+  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
+}
+
+/// models/obj_000001.ply ... and models_info.json, in mm; and what the manifest says of them.
+Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> models, LengthUnit unit,
+                                                const fs::path& folder) {
+  std::vector<ManifestModel> entries;
+  std::vector<BopObject> objects;
+  for (const ScanModel& model : models) {
+    const int id = static_cast<int>(entries.size()) + 1;
+    const fs::path file = folder / (bop_model_name(id) + ".ply");
+    Cloud surface;
+    surface.triangles = model.triangles;
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < model.vertices.size(); ++i) {
+      surface.points.push_back((1000 * model.vertices[i].cast<double>()).cast<float>());
+      box.extend(surface.points[i].cast<double>());
+    }
+    if (const Result<void> written = write_ply(file, surface); !written) return written.error();
+    objects.push_back({id, static_cast<double>(kernels::find_diameter(surface.points)), box.min(),
+                       box.sizes(), scaled(model.symmetry, 1000)});
+    ManifestModel entry;
+    entry.name = model.name;
+    entry.file = file;
+    entry.scale = unit_scale(LengthUnit::millimetre, unit);
+    if (!model.symmetry.trivial())
+      entry.symmetry = scaled(model.symmetry, unit_scale(LengthUnit::metre, unit));
+    entry.object_id = id;
+    entries.push_back(std::move(entry));
+  }
+  const Result<void> written = write_bop_models_info(folder / "models_info.json", objects);
+  if (!written) return written.error();
+  return entries;
+}
+
+/// As much larger along each axis, about the middle of the box around.
+void stretch(const Eigen::Vector3d& factors, Points& points) {
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i]);
+  const Eigen::Vector3d middle = box.center().cast<double>();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p = points[i].cast<double>();
+    points.set(i, (middle + factors.cwiseProduct(p - middle)).cast<float>());
+  }
+}
+
+/// Let an object differ from its model as real ones do: open where the model is closed, of another
+/// size by up to 1 %, along each axis for itself by up to .5 % more, bent by up to 1 % of the
+/// diameter; each of these not at all at times.
+///
+/// Returns the bend [diameters].
+double randomize_object(ScanModel& object, kernels::CounterRandom& random) {
+  const double open = random.uniform(), sized = random.uniform(),
+               size = random.uniform(-0.01, 0.01), uneven = random.uniform(),
+               bent = random.uniform(), bend = random.uniform(0, 0.01);
+  if (!object.hollow.triangles.empty() && open < 0.5) {
+    object.vertices = object.hollow.vertices;
+    object.triangles = object.hollow.triangles;
+  }
+  Eigen::Vector3d factors = Eigen::Vector3d::Constant(sized < 0.3 ? 1 : 1 + size);
+  for (double& factor : factors) {
+    const double own = random.uniform(-0.005, 0.005);
+    if (uneven < 0.5) factor += own;
+  }
+  stretch(factors, object.vertices);
+  return bent < 0.3 ? 0 : bend;
+}
+
+}  // namespace
+
+Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
+                                                LengthUnit unit, const ScanModelOptions& options) {
+  const Result<void> valid =
+      engine::check_ranges({{options.diameter >= 0 && options.diameter < 1e6F, "diameter",
+                             "0 to a million", static_cast<double>(options.diameter)}});
+  if (!valid) return valid.error();
+  std::vector<ScanModel> models;
+  for (const ModelSource& source : sources) {
+    Result<ScanModel> model = read_model(source, unit, options);
+    if (!model) return model.error();
+    models.push_back(std::move(*model));
+  }
+  return models;
+}
+
+std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
+                                        std::span<const std::string> families) {
+  std::vector<ScanModel> models;
+  for (Part& part : make_parts(n, seed, families)) {
+    models.push_back({std::move(part.name), std::move(part.vertices), std::move(part.triangles),
+                      std::move(part.symmetry), part.metal, std::move(part.hollow)});
+  }
+  return models;
+}
+
+std::vector<ScanModel> scanned_objects(std::span<const ScanModel> models,
+                                       const ScanOptions& options) {
+  std::vector<ScanModel> objects(models.begin(), models.end());
+  for (std::size_t m = 0; m < objects.size(); ++m) {
+    double deviation = options.deviation;
+    if (options.randomize) {
+      kernels::CounterRandom random(options.seed, kObjectStream, m);
+      deviation = std::max(deviation, randomize_object(objects[m], random));
+    }
+    if (!(deviation > 0)) continue;
+    const auto diameter = static_cast<double>(kernels::find_diameter(objects[m].vertices));
+    kernels::CounterRandom seeds(options.seed, kDeviationStream, m);
+    kernels::deform_surface(objects[m].vertices, diameter, deviation * diameter, seeds.next());
+  }
+  return objects;
+}
+
+Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
+                               const ScanOptions& options, const fs::path& folder,
+                               const Progress& progress) {
+  const std::vector<ScanModel> objects = scanned_objects(models, options);
+  const Result<VirtualScanner> scanner = VirtualScanner::create(objects, unit, options);
+  if (!scanner) return scanner.error();
+  const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
+  for (const fs::path& made_folder :
+       {folder / "models", bop_depth_file(scene_folder, 0).parent_path()}) {
+    if (const Result<void> made = make_folder(made_folder); !made) return made.error();
+  }
+  Manifest manifest;
+  manifest.unit = unit;
+  Result<std::vector<ManifestModel>> entries = write_models(models, unit, folder / "models");
+  if (!entries) return entries.error();
+  manifest.models = std::move(*entries);
+
+  manifest.scenes.resize(options.num_scenes);
+  std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
+  std::uint32_t width = kScanWidth, height = kScanHeight;  // of every scene
+  const Result<void> rendered =
+      make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
+        Result<RenderedScene> scene = scanner->scan(static_cast<std::uint32_t>(i));
+        if (!scene) return scene.error();
+        ManifestScene& entry = manifest.scenes[i];
+        entry.file = bop_depth_file(scene_folder, static_cast<int>(i));
+        entry.name = entry.file.lexically_relative(folder).generic_string();
+        entry.camera = scene->camera;
+        entry.truth = std::move(scene->truth);
+        entry.scene_id = kSceneId;
+        entry.image_id = static_cast<int>(i);
+        bop[0].images[i] = std::move(scene->bop);
+        if (i == 0) {
+          width = scene->width;
+          height = scene->height;
+        }
+        if (const Result<void> written = write_depth_png(entry.file, scene->depths, scene->width);
+            !written) {
+          return written.error();
+        }
+        return entry.name;
+      });
+  if (!rendered) return rendered.error();
+  const Camera& camera = bop[0].images[0].camera;
+  for (const Result<void>& written :
+       {write_bop_camera(folder / "camera.json", camera, width, height),
+        write_bop_scene(scene_folder, bop[0].images), write_bop_targets(folder, bop),
+        write_manifest(folder / "manifest.json", manifest)}) {
+    if (!written) return written.error();
+  }
+  return manifest;
+}
+
+}  // namespace trivet

@@ -1,0 +1,527 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "engine/common/check_range.hpp"
+#include "engine/simulation/measure_scene.hpp"
+#include "engine/simulation/pile_up.hpp"
+#include "engine/simulation/render_scenes.hpp"
+#include "kernels/common/counter_random.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/surfaces/diameter.hpp"
+#include "kernels/surfaces/visibility.hpp"
+
+namespace trivet {
+namespace {
+
+using Eigen::Vector3d;
+using engine::Body;
+using engine::ExactImage;
+using engine::Finish;
+using engine::PlacedBody;
+using kernels::CounterRandom;
+using kernels::RayScene;
+
+constexpr double kFocal = 572;         // [pixel], as of a Kinect or PrimeSense
+constexpr double kFilledShare = 0.85;  // of the image's width or height, by the heap
+constexpr double kMinVisible = 0.15;   // instances of which less is seen are ignored
+constexpr int kMinVisiblePixels = 300;
+constexpr double kBinHeight = 0.5;                               // in the heap's height
+constexpr double kBinThickness = 0.005;                          // [m]
+constexpr double kWallDistance = 0.02;                           // [m] behind the heap
+constexpr std::size_t kClutterKinds = 12;                        // at most
+constexpr double kSmallestClutter = 0.5, kLargestClutter = 1.1;  // in the models' mean diameter
+constexpr std::uint64_t kClutterSeed = 0xC1C7;                   // other parts than the models
+enum Item : std::uint64_t {
+  kHeap,
+  kCamera,
+  kChoice,
+  kFinish,
+  kClutter,
+  kFlaws,
+  kSetting,
+  kImageSize
+};  // random numbers of their own
+
+// What is drawn for a scene under ScanOptions::randomize.
+constexpr double kShortestFocal = 400, kLongestFocal = 1000;  // [pixel]
+constexpr double kFarthestView = 2.5;                         // in the nearest that frames the heap
+constexpr double kOfRange = 0.95;                             // the heap lies within so much of it
+constexpr std::uint32_t kWideScan = 848;                      // columns of half of the sets
+constexpr double kGlossyShare = 0.25;                         // of objects that are not of metal
+constexpr double kBlackShare = 0.15;                          // of objects
+constexpr double kRoomShare = 0.6;  // of scenes: a table with an end, a floor and a wall behind
+
+/// `of_a_kind` of every model in a random order, then again in another, and clutter among them.
+/// Clutter has the indices from num_models on.
+std::vector<std::uint32_t> choose_bodies(std::size_t num_models, std::size_t num_clutter_kinds,
+                                         const ScanOptions& options, CounterRandom& random) {
+  const auto shuffle = [&](std::vector<std::uint32_t>& values) {
+    for (std::size_t i = values.size(); i > 1; --i)
+      std::swap(values[i - 1], values[random.next() % i]);
+  };
+  std::vector<std::uint32_t> chosen;
+  std::vector<std::uint32_t> round(num_models);
+  while (chosen.size() < options.num_instances) {
+    for (std::size_t i = 0; i < num_models; ++i) round[i] = static_cast<std::uint32_t>(i);
+    shuffle(round);
+    for (const std::uint32_t model : round) chosen.insert(chosen.end(), options.of_a_kind, model);
+  }
+  chosen.resize(options.num_instances);
+  for (std::uint32_t i = 0; i < options.num_clutter; ++i) {
+    chosen.push_back(static_cast<std::uint32_t>(num_models + random.next() % num_clutter_kinds));
+  }
+  shuffle(chosen);
+  return chosen;
+}
+
+/// Parts of no model's shape, about as large as the models.
+std::vector<ScanModel> make_clutter(const ScanOptions& options, std::span<const Body> bodies) {
+  double mean = 0;
+  for (const Body& body : bodies)
+    mean += static_cast<double>(body.diameter) / static_cast<double>(bodies.size());
+  const std::size_t n = std::min<std::size_t>(options.num_clutter, kClutterKinds);
+  std::vector<ScanModel> clutter = make_scan_models(n, options.seed ^ kClutterSeed);
+  CounterRandom random(options.seed, 0, kClutter);
+  for (ScanModel& model : clutter) {
+    const double diameter = mean * random.uniform(kSmallestClutter, kLargestClutter);
+    const auto factor =
+        static_cast<float>(diameter / static_cast<double>(kernels::find_diameter(model.vertices)));
+    for (std::size_t i = 0; i < model.vertices.size(); ++i)
+      model.vertices.set(i, factor * model.vertices[i]);
+  }
+  return clutter;
+}
+
+/// A surface that is no model.
+struct Sheet {
+  Points vertices;
+  Triangles triangles;
+
+  void add(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Vector3d& corner : {a, b, c, d}) vertices.push_back(corner.cast<float>());
+    triangles.push_back(first, first + 1, first + 2);
+    triangles.push_back(first, first + 2, first + 3);
+  }
+};
+
+/// A square on z = 0 under everything that the camera sees.
+void add_ground(double half_side, Sheet& sheet) {
+  sheet.add({-half_side, -half_side, 0}, {half_side, -half_side, 0}, {half_side, half_side, 0},
+            {-half_side, half_side, 0});
+}
+
+/// Walls half as high as the heap, and as high as anything leans on them.
+double bin_height(const Points& points, const engine::BinSize& half) {
+  double top = 0, leaning = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d p = points[i].cast<double>();
+    top = std::max(top, p.z());
+    if ((half - p.head<2>().cwiseAbs()).minCoeff() < kBinThickness)
+      leaning = std::max(leaning, p.z());
+  }
+  return std::max(kBinHeight * top, leaning) + kBinThickness;
+}
+
+/// The inner and outer faces of four walls, and their rim.
+void add_bin(const engine::BinSize& half, double height, Sheet& sheet) {
+  const engine::BinSize outer = half.array() + kBinThickness;
+  const auto corner = [](const engine::BinSize& size, int i, double z) {
+    return Vector3d(i == 0 || i == 3 ? -size.x() : size.x(), i < 2 ? -size.y() : size.y(), z);
+  };
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4;
+    sheet.add(corner(half, i, 0), corner(half, j, 0), corner(half, j, height),
+              corner(half, i, height));
+    sheet.add(corner(outer, i, 0), corner(outer, j, 0), corner(outer, j, height),
+              corner(outer, i, height));
+    sheet.add(corner(half, i, height), corner(half, j, height), corner(outer, j, height),
+              corner(outer, i, height));
+  }
+}
+
+/// Two walls that meet behind points, as seen from the camera.
+void add_walls(const Points& points, const Pose& T_camera_world, double half_side, Sheet& sheet) {
+  const Vector3d view = T_camera_world.linear().cast<double>().row(2);
+  const double azimuth = std::atan2(view.y(), view.x());
+  std::array<Vector3d, 2> away;
+  std::array<double, 2> distance{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double angle = azimuth + (k == 0 ? -1 : 1) * std::numbers::pi / 4;
+    away[k] = {std::cos(angle), std::sin(angle), 0};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      distance[k] = std::max(distance[k], away[k].dot(points[i].cast<double>()) + kWallDistance);
+    }
+  }
+  const Vector3d foot = distance[0] * away[0] + distance[1] * away[1], top(0, 0, half_side);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vector3d end = foot - half_side * away[1 - k];
+    sheet.add(foot, end, end + top, foot + top);
+  }
+}
+
+/// Everything on the heap, in the world.
+Points surface_points(std::span<const Body> bodies, std::span<const PlacedBody> placed) {
+  Points points;
+  for (const PlacedBody& instance : placed) {
+    const PointsView vertices = bodies[instance.body].vertices;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      points.push_back(instance.T_world_body * vertices[i]);
+  }
+  return points;
+}
+
+struct Elevations {
+  double low, high;  // [degree] above the ground
+};
+
+/// Where a scene is scanned.
+struct Setting {
+  Elevations elevations;
+  double nearest, farthest;  // [m] that the sensor measures
+  double retreat = 1;        // the camera stands so many times farther than it could, within range
+  double off_u = 0, off_v = 0;  // the heap is so far from the image's middle, -1..1 of what it can
+};
+
+/// A camera that looks down on the points from a random side, as near as it sees them all with some
+/// room around them, and not nearer than the sensor measures; or farther away.
+Pose place_camera(const Points& points, const Camera& camera, const Setting& setting,
+                  CounterRandom& random) {
+  const auto& [elevations, nearest, farthest, retreat, off_u, off_v] = setting;
+  const double elevation = random.uniform(elevations.low, elevations.high) * std::numbers::pi / 180;
+  const double azimuth = random.uniform(0, 2 * std::numbers::pi);
+  const Vector3d away(std::cos(elevation) * std::cos(azimuth),
+                      std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+  Eigen::Matrix3d axes;  // rows: the camera's x, y and z in the world
+  axes.row(2) = -away;
+  axes.row(0) = Vector3d::UnitZ().cross(away).normalized();
+  axes.row(1) = axes.row(2).cross(axes.row(0));
+
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(axes * points[i].cast<double>());
+  const Vector3d middle = box.center();
+  const double width = kFilledShare * camera.cx / camera.fx,
+               height = kFilledShare * camera.cy / camera.fy;
+  double distance = 0;  // from the camera to the middle
+  double depth = 0;     // of the heap beyond the middle
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d p = axes * points[i].cast<double>() - middle;
+    distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(),
+                         std::abs(p.y()) / height - p.z()});
+    depth = std::max(depth, p.z());
+  }
+  Vector3d offset(0, 0, distance);
+  if (retreat > 1) {
+    offset.z() = std::max(distance, std::min(retreat * distance, kOfRange * farthest - depth));
+    offset.x() = off_u * (offset.z() - distance) * width;
+    offset.y() = off_v * (offset.z() - distance) * height;
+  }
+  Pose T_camera_world = Pose::Identity();
+  T_camera_world.linear() = axes.cast<float>();
+  T_camera_world.translation() = (offset - middle).cast<float>();
+  return T_camera_world;
+}
+
+/// A table that ends a little beyond the heap, on a floor, before a wall.
+void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& random,
+              Sheet& sheet) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i].cast<double>());
+  const Vector3d view = T_camera_world.linear().cast<double>().row(2);
+  const double azimuth = std::atan2(view.y(), view.x()) + random.uniform(-0.5, 0.5);
+  const Vector3d ahead(std::cos(azimuth), std::sin(azimuth), 0), aside(-ahead.y(), ahead.x(), 0);
+  const auto corners = [&](double back, double front, double side, double z) {
+    const Vector3d middle = box.center(), up(0, 0, z - middle.z());
+    sheet.add(middle + up - back * ahead - side * aside, middle + up + front * ahead - side * aside,
+              middle + up + front * ahead + side * aside,
+              middle + up - back * ahead + side * aside);
+  };
+  const double extent = box.sizes().head<2>().norm() / 2, floor = -random.uniform(0.4, 1);
+  corners(extent + 0.5, extent + random.uniform(0.02, 0.5), extent + random.uniform(0.05, 0.6), 0);
+  const double wall = extent + random.uniform(1, 3), far = 20 * wall;
+  corners(far, wall, far, floor);
+  const Vector3d foot = box.center() + wall * ahead, up(0, 0, 1);
+  sheet.add(foot - far * aside + floor * up, foot + far * aside + floor * up,
+            foot + far * aside + far * up, foot - far * aside + far * up);
+}
+
+/// Pixels of something: how many, and the rectangle about them.
+struct Silhouette {
+  int num_pixels = 0;
+  int u0 = 0, u1 = -1, v0 = 0, v1 = -1;  // inclusive
+  void add(int u, int v) {
+    u0 = num_pixels == 0 ? u : std::min(u0, u);
+    u1 = num_pixels == 0 ? u : std::max(u1, u);
+    v0 = num_pixels == 0 ? v : std::min(v0, v);
+    v1 = num_pixels == 0 ? v : std::max(v1, v);
+    ++num_pixels;
+  }
+  std::array<int, 4> box() const {
+    if (num_pixels == 0) return {-1, -1, -1, -1};
+    return {u0, v0, u1 - u0 + 1, v1 - v0 + 1};
+  }
+};
+
+/// The pixels in which an object would be seen if it stood alone; beyond the image too.
+/// visit(u, v) is called for each.
+template <class Visit>
+Result<void> for_silhouette(const RayScene::Instance& object, PointsView vertices,
+                            const Camera& camera, Visit&& visit) {
+  Eigen::AlignedBox2d box;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vector3d p = (object.T_world_scene * vertices[i]).cast<double>();
+    box.extend(Eigen::Vector2d(camera.fx * p.x() / p.z() + camera.cx,
+                               camera.fy * p.y() / p.z() + camera.cy));
+  }
+  const Eigen::Vector2d low = box.min().array().floor(), high = box.max().array().ceil();
+  Camera window = camera;
+  window.cx -= low.x();
+  window.cy -= low.y();
+  const Result<RayScene> alone = RayScene::from_instances(std::span(&object, 1));
+  if (!alone) return alone.error();
+  const auto width = static_cast<std::uint32_t>(high.x() - low.x()) + 1,
+             height = static_cast<std::uint32_t>(high.y() - low.y()) + 1;
+  const ExactImage image = engine::render_exactly(*alone, window, width, height);
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    if (image.depth[i] == 0) continue;
+    visit(static_cast<int>(i % width) + static_cast<int>(low.x()),
+          static_cast<int>(i / width) + static_cast<int>(low.y()));
+  }
+  return {};
+}
+
+/// What the sensor measures of each instance.
+struct Measured {
+  std::vector<Silhouette> visible;  // seen in the exact image
+  std::vector<double> area;         // [m^2] of what is measured
+  double whole_area = 0;            // of the whole scene
+};
+
+Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> depths,
+                        const Camera& camera, std::size_t num_instances) {
+  Measured out{std::vector<Silhouette>(num_instances), std::vector<double>(num_instances), 0};
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    if (image.depth[i] == 0) continue;
+    const auto u = static_cast<int>(i % image.width), v = static_cast<int>(i / image.width);
+    out.visible[image.instance[i]].add(u, v);
+    if (depths[i] == 0) continue;
+    const Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
+    const auto z = static_cast<double>(image.depth[i]);
+    const double facing = std::abs(image.normals[i].cast<double>().dot(ray));
+    if (facing <= static_cast<double>(kernels::kMinViewCosine) * ray.norm()) continue;
+    const double patch = z * z / (camera.fx * camera.fy * facing);
+    out.area[image.instance[i]] += patch;
+    out.whole_area += patch;
+  }
+  return out;
+}
+
+double area_of(PointsView vertices, const Triangles& triangles) {
+  double area = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vector3d a = vertices[triangles.a[t]].cast<double>(),
+                   b = vertices[triangles.b[t]].cast<double>(),
+                   c = vertices[triangles.c[t]].cast<double>();
+    area += (b - a).cross(c - a).norm() / 2;
+  }
+  return area;
+}
+
+Pose scaled(Pose pose, double factor) {
+  pose.translation() = (factor * pose.translation().cast<double>()).cast<float>();
+  return pose;
+}
+
+}  // namespace
+
+Result<void> validate(const ScanOptions& options) {
+  const Result<void> valid = engine::check_ranges({
+      {options.num_scenes >= 1 && options.num_scenes <= 10000, "scenes", "1 to 10000",
+       static_cast<double>(options.num_scenes)},
+      {options.num_instances >= 1 && options.num_instances <= 200, "instances", "1 to 200",
+       static_cast<double>(options.num_instances)},
+      {options.of_a_kind >= 1 && options.of_a_kind <= 200, "of-a-kind", "1 to 200",
+       static_cast<double>(options.of_a_kind)},
+      {options.num_clutter <= 200, "clutter", "0 to 200", static_cast<double>(options.num_clutter)},
+      {options.deviation >= 0 && options.deviation <= 0.05, "deviation [diameters]", "0 to 0.05",
+       options.deviation},
+  });
+  if (!valid) return valid.error();
+  return validate(options.sensor);
+}
+
+struct VirtualScanner::State {
+  std::span<const ScanModel> models;
+  LengthUnit unit;
+  ScanOptions options;
+  std::vector<ScanModel> clutter;  // kinds
+  std::vector<Body> bodies;        // one a model, then one a kind of clutter
+  std::vector<RayScene> meshes;    // the same
+  std::vector<double> areas;       // one a model [m^2]
+};
+
+VirtualScanner::VirtualScanner(std::unique_ptr<const State> state) : state_(std::move(state)) {}
+VirtualScanner::VirtualScanner(VirtualScanner&&) noexcept = default;
+VirtualScanner& VirtualScanner::operator=(VirtualScanner&&) noexcept = default;
+VirtualScanner::~VirtualScanner() = default;
+
+Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models, LengthUnit unit,
+                                              const ScanOptions& options) {
+  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  if (models.empty())
+    return Error{ErrorCode::bad_data, "at least one model expected to scan, none found"};
+  auto state = std::make_unique<State>(State{models, unit, options, {}, {}, {}, {}});
+  const auto add = [&](const ScanModel& model) -> Result<void> {
+    Result<RayScene> mesh = RayScene::from_mesh(model.vertices, model.triangles);
+    if (!mesh) return mesh.error();
+    state->meshes.push_back(std::move(*mesh));
+    state->bodies.push_back(engine::make_body(model.vertices, model.triangles));
+    if (state->bodies.back().diameter > 0) return {};
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected an object of some size, found all of its corners at one "
+                             "place",
+                             model.name)};
+  };
+  for (const ScanModel& model : models) {
+    if (const Result<void> added = add(model); !added) return added.error();
+    state->areas.push_back(area_of(model.vertices, model.triangles));
+  }
+  state->clutter = make_clutter(options, state->bodies);
+  for (const ScanModel& model : state->clutter) {
+    if (const Result<void> added = add(model); !added) return added.error();
+  }
+  return VirtualScanner(std::move(state));
+}
+
+Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
+  const auto& [models, unit, options, clutter, bodies, meshes, areas] = *state_;
+  const engine::SensorTraits& sensor = engine::traits_of(options.sensor.sensor);
+  const auto random_of = [&](Item item) { return CounterRandom(options.seed, index, item); };
+
+  CounterRandom choice = random_of(kChoice);
+  const std::vector<std::uint32_t> order =
+      choose_bodies(models.size(), clutter.size(), options, choice);
+  const engine::BinSize bin = options.bin ? engine::choose_bin(bodies, order) : engine::kTable;
+  std::vector<PlacedBody> placed = engine::pile_up(bodies, order, bin, options.seed, index);
+  std::stable_partition(placed.begin(), placed.end(),
+                        [&](const PlacedBody& instance) { return instance.body < models.size(); });
+
+  RenderedScene scene;
+  Setting setting{.elevations = options.bin ? Elevations{60, 85} : Elevations{40, 75},
+                  .nearest = sensor.nearest,
+                  .farthest = sensor.farthest};
+  double focal = kFocal;
+  CounterRandom drawn = random_of(kSetting);
+  if (options.randomize) {
+    CounterRandom random = random_of(kFlaws);
+    scene.flaws = engine::draw_flaws(options.sensor.sensor, random);
+    // One size for all images of a set: BOP's camera.json has one.
+    if (CounterRandom(options.seed, 0, kImageSize).uniform() < 0.5) scene.width = kWideScan;
+    focal = kShortestFocal * std::pow(kLongestFocal / kShortestFocal, drawn.uniform());
+    setting.elevations = options.bin ? Elevations{50, 88} : Elevations{25, 85};
+    setting.retreat = std::pow(kFarthestView, drawn.uniform());
+    setting.off_u = drawn.uniform(-1, 1);
+    setting.off_v = drawn.uniform(-1, 1);
+  }
+  scene.true_camera = {focal, focal, 0.5 * (scene.width - 1), 0.5 * (scene.height - 1),
+                       sensor.depth_step * unit_scale(LengthUnit::metre, unit)};
+  scene.camera = engine::written_camera(scene.true_camera, scene.flaws.calibration);
+  const Camera& camera = scene.true_camera;
+  const Points points = surface_points(bodies, placed);
+  CounterRandom view = random_of(kCamera);
+  const Pose T_camera_world = place_camera(points, camera, setting, view);
+  float farthest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    farthest = std::max(farthest, (T_camera_world * points[i]).z());
+  const auto range = static_cast<double>(farthest);
+  if (range > sensor.farthest) {
+    return Error{ErrorCode::usage,
+                 fmt::format("scene {}: expected a heap that the sensor sees from within {} m, "
+                             "found one that it takes {:.3g} m to see; give the models' unit with "
+                             "--unit, a size with --diameter, or another --sensor",
+                             index, sensor.farthest, range)};
+  }
+
+  // Surfaces: instance i is placed[i], models first; then what is no object.
+  std::vector<RayScene::Instance> instances;
+  std::vector<Finish> finishes;
+  CounterRandom finish = random_of(kFinish);
+  for (const PlacedBody& instance : placed) {
+    instances.push_back({&meshes[instance.body], T_camera_world * instance.T_world_body});
+    const ScanModel& model = instance.body < models.size() ? models[instance.body]
+                                                           : clutter[instance.body - models.size()];
+    finishes.push_back({model.metal, finish.uniform(0.15, 0.9)});
+    if (!options.randomize) continue;
+    const double glossy = drawn.uniform(), black = drawn.uniform();
+    finishes.back().metal = model.metal || glossy < kGlossyShare;
+    if (black < kBlackShare) finishes.back().reflectance = drawn.uniform(0.02, 0.15);
+  }
+  Sheet surroundings;
+  const double room = drawn.uniform(), ground = drawn.uniform(0.15, 0.9);
+  if (options.randomize && room < kRoomShare) {
+    add_room(points, T_camera_world, drawn, surroundings);
+  } else {
+    add_ground(20 * range, surroundings);
+  }
+  if (options.bin) add_bin(bin, bin_height(points, bin), surroundings);
+  if (options.walls) add_walls(points, T_camera_world, 20 * range, surroundings);
+  const Result<RayScene> sheet = RayScene::from_mesh(surroundings.vertices, surroundings.triangles);
+  if (!sheet) return sheet.error();
+  instances.push_back({&*sheet, T_camera_world});
+  finishes.push_back({});
+  if (options.randomize) finishes.back().reflectance = ground;
+  const Result<RayScene> rays = RayScene::from_instances(instances);
+  if (!rays) return rays.error();
+  scene.exact = engine::render_exactly(*rays, camera, scene.width, scene.height);
+  scene.depths = engine::measure_scene(*rays, camera, scene.exact, finishes, options.sensor,
+                                       options.seed, index, scene.flaws);
+
+  const Measured measured = count_measured(scene.exact, scene.depths, camera, instances.size());
+  scene.bop.id = static_cast<int>(index);
+  scene.bop.camera = scene.camera;
+  scene.bop.camera.depth_scale = sensor.depth_step * 1000;
+  for (std::size_t i = 0; i < options.num_instances; ++i) {
+    const std::uint32_t model = placed[i].body;
+    const Pose& T_camera_model = instances[i].T_world_scene;
+    Silhouette all;
+    int num_valid = 0;
+    const Result<void> rendered =
+        for_silhouette(instances[i], models[model].vertices, camera, [&](int u, int v) {
+          all.add(u, v);
+          if (u < 0 || v < 0 || u >= static_cast<int>(scene.width) ||
+              v >= static_cast<int>(scene.height)) {
+            return;
+          }
+          const auto pixel =
+              static_cast<std::size_t>(v) * scene.width + static_cast<std::size_t>(u);
+          num_valid += scene.depths[pixel] != 0 ? 1 : 0;
+        });
+    if (!rendered) return rendered.error();
+    const Silhouette& visible = measured.visible[i];
+    const double fraction =
+        all.num_pixels == 0
+            ? 0
+            : std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
+    const Pose T_written_model = engine::written_pose(
+        T_camera_model, bodies[model].centre.cast<double>(), camera, scene.flaws.calibration);
+    scene.bop.instances.push_back({static_cast<int>(model) + 1, scaled(T_written_model, 1000),
+                                   all.box(), visible.box(), all.num_pixels, num_valid,
+                                   visible.num_pixels, fraction});
+    TruthInstance truth;
+    truth.model = models[model].name;
+    truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::metre, unit));
+    truth.ignore = fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
+    truth.visible_fraction = fraction;
+    truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);
+    truth.clutter = measured.whole_area > 0 ? 1 - measured.area[i] / measured.whole_area : 1;
+    scene.truth.push_back(std::move(truth));
+  }
+  return scene;
+}
+
+}  // namespace trivet

@@ -1,0 +1,30 @@
+/// What a model's keypoints look like from all sides.
+#pragma once
+
+#include "engine/training/describe_surface.hpp"
+#include "engine/training/model_surface.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::engine {
+
+/// How models are described: lengths in resolutions, which are steps of about an eightieth of the
+/// diameter, rounded to half an octave, so that models of like size share one.
+struct DescribeOptions {
+  float support = 17;      ///< radius of a support
+  float spacing = 3;       ///< of keypoints
+  std::size_t stride = 1;  ///< one in so many keypoints is described
+  kernels::FrameLimits limits{};
+};
+
+/// The distance between the points that supports are made of, for a model of this diameter.
+float resolution_for(float diameter) noexcept;
+
+/// Describe the keypoints of a model as the whole surface shows them and as 42 views do: what a
+/// view does not see is missing from its supports, as it is in a scan.
+///
+/// Descriptions of one keypoint that hardly differ are given once. Deterministic.
+/// Source: partial views instead of whole models, Guo et al., IJCV 2013, section 5, taken further.
+Descriptions describe_model(const Model& model, const ModelSurface& surface,
+                            const DescribeOptions& options);
+
+}  // namespace trivet::engine

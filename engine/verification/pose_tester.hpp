@@ -1,0 +1,71 @@
+/// One model in one scene: refine its poses and test them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognise.hpp"
+#include "engine/verification/candidate.hpp"
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/verification/compare_poses.hpp"
+#include "kernels/verification/examine_pose.hpp"
+#include "kernels/verification/pose_score.hpp"
+#include "kernels/verification/refine_pose.hpp"
+
+namespace trivet::engine {
+
+/// A model's samples as kernels take them.
+kernels::ModelSamples samples_of(const Model& model) noexcept;
+
+/// All its arguments must outlive it. Its methods may be called from many threads.
+class PoseTester {
+ public:
+  /// step  of the points that voted [library unit]
+  PoseTester(const Model& model, const PreparedScene& scene, float step,
+             const RecogniseOptions& options);
+  PoseTester(const PoseTester&) = delete;
+  PoseTester& operator=(const PoseTester&) = delete;
+
+  const Model& model() const noexcept { return model_; }
+  const PreparedScene& scene() const noexcept { return scene_; }
+  const kernels::ModelSamples& samples() const noexcept { return samples_; }
+  /// How a refined pose is verified: with what the sensor errs by at its range.
+  kernels::VerifyOptions strict(const Pose& pose) const;
+  /// How one as the votes left it is looked at: with the tolerance of an unrefined pose.
+  kernels::VerifyOptions loose(const Pose& pose) const;
+
+  /// What the sensor errs by across a surface at this pose's range [library unit].
+  float error_at(const Pose& pose) const { return scene_.sensor.error_at(range_of(pose)); }
+  /// The same and what of it neighbours share, to compare poses by.
+  kernels::MeasurementErrors errors_of(const Pose& pose) const;
+  /// By which this pose's outline may be seen beside its place [pixel].
+  int edge_pixels(const Pose& pose) const;
+
+  bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
+  bool allowed(const Pose& pose) const {
+    return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
+  }
+
+  /// Refined from where the votes left it, with some of the samples.
+  Pose refined(const Pose& pose) const;
+  /// Refined once more with all samples.
+  Pose polished(const Pose& pose) const;
+
+  /// Test by rays.
+  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                    const Pose& pose, kernels::ExamineScratch& scratch) const;
+
+ private:
+  Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
+  float range_of(const Pose& pose) const;
+
+  const Model& model_;
+  const PreparedScene& scene_;
+  float step_;
+  const RecogniseOptions& options_;
+  kernels::ModelSamples samples_;
+  std::vector<std::uint8_t> background_;
+};
+
+}  // namespace trivet::engine

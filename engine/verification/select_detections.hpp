@@ -1,0 +1,70 @@
+/// Choose the set of candidates that together explain the scene.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognise.hpp"
+#include "engine/verification/candidate.hpp"
+
+namespace trivet::engine {
+
+/// A candidate as the selection sees it.
+struct Claim {
+  std::uint32_t model = 0;
+  float score = 0;
+  float rank = 0;  ///< higher ones choose first
+  const kernels::ExplainedPixels* explained = nullptr;
+};
+
+/// A candidate that was not taken.
+struct Refusal {
+  std::uint32_t candidate = 0;
+  Rejection reason = Rejection::too_low;
+  /// The better candidate that explains most of its pixels, where better ones explain more than
+  /// max_overlap of them; and what share of them that one explains.
+  std::optional<std::uint32_t> explained_by{};
+  float explained_share = 0;
+};
+
+struct Selection {
+  std::vector<std::uint32_t> chosen;  ///< indices of the candidates taken, in the order of taking
+  std::vector<std::uint8_t>
+      explained;  ///< one a pixel over all images: 1 where a quite sure one explains it
+  std::vector<Refusal> refused;  ///< all others, from the best to the worst
+};
+
+/// Whether a claim is one of those that are taken again.
+using Repeats = std::function<bool(std::span<const std::uint32_t> taken, std::uint32_t claim)>;
+
+/// Take claims by falling rank, each unless better ones already explain more than max_overlap of
+/// its pixels: copies of one object fall out whatever their symmetry, and of two objects claiming
+/// one place the better explained stays. Ties go to the earlier claim. Doubtful ones come after all
+/// others.
+/// repeats  if given, decides instead of the pixels
+Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
+                        const RecogniseOptions& options, const Repeats& repeats = {});
+
+/// The rank of a candidate, score x area^0.25: large surfaces prove more.
+float rank_of(const Model& model, const Candidate& candidate, const RecogniseOptions& options);
+
+std::vector<ImageSize> sizes_of(const PreparedScene& scene);
+
+/// Select by the pixels that candidates explain; by their poses alone where that is left out.
+Selection select_detections(const Library& library, const PreparedScene& scene,
+                            std::span<const Candidate> candidates, const RecogniseOptions& options);
+
+/// Of each model the best refused candidates by score, at most `limit`; first of all those whose
+/// pixels no better one of their own model explains, which may be further instances. Those that
+/// repeat the placement of one taken, or of a detection or its rivals, are left out.
+/// detections  the chosen candidates as they are reported
+/// Returns them by falling score, ties in the order of refusal.
+std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,
+                                  std::span<const Refusal> refused,
+                                  std::span<const Candidate> detections, std::uint32_t limit);
+
+}  // namespace trivet::engine

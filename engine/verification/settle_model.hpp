@@ -1,0 +1,31 @@
+/// From the hypotheses of one model to verified candidates.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognise.hpp"
+#include "engine/recogniser.hpp"
+#include "engine/verification/candidate.hpp"
+#include "kernels/verification/cluster_poses.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::engine {
+
+/// Poses of one model, all from one source.
+struct Proposals {
+  Source source = Source::ppf;
+  std::vector<kernels::Hypothesis> hypotheses;
+};
+
+/// Cluster the hypotheses of one model, those of each source for themselves, look at each, refine
+/// the best of all, test those by rays and score them. `step` is the sampling step of the points
+/// that voted. Errors: internal (no memory for the model's ray-tracing tree).
+Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
+                                            const PreparedScene& scene, float step,
+                                            std::span<const Proposals> proposals,
+                                            const RecogniseOptions& options, SceneStats& stats);
+
+}  // namespace trivet::engine

@@ -1,0 +1,13 @@
+/// A pose that a method proposes.
+#pragma once
+
+#include "storage/model.hpp"
+
+namespace trivet::kernels {
+
+struct Hypothesis {
+  Pose T_scene_model;
+  float votes = 0;
+};
+
+}  // namespace trivet::kernels

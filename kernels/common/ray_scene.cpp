@@ -1,0 +1,280 @@
+#include "kernels/common/ray_scene.hpp"
+
+#include <embree3/rtcore.h>
+
+#include <cassert>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace trivet::kernels {
+namespace {
+
+/// Embree reports through a callback on the thread that called it; the message waits here.
+thread_local std::string last_message;
+
+void keep_message(void*, RTCError, const char* message) { last_message = message ? message : ""; }
+
+/// One device a process. Its "threads" stays unset: it would limit TBB in the whole process.
+RTCDevice device() {
+  static const RTCDevice instance = [] {
+    RTCDevice created = rtcNewDevice("set_affinity=0");
+    if (created) rtcSetDeviceErrorFunction(created, keep_message, nullptr);
+    return created;
+  }();
+  return instance;
+}
+
+Error embree_error(const std::string& doing) {
+  std::string message = "Embree failed while " + doing;
+  if (!device()) return {ErrorCode::internal, message + ": it could not be started"};
+  if (!last_message.empty()) message += ": " + last_message;
+  return {ErrorCode::internal, message + "; free memory or use a smaller mesh"};
+}
+
+/// Geometry that is released on leaving the scope; an attached one lives on in its scene.
+struct Geometry {
+  RTCGeometry handle;
+  explicit Geometry(RTCGeometryType type) : handle(rtcNewGeometry(device(), type)) {}
+  ~Geometry() {
+    if (handle) rtcReleaseGeometry(handle);
+  }
+  Geometry(const Geometry&) = delete;
+  Geometry& operator=(const Geometry&) = delete;
+
+  template <class T>
+  T* buffer(RTCBufferType type, RTCFormat format, std::size_t stride, std::size_t count) {
+    return static_cast<T*>(rtcSetNewGeometryBuffer(handle, type, 0, format, stride, count));
+  }
+};
+
+RTCRay make_ray(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,
+                float t_far) noexcept {
+  RTCRay ray{};
+  ray.org_x = origin.x();
+  ray.org_y = origin.y();
+  ray.org_z = origin.z();
+  ray.tnear = t_near;
+  ray.dir_x = direction.x();
+  ray.dir_y = direction.y();
+  ray.dir_z = direction.z();
+  ray.tfar = t_far;
+  ray.mask = 0xFFFF'FFFFU;
+  return ray;
+}
+
+}  // namespace
+
+struct RayScene::State {
+  RTCScene scene = nullptr;
+  std::vector<Eigen::Matrix3f> rotations;  ///< instance frame to world frame, for normals
+
+  State() {
+    last_message.clear();
+    if (!device()) return;
+    scene = rtcNewScene(device());
+    if (scene) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  }
+  ~State() {
+    if (scene) rtcReleaseScene(scene);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  /// Attach under the next index, in the order of the calls.
+  void attach(const Geometry& geometry) {
+    rtcCommitGeometry(geometry.handle);
+    rtcAttachGeometry(scene, geometry.handle);
+  }
+  bool commit() {
+    rtcCommitScene(scene);
+    return last_message.empty();
+  }
+};
+
+RayScene::RayScene(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+RayScene::~RayScene() = default;
+
+Result<RayScene> RayScene::from_mesh(PointsView vertices, const Triangles& triangles) {
+  if (triangles.empty()) {
+    return Error{ErrorCode::bad_data,
+                 "a mesh of at least one triangle expected for ray tracing, none found; "
+                 "treat the vertices as a cloud"};
+  }
+  auto state = std::make_unique<State>();
+  if (!state->scene) return embree_error("creating a scene");
+
+  Geometry mesh(RTC_GEOMETRY_TYPE_TRIANGLE);
+  if (!mesh.handle) return embree_error("creating a mesh");
+  auto* positions = mesh.buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                       vertices.size());
+  auto* indices = mesh.buffer<std::uint32_t>(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
+                                             3 * sizeof(std::uint32_t), triangles.size());
+  if (!positions || !indices) return embree_error("taking memory for a mesh");
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f>(positions + 3 * i) = vertices[i];
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    assert(triangles.a[t] < vertices.size() && triangles.b[t] < vertices.size() &&
+           triangles.c[t] < vertices.size() && "the reader checks vertex indices");
+    indices[3 * t] = triangles.a[t];
+    indices[3 * t + 1] = triangles.b[t];
+    indices[3 * t + 2] = triangles.c[t];
+  }
+
+  state->attach(mesh);
+  if (!state->commit()) return embree_error("building the tree of a mesh");
+  return RayScene(std::move(state));
+}
+
+namespace {
+
+/// Points with radii, which spheres and discs have alike.
+bool set_points(Geometry& geometry, PointsView points, float radius) {
+  auto* values = geometry.buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4,
+                                        4 * sizeof(float), points.size());
+  if (!values) return false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f>(values + 4 * i) = points[i];
+    values[4 * i + 3] = radius;
+  }
+  return true;
+}
+
+/// Rejects what a ray meets from behind: it came through a gap between the discs in front.
+void keep_fronts(const RTCFilterFunctionNArguments* query) {
+  for (unsigned k = 0; k < query->N; ++k) {
+    const float along =
+        RTCRayN_dir_x(query->ray, query->N, k) * RTCHitN_Ng_x(query->hit, query->N, k) +
+        RTCRayN_dir_y(query->ray, query->N, k) * RTCHitN_Ng_y(query->hit, query->N, k) +
+        RTCRayN_dir_z(query->ray, query->N, k) * RTCHitN_Ng_z(query->hit, query->N, k);
+    if (along > 0) query->valid[k] = 0;
+  }
+}
+
+Error no_points() {
+  return {ErrorCode::bad_data,
+          "at least one point expected for ray tracing, none found; check the input cloud"};
+}
+
+}  // namespace
+
+Result<RayScene> RayScene::from_spheres(PointsView centres, float radius) {
+  if (centres.empty()) return no_points();
+  assert(radius > 0 && "a sphere without a radius stops no ray");
+  auto state = std::make_unique<State>();
+  if (!state->scene) return embree_error("creating a scene");
+
+  Geometry spheres(RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  if (!spheres.handle) return embree_error("creating spheres");
+  if (!set_points(spheres, centres, radius)) return embree_error("taking memory for spheres");
+
+  state->attach(spheres);
+  if (!state->commit()) return embree_error("building the tree of a cloud");
+  return RayScene(std::move(state));
+}
+
+Result<RayScene> RayScene::from_discs(PointsView points, NormalsView normals, float radius) {
+  if (points.empty()) return no_points();
+  assert(radius > 0 && "a disc without a radius stops no ray");
+  auto state = std::make_unique<State>();
+  if (!state->scene) return embree_error("creating a scene");
+
+  Geometry discs(RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
+  if (!discs.handle) return embree_error("creating discs");
+  if (!set_points(discs, points, radius)) return embree_error("taking memory for discs");
+  auto* directions = discs.buffer<float>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3,
+                                         3 * sizeof(float), points.size());
+  if (!directions) return embree_error("taking memory for the normals of discs");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Map<Eigen::Vector3f>(directions + 3 * i) = normals[i];
+  }
+
+  rtcSetGeometryIntersectFilterFunction(discs.handle, keep_fronts);
+  rtcSetGeometryOccludedFilterFunction(discs.handle, keep_fronts);
+  state->attach(discs);
+  if (!state->commit()) return embree_error("building the tree of an oriented cloud");
+  return RayScene(std::move(state));
+}
+
+Result<RayScene> RayScene::from_instances(std::span<const Instance> instances) {
+  auto state = std::make_unique<State>();
+  if (!state->scene) return embree_error("creating a scene");
+  for (const Instance& instance : instances) {
+    Geometry placed(RTC_GEOMETRY_TYPE_INSTANCE);
+    if (!placed.handle) return embree_error("creating an instance");
+    rtcSetGeometryInstancedScene(placed.handle, instance.scene->state_->scene);
+    rtcSetGeometryTimeStepCount(placed.handle, 1);
+    const Eigen::Matrix<float, 3, 4> affine = instance.T_world_scene.affine();
+    rtcSetGeometryTransform(placed.handle, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, affine.data());
+    state->attach(placed);
+    state->rotations.push_back(instance.T_world_scene.linear());
+  }
+  if (!state->commit()) return embree_error("building the tree of a scene of instances");
+  return RayScene(std::move(state));
+}
+
+bool RayScene::occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                        float t_near, float t_far) const noexcept {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = make_ray(origin, direction, t_near, t_far);
+  rtcOccluded1(state_->scene, &context, &ray);
+  return ray.tfar < 0;  // Embree marks an occluded ray by minus infinity
+}
+
+Hit RayScene::intersect(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                        float t_near, float t_far) const noexcept {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{make_ray(origin, direction, t_near, t_far), {}};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(state_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+
+  Eigen::Vector3f normal(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
+  const std::uint32_t instance = query.hit.instID[0];
+  if (instance != RTC_INVALID_GEOMETRY_ID) normal = state_->rotations[instance] * normal;
+  return {query.ray.tfar, query.hit.primID, instance, normal.normalized()};
+}
+
+void RayScene::intersect_many(const Eigen::Vector3f& origin, PointsView directions,
+                              std::span<float> distances, NormalsSpan normals) const noexcept {
+  constexpr std::size_t kWidth = 8;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t first = 0; first < directions.size(); first += kWidth) {
+    const std::size_t count = std::min(kWidth, directions.size() - first);
+    RTCRayHit8 query{};
+    alignas(32) int valid[kWidth];
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      const std::size_t i = first + std::min(k, count - 1);
+      valid[k] = k < count ? -1 : 0;
+      query.ray.org_x[k] = origin.x();
+      query.ray.org_y[k] = origin.y();
+      query.ray.org_z[k] = origin.z();
+      query.ray.dir_x[k] = directions.x[i];
+      query.ray.dir_y[k] = directions.y[i];
+      query.ray.dir_z[k] = directions.z[i];
+      query.ray.tnear[k] = 0;
+      query.ray.tfar[k] = std::numeric_limits<float>::infinity();
+      query.ray.mask[k] = 0xFFFF'FFFFU;
+      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid, state_->scene, &context, &query);
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool met = query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+      distances[first + k] = met ? query.ray.tfar[k] : std::numeric_limits<float>::infinity();
+      if (!met) continue;
+      const Eigen::Vector3f normal(query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k]);
+      normals.set(first + k, normal.normalized());
+    }
+  }
+}
+
+}  // namespace trivet::kernels

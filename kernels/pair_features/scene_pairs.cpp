@@ -1,0 +1,90 @@
+#include "kernels/pair_features/scene_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernels/common/fast_angle.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+std::uint64_t pack(std::uint32_t cell, std::uint16_t rotation) noexcept {
+  return (static_cast<std::uint64_t>(cell) << 16) | rotation;
+}
+
+/// The one or two bins that a component falls in, given how near it lies to a border.
+struct Bins {
+  std::array<std::uint32_t, 2> bin;
+  std::uint32_t count;
+};
+
+Bins bins_of(float value, float per_bin, std::uint32_t num_bins, float share) noexcept {
+  const float position = value * per_bin;
+  const std::uint32_t bin = std::min(static_cast<std::uint32_t>(position), num_bins - 1);
+  const float fraction = position - static_cast<float>(bin);
+  if (fraction < share && bin > 0) return {{bin, bin - 1}, 2};
+  if (fraction > 1 - share && bin + 1 < num_bins) return {{bin, bin + 1}, 2};
+  return {{bin, 0}, 1};
+}
+
+void collect_with_neighbour_cells(const PpfQuantisation& q, const PairFeaturesSpan& f, float share,
+                                  std::span<const std::uint32_t> cells,
+                                  std::span<const std::uint16_t> rotations,
+                                  std::vector<std::uint64_t>& keys) {
+  const std::uint32_t angles = q.num_angle_bins;
+  const float per_angle = static_cast<float>(angles) / kPi;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i] == kNoCell) continue;
+    const Bins d = bins_of(f.distance[i], 1.0F / q.distance_step, q.num_distance_bins, share);
+    const Bins b1 = bins_of(f.angle_n1_d[i], per_angle, angles, share);
+    const Bins b2 = bins_of(f.angle_n2_d[i], per_angle, angles, share);
+    const Bins b3 = bins_of(f.angle_n1_n2[i], per_angle, angles, share);
+    for (std::uint32_t i0 = 0; i0 < d.count; ++i0) {
+      for (std::uint32_t i1 = 0; i1 < b1.count; ++i1) {
+        for (std::uint32_t i2 = 0; i2 < b2.count; ++i2) {
+          for (std::uint32_t i3 = 0; i3 < b3.count; ++i3) {
+            const std::uint32_t cell =
+                ((d.bin[i0] * angles + b1.bin[i1]) * angles + b2.bin[i2]) * angles + b3.bin[i3];
+            keys.push_back(pack(cell, rotations[i]));
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void collect_scene_votes(const ReferenceFrame& reference, PointsView neighbours,
+                         NormalsView normals, const PpfQuantisation& quantisation,
+                         float neighbour_share, PairScratch& scratch,
+                         std::vector<std::uint64_t>& keys, std::vector<SceneVote>& votes) {
+  const std::size_t n = neighbours.size();
+  const PairFeaturesSpan features = scratch.features(n);
+  const auto cells = std::span(scratch.cells).first(n);
+  const auto rotations = std::span(scratch.rotations).first(n);
+  compute_pair_features(reference, neighbours, normals, features);
+  quantise_pair_features(quantisation, features, cells, rotations);
+
+  keys.clear();
+  if (neighbour_share > 0) {
+    collect_with_neighbour_cells(quantisation, features, neighbour_share, cells, rotations, keys);
+  } else {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (cells[i] != kNoCell) keys.push_back(pack(cells[i], rotations[i]));
+    }
+  }
+  std::sort(keys.begin(), keys.end());
+
+  votes.clear();
+  std::uint64_t last = ~std::uint64_t{0};
+  for (const std::uint64_t key : keys) {
+    const std::uint64_t flag = key >> kRotationShift;
+    if (flag == last) continue;
+    last = flag;
+    votes.push_back({static_cast<std::uint32_t>(key >> 16), static_cast<std::uint16_t>(key)});
+  }
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,182 @@
+#include "kernels/scans/range_image.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace trivet::kernels {
+
+std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
+  // Two separate lines: u against x/z, v against y/z.
+  double n = 0, sx = 0, sxx = 0, su = 0, sxu = 0, sy = 0, syy = 0, sv = 0, syv = 0;
+  const auto each = [&](auto&& body) {
+    for (std::size_t pixel = 0; pixel < grid.point_index.size(); ++pixel) {
+      const std::int32_t i = grid.point_index[pixel];
+      if (i == PixelGrid::kNone) continue;
+      const Eigen::Vector3f p = points[static_cast<std::size_t>(i)];
+      if (!(p.z() > 0)) continue;
+      body(static_cast<double>(pixel % grid.width), static_cast<double>(pixel / grid.width),
+           static_cast<double>(p.x()) / p.z(), static_cast<double>(p.y()) / p.z());
+    }
+  };
+  each([&](double u, double v, double x, double y) {
+    n += 1, sx += x, sxx += x * x, su += u, sxu += x * u, sy += y, syy += y * y, sv += v,
+        syv += y * v;
+  });
+  const double det_x = n * sxx - sx * sx, det_y = n * syy - sy * sy;
+  if (n < 100 || !(det_x > 0) || !(det_y > 0)) return std::nullopt;
+  Camera camera;
+  camera.fx = (n * sxu - sx * su) / det_x;
+  camera.cx = (su - camera.fx * sx) / n;
+  camera.fy = (n * syv - sy * sv) / det_y;
+  camera.cy = (sv - camera.fy * sy) / n;
+  if (!(camera.fx > 0) || !(camera.fy > 0)) return std::nullopt;
+
+  double within = 0;
+  each([&](double u, double v, double x, double y) {
+    within += std::abs(camera.fx * x + camera.cx - u) < 0.5 &&
+              std::abs(camera.fy * y + camera.cy - v) < 0.5;
+  });
+  if (within < 0.95 * n) return std::nullopt;
+  return camera;
+}
+
+namespace {
+
+constexpr float kMaxTangent = 3.732F;     // tan 75 degrees
+constexpr std::uint32_t kMaxSide = 2048;  // pixels
+
+/// Number of pixels of this pitch (in tangent units) that hold at least one point.
+std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch,
+                           std::uint32_t width, std::uint32_t height, std::vector<bool>& seen) {
+  seen.assign(std::size_t{width} * height, false);
+  std::size_t occupied = 0;
+  for (std::size_t i = 0; i < tangents.size(); ++i) {
+    const auto u = static_cast<std::size_t>((tangents.x[i] - low.x()) / pitch);
+    const auto v = static_cast<std::size_t>((tangents.y[i] - low.y()) / pitch);
+    if (u >= width || v >= height || seen[v * width + u]) continue;
+    seen[v * width + u] = true;
+    ++occupied;
+  }
+  return occupied;
+}
+
+/// The pitch at which about half of the points share their pixel with another, by bisection.
+float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent,
+                   float finest) {
+  float fine = finest, coarse = extent.maxCoeff() / 4;
+  std::vector<bool> seen;
+  for (int step = 0; step < 14 && coarse > 1.02F * fine; ++step) {
+    const float pitch = std::sqrt(fine * coarse);
+    const auto width = static_cast<std::uint32_t>(extent.x() / pitch) + 1;
+    const auto height = static_cast<std::uint32_t>(extent.y() / pitch) + 1;
+    const std::size_t occupied = count_occupied(tangents, low, pitch, width, height, seen);
+    (2 * occupied > tangents.size() ? fine : coarse) = pitch;
+  }
+  return coarse;
+}
+
+}  // namespace
+
+std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
+                                           float pixel_size) {
+  if (points.size() < 3) return std::nullopt;
+  Eigen::Array3f low = points[0].array(), high = low;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    low = low.min(points[i].array());
+    high = high.max(points[i].array());
+  }
+  const Eigen::Vector3f towards = ((low + high) / 2).matrix() - viewpoint;
+  if (!(towards.norm() > 1e-6F * (high - low).matrix().norm())) return std::nullopt;
+
+  // Rows of the rotation: right, down, forward. Any roll serves; take the axis least aligned as
+  // help.
+  const Eigen::Vector3f forward = towards.normalized();
+  Eigen::Index least = 0;
+  forward.cwiseAbs().minCoeff(&least);
+  const Eigen::Vector3f right = Eigen::Vector3f::Unit(least).cross(forward).normalized();
+  ImageGeometry geometry;
+  geometry.T_camera_scene.linear().row(0) = right.transpose();
+  geometry.T_camera_scene.linear().row(1) = forward.cross(right).transpose();
+  geometry.T_camera_scene.linear().row(2) = forward.transpose();
+  geometry.T_camera_scene.translation() = -(geometry.T_camera_scene.linear() * viewpoint);
+
+  Points tangents;
+  tangents.reserve(points.size());
+  Eigen::Array2f t_low(kMaxTangent, kMaxTangent), t_high(-kMaxTangent, -kMaxTangent);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = geometry.T_camera_scene * points[i];
+    if (!(p.z() > 0)) continue;
+    const Eigen::Array2f t(p.x() / p.z(), p.y() / p.z());
+    if (!(t.abs().maxCoeff() < kMaxTangent)) continue;
+    tangents.push_back({t.x(), t.y(), 0});
+    t_low = t_low.min(t);
+    t_high = t_high.max(t);
+  }
+  const Eigen::Array2f extent = t_high - t_low;
+  if (tangents.size() < 3 || !(extent.maxCoeff() > 0)) return std::nullopt;
+
+  const float finest = extent.maxCoeff() / static_cast<float>(kMaxSide - 4);
+  const float pitch = pixel_size > 0 ? std::max(finest, pixel_size / towards.norm())
+                                     : shared_pitch(tangents, t_low, extent, finest);
+  geometry.width = static_cast<std::uint32_t>(extent.x() / pitch) + 3;
+  geometry.height = static_cast<std::uint32_t>(extent.y() / pitch) + 3;
+  geometry.fx = geometry.fy = 1.0F / pitch;
+  geometry.cx = 1.0F - t_low.x() / pitch;
+  geometry.cy = 1.0F - t_low.y() / pitch;
+  return geometry;
+}
+
+PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsView normals) {
+  PixelGrid grid;
+  grid.width = geometry.width;
+  grid.height = geometry.height;
+  const std::size_t num_pixels = std::size_t{grid.width} * grid.height;
+  grid.point_index.assign(num_pixels, PixelGrid::kNone);
+  Column<float> nearest(num_pixels, std::numeric_limits<float>::infinity());
+  const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = geometry.T_camera_scene * points[i];
+    const std::int64_t pixel = geometry.pixel_of(p);
+    if (pixel < 0) continue;
+    if (!normals.empty() && !(p.dot(R * normals[i]) < 0)) continue;
+    const auto at = static_cast<std::size_t>(pixel);
+    if (p.z() < nearest[at]) {
+      nearest[at] = p.z();
+      grid.point_index[at] = static_cast<std::int32_t>(i);
+    }
+  }
+  return grid;
+}
+
+std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours,
+                             Column<float>& depth) {
+  const Column<float> measured = depth;
+  std::size_t filled = 0;
+  const std::size_t width = geometry.width;
+  for (std::size_t v = 1; v + 1 < geometry.height; ++v) {
+    for (std::size_t u = 1; u + 1 < width; ++u) {
+      const std::size_t pixel = v * width + u;
+      if (measured[pixel] > 0) continue;
+      float sum = 0, low = std::numeric_limits<float>::infinity(), high = 0;
+      int count = 0;
+      for (const std::size_t row : {pixel - width, pixel, pixel + width}) {
+        for (const std::size_t at : {row - 1, row, row + 1}) {
+          if (!(measured[at] > 0)) continue;
+          sum += measured[at];
+          low = std::min(low, measured[at]);
+          high = std::max(high, measured[at]);
+          ++count;
+        }
+      }
+      if (count < min_neighbours || high - low > max_step) continue;
+      depth[pixel] = sum / static_cast<float>(count);
+      ++filled;
+    }
+  }
+  return filled;
+}
+
+}  // namespace trivet::kernels

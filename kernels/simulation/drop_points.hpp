@@ -1,0 +1,48 @@
+/// Mark the points of a cloud that go: thinned out, or behind what occludes them.
+///
+/// Marks are 1 for points that stay; functions only clear them, so that one may follow another.
+/// keep_points (storage/formats/keep_points.hpp) then takes the points out.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "storage/points.hpp"
+
+namespace trivet::kernels {
+
+/// Keep each point with the probability `share`, by the seed and its index alone. What a
+/// smaller share keeps, a larger one with the same seed keeps too.
+///
+/// first   index of keep[0] in the whole cloud: any split into chunks gives the same bits
+/// No allocation, lock or throw.
+void keep_at_random(double share, std::uint64_t seed, std::size_t first,
+                    std::span<std::uint8_t> keep) noexcept;
+
+/// The half-space of the points p with direction . p > offset.
+struct HalfSpace {
+  Eigen::Vector3f direction{0, 0, 1};
+  float offset = 0;
+};
+
+/// Drop the points in a half-space.
+///
+/// points   n positions; one that is not finite stays
+/// keep     n marks
+/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
+void drop_half_space(PointsView points, const HalfSpace& gone,
+                     std::span<std::uint8_t> keep) noexcept;
+
+/// The half-space that holds a share of the points, those that lie farthest along a direction.
+///
+/// points    n finite positions
+/// share     0..1; the half-space holds its floor(share n) points, fewer only where several lie
+///           equally far at its border
+/// scratch   n numbers
+/// Cost: O(n). No allocation, lock or throw.
+HalfSpace cut_share(PointsView points, const Eigen::Vector3f& direction, double share,
+                    std::span<float> scratch) noexcept;
+
+}  // namespace trivet::kernels

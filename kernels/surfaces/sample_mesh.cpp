@@ -1,0 +1,86 @@
+#include "kernels/surfaces/sample_mesh.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace trivet::kernels {
+namespace {
+
+/// Twice the area times the unit normal, in double: float would lose slivers.
+Eigen::Vector3d scaled_normal(PointsView vertices, const Triangles& triangles, std::size_t t) {
+  const Eigen::Vector3d a = vertices[triangles.a[t]].cast<double>();
+  const Eigen::Vector3d b = vertices[triangles.b[t]].cast<double>();
+  const Eigen::Vector3d c = vertices[triangles.c[t]].cast<double>();
+  return (b - a).cross(c - a);
+}
+
+/// A number in [0, 1) from a counter (the finaliser of splitmix64, Steele et al., OOPSLA 2014).
+double uniform(std::uint64_t seed, std::uint64_t counter) {
+  std::uint64_t x = seed + (counter + 1) * 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+  x ^= x >> 31;
+  return static_cast<double>(x >> 11) * 0x1p-53;
+}
+
+double fraction(double x) { return x - std::floor(x); }
+
+}  // namespace
+
+double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums) noexcept {
+  assert(sums.size() == triangles.size() && "one sum per triangle");
+  double sum = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    sum += 0.5 * scaled_normal(vertices, triangles, t).norm();
+    sums[t] = sum;
+  }
+  return sum;
+}
+
+void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
+                 std::uint64_t seed, std::size_t first, std::size_t num_samples, PointsSpan points,
+                 NormalsSpan normals) noexcept {
+  assert(area_sums.size() == triangles.size() && "one sum per triangle");
+  assert(!area_sums.empty() && area_sums.back() > 0 && "a surface without area has no samples");
+  assert(normals.size() == points.size() && "one normal per point");
+  assert(first + points.size() <= num_samples && "samples beyond the last");
+
+  // The two numbers of the R2 sequence: 1/g and 1/g^2 with g^3 = g + 1.
+  constexpr double kStepU = 0.75487766624669276;
+  constexpr double kStepV = 0.56984029099805327;
+  const double shift_u = uniform(seed, ~0ULL - 1);
+  const double shift_v = uniform(seed, ~0ULL - 2);
+  const auto last = std::lower_bound(area_sums.begin(), area_sums.end(), area_sums.back());
+  const double share = area_sums.back() / static_cast<double>(num_samples);
+
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::size_t i = first + k;
+    const auto index = static_cast<double>(i);
+
+    // The triangle at a random place within the i-th share; those without area are stepped over.
+    const double place = (index + uniform(seed, i)) * share;
+    const auto found = std::upper_bound(area_sums.begin(), area_sums.end(), place);
+    const auto t = static_cast<std::size_t>(std::min(found, last) - area_sums.begin());
+
+    // From the square to the triangle, keeping areas and most neighbours.
+    double u = fraction(shift_u + kStepU * index);
+    double v = fraction(shift_v + kStepV * index);
+    if (v > u) {
+      u *= 0.5;
+      v -= u;
+    } else {
+      v *= 0.5;
+      u -= v;
+    }
+
+    const Eigen::Vector3d a = vertices[triangles.a[t]].cast<double>();
+    const Eigen::Vector3d b = vertices[triangles.b[t]].cast<double>();
+    const Eigen::Vector3d c = vertices[triangles.c[t]].cast<double>();
+    points.set(k, (a + u * (b - a) + v * (c - a)).cast<float>());
+    normals.set(k, (b - a).cross(c - a).normalized().cast<float>());
+  }
+}
+
+}  // namespace trivet::kernels

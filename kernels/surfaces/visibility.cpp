@@ -1,0 +1,129 @@
+#include "kernels/surfaces/visibility.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "storage/simd.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+struct Views {
+  alignas(64) std::array<float, kNumViews> x, y, z;
+};
+
+const Views& views() noexcept {
+  static const Views table = [] {
+    Views made{};
+    const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
+    for (std::size_t d = 0; d < kNumViews; ++d) {
+      const auto index = static_cast<double>(d);
+      const double z = 1 - (2 * index + 1) / static_cast<double>(kNumViews);
+      const double r = std::sqrt(1 - z * z);
+      made.x[d] = static_cast<float>(r * std::cos(golden_angle * index));
+      made.y[d] = static_cast<float>(r * std::sin(golden_angle * index));
+      made.z[d] = static_cast<float>(z);
+    }
+    return made;
+  }();
+  return table;
+}
+
+TRIVET_SIMD_CLONES
+void dot_all(const float* x, const float* y, const float* z, float vx, float vy, float vz,
+             float* out) {
+  for (std::size_t d = 0; d < kNumViews; ++d) out[d] = x[d] * vx + y[d] * vy + z[d] * vz;
+}
+
+using Cosines = std::array<float, kNumViews>;
+
+void dot_views(const Eigen::Vector3f& v, Cosines& out) {
+  const Views& table = views();
+  dot_all(table.x.data(), table.y.data(), table.z.data(), v.x(), v.y(), v.z(), out.data());
+}
+
+/// In lanes, since the order of a maximum is of no account and the compiler may not assume it.
+TRIVET_SIMD_CLONES
+float largest_of(const Cosines& cosines) {
+  std::array<float, 16> lanes;
+  lanes.fill(-std::numeric_limits<float>::infinity());
+  for (std::size_t d = 0; d < kNumViews; d += lanes.size()) {
+    for (std::size_t k = 0; k < lanes.size(); ++k)
+      lanes[k] = lanes[k] < cosines[d + k] ? cosines[d + k] : lanes[k];
+  }
+  return *std::max_element(lanes.begin(), lanes.end());
+}
+
+/// Views of one side of a point; cosines times `side` are those with that side's normal.
+ViewMask free_views(const RayScene& scene, const Eigen::Vector3f& origin, const Cosines& cosines,
+                    float side, const ViewMask& wanted) {
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  ViewMask mask{};
+  for (std::size_t d = 0; d < kNumViews; ++d) {
+    if (!(side * cosines[d] > kMinViewCosine) || !is_visible(wanted, d)) continue;
+    if (scene.occluded(origin, view_direction(d), 0, kFar)) continue;
+    mask[d / 64] |= std::uint64_t{1} << (d % 64);
+  }
+  return mask;
+}
+
+int count_views(const ViewMask& mask) {
+  int count = 0;
+  for (const std::uint64_t word : mask) count += std::popcount(word);
+  return count;
+}
+
+}  // namespace
+
+Eigen::Vector3f view_direction(std::size_t d) noexcept {
+  assert(d < kNumViews && "no such view");
+  const Views& table = views();
+  return {table.x[d], table.y[d], table.z[d]};
+}
+
+std::size_t nearest_view(const Eigen::Vector3f& direction) noexcept {
+  Cosines cosines;
+  dot_views(direction, cosines);
+  const float largest = largest_of(cosines);
+  const auto first = std::find(cosines.begin(), cosines.end(), largest);
+  return first == cosines.end() ? 0 : static_cast<std::size_t>(first - cosines.begin());
+}
+
+void compute_views(const RayScene& scene, PointsView points, NormalsView normals, float offset,
+                   const ViewMask& wanted, std::span<ViewMask> masks) noexcept {
+  assert(normals.size() == points.size() && masks.size() == points.size() && "one each a point");
+  Cosines cosines;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    dot_views(normals[i], cosines);
+    masks[i] = free_views(scene, points[i] + offset * normals[i], cosines, 1, wanted);
+  }
+}
+
+void orient_outward(const RayScene& scene, PointsView points, NormalsSpan normals, float offset,
+                    std::span<ViewMask> masks) noexcept {
+  assert(normals.size() == points.size() && masks.size() == points.size() && "one each a point");
+  const NormalsView given = normals;
+  Cosines cosines;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f normal = given[i];
+    dot_views(normal, cosines);
+    masks[i] = free_views(scene, points[i] + offset * normal, cosines, 1, kAllViews);
+    // Where this side sees so much that no other side could see twice as much, half of the rays are
+    // saved.
+    const auto behind =
+        std::count_if(cosines.begin(), cosines.end(), [](float c) { return -c > kMinViewCosine; });
+    if (2 * count_views(masks[i]) >= behind) continue;
+    const ViewMask other = free_views(scene, points[i] - offset * normal, cosines, -1, kAllViews);
+    if (count_views(other) > 2 * count_views(masks[i])) {
+      masks[i] = other;
+      normals.set(i, -normal);
+    }
+  }
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,287 @@
+#include "kernels/symmetry/find_near_symmetries.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "kernels/common/pose_math.hpp"
+#include "kernels/surfaces/visibility.hpp"
+#include "kernels/symmetry/sampled_surface.hpp"
+#include "kernels/symmetry/turn_axis.hpp"
+#include "kernels/symmetry/turn_screen.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
+constexpr std::size_t kMinSamples = 200;
+constexpr int kNumTurns = 10000;            // 8 degrees apart; refinement reaches 20 and more
+constexpr float kMaxScreen = 0.045F;        // of TurnScreen's score, which is capped at 0.06
+constexpr std::size_t kMaxCompared = 2000;  // rotations that are compared with each other
+constexpr std::size_t kMaxRefined = 24;
+constexpr float kStartsApart = 30 * kRadiansPerDegree;
+constexpr float kTurned = 20 * kRadiansPerDegree;
+constexpr float kAround = 15 * kRadiansPerDegree;
+constexpr float kBetter = 0.02F;                    // what a rating must rise by to count
+constexpr float kSameTurn = 6 * kRadiansPerDegree;  // where refinement ends twice
+constexpr float kSameShift = 0.03F;                 // [diameters]
+constexpr float kOnSurface = 0.02F;                 // [diameters]
+constexpr float kMinAlike = 0.65F;                  // of what a view sees
+constexpr float kMinShare = 0.45F;                  // of all samples
+constexpr std::size_t kViewsAlike = kNumViews / 4;  // so many must be as alike
+constexpr std::size_t kMaxFound = 8;
+static_assert(kMaxFound <= kMaxNearSymmetries);
+// What the least alike turn about an axis must keep of all samples: flanges keep 86 % and more,
+// gears 81, mugs 78; nuts 65, boxes 60 and less.
+constexpr float kAnyTurn = 0.72F;
+constexpr float kSameAxis = 0.99F;          // cosine
+constexpr float kGoldenAngle = 2.3999632F;  // [rad]; its multiples fall on no regular polygon
+constexpr std::size_t kQuickQueries = 300;  // samples of the first rating
+constexpr std::size_t kQueries = 800;       // ... and of the last
+
+/// The k-th of kNumTurns rotations.
+Eigen::Matrix3f spread_turn(int k) {
+  const double s = k + 0.5, share = s / kNumTurns, angle = 2 * std::numbers::pi * s;
+  const double r = std::sqrt(share), R = std::sqrt(1 - share);
+  const double alpha = angle / std::numbers::sqrt2, beta = angle / 1.533751168755204288118041;
+  const Eigen::Quaterniond q(R * std::cos(beta), r * std::sin(alpha), r * std::cos(alpha),
+                             R * std::sin(beta));
+  return q.toRotationMatrix().cast<float>();
+}
+
+class Search {
+ public:
+  Search(const ModelSamples& samples, const Symmetry& symmetry)
+      : samples_(samples),
+        symmetry_(symmetry),
+        surface_(samples.points, samples.normals, samples.diameter),
+        screen_(surface_) {}
+
+  NearSymmetries run() {
+    NearSymmetries found;
+    found.axis = near_axis();
+    found.motions = motions(found.axis);
+    return found;
+  }
+
+ private:
+  struct Rated {
+    float rating;
+    Pose motion;
+  };
+
+  /// All that are no turn about `axis`.
+  std::vector<Pose> motions(const std::optional<Symmetry::Axis>& axis) {
+    std::vector<Rated> rivals;
+    std::vector<Pose> seen;
+    for (const Pose& start : starts()) {
+      Pose motion = surface_.refine(start, 120, 4);
+      const Pose reached = surface_.to_model(motion);
+      const auto same = [&](const Pose& other) {
+        const PoseDistance d = pose_distance(reached, other, symmetry_, samples_.centre);
+        return d.rotation_rad < kSameTurn && d.translation < kSameShift * samples_.diameter;
+      };
+      if (is_identity(reached) || std::ranges::any_of(seen, same) || turns_about(axis, reached))
+        continue;
+      seen.push_back(reached);
+      if (alike(motion, kQuickQueries) < kMinAlike - 0.1F) continue;
+      motion = surface_.refine(motion, 200, 3);
+      const Pose rival = surface_.to_model(motion);
+      const float rating = alike(motion, kQueries);
+      if (rating >= kMinAlike && !is_identity(rival) && is_best_around(motion))
+        rivals.push_back({rating, rival});
+    }
+    best_first(rivals);
+    std::vector<Pose> chosen;
+    for (float apart = kTurned;; apart *= 1.1F) {
+      chosen = choose(rivals, apart);
+      if (chosen.size() <= kMaxFound) return chosen;
+    }
+  }
+
+  /// The axis about which the least alike turn looks most alike.
+  std::optional<Symmetry::Axis> near_axis() {
+    if (symmetry_.axis) return {};
+    std::array<float, 10> angles;
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      angles[k] =
+          std::remainder(kGoldenAngle * static_cast<float>(k + 1), 2 * std::numbers::pi_v<float>);
+    }
+    float best = kAnyTurn;
+    std::optional<Symmetry::Axis> found;
+    for (const Eigen::Vector3f& direction : likely_axes()) {
+      Symmetry::Axis axis{direction, Eigen::Vector3f::Zero()};
+      for (int round = 0; round < 4; ++round) axis = refine_axis(surface_, axis, angles);
+      float worst = 1;
+      for (std::size_t k = 0; k < angles.size() && worst > best; ++k)
+        worst = std::min(worst, kept(turn_about(axis, angles[k]), kQueries));
+      if (worst <= best) continue;
+      best = worst;
+      found = Symmetry::Axis{axis.direction, surface_.to_model(axis.point)};
+    }
+    return found;
+  }
+
+  /// Directions through the centroid.
+  std::vector<Eigen::Vector3f> likely_axes() const {
+    const Eigen::Matrix3f principal = screen_.principal_axes();
+    std::vector<Eigen::Vector3f> directions;
+    const auto add = [&](const Eigen::Vector3f& direction) {
+      const auto same = [&](const Eigen::Vector3f& other) {
+        return std::abs(other.dot(direction)) > kSameAxis;
+      };
+      if (std::ranges::none_of(directions, same)) directions.push_back(direction);
+    };
+    for (const Pose& motion : symmetry_.poses) add(axis_of(motion).direction);
+    for (int k = 0; k < 3; ++k) add(principal.col(k));
+    return directions;
+  }
+
+  static bool turns_about(const std::optional<Symmetry::Axis>& axis, const Pose& motion) {
+    return axis && axis->direction.dot(motion.linear() * axis->direction) > kSameAxis;
+  }
+
+  static void best_first(std::vector<Rated>& motions) {
+    std::stable_sort(motions.begin(), motions.end(),
+                     [](const Rated& a, const Rated& b) { return a.rating > b.rating; });
+  }
+
+  /// The turn between two motions of the model's frame, modulo the symmetry [rad].
+  float turn_between(const Pose& a, const Pose& b) const {
+    return pose_distance(a, b, symmetry_, samples_.centre).rotation_rad;
+  }
+  bool is_identity(const Pose& motion, float apart = kTurned) const {
+    return turn_between(Pose::Identity(), motion) < apart;
+  }
+
+  /// The rotations that fit best, apart from each other, with the shifts that fit them.
+  std::vector<Pose> starts() const {
+    std::vector<Rated> rated;
+    for (int k = 0; k < kNumTurns; ++k) {
+      Pose turn = Pose::Identity();
+      turn.linear() = spread_turn(k);
+      const float score = screen_.score(turn, kMaxScreen);
+      if (score <= kMaxScreen) rated.push_back({-score, turn});
+    }
+    best_first(rated);
+    if (rated.size() > kMaxCompared) rated.resize(kMaxCompared);
+
+    std::vector<Pose> chosen, in_model;
+    for (const Rated& candidate : rated) {
+      if (chosen.size() == kMaxRefined) break;
+      const Pose motion = surface_.to_model(candidate.motion);
+      const auto near = [&](const Pose& other) {
+        return turn_between(motion, other) < kStartsApart;
+      };
+      if (is_identity(motion, kStartsApart) || std::ranges::any_of(in_model, near)) continue;
+      chosen.push_back(candidate.motion);
+      in_model.push_back(motion);
+    }
+    for (Pose& turn : chosen) turn = shifted(turn);
+    return chosen;
+  }
+
+  /// Shift along the principal axes, the longest first, to where the screen likes it best.
+  Pose shifted(Pose motion) const {
+    constexpr float kStep = 0.04F;
+    const Eigen::Matrix3f axes = screen_.principal_axes();
+    float best = screen_.score(motion, 1);
+    for (int axis = 2; axis >= 0; --axis) {
+      const Pose start = motion;
+      for (int k = -7; k <= 7; ++k) {
+        Pose moved = start;
+        moved.translation() += kStep * static_cast<float>(k) * axes.col(axis);
+        const float score = screen_.score(moved, best);
+        if (score >= best) continue;
+        best = score;
+        motion = moved;
+      }
+    }
+    return motion;
+  }
+
+  /// The share of samples that a motion of the surface's frame keeps on the surface; matched_ says
+  /// which.
+  float kept(const Pose& motion, std::size_t num_queries) {
+    matched_.resize(std::min(num_queries, surface_.size()));
+    surface_.mark_matched(motion, kOnSurface, matched_);
+    const auto all = std::accumulate(matched_.begin(), matched_.end(), std::size_t{0});
+    return static_cast<float>(all) / static_cast<float>(matched_.size());
+  }
+
+  /// Of the samples that a view sees, the share that a motion of the surface's frame keeps on the
+  /// surface; in the last of the quarter of all views that keep most. 0 where too few of all
+  /// samples stay: what is seen of flat parts fits under many motions.
+  float alike(const Pose& motion, std::size_t num_queries) {
+    if (kept(motion, num_queries) < kMinShare) return 0;
+    std::array<std::uint32_t, kNumViews> seen{}, kept{};
+    for (std::size_t i = 0; i < matched_.size(); ++i) {
+      for (std::size_t w = 0; w < kViewWords; ++w) {
+        for (std::uint64_t bits = samples_.views[i][w]; bits != 0; bits &= bits - 1) {
+          const std::size_t view = 64 * w + static_cast<std::size_t>(std::countr_zero(bits));
+          ++seen[view];
+          kept[view] += matched_[i];
+        }
+      }
+    }
+    std::array<float, kNumViews> shares{};
+    for (std::size_t v = 0; v < kNumViews; ++v) {
+      if (seen[v] > 0) shares[v] = static_cast<float>(kept[v]) / static_cast<float>(seen[v]);
+    }
+    const auto last = shares.begin() + kViewsAlike - 1;
+    std::nth_element(shares.begin(), last, shares.end(), std::greater<>());
+    return *last;
+  }
+
+  /// Whether no turn beside a motion of the surface's frame looks more alike. Flat faces fit under
+  /// any turn about their normals, refinement does not see why one should be better.
+  bool is_best_around(const Pose& motion) {
+    const Eigen::Matrix3f axes = screen_.principal_axes();
+    const float limit = alike(motion, kQuickQueries) + kBetter;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const float angle : {-kAround, kAround}) {
+        const Eigen::Vector3f turn = angle * axes.col(axis);
+        const Pose beside =
+            small_motion(turn, Eigen::Vector3f::Zero(), motion.translation()) * motion;
+        if (alike(beside, kQuickQueries) > limit) return false;
+      }
+    }
+    return true;
+  }
+
+  /// The best that are apart from each other, each with its inverse.
+  std::vector<Pose> choose(const std::vector<Rated>& rivals, float apart) const {
+    std::vector<Pose> chosen;
+    const auto add = [&](const Pose& motion) {
+      const auto near = [&](const Pose& other) { return turn_between(motion, other) < apart; };
+      if (is_identity(motion, apart) || std::ranges::any_of(chosen, near)) return false;
+      chosen.push_back(motion);
+      return true;
+    };
+    for (const Rated& rival : rivals) {
+      if (add(rival.motion)) add(rival.motion.inverse());
+    }
+    return chosen;
+  }
+
+  const ModelSamples& samples_;
+  const Symmetry& symmetry_;
+  SampledSurface surface_;
+  TurnScreen screen_;
+  std::vector<std::uint8_t> matched_;
+};
+
+}  // namespace
+
+NearSymmetries find_near_symmetries(const ModelSamples& samples, const Symmetry& symmetry) {
+  if (samples.points.size() < kMinSamples || !(samples.diameter > 0)) return {};
+  return Search(samples, symmetry).run();
+}
+
+}  // namespace trivet::kernels

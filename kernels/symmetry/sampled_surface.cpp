@@ -1,0 +1,187 @@
+#include "kernels/symmetry/sampled_surface.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "kernels/common/pose_math.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// A step through n samples that visits all of them, neighbours in the list far apart in time: an
+/// early look sees the whole object.
+std::size_t coprime_step(std::size_t n) {
+  auto step = static_cast<std::size_t>(0.618 * static_cast<double>(n)) + 1;
+  while (std::gcd(step, n) != 1) ++step;
+  return step;
+}
+
+/// Distances in units of the tolerance: sum of squares, number beyond 3 and beyond 6.
+struct Tally {
+  double squares = 0;
+  int wide = 0, gross = 0;
+
+  void add(float distance, float tolerance) {
+    const float d = distance / tolerance;
+    squares += d * d;
+    wide += d > 3;
+    gross += d > 6;
+  }
+  float misfit(const Tally& own, std::size_t n) const {
+    const double excess = std::max(
+        {squares - own.squares, (wide - own.wide) / 0.02, (gross - own.gross) / 0.0025, 0.0});
+    return static_cast<float>(excess / static_cast<double>(n));
+  }
+};
+
+}  // namespace
+
+SampledSurface::SampledSurface(PointsView points, NormalsView normals, float diameter)
+    : diameter_(diameter) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!normals[i].allFinite()) continue;
+    sum += points[i].cast<double>();
+    ++used;
+  }
+  if (used == 0) return;
+  centre_ = (sum / static_cast<double>(used)).cast<float>();
+  points_.reserve(used);
+  normals_.reserve(used);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!normals[i].allFinite()) continue;
+    points_.push_back((points[i] - centre_) / diameter);
+    normals_.push_back(normals[i]);
+  }
+
+  // The mean distance of neighbouring samples, found on a grid of about that size.
+  constexpr float kCell = 0.05F;
+  grid_ = VoxelHash(points_, kCell);
+  double sum_nearest = 0;
+  for (std::uint32_t i = 0; i < used; ++i) {
+    float nearest = 4 * kCell * kCell;
+    grid_.visit_within(points_[i], 2 * kCell, [&](std::uint32_t k, float d2) {
+      if (k != i) nearest = std::min(nearest, d2);
+    });
+    sum_nearest += std::sqrt(nearest);
+  }
+  slack_ = std::min(kMaxSlack, static_cast<float>(2 * sum_nearest / static_cast<double>(used)));
+
+  slacks_.resize(used);
+  own_distances_.resize(used);
+  for (std::uint32_t i = 0; i < used; ++i) {
+    slacks_[i] = std::clamp(1.5F * second_gap(i), slack_, kMaxSlack);
+    own_distances_[i] = match(points_[i], normals_[i], slacks_[i], i).distance;
+  }
+}
+
+float SampledSurface::second_gap(std::uint32_t sample) const noexcept {
+  constexpr float kThickness = 0.01F;  // of what counts as one sheet
+  float nearest = kMaxSlack * kMaxSlack, second = nearest;
+  grid_.visit_within(points_[sample], kMaxSlack, [&](std::uint32_t i, float d2) {
+    if (i == sample || normals_[i].dot(normals_[sample]) < kMinCosine) return;
+    if (std::abs(normals_[i].dot(points_[i] - points_[sample])) > kThickness) return;
+    if (d2 < nearest) std::swap(d2, nearest);
+    second = std::min(second, d2);
+  });
+  return std::sqrt(second);
+}
+
+SampledSurface::Match SampledSurface::match(const Eigen::Vector3f& point,
+                                            const Eigen::Vector3f& normal, float slack,
+                                            std::uint32_t excluded) const noexcept {
+  Match best;
+  float best_squared = kCap * kCap;
+  grid_.visit_within(point, slack + kCap, [&](std::uint32_t i, float d2) {
+    const Eigen::Vector3f other = normals_[i];
+    const float cosine = other.dot(normal);
+    if (cosine < kMinCosine || i == excluded) return;
+    const float along = (point - points_[i]).dot(other + normal);
+    const float plane_squared = along * along / (2 + 2 * cosine);
+    if (plane_squared >= best_squared) return;
+    const float lateral_squared = d2 - plane_squared;
+    float squared = plane_squared;
+    if (lateral_squared > slack * slack) {
+      const float excess = std::sqrt(lateral_squared) - slack;
+      squared += excess * excess;
+    }
+    if (squared < best_squared) {
+      best_squared = squared;
+      best.index = i;
+    }
+  });
+  best.distance = std::sqrt(best_squared);
+  return best;
+}
+
+float SampledSurface::misfit(const Pose& motion, float tolerance, float give_up,
+                             std::size_t num_queries) const noexcept {
+  const std::size_t n = points_.size();
+  const std::size_t step = coprime_step(n);
+  num_queries = std::min(num_queries, n);
+  Tally own, moved;
+  for (std::size_t k = 0, i = 0; k < num_queries; ++k, i = (i + step) % n) {
+    own.add(own_distances_[i], tolerance);
+  }
+  float result = 0;
+  for (std::size_t k = 0, i = 0; k < num_queries && result <= give_up; ++k, i = (i + step) % n) {
+    moved.add(match(motion * points_[i], motion.linear() * normals_[i], slacks_[i], kNone).distance,
+              tolerance);
+    result = moved.misfit(own, num_queries);
+  }
+  return result;
+}
+
+void SampledSurface::mark_matched(const Pose& motion, float distance,
+                                  std::span<std::uint8_t> out) const noexcept {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Eigen::Vector3f normal = motion.linear() * normals_[i];
+    out[i] = match(motion * points_[i], normal, slacks_[i], kNone).distance <= distance;
+  }
+}
+
+Pose SampledSurface::refine(Pose motion, std::size_t num_queries, int num_steps) const noexcept {
+  const std::size_t n = points_.size();
+  const std::size_t step = coprime_step(n);
+  for (int iteration = 0; iteration < num_steps; ++iteration) {
+    // Least squares in (w, t): the distance along h changes by h . (w x q + t). The damping is the
+    // weight of one query in a thousand: it holds what the surface leaves free.
+    Matrix6d normal_matrix = Matrix6d::Zero();
+    Vector6d right = Vector6d::Zero();
+    for (std::size_t k = 0, i = 0; k < std::min(num_queries, n); ++k, i = (i + step) % n) {
+      const Eigen::Vector3f q = motion * points_[i];
+      const Eigen::Vector3f m = motion.linear() * normals_[i];
+      const Match found = match(q, m, slacks_[i], kNone);
+      if (found.index == kNone) continue;
+      const Eigen::Vector3f h = (normals_[found.index] + m).normalized();
+      Vector6d row;
+      row << q.cross(h).cast<double>(), h.cast<double>();
+      normal_matrix.selfadjointView<Eigen::Lower>().rankUpdate(row);
+      right -= row * static_cast<double>((q - points_[found.index]).dot(h));
+    }
+    const double damping = 1e-3 * static_cast<double>(num_queries);
+    normal_matrix.diagonal().array() += damping;
+    normal_matrix.diagonal().head<3>().array() -= 0.9 * damping;
+    const Vector6d change = normal_matrix.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    motion = small_motion(change.head<3>().cast<float>(), change.tail<3>().cast<float>(),
+                          Eigen::Vector3f::Zero()) *
+             motion;
+  }
+  return motion;
+}
+
+Pose SampledSurface::to_model(const Pose& motion) const noexcept {
+  Pose result = motion;
+  result.translation() =
+      centre_ + diameter_ * Eigen::Vector3f(motion.translation()) - motion.linear() * centre_;
+  return result;
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,32 @@
+/// Group pose hypotheses that say the same thing.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/common/hypothesis.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::kernels {
+
+struct ClusterOptions {
+  float max_translation = 0;       ///< between the images of the model's centre [scene unit], > 0
+  float max_rotation_rad = 0;      ///< > 0
+  std::size_t max_clusters = 600;  ///< the strongest are kept
+};
+
+/// Cluster by complete linkage, strongest first: a hypothesis joins the first cluster of which
+/// *every* member is within both limits, so that chains never average two objects into one (Vidal
+/// et al., Sensors 2018).
+///
+/// hypotheses   any order; ties in votes are broken by position
+/// Distances are modulo the model's symmetry. A cluster's pose is the mean weighted by votes, of
+/// members taken to the branch of the strongest; its votes are the sum. Returns clusters by falling
+/// votes. Cost: linear in hypotheses times those in neighbouring cells of a grid over the centres.
+std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
+                                      const Symmetry& symmetry, const Eigen::Vector3f& model_centre,
+                                      const ClusterOptions& options);
+
+}  // namespace trivet::kernels

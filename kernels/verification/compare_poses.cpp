@@ -1,0 +1,166 @@
+#include "kernels/verification/compare_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace trivet::kernels {
+namespace {
+
+constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
+constexpr float kFitError = 0.004F;    // of model and pose, as a share of the diameter
+constexpr double kAgreement = 10;      // likelihood of r = 0 over that of a pixel off the model
+constexpr double kSeenThrough = 0.03;  // ... of a measurement anywhere behind the surface
+// Where neighbours err alike, so much of the surface is blended with what lies beside it, as thin
+// parts and edges are, and errs so many times more.
+constexpr double kBlended = 0.3, kBlend = 8;
+// Shares of rays without measurement are told by so many rays, and not below this.
+constexpr double kFewestRays = 50, kFewHoles = 0.02;
+
+/// One pose's rendering of one ray.
+struct Rendered {
+  bool meets = false;
+  float z = 0;
+  float scale = 0;  // perpendicular distance per depth; 0 where the surface is grazing
+};
+
+Rendered render(const CompareScratch::Look& look, std::size_t at, const Eigen::Matrix3f& R,
+                const Eigen::Vector3f& ray) noexcept {
+  const float z = look.depth[at];
+  if (!std::isfinite(z)) return {};
+  const float length = ray.norm();
+  const float facing = std::abs((R * look.normals[at]).dot(ray)) / length;
+  return {true, z, facing > kGrazing ? facing * length : 0};
+}
+
+class Comparer {
+ public:
+  Comparer(const RangeImage& image, float sigma, float correlation, const VerifyOptions& options)
+      : image_(image),
+        options_(options),
+        sigma_(static_cast<double>(sigma)),
+        blended_(kBlended * static_cast<double>(correlation)) {}
+
+  /// Whether the renderings tell the poses apart here.
+  bool differ(const Rendered& a, const Rendered& b) const noexcept {
+    if ((a.meets && a.scale == 0) || (b.meets && b.scale == 0)) return false;
+    if (!a.meets || !b.meets) return a.meets != b.meets;
+    return std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
+  }
+
+  /// Count a ray for the shares of rays without measurement.
+  void count(const Rendered& a, const Rendered& b, int u, int v) noexcept {
+    if (a.meets != b.meets) return;
+    if (!a.meets) return off_.add(is_missing(u, v));
+    if (a.scale > 0 && b.scale > 0) on_.add(is_missing(u, v));
+  }
+
+  /// Log-likelihood of what was measured, relative to a pixel off the model.
+  double log_likelihood(const Rendered& pose, int u, int v) const noexcept {
+    if (!pose.meets) return 0;
+    const float tolerance = options_.tolerance;
+    const auto [r, pixel] = measure_along(image_, u, v, pose.z, pose.scale, tolerance);
+    if (pixel < 0) return log_missing();
+    if (options_.is_background(image_.plane[static_cast<std::size_t>(pixel)]))
+      return std::abs(r) <= tolerance ? 0 : std::log(kSeenThrough);
+    const double share = static_cast<double>(r) / sigma_;
+    const double agreement = (1 - blended_) * std::exp(-0.5 * share * share) +
+                             blended_ / kBlend * std::exp(-0.5 * share * share / (kBlend * kBlend));
+    const double mixture = kSeenThrough + (kAgreement - kSeenThrough) * agreement;
+    return r < 0 && mixture < 1 ? 0 : std::log(mixture);
+  }
+
+ private:
+  /// How often a ray has no measurement.
+  struct Share {
+    double num = 0, num_missing = 0;
+
+    void add(bool missing) noexcept {
+      num += 1;
+      num_missing += missing ? 1 : 0;
+    }
+    double missing() const noexcept { return std::max(kFewHoles, num_missing / num); }
+  };
+
+  /// Of a ray without measurement, which a dark object has more of, and the shadow beside it.
+  double log_missing() const noexcept {
+    if (std::min(on_.num, off_.num) < kFewestRays) return 0;
+    return std::log(on_.missing() / off_.missing());
+  }
+
+  bool is_missing(int u, int v) const noexcept {
+    return measure_along(image_, u, v, 1, 1, 0).pixel < 0;
+  }
+
+  const RangeImage& image_;
+  const VerifyOptions& options_;
+  double sigma_, blended_;
+  Share on_, off_;  // of rays that meet the model by both poses, and by neither
+};
+
+auto ball_of(const ImageGeometry& g, const ModelSamples& samples, const Pose& T_camera_model) {
+  return project_ball(g, T_camera_model * samples.centre, 0.5F * ball_diameter(samples));
+}
+
+}  // namespace
+
+PoseComparison compare_poses(std::span<const RangeImage> images, const PosedModel& first,
+                             const PosedModel& second, const MeasurementErrors& errors,
+                             const VerifyOptions& options, CompareScratch& scratch) {
+  const float diameter = std::max(first.samples.diameter, second.samples.diameter);
+  const float sigma = std::hypot(errors.deviation, kFitError * diameter);
+  PoseComparison out;
+  double squares = 0;
+  for (const RangeImage& image : images) {
+    const ImageGeometry& g = image.geometry;
+    const Pose T_camera_first = g.T_camera_scene * first.T_scene_model;
+    const Pose T_camera_second = g.T_camera_scene * second.T_scene_model;
+    const auto box = ball_of(g, first.samples, T_camera_first);
+    const auto other = ball_of(g, second.samples, T_camera_second);
+    if (!box && !other) continue;
+    const RayCrop crop(box && other ? box->joined(*other) : box ? *box : *other, 0);
+    shoot_rays(g, crop, first.surface, T_camera_first, scratch.directions, scratch.first.depth,
+               scratch.first.normals);
+    shoot_rays(g, crop, second.surface, T_camera_second, scratch.directions, scratch.second.depth,
+               scratch.second.normals);
+
+    Comparer comparer(image, sigma, errors.correlation, options);
+    const int side =
+        std::max(1, (errors.together + crop.stride / 2) / crop.stride);  // of a block [rays]
+    const double share = 1.0 / (side * side);
+    const int columns = (crop.width + side - 1) / side, rows = (crop.height + side - 1) / side;
+    scratch.votes.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
+    const auto for_each_ray = [&](auto&& visit) {
+      for (int j = 0; j < crop.height; ++j) {
+        for (int i = 0; i < crop.width; ++i) {
+          const int u = crop.u(i), v = crop.v(j);
+          if (u < 0 || v < 0 || u >= static_cast<int>(g.width) || v >= static_cast<int>(g.height))
+            continue;
+          const Eigen::Vector3f ray = ray_through(g, u, v);
+          const std::size_t at = crop.at(i, j);
+          visit(render(scratch.first, at, T_camera_first.linear(), ray),
+                render(scratch.second, at, T_camera_second.linear(), ray), u, v,
+                static_cast<std::size_t>(j / side * columns + i / side));
+        }
+      }
+    };
+    for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t) {
+      comparer.count(a, b, u, v);
+    });
+    for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t block) {
+      if (!comparer.differ(a, b)) return;
+      out.num_votes += share;
+      scratch.votes[block] +=
+          share * (comparer.log_likelihood(a, u, v) - comparer.log_likelihood(b, u, v));
+    });
+    for (const double vote : scratch.votes) {
+      out.log_ratio += vote;
+      squares += vote * vote;
+    }
+  }
+  if (squares > 0) out.z = out.log_ratio / std::sqrt(squares);
+  return out;
+}
+
+}  // namespace trivet::kernels

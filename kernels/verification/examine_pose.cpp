@@ -1,0 +1,469 @@
+#include "kernels/verification/examine_pose.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "kernels/common/slope_fit.hpp"
+#include "kernels/verification/ray_crop.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
+constexpr int kMargin = 4;             // rays beyond an outline, which no hole of a cloud is wide
+constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
+constexpr int kRounded = 3;            // windows that sensors round a crease over, at most
+constexpr double kFewest = 6;          // residuals of a window that give a slope
+constexpr int kAcross = 3;             // rays around an outline's place that tell its direction
+constexpr float kSameCosine = 0.985F;  // 10 degrees: directions of outlines err by less
+// An edge is seen to about a pixel, some twice the noise of depth: squared, a quarter. It weighs
+// the outline's mean, since the outline's share of the pixels falls with the resolution.
+constexpr double kOutlineShare = 0.25;
+// What is buried goes deeper beneath the measured surface than bent depth and the rims of clouds
+// do: by more than so many tolerances, after so many rays at least and at most.
+constexpr float kDeep = 3;
+constexpr int kLeastRays = 3, kMostRays = 16;
+// What lies beneath the measured surface by less may be what the model is taken for [tolerances].
+constexpr float kShallow = 6;
+// Where neighbours err alike, depth is wrong by a few tolerances in places: what lies so much
+// farther than a whole one behind the model is looked through for sure.
+constexpr float kSoftness = 1.5F;
+
+enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
+
+/// Sums over the consistent pixels and the outlines of all images.
+struct Sums {
+  double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
+  Matrix6 covariance = Matrix6::Zero();
+  Eigen::Vector3d places = Eigen::Vector3d::Zero();  // from the model's centre
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  double outline = 0;  // number of its places
+  Matrix6 outline_covariance = Matrix6::Zero();
+};
+
+/// One image's share of an examination.
+class Examiner {
+ public:
+  Examiner(const RangeImage& image, const ModelSamples& samples, const Pose& T_scene_model,
+           const PixelBox& box, const ExamineOptions& options, ExamineScratch& scratch)
+      : image_(image),
+        g_(image.geometry),
+        options_(options),
+        s_(scratch),
+        T_camera_model_(g_.T_camera_scene * T_scene_model),
+        diameter_(samples.diameter),
+        centre_(T_camera_model_ * samples.centre),
+        edge_(options.edge_pixels),
+        softness_(std::max(1e-6F, kSoftness * options.correlation)),
+        crop_(box, kMargin) {}
+
+  const RayCrop& crop() const noexcept { return crop_; }
+
+  void compare(const RayScene& surface, std::uint32_t first_pixel, Examination& out, Sums& sums,
+               ExplainedPixels* explained) {
+    shoot_rays(g_, crop_, surface, T_camera_model_, s_.directions, s_.distance, s_.normals);
+    s_.state.assign(crop_.size(), kMissed);
+    s_.residual.assign(crop_.size(), 0);
+    const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
+    const Eigen::Matrix3f R_camera_model = T_camera_model_.linear();
+    const auto square = static_cast<float>(crop_.stride * crop_.stride);
+    for (int j = 0; j < crop_.height; ++j) {
+      for (int i = 0; i < crop_.width; ++i) {
+        const std::size_t at = crop_.at(i, j);
+        const float z = s_.distance[at];
+        if (!std::isfinite(z)) continue;
+        const int u = crop_.u(i), v = crop_.v(j);
+        if (!inside(u, v)) {
+          s_.state[at] = kOutside;
+          out.outside += square;
+          continue;
+        }
+        s_.state[at] = kJudged;
+        out.covered += square;
+        const Eigen::Vector3f ray = ray_through(g_, u, v);
+        Eigen::Vector3f normal = (R_camera_model * s_.normals[at]).normalized();
+        const float length = ray.norm();
+        if (normal.dot(ray) > 0) normal = -normal;
+        const float facing = -normal.dot(ray) / length;
+        if (!(facing > kGrazing)) continue;
+
+        const auto [r, pixel] =
+            measure_along(image_, u, v, z, length * facing, options_.verify.tolerance);
+        if (pixel < 0) {
+          out.unknown += square;
+          continue;
+        }
+        const bool background =
+            options_.verify.is_background(image_.plane[static_cast<std::size_t>(pixel)]);
+        const float tolerance = options_.verify.tolerance;
+        if (std::abs(r) > tolerance) {
+          if (measured_beside(image_, u, v, z, length * facing, tolerance, edge_)) continue;
+          if (r > 0 || background) {  // nothing reaches through a table
+            out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
+          } else {
+            out.occluded += square;
+            if (r > -kShallow * tolerance) out.sunk += square;
+            s_.state[at] = kHidden;
+            s_.residual[at] = r;
+          }
+        } else if (background) {
+          out.background += square;
+        } else {
+          s_.state[at] = kConsistent;
+          s_.residual[at] = r;
+          out.consistent += square;
+          const double share = static_cast<double>(r / tolerance);
+          sums.count += 1;
+          sums.squares += share * share;
+          sums.area += static_cast<double>(square * z * z / (g_.fx * g_.fy * facing));
+          const Eigen::Vector3d place = (R_scene_camera * (ray * z - centre_)).cast<double>();
+          sums.places += place;
+          sums.spread.noalias() += place * place.transpose();
+          const Vector6 J = constraint(R_scene_camera, ray * z, normal);
+          sums.covariance.noalias() += J * J.transpose();
+          if (explained)
+            explained->pixels.push_back(first_pixel + static_cast<std::uint32_t>(v) * g_.width +
+                                        static_cast<std::uint32_t>(u));
+        }
+      }
+    }
+  }
+
+  /// Average the residuals over windows, and fit planes to them.
+  void smooth(Sums& sums) {
+    sum_up();
+    const int half = std::max(
+        1, static_cast<int>(std::lround(options_.window / static_cast<float>(crop_.stride))));
+    const double tolerance = static_cast<double>(options_.verify.tolerance);
+    for (int j = 0; j < crop_.height; ++j) {
+      for (int i = 0; i < crop_.width; ++i) {
+        const std::size_t at = crop_.at(i, j);
+        if (s_.state[at] != kConsistent) continue;
+        const std::array<double, 9> w =
+            window_sums(std::max(0, i - half), std::max(0, j - half),
+                        std::min(crop_.width - 1, i + half), std::min(crop_.height - 1, j + half));
+        const double n = w[0], mean = w[1] / n;
+        sums.smooth += mean * mean / (tolerance * tolerance);
+        if (n < kFewest) continue;
+        const SlopeFit fit = fit_slope({n, w[2], w[3], w[4], w[6], w[5], w[1], w[7], w[8]});
+        if (!(fit.determinant > 1e-3 * n * n)) continue;
+        const double step =
+            static_cast<double>(s_.distance[at] / g_.fx * static_cast<float>(crop_.stride));
+        sums.slope += std::atan(std::sqrt(fit.gx * fit.gx + fit.gy * fit.gy) / step);
+        sums.num_slopes += 1;
+      }
+    }
+  }
+
+  /// Beyond the outline a real object's scene falls back or is not measured, within the few pixels
+  /// that sensors blur edges over; a wrong fit on a larger surface finds that surface running on.
+  void follow_outline(Examination& out, Sums& sums) const {
+    const float jump = std::max(2 * options_.verify.tolerance, 0.03F * diameter_);
+    const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
+    constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    for (int j = kMargin; j < crop_.height - kMargin; ++j) {
+      for (int i = kMargin; i < crop_.width - kMargin; ++i) {
+        if (s_.state[crop_.at(i, j)] < kJudged) continue;
+        for (const auto& [di, dj] : kSteps) {
+          if (ends_at(i, j, di, dj)) {
+            judge_end(R_scene_camera, i, j, di, dj, jump, out, sums);
+          } else if (dips_at(i, j, di, dj) && runs_on(i, j, di, dj, jump)) {
+            out.buried += static_cast<float>(crop_.stride);
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  bool inside(int u, int v) const noexcept {
+    return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
+  }
+
+  std::size_t pixel_at(int u, int v) const noexcept {
+    return static_cast<std::size_t>(v) * g_.width + static_cast<std::size_t>(u);
+  }
+
+  /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
+  void sum_up() {
+    const std::size_t row = static_cast<std::size_t>(crop_.width) + 1;
+    s_.sums.assign(row * (static_cast<std::size_t>(crop_.height) + 1), {});
+    for (int j = 0; j < crop_.height; ++j) {
+      std::array<double, 9> line{};
+      for (int i = 0; i < crop_.width; ++i) {
+        const std::size_t at = crop_.at(i, j);
+        if (s_.state[at] == kConsistent) {
+          const double r = static_cast<double>(s_.residual[at]), x = i, y = j;
+          const std::array<double, 9> add{1, r, x, y, x * x, y * y, x * y, r * x, r * y};
+          for (std::size_t k = 0; k < 9; ++k) line[k] += add[k];
+        }
+        const std::size_t below =
+            (static_cast<std::size_t>(j) + 1) * row + static_cast<std::size_t>(i) + 1;
+        for (std::size_t k = 0; k < 9; ++k) s_.sums[below][k] = s_.sums[below - row][k] + line[k];
+      }
+    }
+  }
+
+  std::array<double, 9> window_sums(int i0, int j0, int i1, int j1) const noexcept {
+    const std::size_t row = static_cast<std::size_t>(crop_.width) + 1;
+    const auto at = [&](int i, int j) -> const std::array<double, 9>& {
+      return s_.sums[static_cast<std::size_t>(j) * row + static_cast<std::size_t>(i)];
+    };
+    std::array<double, 9> sum;
+    for (std::size_t k = 0; k < 9; ++k)
+      sum[k] = at(i1 + 1, j1 + 1)[k] - at(i0, j1 + 1)[k] - at(i1 + 1, j0)[k] + at(i0, j0)[k];
+    return sum;
+  }
+
+  /// Whether the model ends here: nothing is met by the rays beyond. Clouds have holes a few rays
+  /// wide.
+  bool ends_at(int i, int j, int di, int dj) const noexcept {
+    for (int k = 1; k <= kMargin; ++k) {
+      if (s_.state[crop_.at(i + k * di, j + k * dj)] != kMissed) return false;
+    }
+    return true;
+  }
+
+  /// Whether the seen part ends here, and the model goes on deep beneath what is measured.
+  bool dips_at(int i, int j, int di, int dj) const noexcept {
+    if (s_.state[crop_.at(i, j)] != kConsistent) return false;
+    const float deep = -kDeep * options_.verify.tolerance;
+    const int least = kLeastRays + edge_ / crop_.stride;
+    for (int k = 1; k <= kMostRays; ++k) {
+      const int x = i + k * di, y = j + k * dj;
+      if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
+      const std::size_t at = crop_.at(x, y);
+      if (s_.state[at] != kHidden) return false;
+      if (k >= least && s_.residual[at] < deep) return true;
+    }
+    return false;
+  }
+
+  /// Whether the scene goes on as the plane that it is before this ray: no edge, no fold.
+  bool runs_on(int i, int j, int di, int dj, float jump) const noexcept {
+    const int u = crop_.u(i), v = crop_.v(j);
+    const int away = static_cast<int>(options_.window) + 1;  // no normal is fitted to both sides
+    if (folds(u, v, away * di, away * dj)) return false;
+    const int u0 = u - away * di, v0 = v - away * dj;
+    if (!inside(u0, v0)) return false;
+    const std::size_t before = pixel_at(u0, v0);
+    const Eigen::Vector3f n = image_.normals[before];
+    if (!(image_.depth[before] > 0) || !std::isfinite(n.x())) return false;
+    const float offset = n.dot(g_.back_project(before, image_.depth[before]));
+    const int last = reach(s_.distance[crop_.at(i, j)]);
+    for (int step = 1; step <= last; ++step) {
+      const int x = u + step * di, y = v + step * dj;
+      if (!inside(x, y)) return false;
+      const float d = image_.depth[pixel_at(x, y)];
+      if (!(d > 0) || std::abs(n.dot(g_.back_project(pixel_at(x, y), d)) - offset) > jump)
+        return false;
+    }
+    return true;
+  }
+
+  /// A place where the model ends: what lies beyond, and how it holds the pose.
+  void judge_end(const Eigen::Matrix3f& R_scene_camera, int i, int j, int di, int dj, float jump,
+                 Examination& out, Sums& sums) const noexcept {
+    const bool free = judge_beyond(i, j, di, dj, jump, out);
+    sums.outline += 1;
+    if (!free || !agrees_within(i, j, di, dj)) return;
+    const Vector6 J = outline_constraint(R_scene_camera, i, j, jump);
+    sums.outline_covariance.noalias() += J * J.transpose();
+  }
+
+  /// Pixels across an outline that sensors blur it over. It is somewhere between the last ray that
+  /// meets the model, and the next one.
+  int reach(float z) const noexcept {
+    return crop_.stride - 1 +
+           std::max({3, edge_ + 1, static_cast<int>(0.03F * diameter_ * g_.fx / z)});
+  }
+
+  /// Add what lies beyond a place of the outline; returns whether that is free.
+  bool judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const noexcept {
+    const float z = s_.distance[crop_.at(i, j)];
+    const int last = reach(z);
+    bool any = false, open = false, judged = true;
+    for (int step = 1; step <= last; ++step) {
+      const int u = crop_.u(i) + step * di, v = crop_.v(j) + step * dj;
+      if (!inside(u, v)) break;
+      any = true;
+      const std::size_t pixel = pixel_at(u, v);
+      const float d = image_.depth[pixel];
+      if (d > 0 && d < z - jump) {
+        judged = false;  // hidden by something nearer
+      } else if (!(d > 0) || d > z + jump) {
+        open = true;
+      } else if (options_.verify.is_background(image_.near_plane[pixel])) {
+        judged = false;  // things stand on it
+      }
+    }
+    if (!any) return false;
+    const auto length = static_cast<float>(crop_.stride);
+    out.outline += length;
+    if (open) {
+      out.outline_free += length;
+    } else if (judged) {
+      const bool touches = creases(crop_.u(i), crop_.v(j), di, dj);
+      (touches ? out.outline_touching : out.outline_crossed) += length;
+    }
+    return open;
+  }
+
+  /// Whether the sensor saw the model up to its end here, but for the rays that graze it or that
+  /// edges are blurred over.
+  bool agrees_within(int i, int j, int di, int dj) const noexcept {
+    const int last = reach(s_.distance[crop_.at(i, j)]) / crop_.stride;
+    for (int k = 0; k <= last; ++k) {
+      const int x = i - k * di, y = j - k * dj;
+      if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
+      if (s_.state[crop_.at(x, y)] == kConsistent) return true;
+    }
+    return false;
+  }
+
+  /// J of the outline, which would be seen to move across itself.
+  Vector6 outline_constraint(const Eigen::Matrix3f& R_scene_camera, int i, int j,
+                             float jump) const noexcept {
+    const float z = s_.distance[crop_.at(i, j)];
+    const Eigen::Vector3f ray = ray_through(g_, crop_.u(i), crop_.v(j));
+    const Eigen::Vector2f across = direction_across(i, j, jump);
+    const Eigen::Vector2f a(across.x() * g_.fx, across.y() * g_.fy);
+    const Eigen::Vector3f n(a.x(), a.y(), -a.dot(ray.head<2>()));
+    return constraint(R_scene_camera, ray * z, n.normalized());
+  }
+
+  /// The direction in the image across the outline, to 4 degrees; a unit vector. Zero where the
+  /// rays around that miss the model lie elsewhere than those of them that met something farther:
+  /// near a corner of the model that hides or runs on, its sides would hold it along themselves, as
+  /// the steps would do where they are slanted.
+  Eigen::Vector2f direction_across(int i, int j, float jump) const noexcept {
+    const float farther = s_.distance[crop_.at(i, j)] + jump;
+    Eigen::Vector2f missed(0, 0), seen(0, 0);
+    for (int dj = -kAcross; dj <= kAcross; ++dj) {
+      for (int di = -kAcross; di <= kAcross; ++di) {
+        if (di * di + dj * dj > kAcross * kAcross + 1) continue;
+        if (s_.state[crop_.at(i + di, j + dj)] != kMissed) continue;
+        const Eigen::Vector2f step(static_cast<float>(di), static_cast<float>(dj));
+        missed += step;
+        const int u = crop_.u(i + di), v = crop_.v(j + dj);
+        if (inside(u, v) && image_.depth[pixel_at(u, v)] > farther) seen += step;
+      }
+    }
+    const bool agree = missed.dot(seen) > kSameCosine * missed.norm() * seen.norm();
+    return agree ? missed.normalized() : Eigen::Vector2f::Zero();
+  }
+
+  /// J of a point and a direction in the camera's frame.
+  Vector6 constraint(const Eigen::Matrix3f& R_scene_camera, const Eigen::Vector3f& point,
+                     const Eigen::Vector3f& normal) const noexcept {
+    const Eigen::Vector3f n = R_scene_camera * normal;
+    const Eigen::Vector3f arm = R_scene_camera * (point - centre_) / (0.5F * diameter_);
+    Vector6 J;
+    J << arm.cross(n).cast<double>(), n.cast<double>();
+    return J;
+  }
+
+  /// Whether the scene's surface bends towards the sensor as where two bodies touch: sharply, or
+  /// over the pixels that sensors which match windows round a crease over. The far side of a body's
+  /// own edge bends away.
+  bool creases(int u, int v, int du, int dv) const noexcept {
+    const int away = static_cast<int>(options_.window) + 1;
+    for (int k = away; k <= kRounded * away; k += away) {
+      if (!folds(u, v, k * du, k * dv)) continue;
+      const std::size_t from = pixel_at(u - k * du, v - k * dv);
+      const std::size_t to = pixel_at(u + k * du, v + k * dv);
+      const Eigen::Vector3f across =
+          g_.back_project(to, image_.depth[to]) - g_.back_project(from, image_.depth[from]);
+      if (image_.normals[from].dot(across) > 0 && image_.normals[to].dot(across) < 0) return true;
+    }
+    return false;
+  }
+
+  /// Whether the scene's surface bends between both sides of a pixel, (du, dv) away from it; false
+  /// where either side has no normal.
+  bool folds(int u, int v, int du, int dv) const noexcept {
+    const int u0 = u - du, v0 = v - dv, u1 = u + du, v1 = v + dv;
+    if (!inside(u0, v0) || !inside(u1, v1)) return false;
+    const auto normal = [&](int x, int y) { return image_.normals[pixel_at(x, y)]; };
+    return normal(u0, v0).dot(normal(u1, v1)) < kFoldCosine;
+  }
+
+  const RangeImage& image_;
+  const ImageGeometry& g_;
+  const ExamineOptions& options_;
+  ExamineScratch& s_;
+  Pose T_camera_model_;
+  float diameter_;
+  Eigen::Vector3f centre_;
+  int edge_;        // [pixel]
+  float softness_;  // [tolerances]
+  RayCrop crop_;
+};
+
+/// What turning about the symmetry axis does to J, as a unit vector; zero without an axis.
+Vector6 free_turn(const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
+                  const Pose& T_scene_model) noexcept {
+  Vector6 turn = Vector6::Zero();
+  if (!free_axis) return turn;
+  const Eigen::Vector3f axis = T_scene_model.linear() * free_axis->direction;
+  const Eigen::Vector3f arm =
+      T_scene_model * samples.centre - T_scene_model * Eigen::Vector3f(free_axis->point);
+  turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * samples.diameter)).cast<double>();
+  return turn.normalized();
+}
+
+/// Standard deviation of the consistent places from the plane through them.
+float off_plane(const Sums& sums) {
+  const Eigen::Vector3d mean = sums.places / sums.count;
+  const Eigen::Matrix3d spread = sums.spread / sums.count - mean * mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread, Eigen::EigenvaluesOnly);
+  return static_cast<float>(std::sqrt(std::max(0.0, solver.eigenvalues()(0))));
+}
+
+}  // namespace
+
+void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
+                  const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
+                  const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
+                  Examination& out, ExplainedPixels* explained) {
+  out = {};
+  if (explained) *explained = {};
+  const float radius = 0.5F * ball_diameter(samples);
+  Sums sums;
+  std::uint32_t first_pixel = 0;
+  for (const RangeImage& image : images) {
+    const std::optional<PixelBox> box = project_ball(
+        image.geometry, image.geometry.T_camera_scene * (T_scene_model * samples.centre), radius);
+    if (box) {
+      Examiner examiner(image, samples, T_scene_model, *box, options, scratch);
+      examiner.compare(surface, first_pixel, out, sums, explained);
+      examiner.smooth(sums);
+      examiner.follow_outline(out, sums);
+      if (explained) explained->square = static_cast<std::uint32_t>(examiner.crop().stride);
+    }
+    first_pixel += static_cast<std::uint32_t>(image.depth.size());
+  }
+  if (sums.count == 0) return;
+  const float wave = options.waviness.height / options.verify.tolerance;
+  const auto beyond = [](double squares, float expected) {
+    return std::max(0.0F, static_cast<float>(squares) - expected * expected);
+  };
+  out.residual = beyond(sums.squares / sums.count, wave);
+  out.smooth = beyond(sums.smooth / sums.count, wave);
+  const double slope = sums.slope / std::max(1.0, sums.num_slopes);
+  out.slope = std::sqrt(beyond(slope * slope, options.waviness.slope_rad));
+  out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
+  out.relief = off_plane(sums) / options.verify.tolerance;
+  const Vector6 turn = free_turn(samples, free_axis, T_scene_model);
+  Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
+  if (sums.outline > 0) held += kOutlineShare / sums.outline * sums.outline_covariance;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(held, Eigen::EigenvaluesOnly);
+  out.hold = static_cast<float>(std::max(0.0, solver.eigenvalues()(0)));
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,119 @@
+#include "kernels/verification/object_scale.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+#include "kernels/verification/ray_crop.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+using Vector8 = ObjectEquations::Vector8;
+
+constexpr float kGrazing = 0.3F;  // cosine below which half a pixel is more than the noise
+constexpr int kBlock = 16;        // [pixel]; errors of real cameras correlate over 8
+// Instead of a residual.
+constexpr float kEdge = std::numeric_limits<float>::infinity();  // the model ends, or is not seen
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// The geometry of an image with a focal scale applied.
+ImageGeometry scaled(ImageGeometry geometry, double log_focal) {
+  const auto factor = static_cast<float>(std::exp(log_focal));
+  geometry.fx *= factor;
+  geometry.fy *= factor;
+  return geometry;
+}
+
+/// What was measured along a ray beyond the model's surface, across it.
+float residual_at(const RangeImage& image, int u, int v, float z, float along, float depth_factor,
+                  float gate) {
+  const ImageGeometry& g = image.geometry;
+  if (!std::isfinite(z) || u < 0 || v < 0 || u >= static_cast<int>(g.width) ||
+      v >= static_cast<int>(g.height))
+    return kEdge;
+  const float d = image.depth[static_cast<std::size_t>(v) * g.width + static_cast<std::size_t>(u)];
+  if (!(d > 0)) return kUnknown;
+  const float r = (d * depth_factor - z) * along;
+  return std::abs(r) < gate ? r : kEdge;
+}
+
+bool is_near_edge(const RayCrop& crop, const Column<float>& residuals, int i, int j, int reach) {
+  if (i < reach || j < reach || i + reach >= crop.width || j + reach >= crop.height) return true;
+  for (int y = j - reach; y <= j + reach; ++y) {
+    for (int x = i - reach; x <= i + reach; ++x) {
+      if (residuals[crop.at(x, y)] == kEdge) return true;
+    }
+  }
+  return false;
+}
+
+/// Derivative of a residual at the point `met` of a surface with the normal `n`.
+Vector8 derivative(const Eigen::Vector3d& met, const Eigen::Vector3d& centre,
+                   const Eigen::Vector3d& n) {
+  Vector8 J;
+  J << n.cross(met - centre), -n, -(n.x() * met.x() + n.y() * met.y()), n.dot(met);
+  return J;
+}
+
+}  // namespace
+
+void gather_object(const RangeImage& image, const RayScene& surface, const ModelSamples& samples,
+                   const Pose& T_camera_model, const LogScales& scales, const ScaleOptions& options,
+                   ScaleScratch& s, ObjectEquations& out) {
+  out = {};
+  const ImageGeometry g = scaled(image.geometry, scales.focal);
+  const auto depth_factor = static_cast<float>(std::exp(scales.depth));
+  const Eigen::Vector3f centre = T_camera_model * samples.centre;
+  const std::optional<PixelBox> box = project_ball(g, centre, 0.5F * ball_diameter(samples));
+  if (!box) return;
+  const RayCrop crop(*box, 1);
+  out.num_rays = crop.size();
+  shoot_rays(g, crop, surface, T_camera_model, s.directions, s.depths, s.normals);
+
+  // Normals come to the camera's frame and side.
+  const Eigen::Matrix3f R = T_camera_model.linear();
+  s.residuals.resize(crop.size());
+  for (int j = 0; j < crop.height; ++j) {
+    for (int i = 0; i < crop.width; ++i) {
+      const std::size_t at = crop.at(i, j);
+      if (!std::isfinite(s.depths[at])) {
+        s.residuals[at] = kEdge;
+        continue;
+      }
+      const Eigen::Vector3f ray = ray_through(g, crop.u(i), crop.v(j));
+      const Eigen::Vector3f normal = (R * s.normals[at]).normalized();
+      const float along = std::abs(normal.dot(ray));
+      s.normals.set(at, normal.dot(ray) > 0 ? Eigen::Vector3f(-normal) : normal);
+      s.residuals[at] =
+          residual_at(image, crop.u(i), crop.v(j), s.depths[at], along, depth_factor, options.gate);
+      if (s.residuals[at] != kEdge && !(along > kGrazing * ray.norm())) s.residuals[at] = kUnknown;
+    }
+  }
+
+  const int reach = (options.edge_pixels + crop.stride - 1) / crop.stride;
+  const int blocks_wide = crop.width * crop.stride / kBlock + 1;
+  const int blocks_high = crop.height * crop.stride / kBlock + 1;
+  out.blocks.assign(static_cast<std::size_t>(blocks_wide * blocks_high), Vector8::Zero());
+  const auto sigma = static_cast<double>(options.sigma);
+  for (int j = 0; j < crop.height; ++j) {
+    for (int i = 0; i < crop.width; ++i) {
+      const std::size_t at = crop.at(i, j);
+      if (!std::isfinite(s.residuals[at]) || is_near_edge(crop, s.residuals, i, j, reach)) continue;
+      const Eigen::Vector3f met = s.depths[at] * ray_through(g, crop.u(i), crop.v(j));
+      const Vector8 J =
+          derivative(met.cast<double>(), centre.cast<double>(), s.normals[at].cast<double>());
+      const double r = -static_cast<double>(s.residuals[at]);  // beyond is against the normal
+      const double share = r / static_cast<double>(options.gate);
+      const double root = (1 - share * share) / sigma;
+      const Vector8 pull = -root * root * r * J;
+      out.information.noalias() += root * root * J * J.transpose();
+      out.pull += pull;
+      out.blocks[static_cast<std::size_t>(j * crop.stride / kBlock * blocks_wide +
+                                          i * crop.stride / kBlock)] += pull;
+      ++out.num_used;
+    }
+  }
+}
+
+}  // namespace trivet::kernels

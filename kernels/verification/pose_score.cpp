@@ -1,0 +1,60 @@
+#include "kernels/verification/pose_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trivet::kernels {
+namespace {
+
+constexpr float kEnoughPixels = 200;  // more of them say how near the object is, not how right
+
+}  // namespace
+
+ScoreParts score_parts(const Examination& e, float relative_tolerance, float correlation) noexcept {
+  const float seen = e.consistent + e.violation + e.background;
+  const float silhouette = e.covered + e.outside;  // nothing was measured beyond the images
+  const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
+  // The constants are what a sensor cannot tell from nothing: without them a part would grow with
+  // the number of pixels, and near objects would score better than far ones.
+  return {std::log(e.violation / (seen + 10) + 0.03F),
+          std::log(e.background / (seen + 10) + 0.05F),
+          e.outline_free / (e.outline + 5),
+          std::log(e.outline_crossed / (outline + 5) + 0.05F),
+          std::log(e.outline_touching / (outline + 5) + 0.05F),
+          std::log(e.buried / (outline + e.buried + 5) + 0.05F),
+          e.residual,
+          std::log(e.smooth + 0.005F),
+          std::log(e.slope + 0.02F),
+          std::log(e.hold + 0.0003F),
+          std::log(e.consistent / (silhouette + 1) + 0.02F),
+          e.unknown / (e.covered + 1),
+          std::log(std::min(e.consistent, kEnoughPixels) + 1),
+          std::log(e.sunk / (seen + e.sunk + 10) + 0.03F),
+          std::log(e.relief + 0.3F),
+          std::log(relative_tolerance),
+          correlation};
+}
+
+float part_evidence(const ScoreModel& model, const ScoreParts& parts, std::size_t part) noexcept {
+  const auto& knots = model.knots[part];
+  const std::array<float, 2> shares = sensor_shares(parts);
+  float sum = 0;
+  for (std::size_t k = 0; k + 1 < ScoreModel::kKnots; ++k) {
+    if (!(knots[k + 1] > knots[k])) continue;
+    const float ramp = std::clamp((parts[part] - knots[k]) / (knots[k + 1] - knots[k]), 0.0F, 1.0F);
+    const float weight =
+        shares[0] * model.weights[0][part][k] + shares[1] * model.weights[1][part][k];
+    sum += weight * (kScoreParts[part].favourable ? ramp : 1 - ramp);
+  }
+  return sum;
+}
+
+float pose_probability(const ScoreModel& model, const ScoreParts& parts) noexcept {
+  const std::array<float, 2> shares = sensor_shares(parts);
+  float log_odds = shares[0] * model.bias[0] + shares[1] * model.bias[1];
+  for (std::size_t part = 0; part < kNumScoreParts; ++part)
+    log_odds += part_evidence(model, parts, part);
+  return 1 / (1 + std::exp(-log_odds));
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,55 @@
+/// Model samples as a camera sees them, a block at a time, so that loops over them vectorise.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/scans/range_image.hpp"
+#include "kernels/surfaces/model_samples.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::kernels {
+
+/// Samples of a block: few enough that all its columns stay in the first-level cache.
+inline constexpr std::size_t kSampleBlock = 256;
+
+template <class T>
+using BlockColumn = std::array<T, kSampleBlock>;
+
+/// Consecutive samples in the camera's frame.
+struct SampleBlock {
+  std::size_t first = 0, count = 0;
+  alignas(64) BlockColumn<float> x, y, z;
+  alignas(64) BlockColumn<float> normal_x, normal_y, normal_z;
+  alignas(64) BlockColumn<std::int32_t> column, row;  ///< of the pixel; -1 outside or behind
+};
+
+/// A model at a pose before the camera of one image, which both must outlive it.
+class PosedSamples {
+ public:
+  PosedSamples(const ImageGeometry& geometry, const ModelSamples& samples,
+               const Pose& T_scene_model) noexcept;
+
+  const Pose& T_camera_model() const noexcept { return T_camera_model_; }
+
+  /// Whether the model itself leaves sample i in view.
+  bool sees(std::size_t i) const noexcept {
+    return (samples_.views[i][view_word_] >> view_bit_ & 1U) != 0;
+  }
+
+  /// Place samples from `first` to below `end`, no more than a block. No allocation. The same bits
+  /// as T_camera_model() * point, its rotation times the normal, and ImageGeometry::pixel_of.
+  void place(std::size_t first, std::size_t end, SampleBlock& block) const noexcept;
+
+ private:
+  const ImageGeometry& geometry_;
+  const ModelSamples& samples_;
+  Pose T_camera_model_;
+  std::size_t view_word_, view_bit_;
+};
+
+/// Move points: ((c0 x + c1 y) + c2 z) + t, as Eigen sums. Columns must not overlap.
+void move_points(const Pose& pose, PointsView points, float* x, float* y, float* z) noexcept;
+
+}  // namespace trivet::kernels

@@ -1,0 +1,38 @@
+/// Bring a pose to its best fit: point-to-plane ICP with projective association and robust weights.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "kernels/scans/range_image.hpp"
+#include "kernels/verification/verify_pose.hpp"
+#include "storage/model.hpp"
+
+namespace trivet::kernels {
+
+struct RefineOptions {
+  std::size_t num_samples = 400;  ///< the first samples of the model
+  int max_iterations = 10;
+  float first_gate =
+      0;  ///< residuals beyond it have no weight in the first iteration [scene unit], > 0
+  float last_gate = 0;  ///< ... in the last one; the gate shrinks geometrically between, > 0
+  float max_normal_angle_rad = 1.0F;
+  float max_translation =
+      0;  ///< the result is given up beyond this motion of the model's centre, > 0
+  float max_rotation_rad = 0.35F;
+};
+
+struct Refined {
+  Pose T_scene_model;
+  int iterations = 0;
+  bool moved_too_far = false;  ///< the pose is then the one given
+};
+
+/// Minimise sum w (n . (T p - q))^2 over the visible samples p, where q is the measured point on
+/// p's viewing ray and n its normal (Chen and Medioni, 1992; association as Blais and Levine, PAMI
+/// 1995; weights of Tukey). No allocation. Fewer than 20 associated samples leave the pose where it
+/// is.
+Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samples,
+                    const Pose& T_scene_model, const RefineOptions& options) noexcept;
+
+}  // namespace trivet::kernels

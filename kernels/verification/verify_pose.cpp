@@ -1,0 +1,322 @@
+#include "kernels/verification/verify_pose.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "kernels/verification/posed_samples.hpp"
+#include "storage/simd.hpp"
+
+namespace trivet::kernels {
+
+float Evidence::support() const noexcept {
+  const auto seen = static_cast<float>(consistent + oblique + violation + background);
+  return seen > 0 ? weight / seen : 0;
+}
+
+float Evidence::visible_fraction() const noexcept {
+  return visible > 0 ? static_cast<float>(consistent) / static_cast<float>(visible) : 0;
+}
+
+float Evidence::violation_fraction() const noexcept {
+  const auto judged = static_cast<float>(consistent + oblique + violation + occluded + background);
+  return judged > 0 ? static_cast<float>(violation) / judged : 0;
+}
+
+float Evidence::contour() const noexcept {
+  const std::uint32_t judged = contour_free + contour_crossed;
+  constexpr std::uint32_t kFewest = 8;
+  return judged >= kFewest ? static_cast<float>(contour_free) / static_cast<float>(judged) : 1;
+}
+
+float Evidence::rmse() const noexcept {
+  return consistent > 0 ? std::sqrt(squared_residuals / static_cast<float>(consistent)) : 0;
+}
+
+float Evidence::score() const noexcept {
+  const float agreement = support() * (1 - violation_fraction()) * contour();
+  return agreement * std::sqrt(agreement) * std::pow(visible_fraction(), 0.2F);
+}
+
+namespace {
+
+constexpr float kGrazing = 0.15F;  // cosine below which a surface is too oblique to be measured
+constexpr float kUnknownNormal =
+    0.8F;  // cosine taken where the scene has no normal: below that of a good fit
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Cosines between the rays and the surface.
+TRIVET_SIMD_CLONES
+void find_facing(std::size_t n, const float* __restrict x, const float* __restrict y,
+                 const float* __restrict z, const float* __restrict normal_x,
+                 const float* __restrict normal_y, const float* __restrict normal_z,
+                 float* __restrict facing) noexcept {
+  for (std::size_t i = 0; i < n; ++i) {
+    facing[i] = -(normal_x[i] * x[i] + (normal_y[i] * y[i] + normal_z[i] * z[i])) /
+                std::sqrt(x[i] * x[i] + (y[i] * y[i] + z[i] * z[i]));
+  }
+}
+
+/// Samples that should be visible, and what was measured there.
+struct Seen {
+  std::size_t count = 0;
+  alignas(64) BlockColumn<std::int32_t> index;  // in the block
+  alignas(64) BlockColumn<std::int32_t> pixel;  // the sample's or a neighbour, whichever fits best
+  alignas(64) BlockColumn<float> residual;      // there; infinite without a measurement
+};
+
+/// The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a hole.
+/// Beyond the image's edge the pixel stands for its neighbour.
+TRIVET_SIMD_CLONES
+void fit_pixels(const float* __restrict depth, std::int32_t width, std::int32_t height,
+                float tolerance, std::size_t n, const std::int32_t* __restrict index,
+                const std::int32_t* __restrict column, const std::int32_t* __restrict row,
+                const float* __restrict z, const float* __restrict facing,
+                std::int32_t* __restrict pixel, float* __restrict residual) noexcept {
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::int32_t i = index[k], u = column[i], v = row[i], at = v * width + u;
+    const float model_depth = z[i], cosine = facing[i];
+    const float own_depth = depth[at];
+    const float own = own_depth > 0 ? (own_depth - model_depth) * cosine : kInfinity;
+    float best = own;
+    std::int32_t best_pixel = at;
+    const auto consider = [&](std::int32_t beside) {
+      const float d = depth[beside];
+      const float r = (d - model_depth) * cosine;
+      const bool better = (d > 0) & (std::abs(r) < std::abs(best));
+      best = better ? r : best;
+      best_pixel = better ? beside : best_pixel;
+    };
+    const std::int32_t left = u > 0, right = u + 1 < width, above = v > 0, below = v + 1 < height;
+    consider(at - left);
+    consider(at + right);
+    consider(at - above * width);
+    consider(at + below * width);
+    const bool agrees = std::abs(own) <= tolerance;
+    residual[k] = agrees ? own : best;
+    pixel[k] = agrees ? at : best_pixel;
+  }
+}
+
+/// What the seen samples of one block met.
+void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen& seen,
+                   const VerifyOptions& options, float min_normal_cosine, Evidence& evidence,
+                   std::uint32_t first_pixel, std::vector<std::uint32_t>* explained) {
+  // Branches here would be guessed wrong as often as right: count without any.
+  BlockColumn<std::uint32_t> agreeing;
+  std::uint32_t num_agreeing = 0, unknown = 0, violation = 0, occluded = 0, on_background = 0;
+  const std::span<const std::uint8_t> planes = image.plane;
+  for (std::uint32_t k = 0; k < seen.count; ++k) {
+    const float r = seen.residual[k];
+    const bool background = options.is_background(planes[static_cast<std::size_t>(seen.pixel[k])]);
+    const bool known = r < kInfinity, behind = known & (r > options.tolerance),
+               before = r < -options.tolerance, agrees = known & !behind & !before;
+    unknown += !known;
+    violation += behind | (before & background);  // nothing reaches through a table
+    occluded += before & !background;
+    on_background += agrees & background;
+    agreeing[num_agreeing] = k;
+    num_agreeing += agrees & !background;
+  }
+  evidence.unknown += unknown;
+  evidence.violation += violation;
+  evidence.occluded += occluded;
+  evidence.background += on_background;
+  for (std::uint32_t a = 0; a < num_agreeing; ++a) {
+    const std::uint32_t k = agreeing[a];
+    const auto i = static_cast<std::size_t>(seen.index[k]);
+    const Eigen::Vector3f normal(block.normal_x[i], block.normal_y[i], block.normal_z[i]);
+    const float cosine = normal.dot(image.normals[static_cast<std::size_t>(seen.pixel[k])]);
+    if (cosine < min_normal_cosine) {  // also false without a scene normal
+      ++evidence.oblique;
+      continue;
+    }
+    ++evidence.consistent;
+    const float share = seen.residual[k] / options.tolerance;
+    const float agreement = std::isfinite(cosine) ? cosine : kUnknownNormal;
+    evidence.weight += (1 - share * share) * agreement;
+    evidence.squared_residuals += seen.residual[k] * seen.residual[k];
+    if (explained) {
+      explained->push_back(first_pixel +
+                           static_cast<std::uint32_t>(block.row[i]) * image.geometry.width +
+                           static_cast<std::uint32_t>(block.column[i]));
+    }
+  }
+}
+
+}  // namespace
+
+Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& samples,
+                     std::size_t num_samples, const Pose& T_scene_model,
+                     const VerifyOptions& options, std::vector<std::uint32_t>* explained) {
+  Evidence evidence;
+  const float min_normal_cosine = std::cos(options.max_normal_angle_rad);
+  const std::size_t n = std::min(num_samples, samples.points.size());
+  std::uint32_t first_pixel = 0;
+  SampleBlock block;
+  BlockColumn<float> facing;
+  Seen seen;
+  for (const RangeImage& image : images) {
+    const PosedSamples posed(image.geometry, samples, T_scene_model);
+    for (std::size_t first = 0; first < n; first += kSampleBlock) {
+      posed.place(first, n, block);
+      find_facing(block.count, block.x.data(), block.y.data(), block.z.data(),
+                  block.normal_x.data(), block.normal_y.data(), block.normal_z.data(),
+                  facing.data());
+      seen.count = 0;
+      for (std::size_t i = 0; i < block.count; ++i) {
+        const bool faces = posed.sees(first + i) & (facing[i] > kGrazing);
+        const bool inside = block.column[i] >= 0;
+        evidence.outside += faces & !inside;
+        seen.index[seen.count] = static_cast<std::int32_t>(i);
+        seen.count += faces & inside;
+      }
+      evidence.visible += static_cast<std::uint32_t>(seen.count);
+      fit_pixels(image.depth.data(), static_cast<std::int32_t>(image.geometry.width),
+                 static_cast<std::int32_t>(image.geometry.height), options.tolerance, seen.count,
+                 seen.index.data(), block.column.data(), block.row.data(), block.z.data(),
+                 facing.data(), seen.pixel.data(), seen.residual.data());
+      judge_samples(image, block, seen, options, min_normal_cosine, evidence, first_pixel,
+                    explained);
+    }
+    first_pixel += static_cast<std::uint32_t>(image.depth.size());
+  }
+  return evidence;
+}
+
+namespace {
+
+constexpr int kOutlineSide = 96;  // cells; a diameter is some 50
+
+/// A coarse image of the model alone, around its centre.
+struct OutlineGrid {
+  float u0 = 0, v0 = 0;  // its corner in the image [pixel]
+  float cell = 0;        // [pixel]
+  int side = 0;
+};
+
+/// The cell of each point, -1 near the grid's border or outside.
+TRIVET_SIMD_CLONES
+void find_cells(const ImageGeometry& geometry, const OutlineGrid& grid, std::size_t n,
+                const float* __restrict x, const float* __restrict y, const float* __restrict z,
+                std::int32_t* __restrict column, std::int32_t* __restrict row) noexcept {
+  const float fx = geometry.fx, fy = geometry.fy, cx = geometry.cx, cy = geometry.cy;
+  const float u0 = grid.u0, v0 = grid.v0, cell = grid.cell;
+  const auto last = static_cast<float>(grid.side - 3);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float u = (fx * x[i] / z[i] + cx - u0) / cell;
+    const float v = (fy * y[i] / z[i] + cy - v0) / cell;
+    const bool inside = (z[i] > 0) & (u >= 3) & (v >= 3) & (u < last) & (v < last);
+    column[i] = static_cast<std::int32_t>(inside ? u : -1.0F);
+    row[i] = static_cast<std::int32_t>(inside ? v : -1.0F);
+  }
+}
+
+/// A row of cells, one bit each.
+__extension__ using Cells = unsigned __int128;
+static_assert(kOutlineSide <= 128);
+
+int lowest(Cells cells) noexcept {
+  const auto low = static_cast<std::uint64_t>(cells);
+  return low != 0 ? std::countr_zero(low)
+                  : 64 + std::countr_zero(static_cast<std::uint64_t>(cells >> 64));
+}
+
+}  // namespace
+
+void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
+                   std::size_t num_samples, const Pose& T_scene_model, const VerifyOptions& options,
+                   ContourScratch& scratch, Evidence& evidence) {
+  const std::size_t n = std::min(num_samples, samples.points.size());
+  if (n == 0) return;
+  const float spacing = samples.spacing * std::sqrt(static_cast<float>(samples.points.size()) /
+                                                    static_cast<float>(n));
+  SampleBlock block;
+  BlockColumn<std::int32_t> columns, rows;
+  BlockColumn<std::uint32_t> drawn;
+  for (const RangeImage& image : images) {
+    const ImageGeometry& geometry = image.geometry;
+    const PosedSamples posed(geometry, samples, T_scene_model);
+    const Eigen::Vector3f centre = posed.T_camera_model() * samples.centre;
+    if (!(centre.z() > samples.diameter * 0.1F)) continue;
+
+    // Each sample covers 3 x 3 cells of 0.8 spacings, which leaves no holes inside the outline and
+    // widens it by about one cell.
+    OutlineGrid grid;
+    grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / centre.z());
+    grid.side = std::min(
+        kOutlineSide,
+        static_cast<int>(std::ceil(2 * samples.diameter * geometry.fx / (centre.z() * grid.cell))) +
+            8);
+    const float half = grid.cell * static_cast<float>(grid.side) / 2;
+    grid.u0 = geometry.fx * centre.x() / centre.z() + geometry.cx - half;
+    grid.v0 = geometry.fy * centre.y() / centre.z() + geometry.cy - half;
+
+    // The nearest sample of each cell.
+    const auto side = static_cast<std::size_t>(grid.side);
+    scratch.depth.assign(side * side, kInfinity);
+    std::array<Cells, kOutlineSide> hit{};
+    for (std::size_t first = 0; first < n; first += kSampleBlock) {
+      posed.place(first, n, block);
+      find_cells(geometry, grid, block.count, block.x.data(), block.y.data(), block.z.data(),
+                 columns.data(), rows.data());
+      std::size_t num_drawn = 0;
+      for (std::size_t i = 0; i < block.count; ++i) {
+        drawn[num_drawn] = static_cast<std::uint32_t>(i);
+        num_drawn += posed.sees(first + i) & (columns[i] >= 0);
+      }
+      for (std::size_t k = 0; k < num_drawn; ++k) {
+        const std::size_t i = drawn[k];
+        const auto u = static_cast<std::size_t>(columns[i]), v = static_cast<std::size_t>(rows[i]);
+        hit[v] |= Cells{1} << u;
+        float& depth = scratch.depth[v * side + u];
+        depth = std::min(depth, block.z[i]);
+      }
+    }
+    std::array<Cells, kOutlineSide> filled{};
+    for (std::size_t v = 1; v + 1 < side; ++v) {
+      const Cells column = hit[v - 1] | hit[v] | hit[v + 1];
+      filled[v] = column << 1 | column | column >> 1;
+    }
+
+    // Beyond each border cell of the outline, one cell out, look at the scene.
+    const float jump = std::max(2 * options.tolerance, 0.03F * samples.diameter);
+    const auto look_beyond = [&](std::size_t u, std::size_t v, int du, int dv) {
+      const float pu = grid.u0 + (static_cast<float>(static_cast<int>(u) + du) + 0.5F) * grid.cell;
+      const float pv = grid.v0 + (static_cast<float>(static_cast<int>(v) + dv) + 0.5F) * grid.cell;
+      if (!(pu >= 0 && pv >= 0 && pu + 0.5F < static_cast<float>(geometry.width) &&
+            pv + 0.5F < static_cast<float>(geometry.height))) {
+        return;
+      }
+      float z = kInfinity;
+      for (const std::size_t row : {v - 1, v, v + 1}) {
+        for (const std::size_t column : {u - 1, u, u + 1}) {
+          z = std::min(z, scratch.depth[row * side + column]);
+        }
+      }
+      const std::size_t pixel = static_cast<std::size_t>(pv + 0.5F) * geometry.width +
+                                static_cast<std::size_t>(pu + 0.5F);
+      const float d = image.depth[pixel];
+      if (d > 0 && d < z - jump) return;  // hidden by something nearer
+      if (!(d > 0) || d > z + jump) {
+        ++evidence.contour_free;
+      } else if (!options.is_background(image.near_plane[pixel])) {
+        ++evidence.contour_crossed;
+      }
+    };
+    for (std::size_t v = 2; v + 2 < side; ++v) {
+      const auto border = [&](Cells beside, Cells beyond, int du, int dv) {
+        for (Cells cells = filled[v] & ~beside & ~beyond; cells != 0; cells &= cells - 1)
+          look_beyond(static_cast<std::size_t>(lowest(cells)), v, du, dv);
+      };
+      border(filled[v] >> 1, filled[v] >> 2, 1, 0);
+      border(filled[v] << 1, filled[v] << 2, -1, 0);
+      border(filled[v + 1], filled[v + 2], 0, 1);
+      border(filled[v - 1], filled[v - 2], 0, -1);
+    }
+  }
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,17 @@
+#include "storage/datasets/bop.hpp"
+
+#include <fmt/format.h>
+
+namespace trivet {
+
+std::string bop_model_name(int object_id) { return fmt::format("obj_{:06}", object_id); }
+
+std::filesystem::path bop_scene_folder(const std::filesystem::path& split_folder, int scene_id) {
+  return split_folder / fmt::format("{:06}", scene_id);
+}
+
+std::filesystem::path bop_depth_file(const std::filesystem::path& scene_folder, int image_id) {
+  return scene_folder / "depth" / fmt::format("{:06}.png", image_id);
+}
+
+}  // namespace trivet

@@ -1,0 +1,136 @@
+#include "storage/manifest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "storage/files/json_file.hpp"
+
+namespace trivet {
+namespace {
+
+LengthUnit parse_unit(const JsonNode& node) {
+  const std::string unit = node.string();
+  if (unit != "m" && unit != "mm") node.refuse("expected the unit \"m\" or \"mm\"");
+  return unit == "m" ? LengthUnit::metre : LengthUnit::millimetre;
+}
+
+double positive(const JsonNode& node) {
+  const double value = node.number();
+  if (!(value > 0)) node.refuse("expected a number above zero");
+  return value;
+}
+
+/// What the manifest declares; lengths are in its unit already. Absent when both lists are empty.
+std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
+  Symmetry symmetry{{}, {}, true};
+  bool declared = false;
+  if (model.has("symmetries")) {
+    declared = !model.at("symmetries").elements().empty();
+    symmetry.poses = model.at("symmetries").symmetry_poses();
+  }
+  if (model.has("symmetry_axis")) {
+    declared = true;
+    symmetry.axis = model.at("symmetry_axis").symmetry_axis();
+  }
+  return declared ? std::optional(symmetry) : std::nullopt;
+}
+
+bool is_name(std::string_view name) {
+  const auto letter = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+  };
+  const auto other = [&](char c) { return letter(c) || c == '.' || c == '_' || c == '-'; };
+  return !name.empty() && name.size() <= 128 && letter(name[0]) &&
+         std::all_of(name.begin(), name.end(), other);
+}
+
+ManifestModel parse_model(const std::string& name, const JsonNode& node,
+                          const std::filesystem::path& folder) {
+  if (!is_name(name)) {
+    node.refuse(
+        "expected a name of up to 128 letters, digits, '.', '_' and '-', beginning with a letter "
+        "or digit");
+  }
+  ManifestModel model;
+  model.name = name;
+  model.file = folder / node.at("file").string();
+  if (node.has("scale")) model.scale = positive(node.at("scale"));
+  model.symmetry = parse_symmetry(node);
+  return model;
+}
+
+TruthInstance parse_truth(const JsonNode& node) {
+  TruthInstance truth{node.at("model").string(), node.at("T_scene_model").pose(), {}, false};
+  if (node.has("occlusion")) truth.occlusion = node.at("occlusion").number();
+  if (node.has("visible_fraction")) truth.visible_fraction = node.at("visible_fraction").number();
+  if (node.has("clutter")) truth.clutter = node.at("clutter").number();
+  if (node.has("ignore")) truth.ignore = node.at("ignore").boolean();
+  return truth;
+}
+
+ManifestScene parse_scene(const JsonNode& node, const std::filesystem::path& folder) {
+  ManifestScene scene;
+  scene.name = node.at("file").string();
+  scene.file = folder / scene.name;
+  if (node.has("camera")) scene.camera = node.at("camera").camera();
+  if (node.has("viewpoint")) scene.viewpoint = node.at("viewpoint").vector3().cast<float>();
+  scene.closed_surface = !scene.camera && !scene.viewpoint;
+  if (node.has("truth")) {
+    for (const JsonNode& truth : node.at("truth").elements())
+      scene.truth.push_back(parse_truth(truth));
+  }
+  return scene;
+}
+
+/// JSON objects have no order; the order of the file is noted while it is parsed.
+class ModelOrder {
+ public:
+  void on_key(int depth, const std::string& key) {
+    if (depth == 1) inside_ = key == "models";
+    if (depth != 2 || !inside_) return;
+    if (!seen_.insert(key).second)
+      throw JsonFault{fmt::format("models: {} stands there twice", key)};
+    names_.push_back(key);
+  }
+  const std::vector<std::string>& names() const noexcept { return names_; }
+
+ private:
+  bool inside_ = false;
+  std::set<std::string> seen_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+Result<Manifest> read_manifest(const std::filesystem::path& file) {
+  const auto folder = file.parent_path();
+  Manifest manifest;
+  ModelOrder order;
+  const auto walk = [&](const JsonNode& root) {
+    manifest.unit = parse_unit(root.at("unit"));
+    if (root.has("models")) {
+      const JsonNode models = root.at("models").object();
+      for (const std::string& name : order.names()) {
+        manifest.models.push_back(parse_model(name, models.at(name), folder));
+      }
+    }
+    if (root.has("models_scored")) {
+      for (const JsonNode& name : root.at("models_scored").elements()) {
+        manifest.models_scored.push_back(name.string());
+      }
+    }
+    if (root.has("scenes")) {
+      for (const JsonNode& scene : root.at("scenes").elements()) {
+        manifest.scenes.push_back(parse_scene(scene, folder));
+      }
+    }
+  };
+  auto done =
+      with_json(file, walk, [&](int depth, const std::string& key) { order.on_key(depth, key); });
+  if (!done) return done.error();
+  return manifest;
+}
+
+}  // namespace trivet

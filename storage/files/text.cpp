@@ -1,0 +1,80 @@
+#include "storage/files/text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+namespace trivet::formats {
+
+TextCursor::TextCursor(std::string_view text, std::string_view more_separators)
+    : begin_(text.data()), at_(text.data()), end_(text.data() + text.size()) {
+  for (const char c : std::string_view(" \t\r\v\f"))
+    separates_[static_cast<unsigned char>(c)] = true;
+  for (const char c : more_separators) separates_[static_cast<unsigned char>(c)] = true;
+}
+
+std::string_view TextCursor::word() noexcept {
+  while (at_ != end_ && separates_[static_cast<unsigned char>(*at_)]) ++at_;
+  const char* const first = at_;
+  while (at_ != end_ && *at_ != '\n' && !separates_[static_cast<unsigned char>(*at_)]) ++at_;
+  return {first, static_cast<std::size_t>(at_ - first)};
+}
+
+std::string_view TextCursor::next_word() noexcept {
+  std::string_view found = word();
+  while (found.empty() && next_line()) found = word();
+  return found;
+}
+
+bool TextCursor::next_line() noexcept {
+  at_ = std::find(at_, end_, '\n');
+  if (at_ == end_) return false;
+  ++at_;
+  ++line_;
+  return true;
+}
+
+namespace {
+
+/// std::from_chars takes no plus sign.
+std::string_view without_plus(std::string_view word) noexcept {
+  const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+  return plus ? word.substr(1) : word;
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view word) noexcept {
+  word = without_plus(word);
+  double value = 0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (end != word.data() + word.size()) return {};
+  if (fault == std::errc{}) return value;
+  // Too small for double is zero, too large is no number.
+  const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
+  if (fault == std::errc::result_out_of_range && tiny) return 0.0;
+  return {};
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view word) noexcept {
+  word = without_plus(word);
+  std::int64_t value = 0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (fault != std::errc{} || end != word.data() + word.size()) return {};
+  return value;
+}
+
+float to_float(double value) noexcept {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  return static_cast<float>(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
+}
+
+std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept {
+  const double limit = std::min(static_cast<double>(bound), 4294967296.0);
+  if (!(value >= 0 && value < limit) || value != std::floor(value)) return {};
+  return static_cast<std::uint32_t>(value);
+}
+
+}  // namespace trivet::formats

@@ -1,0 +1,70 @@
+#include "storage/library/library_format.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "storage/file.hpp"
+
+namespace trivet::format {
+namespace {
+
+/// The byte string of docs/format.md, "The checksum of the whole": name, NUL, length, bytes.
+class Canonical {
+ public:
+  void add(std::string_view name, std::span<const std::byte> bytes) {
+    text_.append(name).push_back('\0');
+    const std::uint64_t length = bytes.size();
+    append(std::as_bytes(std::span(&length, 1)));
+    append(bytes);
+  }
+  void add(const StoredAttributes& attributes) {
+    for (const auto& [name, attribute] : attributes) {
+      if (name != kChecksum) add(name, attribute.bytes);
+    }
+  }
+  std::string digest() const { return xxh3_hex(std::as_bytes(std::span(text_))); }
+
+ private:
+  void append(std::span<const std::byte> bytes) {
+    text_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  std::string text_;
+};
+
+}  // namespace
+
+std::string digest(const StoredDataset& dataset) {
+  Canonical canonical;
+  canonical.add(dataset.attributes);
+  canonical.add("/type", std::as_bytes(std::span(std::string_view(name_of(dataset.type)))));
+  canonical.add("/shape", std::as_bytes(std::span(dataset.shape)));
+  return canonical.digest();
+}
+
+std::string digest(const StoredAttributes& attributes,
+                   const std::map<std::string, std::string>& children) {
+  Canonical canonical;
+  canonical.add(attributes);
+  for (const auto& [name, child] : children)
+    canonical.add("/" + name, std::as_bytes(std::span(child)));
+  return canonical.digest();
+}
+
+std::string digest(const StoredGroup& group) {
+  std::map<std::string, std::string> children;
+  for (const auto& [name, dataset] : group.datasets) children.emplace(name, digest(dataset));
+  for (const auto& [name, below] : group.groups) children.emplace(name, digest(below));
+  return digest(group.attributes, children);
+}
+
+bool is_model_name(std::string_view name) noexcept {
+  const auto alphanumeric = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+  };
+  return !name.empty() && name.size() <= 128 && alphanumeric(name.front()) &&
+         std::ranges::all_of(
+             name, [&](char c) { return alphanumeric(c) || c == '.' || c == '_' || c == '-'; }) &&
+         name.find("..") == std::string_view::npos;
+}
+
+}  // namespace trivet::format

@@ -1,0 +1,77 @@
+#include "storage/library/split_library.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <system_error>
+
+namespace trivet {
+namespace {
+
+double weight_of(const Model& model) {
+  return static_cast<double>(model.ppf.entries.size_bytes() + model.ppf.offsets.size_bytes() +
+                             model.features.codes.size() + 1);
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> split_models(const Library& library,
+                                                     std::size_t num_parts) {
+  const std::size_t n = library.models.size();
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(
+      order, {}, [&](std::uint32_t m) { return library.models[m].ppf.quantisation.distance_step; });
+  double all = 0, before = 0;
+  for (const Model& model : library.models) all += weight_of(model);
+  std::vector<std::vector<std::uint32_t>> parts(num_parts);
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double weight = weight_of(library.models[order[i]]);
+    const auto wanted =
+        static_cast<std::size_t>((before + weight / 2) / all * static_cast<double>(num_parts));
+    before += weight;
+    // One further at most, and only from a part that has something; the last models fill what
+    // would stay empty.
+    const std::size_t least = num_parts - std::min(num_parts, n - i);
+    const bool may_step = !parts[part].empty() && part + 1 < num_parts;
+    if (may_step && (wanted > part || least > part)) ++part;
+    parts[part].push_back(order[i]);
+  }
+  for (std::vector<std::uint32_t>& models : parts) std::ranges::sort(models);
+  return parts;
+}
+
+Result<std::vector<std::filesystem::path>> split_library(const Library& library,
+                                                         std::size_t num_parts,
+                                                         const std::filesystem::path& folder) {
+  if (num_parts < 1 || num_parts > library.models.size()) {
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: expected 1 to {} parts, one a model at most, found {}",
+                             library.file.string(), library.models.size(), num_parts)};
+  }
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    return Error{ErrorCode::cannot_create,
+                 fmt::format("{}: cannot create the folder: {}", folder.string(), error.message())};
+  }
+  std::vector<std::filesystem::path> files;
+  for (const std::vector<std::uint32_t>& models : split_models(library, num_parts)) {
+    files.push_back(folder /
+                    fmt::format("{}-{}.h5", library.file.stem().string(), files.size() + 1));
+    Result<LibraryWriter> writer = LibraryWriter::create(files.back(), library.header);
+    if (!writer) return writer.error();
+    if (library.basis.components.size() > 0) {
+      if (const Result<void> added = writer->add(library.basis); !added) return added.error();
+    }
+    for (const std::uint32_t m : models) {
+      if (const Result<void> added = writer->add(library.models[m]); !added) return added.error();
+    }
+    if (const Result<void> published = writer->publish(); !published) return published.error();
+  }
+  return files;
+}
+
+}  // namespace trivet

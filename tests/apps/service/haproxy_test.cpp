@@ -1,0 +1,159 @@
+/// The documented HAProxy configuration in front of two replicas: what a client sees when one of
+/// them ends or dies.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <regex>
+#include <thread>
+
+#include "apps/program.hpp"
+#include "apps/service/http_client.hpp"
+#include "apps/service/service.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+using test::Answer;
+using test::ask;
+using test::Service;
+
+class HaProxy : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::string(TRIVET_HAPROXY).empty()) GTEST_SKIP() << "no haproxy";
+    const auto run = [&](const std::vector<std::string>& arguments) {
+      const test::Outcome outcome =
+          test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    };
+    run({"scan", "--parts", "2", "-o", "scans", "--scenes", "1", "--instances", "3", "--sensor",
+         "laser"});
+    run({"train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5"});
+    const nlohmann::json camera = nlohmann::json::parse(
+        test::read_bytes(folder_ / "scans/manifest.json"))["scenes"][0]["camera"];
+    std::string numbers;
+    for (const char* const key : {"fx", "fy", "cx", "cy", "depth_scale"})
+      numbers += (numbers.empty() ? "" : ",") + camera[key].dump();
+    query_ = "/v1/recognize?method=ppf&format=png&camera=" + numbers;
+    scan_ = test::read_bytes(folder_ / "scans/test/000001/depth/000000.png");
+    a_ = serve(0);
+    b_ = serve(0);
+
+    // The documented file with ports of our own, and time for a machine that does other things.
+    port_ = test::free_port();
+    std::string text = test::read_bytes(TRIVET_SOURCES "/docs/deploy/haproxy.cfg");
+    const auto replace = [&](const std::string& what, const std::string& by) {
+      const std::size_t at = text.find(what);
+      ASSERT_NE(at, std::string::npos) << what;
+      text.replace(at, what.size(), by);
+    };
+    replace("127.0.0.1:8080", fmt::format("127.0.0.1:{}", port_));
+    replace("127.0.0.1:8081", a_->address());
+    replace("127.0.0.1:8082", b_->address());
+    replace("timeout server 15s", "timeout server 300s");
+    folder_.write("haproxy.cfg", text);
+    proxy_ = std::make_unique<test::Background>(
+        TRIVET_HAPROXY, std::vector<std::string>{"-db", "-f", "haproxy.cfg"}, folder_.path(),
+        [&](const std::string&) { return test::Connection(port_).is_open(); });
+    ASSERT_TRUE(test::comes([&] { return ask(port_, "GET", "/v2/health/ready").status == 200; }));
+  }
+
+  std::unique_ptr<Service> serve(int port) {
+    return std::make_unique<Service>(
+        std::vector<std::string>{"serve", "l.h5", "--parallel", "1", "--deadline-ms", "300000",
+                                 "--drain-grace-ms", "2000", "--exit-timeout-ms", "300000"},
+        folder_.path(), port);
+  }
+  Answer recognise() { return ask(port_, "POST", query_, scan_); }
+
+  /// Recognitions that a replica has, waiting and running.
+  static int num_taken(int port) {
+    const std::string metrics = ask(port, "GET", "/metrics").body;
+    int sum = 0;
+    for (const char* const name : {"queue_depth", "inflight"}) {
+      std::smatch found;
+      if (std::regex_search(metrics, found, std::regex(fmt::format("\ntrivet_{} ([0-9]+)", name))))
+        sum += std::stoi(found[1]);
+    }
+    return sum;
+  }
+
+  /// Answers to requests that are sent at once, after `meanwhile` has been called.
+  std::vector<Answer> recognise_at_once(std::size_t n, const std::function<void()>& meanwhile) {
+    std::vector<Answer> answers(n);
+    std::vector<std::thread> clients;
+    for (Answer& answer : answers) clients.emplace_back([&] { answer = recognise(); });
+    meanwhile();
+    for (std::thread& client : clients) client.join();
+    return answers;
+  }
+
+  const test::TempDir folder_;
+  std::string query_, scan_;
+  int port_ = 0;
+  std::unique_ptr<Service> a_, b_;
+  std::unique_ptr<test::Background> proxy_;
+};
+
+TEST_F(HaProxy, LosesNothingWhenAReplicaEnds) {
+  std::atomic<bool> stop{false};
+  std::atomic<int> num_answered{0}, num_failed{0};
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 4; ++i) {
+    clients.emplace_back([&] {
+      while (!stop) ++(recognise().status == 200 ? num_answered : num_failed);
+    });
+  }
+  EXPECT_TRUE(test::comes([&] { return num_taken(a_->port()) > 0 && num_answered > 0; }));
+  const test::Outcome ended = a_->process().end();
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_NE(ended.error.find("every request was answered"), std::string::npos) << ended.error;
+  const int then = num_answered;
+  EXPECT_TRUE(test::comes([&] { return num_answered > then + 4; })) << "the other one answers";
+  stop = true;
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(num_failed, 0) << "of " << num_answered + num_failed;
+}
+
+TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
+  int num_lost = 0;
+  const std::vector<Answer> answers = recognise_at_once(8, [&] {
+    EXPECT_TRUE(test::comes([&] {
+      return num_taken(a_->port()) + num_taken(b_->port()) >= 6 && num_taken(a_->port()) > 1;
+    }));
+    a_->process().signal(SIGSTOP);  // so that what it works on does not change
+    num_lost = 8 - num_taken(b_->port());
+    a_->process().signal(SIGKILL);
+    a_->process().wait();
+  });
+  int num_failed = 0;
+  for (const Answer& answer : answers) num_failed += answer.status == 200 ? 0 : 1;
+  EXPECT_GT(num_failed, 0);
+  EXPECT_LE(num_failed, num_lost);
+  // At once: what cannot be sent to the dead one is sent to the other.
+  for (const Answer& answer : recognise_at_once(4, [] {})) EXPECT_EQ(answer.status, 200);
+
+  a_ = serve(a_->port());
+  EXPECT_TRUE(test::comes([&] {
+    EXPECT_EQ(recognise().status, 200);
+    return ask(a_->port(), "GET", "/metrics").body.find("route=\"recognize\",code=\"200\"") !=
+           std::string::npos;
+  })) << "asked again once it is ready";
+}
+
+TEST_F(HaProxy, PassesOnRefusalsAndRequestIds) {
+  const Answer given = ask(port_, "GET", "/v1/models", "", "X-Request-Id: call-7\r\n");
+  EXPECT_NE(given.head.find("call-7"), std::string::npos) << given.head;
+  EXPECT_EQ(ask(port_, "POST", query_ + "&min-score=7", scan_).status, 400);
+  EXPECT_EQ(ask(port_, "POST", "/v1/library/reload").status, 404);
+  EXPECT_EQ(ask(port_, "POST", query_, scan_, "X-Deadline-Ms: 1\r\n").status, 504);
+}
+
+}  // namespace
+}  // namespace trivet

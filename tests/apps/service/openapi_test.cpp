@@ -1,0 +1,86 @@
+// The description of the service for programs is what the service does.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/service/serve/recognise_query.hpp"
+#include "apps/service/serve_fixture.hpp"
+
+namespace trivet {
+namespace {
+
+const std::string kSources = TRIVET_SOURCES;
+
+TEST(OpenApi, NamesTheParametersThatAreTaken) {
+  const nlohmann::json document =
+      nlohmann::json::parse(test::read_bytes(kSources + "/apps/service/serve/api/openapi.json"));
+  std::set<std::string> described;
+  for (const nlohmann::json& parameter : document["paths"]["/v1/recognize"]["post"]["parameters"]) {
+    const std::string name = parameter["$ref"].get<std::string>().substr(24);
+    const nlohmann::json& full = document["components"]["parameters"][name];
+    EXPECT_EQ(full["name"], name);
+    if (full["in"] == "query") described.insert(name);
+  }
+  const std::vector<std::string> names = apps::recognise_parameter_names();
+  std::set<std::string> taken(names.begin(), names.end());
+  taken.insert("format");
+  EXPECT_EQ(described, taken);
+}
+
+TEST(RecogniseQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
+  for (const auto& [value, required] : {std::pair{"", true}, {"true", true}, {"false", false}}) {
+    const auto query = apps::parse_recognise_query({{"require-pose", value}});
+    ASSERT_TRUE(query) << query.error().message;
+    EXPECT_EQ(query->options.require_pose, required) << value;
+  }
+  EXPECT_FALSE(apps::parse_recognise_query({})->options.require_pose);
+  EXPECT_FALSE(apps::parse_recognise_query({{"require-pose", "perhaps"}}));
+}
+
+TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
+  const nlohmann::json document =
+      nlohmann::json::parse(test::read_bytes(kSources + "/apps/service/serve/api/openapi.json"));
+  const auto text = [](const nlohmann::json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  for (const std::string& name : apps::recognise_parameter_names()) {
+    const nlohmann::json& schema = document["components"]["parameters"][name]["schema"];
+    std::vector<nlohmann::json> good, bad;
+    for (const char* const key : {"default", "minimum", "maximum"}) {
+      if (schema.contains(key)) good.push_back(schema[key]);
+    }
+    for (const nlohmann::json& choice : schema.value("enum", nlohmann::json::array()))
+      good.push_back(choice);
+    for (const nlohmann::json& choice :
+         schema.value("items", nlohmann::json::object()).value("enum", nlohmann::json::array()))
+      good.push_back(choice);
+    if (schema.contains("minimum")) bad.push_back(schema["minimum"].get<std::int64_t>() - 1);
+    if (schema.contains("maximum")) bad.push_back(schema["maximum"].get<std::int64_t>() + 1);
+    if (schema.contains("exclusiveMinimum")) bad.push_back(schema["exclusiveMinimum"]);
+    if (schema.contains("enum")) bad.push_back("other");
+    for (const nlohmann::json& value : good) {
+      const auto query = apps::parse_recognise_query({{name, text(value)}});
+      EXPECT_TRUE(query) << name << "=" << value << ": " << query.error().message;
+    }
+    for (const nlohmann::json& value : bad)
+      EXPECT_FALSE(apps::parse_recognise_query({{name, text(value)}})) << name << "=" << value;
+  }
+}
+
+class OpenApiOfAService : public test::ServeFixture {};
+
+TEST_F(OpenApiOfAService, IsWhatItAnswers) {
+  const test::Outcome outcome = serve({"--examples", "scans/manifest.json"}, [&](int port) {
+    const test::Outcome checked = test::run_program(
+        TRIVET_PYTHON,
+        {kSources + "/tests/apps/service/check_openapi.py", std::to_string(port), depth_,
+         query_.substr(query_.find('?') + 1), kSources + "/apps/service/serve/service_routes.cpp"},
+        {.folder = folder_.path(), .environment = {}, .watch = {}});
+    EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.error;
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+}  // namespace
+}  // namespace trivet

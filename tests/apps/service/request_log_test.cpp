@@ -1,0 +1,50 @@
+#include "apps/service/http/request_log.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <climits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+
+namespace trivet::apps {
+namespace {
+
+TEST(RequestLog, HoldsUpNobodyWhileItsReaderSleeps) {
+  constexpr int kNumLines = 20'000;  // more than the pipe and the log have room for
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  std::optional<RequestLog> log(pipe[1]);
+  for (int i = 0; i < kNumLines; ++i) log->write("info", "request", {{"line", i}});  // returns
+  log->write("error", std::string(PIPE_BUF, 'x'));
+  const std::uint64_t num_dropped = log->num_dropped();
+  EXPECT_GT(num_dropped, 1U);
+
+  std::string written;
+  std::thread reader([&] {
+    std::array<char, 65536> part{};
+    for (ssize_t n = 0; (n = ::read(pipe[0], part.data(), part.size())) > 0;)
+      written.append(part.data(), static_cast<std::size_t>(n));
+  });
+  log.reset();  // writes what is left
+  ::close(pipe[1]);
+  reader.join();
+  ::close(pipe[0]);
+  std::istringstream lines(written);
+  std::uint64_t num_lines = 0;
+  int last = -1;
+  for (std::string line; std::getline(lines, line); ++num_lines) {
+    const nlohmann::json json = nlohmann::json::parse(line);
+    EXPECT_EQ(json["level"], "info");
+    EXPECT_GT(json["line"].get<int>(), last) << "in order";
+    last = json["line"];
+  }
+  EXPECT_EQ(num_lines + num_dropped, kNumLines + 1U) << "each is written or counted";
+}
+
+}  // namespace
+}  // namespace trivet::apps

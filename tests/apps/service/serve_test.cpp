@@ -1,0 +1,530 @@
+/// The service as its clients meet it: answers, refusals, overload, reloads, and its end.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+#include <thread>
+
+#include "apps/service/http_client.hpp"
+#include "apps/service/serve_fixture.hpp"
+#include "engine/evaluation/score_calibration.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Answer;
+using test::ask;
+using test::Connection;
+using test::read_bytes;
+
+class Serve : public test::ServeFixture {};
+
+TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
+  const test::Outcome direct =
+      test::run_trivet({"recognize", "l.h5", depth_.string(), "--camera", "camera.json", "--method",
+                        "ppf", "--json", "-"},
+                       {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(direct.exit_code, 0) << direct.error;
+  const nlohmann::json expected = nlohmann::json::parse(direct.out)["scenes"][0]["detections"];
+  ASSERT_FALSE(expected.empty());
+  const test::Outcome outcome = serve({}, [&](int port) {
+    const Answer answer =
+        ask(port, "POST", query_, read_bytes(depth_),
+            "X-Request-Id: call-7\r\n"
+            "traceparent: 00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01\r\n");
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    EXPECT_EQ(answer.json()["scenes"][0]["detections"].dump(), expected.dump());
+    EXPECT_EQ(answer.json()["request_id"], "call-7");
+    EXPECT_EQ(answer.json()["library"]["generation"], 1);
+    EXPECT_NE(answer.head.find("X-Request-Id: call-7"), std::string::npos) << answer.head;
+    EXPECT_NE(answer.head.find("traceparent: 00-0af76519"), std::string::npos) << answer.head;
+    EXPECT_EQ(ask(port, "GET", "/v1/models").json()["models"].size(), 2U);
+    EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
+    EXPECT_EQ(ask(port, "GET", "/v2/health/ready").status, 200);
+    const std::string metrics = ask(port, "GET", "/metrics").body;
+    for (const char* const line :
+         {"trivet_requests_total{route=\"recognize\",code=\"200\"} 1", "trivet_library_models 2",
+          "trivet_stage_duration_seconds_count{stage=\"vote\"} 1"}) {
+      EXPECT_NE(metrics.find(line), std::string::npos) << line << " in\n" << metrics;
+    }
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
+  const std::string scan = read_bytes(depth_);
+  const nlohmann::json camera = nlohmann::json::parse(read_bytes(folder_ / "camera.json"));
+  const auto part = [](const std::string& head, const std::string& content) {
+    return "--edge\r\nContent-Disposition: form-data; " + head + "\r\n\r\n" + content + "\r\n";
+  };
+  const auto scene = [&](const std::string& name, const std::string& content) {
+    return part("name=\"scene\"; filename=\"" + name + "\"", content);
+  };
+  const auto options = [&](const nlohmann::json& json) {
+    return part("name=options", json.dump());
+  };
+  const std::string form = "Content-Type: multipart/form-data; boundary=edge\r\n";
+  const test::Outcome outcome = serve({"--max-waiting", "3"}, [&](int port) {
+    const nlohmann::json one = ask(port, "POST", query_, scan).json()["scenes"][0];
+    const auto post = [&](const std::string& body) {
+      return ask(port, "POST", "/v1/recognize", body + "--edge--\r\n", form);
+    };
+    const Answer both = post(options({{"method", "ppf"}, {"camera", camera}}) +
+                             scene("a.png", scan) + scene("b.png", scan));
+    ASSERT_EQ(both.status, 200) << both.body;
+    ASSERT_EQ(both.json()["scenes"].size(), 2U);
+    EXPECT_EQ(both.json()["scenes"][0]["scene"], "a.png");
+    for (const nlohmann::json& answered : both.json()["scenes"])
+      EXPECT_EQ(answered["detections"], one["detections"]);
+    // Each scan may have a camera of its own: with half the focal length nothing is as it was.
+    nlohmann::json wide = camera;
+    wide["fx"] = wide["fx"].get<double>() / 2;
+    const nlohmann::json apart =
+        post(options({{"method", "ppf"}, {"scenes", {{{"camera", camera}}, {{"camera", wide}}}}}) +
+             scene("a.png", scan) + scene("b.png", scan))
+            .json()["scenes"];
+    EXPECT_EQ(apart[0]["detections"], one["detections"]);
+    EXPECT_NE(apart[1]["detections"], one["detections"]);
+
+    const auto refuses = [&](const std::string& reason, const std::string& body) {
+      const Answer answer = post(body);
+      EXPECT_EQ(answer.status, 400) << answer.body;
+      EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+    };
+    refuses("part scene", "");
+    refuses("part scene", options({{"method", "ppf"}}));
+    refuses("b.png", options({{"camera", camera}}) + scene("a.png", scan) + scene("b.png", "no"));
+    refuses("'a'", scene("a", scan));
+    refuses("'../a.exe'", scene("../a.exe", scan));
+    refuses("'other'", part("name=other", "x"));
+    refuses("name=", part("filename=a.png", scan));
+    refuses("as many as parts",
+            options({{"scenes", nlohmann::json::array({{{"camera", camera}}})}}) +
+                scene("a.png", scan) + scene("b.png", scan));
+    refuses("camera, viewpoint or unit",
+            options({{"scenes", {{{"method", "ppf"}}}}}) + scene("a.png", scan));
+    refuses("options", part("name=options", "{") + scene("a.png", scan));
+    refuses("expected at most 3 scenes", options({{"camera", camera}}) + scene("a.png", scan) +
+                                             scene("b.png", scan) + scene("c.png", scan) +
+                                             scene("d.png", scan));
+    EXPECT_EQ(
+        ask(port, "POST", "/v1/recognize", scan, "Content-Type: multipart/form-data\r\n").status,
+        400);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
+  const test::Outcome outcome = serve({"--examples", "scans/manifest.json"}, [&](int port) {
+    const nlohmann::json examples = ask(port, "GET", "/v1/examples").json()["examples"];
+    ASSERT_EQ(examples.size(), 1U);
+    const Answer scan = ask(port, "GET", examples[0]["url"]);
+    EXPECT_EQ(scan.body, read_bytes(depth_));
+    EXPECT_EQ(ask(port, "GET", "/v1/examples/1").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/examples/x").status, 404);
+
+    const std::string query = examples[0]["query"];
+    const Answer all = ask(port, "POST", "/v1/points?max-points=5000000&" + query, scan.body);
+    ASSERT_EQ(all.status, 200) << all.body;
+    const Result<Cloud> cloud = read_cloud(depth_, {.camera = camera_});
+    ASSERT_TRUE(cloud);
+    ASSERT_EQ(all.body.size(), 12 * cloud->points.size());
+    Eigen::Vector3f last;
+    std::memcpy(last.data(), all.body.data() + all.body.size() - 12, 12);
+    EXPECT_EQ(last, cloud->points[cloud->points.size() - 1]);
+    const Answer few = ask(port, "POST", "/v1/points?max-points=1000&" + query, scan.body);
+    EXPECT_NEAR(static_cast<double>(few.body.size()) / 12, 1000, 20);
+    EXPECT_NE(few.head.find("X-Points: " + std::to_string(cloud->points.size())),
+              std::string::npos);
+    EXPECT_EQ(ask(port, "POST", "/v1/points?max-points=0&" + query, scan.body).status, 400);
+    EXPECT_EQ(ask(port, "POST", "/v1/points?" + query, "no PNG").status, 400);
+
+    const nlohmann::json models = ask(port, "GET", "/v1/models").json()["models"];
+    for (const nlohmann::json& model : models) {
+      const Answer picture = ask(port, "GET", model["thumbnail"]);
+      EXPECT_EQ(picture.body.substr(1, 3), "PNG");
+      EXPECT_EQ(ask(port, "GET", model["thumbnail"]).body, picture.body);
+      const Answer mesh = ask(port, "GET", model["mesh"]);
+      const Result<Cloud> surface = read_cloud(std::as_bytes(std::span(mesh.body)), "mesh.ply");
+      ASSERT_TRUE(surface) << surface.error().message;
+      EXPECT_GT(surface->triangles.size(), 10U);
+    }
+    EXPECT_EQ(ask(port, "GET", "/v1/models/spoon/mesh.ply").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/models/..%2f..%2fetc%2fpasswd").status, 404);
+
+    const nlohmann::json words = ask(port, "GET", "/v1/score-parts").json();
+    const nlohmann::json scene =
+        ask(port, "POST", query_ + "&rejected=5", scan.body).json()["scenes"][0];
+    ASSERT_FALSE(scene["detections"].empty());
+    const double correlation = scene["detections"][0]["parts"]["correlation"];
+    double log_odds =
+        std::lerp(words["bias"][0].get<double>(), words["bias"][1].get<double>(), correlation);
+    for (const nlohmann::json& part : words["parts"])
+      log_odds += scene["detections"][0]["evidence"][part["name"].get<std::string>()].get<double>();
+    EXPECT_NEAR(scene["detections"][0]["score"].get<double>(), 1 / (1 + std::exp(-log_odds)), 1e-3);
+    EXPECT_FALSE(scene["rejected"].empty());
+    EXPECT_EQ(ask(port, "POST", query_ + "&rejected=101", scan.body).status, 400);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, LogsALineARecognition) {
+  const test::Outcome outcome = serve({}, [&](int port) {
+    EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_), "X-Request-Id: seen\r\n").status, 200);
+    EXPECT_EQ(ask(port, "POST", query_, "no PNG", "X-Request-Id: a\"b\r\n").status, 400);
+    EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  std::istringstream lines(outcome.error);
+  std::vector<nlohmann::json> logged;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("{")) logged.push_back(nlohmann::json::parse(line));
+  }
+  ASSERT_EQ(logged.size(), 4U) << outcome.error;
+  EXPECT_EQ(logged[0]["request_id"], "seen");
+  EXPECT_EQ(logged[0]["route"], "recognize");
+  EXPECT_EQ(logged[0]["code"], 200);
+  EXPECT_GT(logged[0]["work_seconds"], 0.0);
+  EXPECT_GT(logged[0]["detections"], 0);
+  EXPECT_EQ(logged[1]["code"], 400);
+  EXPECT_NE(logged[1]["request_id"], "a\"b") << "only plain ids are taken over";
+  EXPECT_EQ(logged[2]["msg"], "ending");
+  EXPECT_EQ(logged[3]["msg"], "every request was answered");
+}
+
+TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
+  const auto check = [&](const std::string& toml, std::vector<std::string> flags) {
+    std::ofstream(folder_ / "serve.toml") << toml;
+    flags.insert(flags.begin(), {"serve", "--config", "serve.toml", "--check-config"});
+    return test::run_trivet(flags, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  };
+  const test::Outcome good = check("library = 'l.h5'\nmax-waiting = 8\n", {});
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  const test::Outcome bad = check(
+      "library = 'absent.h5'\ncalibration = 'absent.json'\nmax-waitings = 8\nport = "
+      "70000\nparallel = 1.5\nlog = 'loud'\n"
+      "max-body-mb = 600\n",
+      {"--deadline-ms", "soon"});
+  EXPECT_EQ(bad.exit_code, 2);
+  for (const char* const fault :
+       {"serve.toml:3: expected one of", "found 'max-waitings'", "serve.toml:4: port",
+        "serve.toml:5: parallel", "serve.toml:6: log", "absent.json: no such file",
+        "absent.h5: no such file", "--deadline-ms",
+        "max-body-mb: expected at most max-waiting-mb"}) {
+    EXPECT_NE(bad.error.find(fault), std::string::npos) << fault << " in\n" << bad.error;
+  }
+  // A flag stands in for the file's value, good or bad.
+  EXPECT_EQ(check("library = 'absent.h5'\nport = 70000\n", {"l.h5", "--port", "0"}).exit_code, 0);
+  EXPECT_NE(check("library = \n", {}).error.find("serve.toml:1"), std::string::npos);
+  EXPECT_EQ(check("", {}).exit_code, 2) << "no library";
+}
+
+TEST_F(Serve, AnswersWithACalibratedScore) {
+  ScoreCalibration calibration{{}, 5, 30, 60};
+  calibration.adaptation.shift = -1;
+  ASSERT_TRUE(write_calibration(folder_ / "cell.json", calibration));
+  const std::string scan = read_bytes(depth_);
+  const auto library_of = [&](int port) {
+    return ask(port, "POST", query_, scan).json()["library"];
+  };
+  nlohmann::json bias;
+  const test::Outcome plain = serve({}, [&](int port) {
+    EXPECT_TRUE(library_of(port)["calibration"].is_null());
+    bias = ask(port, "GET", "/v1/score-parts").json()["bias"];
+  });
+  EXPECT_EQ(plain.exit_code, 0) << plain.error;
+  const test::Outcome calibrated = serve({"--calibration", "cell.json"}, [&](int port) {
+    EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
+    const nlohmann::json shifted = ask(port, "GET", "/v1/score-parts").json()["bias"];
+    EXPECT_NEAR(shifted[0].get<double>(), bias[0].get<double>() - 1, 1e-4);
+    // A reload reads it anew; a bad one leaves the old one answering.
+    calibration.adaptation.shift = -2;
+    ASSERT_TRUE(write_calibration(folder_ / "cell.json", calibration));
+    EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);
+    EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
+    folder_.write("cell.json", "{}");
+    EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 409);
+    EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
+  });
+  EXPECT_EQ(calibrated.exit_code, 0) << calibrated.error;
+}
+
+TEST_F(Serve, SpeaksTheOpenInferenceProtocol) {
+  // The scan as points, and what the command line finds in them.
+  const test::Outcome meshed =
+      test::run_trivet({"mesh", depth_.string(), "--camera", "camera.json", "-o", "scan.ply"},
+                       {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(meshed.exit_code, 0) << meshed.error;
+  const Result<Cloud> scan = read_cloud(folder_ / "scan.ply");
+  ASSERT_TRUE(scan);
+  std::ofstream xyz(folder_ / "scan.xyz");
+  std::string binary;
+  nlohmann::json numbers = nlohmann::json::array();
+  for (std::size_t i = 0; i < scan->points.size(); ++i) {
+    const Eigen::Vector3f p = scan->points[i];
+    xyz << fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+    binary.append(reinterpret_cast<const char*>(p.data()), 12);
+    numbers.push_back({p.x(), p.y(), p.z()});
+  }
+  xyz.close();
+  const test::Outcome direct = test::run_trivet(
+      {"recognize", "l.h5", "scan.xyz", "--method", "ppf", "--json", "-", "--viewpoint", "0,0,0"},
+      {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(direct.exit_code, 0) << direct.error;
+  const nlohmann::json expected = nlohmann::json::parse(direct.out)["scenes"][0]["detections"];
+  ASSERT_FALSE(expected.empty());
+  const std::size_t n = scan->points.size(), m = expected.size();
+
+  const test::Outcome outcome = serve({}, [&](int port) {
+    EXPECT_EQ(ask(port, "GET", "/v2").json()["extensions"][0], "binary_tensor_data");
+    EXPECT_EQ(ask(port, "GET", "/v2/models/l").json()["inputs"][0]["shape"][1], 3);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/l/versions/1/ready").status, 200);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/other").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/..%2f..%2fetc").status, 404);
+    nlohmann::json request{
+        {"id", "7"},
+        {"parameters", {{"method", "ppf"}}},
+        {"inputs",
+         {{{"name", "points"}, {"datatype", "FP32"}, {"shape", {n, 3}}, {"data", numbers}},
+          {{"name", "viewpoint"}, {"datatype", "FP32"}, {"shape", {3}}, {"data", {0, 0, 0}}}}}};
+    const Answer plain = ask(port, "POST", "/v2/models/l/infer", request.dump());
+    ASSERT_EQ(plain.status, 200) << plain.body;
+    const nlohmann::json outputs = plain.json()["outputs"];
+    EXPECT_EQ(plain.json()["id"], "7");
+    ASSERT_EQ(outputs[0]["shape"], nlohmann::json({m, 4, 4}));
+    for (std::size_t d = 0; d < m; ++d) {
+      EXPECT_EQ(outputs[1]["data"][d], expected[d]["score"]);
+      EXPECT_EQ(outputs[2]["data"][d], expected[d]["model"]);
+      for (std::size_t k = 0; k < 16; ++k)
+        EXPECT_EQ(outputs[0]["data"][16 * d + k], expected[d]["T_scene_model"][k / 4][k % 4]);
+    }
+
+    request["inputs"][0].erase("data");
+    request["inputs"][0]["parameters"]["binary_data_size"] = binary.size();
+    request["parameters"]["binary_data_output"] = true;
+    const std::string header = request.dump();
+    const std::string length =
+        "Inference-Header-Content-Length: " + std::to_string(header.size()) + "\r\n";
+    const Answer packed = ask(port, "POST", "/v2/models/l/infer", header + binary, length);
+    ASSERT_EQ(packed.status, 200) << packed.body;
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(packed.head, found,
+                                  std::regex("Inference-Header-Content-Length: ([0-9]+)")));
+    const std::size_t size = std::stoul(found[1]);
+    EXPECT_EQ(nlohmann::json::parse(
+                  packed.body.substr(0, size))["outputs"][0]["parameters"]["binary_data_size"],
+              64 * m);
+    std::vector<float> poses(16 * m);
+    std::memcpy(poses.data(), packed.body.data() + size, 64 * m);
+    for (std::size_t k = 0; k < poses.size(); ++k)
+      EXPECT_EQ(poses[k], outputs[0]["data"][k].get<float>());
+
+    const auto refuses = [&](const std::string& body, const std::string& reason,
+                             const std::string& headers = "") {
+      const Answer answer = ask(port, "POST", "/v2/models/l/infer", body, headers);
+      EXPECT_EQ(answer.status, 400) << answer.body;
+      EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+    };
+    refuses("", "no JSON");
+    refuses(std::string(100'000, '['), "32 levels");
+    refuses(R"({"inputs":[{"name":"points","datatype":"FP32","shape":[4,3],"data":[1,2]}]})",
+            "12 numbers");
+    refuses(R"({"inputs":[{"name":"points","datatype":"FP64","shape":[0,3],"data":[]}]})", "FP32");
+    refuses(R"({"inputs":[],"parameters":{"expected":"/etc/passwd"}})", "expected");
+    refuses(header + binary.substr(12), "at most", length);
+    refuses(header + binary + "x", "belong to no tensor", length);
+    refuses(header, "Content-Length", "Inference-Header-Content-Length: 99999999\r\n");
+    refuses(header, "Content-Length", "Inference-Header-Content-Length: many\r\n");
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
+  const test::Outcome outcome =
+      serve({"--max-body-mb", "1", "--max-connections-per-address", "20"}, [&](int port) {
+        const auto refuses = [&](int status, const std::string& reason, const std::string& method,
+                                 const std::string& target, const std::string& body = "",
+                                 const std::string& headers = "") {
+          const Answer answer = ask(port, method, target, body, headers);
+          EXPECT_EQ(answer.status, status) << target << "\n" << answer.body;
+          EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
+        };
+        refuses(404, "no such path", "GET", "/v1/../../etc/passwd");
+        refuses(405, "expected POST", "GET", query_);
+        refuses(400, "format", "POST", "/v1/recognize", "ply");
+        refuses(400, "body.ply", "POST", "/v1/recognize?format=ply", "ply\nnonsense");
+        refuses(400, "body.png", "POST", query_, read_bytes(depth_).substr(0, 500));
+        refuses(400, "is empty", "POST", query_, "");
+        refuses(400, "min-score", "POST", query_ + "&min-score=high", read_bytes(depth_));
+        refuses(400, "0 to 1", "POST", query_ + "&min-score=7", read_bytes(depth_));
+        refuses(400, "expected", "POST", query_ + "&expected=/etc/passwd", read_bytes(depth_));
+        refuses(400, "spoon", "POST", query_ + "&models=spoon", read_bytes(depth_));
+        refuses(400, "hexadecimal", "POST", query_ + "&models=%zz", read_bytes(depth_));
+        refuses(400, "X-Deadline-Ms", "POST", query_, read_bytes(depth_),
+                "X-Deadline-Ms: soon\r\n");
+        refuses(504, "deadline", "POST", query_, read_bytes(depth_), "X-Deadline-Ms: 1\r\n");
+        refuses(413, "1048576", "POST", query_, std::string(2 << 20, 'x'));
+        refuses(431, "headers", "GET", "/metrics", "",
+                "X-Long: " + std::string(20'000, 'x') + "\r\n");
+        std::vector<std::unique_ptr<Connection>> many;
+        for (int i = 0; i < 20; ++i) many.push_back(std::make_unique<Connection>(port));
+        refuses(503, "from this address", "GET", "/metrics");
+        many.clear();
+        while (ask(port, "GET", "/metrics").status == 503) continue;  // until it has seen them go
+        const Connection garbage(port);
+        garbage.send("\x01\x02 not http\r\n\r\n");
+        EXPECT_NE(garbage.receive().find(" 400 "), std::string::npos);
+        EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_)).status, 200);
+      });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, RefusesAtOnceWhatWouldOnlyWait) {
+  const test::Outcome outcome = serve({"--parallel", "1", "--max-waiting", "2"}, [&](int port) {
+    std::vector<std::thread> clients;
+    std::vector<Answer> answers(24);
+    for (Answer& answer : answers)
+      clients.emplace_back([&] { answer = ask(port, "POST", query_, read_bytes(depth_)); });
+    for (std::thread& client : clients) client.join();
+    std::size_t num_right = 0, num_refused = 0;
+    for (const Answer& answer : answers) {
+      num_right += answer.status == 200 ? 1 : 0;
+      if (answer.status != 503) continue;
+      ++num_refused;
+      EXPECT_NE(answer.head.find("Retry-After"), std::string::npos) << answer.head;
+    }
+    EXPECT_EQ(num_right + num_refused, answers.size());
+    EXPECT_GE(num_right, 3U);
+    EXPECT_GE(num_refused, 10U);
+    EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_)).status, 200) << "after the storm";
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, IsMeasuredUnderLoad) {
+  const test::Outcome outcome = serve({"--parallel", "1", "--max-waiting", "2"}, [&](int port) {
+    const auto load = [&](const std::vector<std::string>& more) {
+      std::vector<std::string> arguments{"load",    depth_.string(), "--port", std::to_string(port),
+                                         "--query", parameters_,     "--json", "load.json"};
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      const test::Outcome run =
+          test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+      EXPECT_EQ(run.exit_code, 0) << run.error;
+      return nlohmann::json::parse(read_bytes(folder_ / "load.json"))["runs"];
+    };
+    const nlohmann::json gentle = load({"--rate", "1", "--seconds", "2"})[0];
+    EXPECT_EQ(gentle["codes"]["200"], 2);
+    EXPECT_LE(gentle["p50"], gentle["p99"]);
+    // Far more than one thread can do: what is too much is refused, nothing is lost.
+    const nlohmann::json storm = load({"--rate", "300", "--seconds", "1"})[0];
+    EXPECT_EQ(storm["codes"]["200"].get<int>() + storm["codes"]["503"].get<int>(), 300);
+    EXPECT_GT(storm["codes"]["503"].get<int>(), 100);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, SlowClientsHoldUpNobody) {
+  const test::Outcome outcome = serve({}, [&](int port) {
+    std::vector<std::unique_ptr<Connection>> slow;
+    for (int i = 0; i < 200; ++i) {
+      slow.push_back(std::make_unique<Connection>(port));
+      slow.back()->send("POST /v1/recognize?format=ply HTTP/1.1\r\nContent-Le");
+    }
+    for (int i = 0; i < 10; ++i) {
+      const Answer answer = ask(port, "GET", "/v2/health/live");
+      EXPECT_EQ(answer.status, 200);
+      EXPECT_LT(answer.seconds, 2) << "of a machine that does other things, too";
+    }
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, ReadsItsLibraryAnewWhileItAnswers) {
+  const std::string good = read_bytes(folder_ / "l.h5");
+  const test::Outcome outcome = serve({}, [&](int port) {
+    std::atomic<bool> stop{false};
+    std::atomic<int> num_failed{0}, num_answered{0};
+    std::thread client([&] {
+      while (!stop) {
+        const Answer answer = ask(port, "POST", query_, read_bytes(depth_));
+        ++(answer.status == 200 ? num_answered : num_failed);
+      }
+    });
+    int generation = 1;
+    for (int i = 0; i < 10; ++i) {
+      const bool is_good = i % 2 == 0;
+      const fs::path next = folder_ / "next.h5";
+      std::ofstream(next, std::ios::binary) << (is_good ? good : good.substr(0, good.size() / 2));
+      fs::rename(next, folder_ / "l.h5");
+      const Answer answer = ask(port, "POST", "/v1/library/reload");
+      EXPECT_EQ(answer.status, is_good ? 200 : 409) << answer.body;
+      generation += is_good ? 1 : 0;
+      EXPECT_EQ(ask(port, "GET", "/v1/models").json()["generation"], generation);
+    }
+    stop = true;
+    client.join();
+    EXPECT_EQ(num_failed, 0);
+    EXPECT_GT(num_answered, 0);
+    kill(process_, SIGHUP);
+    for (int i = 0; i < 100 && ask(port, "GET", "/v1/models").json()["generation"] == generation;
+         ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    EXPECT_EQ(ask(port, "GET", "/v1/models").json()["error"], nlohmann::json());
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, AnswersWhatItHasTakenBeforeItEnds) {
+  std::vector<Answer> answers(8);
+  const test::Outcome outcome = serve({"--parallel", "1"}, [&](int port) {
+    std::vector<std::thread> clients;
+    for (Answer& answer : answers)
+      clients.emplace_back([&] { answer = ask(port, "POST", query_, read_bytes(depth_)); });
+    // All have been taken once the queue has had them.
+    for (int i = 0; i < 200; ++i) {
+      const std::string metrics = ask(port, "GET", "/metrics").body;
+      std::smatch waiting;
+      if (std::regex_search(metrics, waiting, std::regex("\ntrivet_queue_depth ([0-9]+)")) &&
+          std::stoi(waiting[1]) >= 5) {
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    tell_to_end();
+    for (std::thread& client : clients) client.join();
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const Answer& answer : answers) EXPECT_EQ(answer.status, 200) << answer.body;
+}
+
+TEST_F(Serve, SaysAtOnceWhatItCannotServe) {
+  const auto fails = [&](const std::vector<std::string>& arguments, int exit_code,
+                         const std::string& reason) {
+    const test::Outcome outcome =
+        test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.error;
+    EXPECT_NE(outcome.error.find(reason), std::string::npos) << outcome.error;
+  };
+  fails({"serve", "absent.h5"}, 2, "absent.h5: no such file");
+  fails({"serve", "camera.json"}, 65, "camera.json");
+  fails({"serve", "l.h5", "--address", "nowhere"}, 2, "nowhere");
+  fails({"serve", "l.h5", "--max-waiting", "0"}, 2, "1 to 100000");
+  serve({}, [&](int port) {
+    fails({"serve", "l.h5", "--port", std::to_string(port)}, 73, std::to_string(port));
+  });
+}
+
+}  // namespace
+}  // namespace trivet

@@ -1,0 +1,118 @@
+#include "engine/camera/check_camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "engine/recognise.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/trained_library.hpp"
+
+namespace trivet {
+namespace {
+
+/// Two parts of each of two kinds before a wall, one library of both.
+class CheckCamera : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    bracket_ = test::bracket();
+    lever_ = test::lever();
+    recogniser_ = Recogniser(test::trained_library({{"bracket", &bracket_}, {"lever", &lever_}},
+                                                   {.tri_spin_images = false}));
+  }
+
+  /// What a camera of 570 pixels sees, as it is where `focal` times these are written, and depths
+  /// are written `depth` times what they are.
+  static Cloud scan(float focal, float depth = 1) {
+    static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
+    Cloud cloud =
+        test::render_scan({{&wall, Pose::Identity()},
+                           {&bracket_, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0.1F, 0.85F})},
+                           {&bracket_, test::pose_of({-0.5F, 2.2F, 0.6F}, {0.16F, 0.12F, 0.9F})},
+                           {&lever_, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.12F, -0.12F, 0.8F})},
+                           {&lever_, test::pose_of({1.6F, -0.4F, 0.3F}, {-0.14F, -0.14F, 0.9F})}});
+    cloud.camera->fx *= static_cast<double>(focal);
+    cloud.camera->fy *= static_cast<double>(focal);
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      const Eigen::Vector3f p = depth * cloud.points[i];
+      cloud.points.set(i, {p.x() / focal, p.y() / focal, p.z()});
+    }
+    return cloud;
+  }
+  static SceneResult recognised(const Cloud& cloud) {
+    const Result<SceneResult> result = recognise(recogniser_, cloud, {}, {.method = Method::ppf});
+    EXPECT_TRUE(result) << result.error().message;
+    return *result;
+  }
+  static CameraCheck check(const Cloud& cloud) {
+    const SceneResult result = recognised(cloud);
+    EXPECT_TRUE(result.stats.camera_check);
+    return result.stats.camera_check.value_or(CameraCheck{});
+  }
+
+  static inline test::Shape bracket_, lever_;
+  static inline Recogniser recogniser_{Library{}};
+};
+
+TEST_F(CheckCamera, FindsNothingWrongWithTheRightCamera) {
+  const CameraCheck found = check(scan(1));
+  ASSERT_TRUE(found.scale);
+  EXPECT_GE(found.objects.size(), 3U);
+  EXPECT_NEAR(found.scale->focal.value, 1, 0.004);
+  EXPECT_FALSE(found.focal_is_off());
+  EXPECT_FALSE(found.depth_is_off());
+  EXPECT_FALSE(corrected_camera(found));
+}
+
+TEST_F(CheckCamera, TellsAFocalLengthThatIsFourPercentOff) {
+  for (const float wrong : {0.96F, 1.04F}) {
+    const CameraCheck found = check(scan(wrong));
+    EXPECT_TRUE(found.focal_is_off());
+    EXPECT_FALSE(found.depth_is_off());
+    const std::optional<Camera> corrected = corrected_camera(found);
+    ASSERT_TRUE(corrected);
+    EXPECT_NEAR(corrected->fx, 570, 570 * 0.005);
+    EXPECT_NEAR(corrected->fy, 570, 570 * 0.005);
+    EXPECT_EQ(corrected->cx, 319.5);
+  }
+}
+
+TEST_F(CheckCamera, TellsDepthsThatAreOnePercentAndAHalfOff) {
+  const CameraCheck found = check(scan(1, 1.015F));
+  EXPECT_FALSE(found.focal_is_off());
+  EXPECT_TRUE(found.depth_is_off());
+  EXPECT_NEAR(corrected_camera(found)->depth_scale, 1 / 1.015, 0.003);
+}
+
+TEST_F(CheckCamera, JoinsTheScenesOfACamera) {
+  const CameraCheck wrong = check(scan(1.04F)), right = check(scan(1));
+  const std::vector<CameraCheck> joined = join_checks(std::array{wrong, right, wrong});
+  ASSERT_EQ(joined.size(), 2U);
+  EXPECT_EQ(joined[0].objects.size(), 2 * wrong.objects.size());
+  EXPECT_NEAR(joined[0].scale->focal.value, wrong.scale->focal.value, 1e-3);
+  EXPECT_EQ(joined[1].camera, right.camera);
+}
+
+TEST_F(CheckCamera, ShootsFourTimesTheRaysOfAnExamination) {
+  const SceneResult result = recognised(scan(1));
+  EXPECT_LE(result.stats.camera_check->num_rays, 4 * 2500 * result.detections.size());
+}
+
+TEST_F(CheckCamera, KnowsNoCameraOfAScanThatNamesNone) {
+  Cloud cloud = scan(1);
+  cloud.camera.reset();
+  EXPECT_FALSE(recognised(cloud).stats.camera_check);
+}
+
+TEST_F(CheckCamera, GivesTheSameBitsForAnyNumberOfThreads) {
+  const Cloud cloud = scan(1.04F);
+  const CameraCheck many = check(cloud);
+  const ThreadLimit one(1);
+  const CameraCheck few = check(cloud);
+  ASSERT_TRUE(many.scale && few.scale);
+  EXPECT_EQ(many.scale->focal.value, few.scale->focal.value);
+  EXPECT_EQ(many.scale->focal.error, few.scale->focal.error);
+}
+
+}  // namespace
+}  // namespace trivet

@@ -1,0 +1,86 @@
+#include "engine/hypotheses/find_hypotheses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/progress.hpp"
+#include "engine/train.hpp"
+#include "kernels/common/pose_math.hpp"
+#include "support/rendered_scene.hpp"
+
+namespace trivet {
+namespace {
+
+constexpr std::array<std::uint32_t, 2> kModels{0, 1};
+
+/// Two parts of one sampling step, and a scan of both.
+class FindHypotheses : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    static const test::Shape bracket = test::bracket(), lever = test::lever();
+    library_ = Library{};
+    for (const auto& [name, shape] : {std::pair{"bracket", &bracket}, std::pair{"lever", &lever}}) {
+      auto trained = train_model(test::cloud_of(*shape), {name, name, 1, {}}, {});
+      ASSERT_TRUE(trained) << trained.error().message;
+      library_.models.push_back(std::move(trained->model));
+    }
+    const Cloud scan = test::render_scan({{&bracket, truth_[0]}, {&lever, truth_[1]}});
+    StageTimes times;
+    auto scene = engine::prepare_scene(scan, {}, times);
+    ASSERT_TRUE(scene) << scene.error().message;
+    level_ = engine::choose_voters(
+        *scene, engine::sample_scene(*scene, step(), library_.models[0].diameter), {});
+  }
+  static float step() { return library_.models[0].ppf.quantisation.distance_step; }
+
+  static inline Library library_;
+  static inline engine::SceneLevel level_;
+  static inline const std::array<Pose, 2> truth_{
+      test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0, 0.9F}),
+      test::pose_of({-0.6F, 0.5F, 1.9F}, {0.15F, 0, 0.95F})};
+};
+
+TEST_F(FindHypotheses, HasTheTruthAmongThoseOfEachModel) {
+  ASSERT_EQ(library_.models[1].ppf.quantisation.distance_step, step());
+  SceneStats stats;
+  const auto found = engine::find_hypotheses(library_, level_, kModels, {}, stats);
+  ASSERT_EQ(found.size(), 2U);
+  for (std::size_t m = 0; m < 2; ++m) {
+    const Model& model = library_.models[m];
+    const auto right = std::ranges::count_if(found[m], [&](const kernels::Hypothesis& hypothesis) {
+      const auto distance =
+          kernels::pose_distance(truth_[m], hypothesis.T_scene_model, model.symmetry, model.centre);
+      return distance.translation < 0.1F * model.diameter && distance.rotation_rad < 0.26F;
+    });
+    EXPECT_GE(right, 5) << model.name;
+  }
+}
+
+TEST_F(FindHypotheses, TakesPairsWithinTheBallOnly) {
+  for (const float radius : {0.1F, 0.4F, 1.0F}) {
+    std::uint32_t bins = 0;
+    for (const Model& model : library_.models)
+      bins = std::max(bins, model.ppf.quantisation.num_distance_bins);
+    const float ball = step() * std::ceil(radius * static_cast<float>(bins));
+    std::uint64_t expected = 0;
+    for (const std::uint32_t r : level_.references) {
+      for (std::size_t i = 0; i < level_.points.size(); ++i)
+        expected += (level_.points[i] - level_.points[r]).squaredNorm() <= ball * ball;
+    }
+    SceneStats stats;
+    engine::find_hypotheses(library_, level_, kModels, {.radius = radius}, stats);
+    EXPECT_NEAR(static_cast<double>(stats.num_pairs), static_cast<double>(expected), 3) << radius;
+  }
+}
+
+TEST_F(FindHypotheses, FindsNothingWithoutPoints) {
+  SceneStats stats;
+  for (const auto& found : engine::find_hypotheses(library_, {}, kModels, {}, stats))
+    EXPECT_TRUE(found.empty());
+}
+
+}  // namespace
+}  // namespace trivet

@@ -1,0 +1,188 @@
+#include "engine/recognition/leave_out.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "engine/train.hpp"
+#include "kernels/common/counter_random.hpp"
+#include "kernels/common/pose_math.hpp"
+#include "support/rendered_scene.hpp"
+
+namespace trivet {
+namespace {
+
+TEST(Improvements, AreListedInTheOrderOfTheLadderEachByANameOfItsOwn) {
+  for (std::size_t i = 0; i < kImprovements.size(); ++i) {
+    EXPECT_EQ(static_cast<std::size_t>(kImprovements[i].improvement), i);
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(kImprovements[i].name, kImprovements[j].name);
+  }
+}
+
+TEST(ImprovementSet, HoldsWhatWasPutIn) {
+  const ImprovementSet set{Improvement::clusters, Improvement::rivals};
+  for (const ImprovementName& known : kImprovements) {
+    const bool expected =
+        known.improvement == Improvement::clusters || known.improvement == Improvement::rivals;
+    EXPECT_EQ(set.contains(known.improvement), expected) << known.name;
+  }
+}
+
+TEST(LeaveOut, ChangesNothingWhenNothingIsLeftOut) {
+  RecogniseOptions options;
+  options.max_instances = 7;
+  options.vote.max_votes = 1234;
+  options.later.radius = 0.9F;
+  EXPECT_EQ(engine::leave_out(options), options);
+}
+
+TEST(LeaveOut, NeverAddsARoundOfVoting) {
+  EXPECT_EQ(engine::leave_out({.pose = {.rounds = 0}, .without = {Improvement::second_round}})
+                .pose.rounds,
+            0U);
+}
+
+TEST(LeaveOut, FitsNormalsToTheNarrowestWindowsOfTheDefault) {
+  EXPECT_EQ(engine::leave_out({.without = {Improvement::normals}}).normal_window, 2.0F);
+  EXPECT_EQ(engine::leave_out({}).normal_window, std::nullopt);
+}
+
+/// Two brackets and a lever before a wall, the depth noisy and wavy, and what is found in all.
+class WithoutImprovement : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const test::Shape bracket = test::bracket(), lever = test::lever();
+    const test::Shape wall = test::box({-1, -1, 1.1F}, {1, 1, 1.2F});
+    Library library;
+    for (const auto& [name, shape] : {std::pair{"bracket", &bracket}, std::pair{"lever", &lever}}) {
+      auto trained =
+          train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
+      ASSERT_TRUE(trained) << trained.error().message;
+      library.models.push_back(std::move(trained->model));
+    }
+    recogniser_ = Recogniser(std::move(library));
+    scene_ =
+        test::render_scan({{&wall, Pose::Identity()},
+                           {&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0.03F, 0.85F})},
+                           {&bracket, test::pose_of({-1.0F, 0.2F, 1.2F}, {0.05F, -0.1F, 0.95F})},
+                           {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.14F, 0.02F, 0.95F})}});
+    kernels::CounterRandom random(7, 0, 0);
+    const std::span<float> z = scene_.points.span().z;
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      const auto u = static_cast<double>(i % scene_.grid->width);
+      const auto v = static_cast<double>(i / scene_.grid->width);
+      const double wave = 0.0008 * std::sin(0.3 * u) * std::sin(0.3 * v);
+      z[i] += static_cast<float>(wave + 0.0007 * random.normal());
+    }
+    whole_ = recognised({});
+  }
+  static SceneResult recognised(ImprovementSet without) {
+    auto result = recognise(recogniser_, scene_, {}, {.min_score = 0.02F, .without = without});
+    EXPECT_TRUE(result) << result.error().message;
+    return std::move(*result);
+  }
+  /// What of a result is the same in each run.
+  static std::vector<double> fingerprint(const SceneResult& result) {
+    const SceneStats& s = result.stats;
+    std::vector<double> out;
+    for (const std::uint64_t count : {s.num_references, s.num_pairs, s.num_votes, s.num_hypotheses,
+                                      s.num_refined, s.num_examined})
+      out.push_back(static_cast<double>(count));
+    out.push_back(static_cast<double>(s.times.seconds.size()));
+    for (const Detection& detection : result.detections) {
+      out.push_back(static_cast<double>(detection.score));
+      for (const float value : detection.T_scene_model.matrix().reshaped())
+        out.push_back(static_cast<double>(value));
+    }
+    return out;
+  }
+  static inline Recogniser recogniser_{Library{}};
+  static inline Cloud scene_;
+  static inline SceneResult whole_;
+};
+
+// Where the wall does not vote, no pose leans on it, and these parts have no rivals: `background`
+// and `rivals` have their own tests.
+TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
+  for (const ImprovementName& known : kImprovements) {
+    if (known.improvement == Improvement::background || known.improvement == Improvement::rivals)
+      continue;
+    EXPECT_NE(fingerprint(recognised({known.improvement})), fingerprint(whole_)) << known.name;
+  }
+  EXPECT_EQ(fingerprint(recognised({})), fingerprint(whole_));
+}
+
+TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
+  RecogniseOptions options;
+  options.pose.rounds = 0;
+  options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F})}};
+  options.without = {Improvement::contour};  // which the wall runs on beyond
+  const auto known = recognise(recogniser_, scene_, {}, options);
+  options.without.insert(Improvement::background);
+  const auto unknown = recognise(recogniser_, scene_, {}, options);
+  ASSERT_TRUE(known && unknown);
+  EXPECT_EQ(known->stats.num_examined, 0U) << "a wall supports no pose";
+  EXPECT_EQ(unknown->stats.num_examined, 1U);
+}
+
+TEST_F(WithoutImprovement, TakesMoreWork) {
+  const SceneStats& s = whole_.stats;
+  EXPECT_GT(recognised({Improvement::ball}).stats.num_pairs, s.num_pairs);
+  EXPECT_GT(recognised({Improvement::full_cells}).stats.num_votes, s.num_votes);
+  EXPECT_GT(recognised({Improvement::references}).stats.num_references, s.num_references);
+  EXPECT_GT(recognised({Improvement::planes}).stats.num_references, s.num_references);
+  EXPECT_LT(recognised({Improvement::second_round}).stats.num_references, s.num_references);
+}
+
+TEST_F(WithoutImprovement, KeepsOneInstanceOfEachModel) {
+  const SceneResult result = recognised({Improvement::clusters});
+  EXPECT_LE(result.detections.size(), 2U);
+  EXPECT_GT(whole_.detections.size(), 2U);
+}
+
+TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
+  const SceneResult result = recognised({Improvement::refinement});
+  ASSERT_FALSE(result.detections.empty());
+  float best = 1;
+  for (const Detection& detection : result.detections) {
+    for (const Detection& known : whole_.detections) {
+      const float apart =
+          kernels::pose_distance(known.T_scene_model, detection.T_scene_model, {}, {0, 0, 0})
+              .rotation_rad;
+      EXPECT_GT(apart, 1e-4F);
+      best = std::min(best, apart);
+    }
+  }
+  EXPECT_LT(best, 0.2F);
+}
+
+// As far as the thesis goes: the strongest poses by votes alone, whose shares add up to 1 at most.
+TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
+  ImprovementSet all;
+  for (const ImprovementName& known : kImprovements) all.insert(known.improvement);
+  const auto result = recognise(recogniser_, scene_, {}, {.min_score = 0, .without = all});
+  ASSERT_TRUE(result) << result.error().message;
+  ASSERT_EQ(result->detections.size(), 2U) << "one a model";
+  for (const Detection& detection : result->detections) {
+    EXPECT_GT(detection.score, 0);
+    EXPECT_LT(detection.score, 1);
+  }
+}
+
+// Samples stand for rays: what they meet fills the same numbers.
+TEST_F(WithoutImprovement, FindsTheSamePartsBySamplesWhereNoRaysAreShot) {
+  const auto result = recognise(recogniser_, scene_, {}, {.without = {Improvement::rays}});
+  ASSERT_TRUE(result) << result.error().message;
+  ASSERT_EQ(result->detections.size(), 3U);
+  for (const Detection& detection : result->detections) {
+    EXPECT_GT(detection.visible_fraction, 0.5F);
+    EXPECT_LT(detection.violation, 0.1F);
+    EXPECT_GT(detection.rmse, 0);
+    EXPECT_TRUE(std::isfinite(detection.rmse));
+  }
+}
+
+}  // namespace
+}  // namespace trivet

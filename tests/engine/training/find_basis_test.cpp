@@ -1,0 +1,70 @@
+// From images to the codes that a library keeps.
+#include "engine/training/find_basis.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/training/describe_model.hpp"
+#include "engine/training/encode_features.hpp"
+#include "kernels/common/pca.hpp"
+#include "kernels/spin_images/feature_codes.hpp"
+#include "support/random.hpp"
+#include "support/rendered_scene.hpp"
+
+namespace trivet::engine {
+namespace {
+
+const ModelSource kLever{"lever", "lever.ply", 1, {}};
+
+std::vector<float> lever_images(std::size_t wanted) {
+  const auto images = sample_images(test::cloud_of(test::lever()), kLever, {}, wanted);
+  EXPECT_TRUE(images) << images.error().message;
+  return *images;
+}
+
+TEST(SampleImages, GivesAsManyAsAreWanted) {
+  EXPECT_EQ(lever_images(50).size(), 50 * kernels::kTriSpinSize);
+  EXPECT_GT(lever_images(100'000).size(), 500 * kernels::kTriSpinSize) << "all there are";
+}
+
+TEST(BasisOf, KeepsComponentsByNumberAndByEnergy) {
+  const std::vector<float> images = lever_images(1000);
+  EXPECT_EQ(basis_of(images, {}).components.size(), 60U);
+  EXPECT_EQ(basis_of(images, {.num_components = 1}).components.size(), 1U);
+  const TriSpinBasis half = basis_of(images, {.num_components = 675, .component_energy = 0.5F});
+  EXPECT_GT(half.components.size(), 1U);
+  EXPECT_LT(half.components.size(), 20U);
+  EXPECT_EQ(basis_of({}, {}).components.size(), 0U);
+}
+
+// A distance between codes is one between projected images, to what rounding adds.
+TEST(EncodeFeatures, KeepsDistances) {
+  Model model;
+  TrainStats stats;
+  const auto surface = survey_model(test::cloud_of(test::lever()), kLever, {}, model, stats);
+  ASSERT_TRUE(surface);
+  const Descriptions all = describe_model(model, *surface, {.stride = 4});
+  const TriSpinBasis basis = basis_of(all.images, {});
+  const TriSpinFeatures features = encode_features(all, basis, 0.01F);
+  ASSERT_EQ(features.size(), all.size());
+  ASSERT_EQ(features.codes.size(), 60 * all.size());
+  std::vector<float> exact(features.codes.size()), coded(features.codes.size());
+  kernels::project(basis.components, all.images, exact);
+  kernels::decode(features.codes, basis.code_step, coded);
+  const auto distance = [&](const std::vector<float>& of, std::size_t i, std::size_t j) {
+    double squared = 0;
+    for (std::size_t k = 0; k < 60; ++k) squared += std::pow(of[60 * i + k] - of[60 * j + k], 2);
+    return std::sqrt(squared);
+  };
+  for (std::size_t i = 1; i < all.size(); ++i)
+    EXPECT_NEAR(distance(coded, i - 1, i), distance(exact, i - 1, i), 0.03);
+  for (std::size_t i = 0; i < all.size(); i += 50) {
+    const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> frame(
+        features.frames[i].data());
+    EXPECT_EQ(frame, all.frames[i]);
+  }
+}
+
+}  // namespace
+}  // namespace trivet::engine

@@ -1,0 +1,221 @@
+#include "engine/train.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "engine/progress.hpp"
+#include "kernels/common/pose_math.hpp"
+#include "storage/file.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/random.hpp"
+#include "support/random_model.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+ModelSource source_named(const char* name) { return {name, std::string(name) + ".ply", 1, {}}; }
+
+TEST(TrainModel, DescribesTheWholeVisibleSurface) {
+  const auto trained = train_model(test::cloud_of(test::bracket()), source_named("bracket"), {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  const Model& model = trained->model;
+  EXPECT_NEAR(model.diameter, 0.207F, 0.01F);
+  EXPECT_TRUE(model.symmetry.trivial());
+  EXPECT_GT(model.samples.size(), 1000U);
+  EXPECT_GT(trained->stats.num_hidden_samples, 0U)
+      << "the parts overlap: their inner faces cannot be seen";
+  EXPECT_EQ(model.ppf.offsets.size(), model.ppf.quantisation.num_cells() + 1U);
+  EXPECT_EQ(model.ppf.entries.size(), model.ppf.offsets.back());
+  for (std::size_t i = 0; i < model.ppf_points.size(); ++i) {
+    ASSERT_NEAR(model.ppf_normals[i].norm(), 1, 1e-4F);
+  }
+}
+
+TEST(TrainModel, KnowsWhichPosesLookAlike) {
+  test::Shape bolt = test::prism(60, test::circle(0.025), -0.1, 0.08);
+  bolt.join(test::prism(60, test::circle(0.03), 0.08, 0.1));
+  const auto trained = train_model(test::cloud_of(bolt), source_named("bolt"), {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  ASSERT_EQ(trained->model.near_symmetries.size(), 1U);
+  EXPECT_LT(trained->model.near_symmetries[0].linear()(2, 2), -0.99F) << "end for end";
+}
+
+TEST(TrainModel, StartsPairsAtPointsThatTheSpacingKeepsApart) {
+  const Cloud surface = test::cloud_of(test::bracket());
+  const auto all = train_model(surface, source_named("bracket"), {.reference_spacing = 0});
+  const auto spread = train_model(surface, source_named("bracket"), {.reference_spacing = 1.5F});
+  ASSERT_TRUE(all && spread);
+  EXPECT_EQ(all->model.ppf.num_references, all->model.ppf_points.size());
+  const Model& model = spread->model;
+  EXPECT_EQ(model.ppf_points.size(), all->model.ppf_points.size());
+  EXPECT_LT(model.ppf.num_references, model.ppf_points.size() / 2);
+  const float distance = 1.5F * model.ppf.quantisation.distance_step;
+  const auto near_and_like = [&](std::size_t i, std::size_t k) {
+    return (model.ppf_points[i] - model.ppf_points[k]).norm() <= distance &&
+           model.ppf_normals[i].dot(model.ppf_normals[k]) > 0.71F;
+  };
+  for (std::size_t i = 0; i < model.ppf_points.size(); ++i) {
+    std::size_t near = 0;
+    for (std::size_t k = 0; k < model.ppf.num_references; ++k)
+      near += k != i && near_and_like(i, k);
+    if (i < model.ppf.num_references) {
+      ASSERT_EQ(near, 0U) << i;
+    } else {
+      ASSERT_GT(near, 0U) << i;
+    }
+  }
+}
+
+TEST(TrainModel, GivesOutwardNormalsWhateverTheWinding) {
+  const test::Shape shape = test::ellipsoid({0.1F, 0.06F, 0.04F}, 40);
+  for (const test::Shape& wound : {shape, shape.inside_out()}) {
+    const auto trained = train_model(test::cloud_of(wound), source_named("ellipsoid"), {});
+    ASSERT_TRUE(trained);
+    for (std::size_t i = 0; i < trained->model.ppf_points.size(); ++i) {
+      ASSERT_GT(trained->model.ppf_normals[i].dot(trained->model.ppf_points[i]), 0) << i;
+    }
+  }
+}
+
+TEST(TrainModel, TakesACloudWithoutFaces) {
+  const test::Shape shape = test::ellipsoid({0.1F, 0.06F, 0.04F}, 60);
+  Cloud cloud;
+  cloud.points = shape.vertices;
+  const auto trained = train_model(cloud, source_named("cloud"), {});
+  ASSERT_TRUE(trained) << trained.error().message;
+  std::size_t outward = 0;
+  const Model& model = trained->model;
+  EXPECT_GT(6 * model.triangles.size(), model.vertices.size()) << "a place is in six corners";
+  for (std::size_t i = 0; i < model.ppf_points.size(); ++i)
+    outward += model.ppf_normals[i].dot(model.ppf_points[i]) > 0;
+  EXPECT_GT(outward, model.ppf_points.size() * 99 / 100);
+}
+
+TEST(TrainModel, KeepsOneOfEachSymmetricPair) {
+  const test::Shape gear = test::prism(108, test::teeth(12, 0.1), -0.3, 0.3);
+  const auto found = train_model(test::cloud_of(gear), source_named("gear"), {});
+  ModelSource plain = source_named("gear");
+  plain.symmetry = Symmetry{};
+  plain.symmetry->declared = true;
+  const auto whole = train_model(test::cloud_of(gear), plain, {});
+  ASSERT_TRUE(found && whole);
+  EXPECT_EQ(found->model.symmetry.poses.size(), 23U) << "12-fold, and end for end";
+  EXPECT_FALSE(found->model.symmetry.declared);
+  EXPECT_TRUE(whole->model.symmetry.trivial()) << "what the user declares is not second-guessed";
+  EXPECT_LT(found->model.ppf.entries.size() * 4, whole->model.ppf.entries.size());
+}
+
+TEST(TrainModel, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Cloud surface = test::cloud_of(test::bracket());
+  Result<TrainedModel> one = Error{ErrorCode::internal, ""}, two = one;
+  {
+    const ThreadLimit limit(1);
+    one = train_model(surface, source_named("bracket"), {});
+  }
+  {
+    const ThreadLimit limit(2);
+    two = train_model(surface, source_named("bracket"), {});
+  }
+  ASSERT_TRUE(one && two);
+  EXPECT_EQ(test::difference(one->model, two->model), "");
+}
+
+TEST(TrainModel, RefusesWhatHasNoSurface) {
+  for (const auto& [points, what] :
+       {std::pair{std::vector<Eigen::Vector3f>{{0, 0, 0}}, "one point"},
+        std::pair{std::vector<Eigen::Vector3f>(100, {1, 2, 3}), "one place"},
+        std::pair{std::vector<Eigen::Vector3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "three points"}}) {
+    Cloud cloud;
+    for (const Eigen::Vector3f& p : points) cloud.points.push_back(p);
+    const auto trained = train_model(cloud, source_named("flat"), {});
+    ASSERT_FALSE(trained) << what;
+    EXPECT_EQ(trained.error().code, ErrorCode::bad_data) << what;
+    EXPECT_NE(trained.error().message.find("flat"), std::string::npos) << trained.error().message;
+  }
+}
+
+TEST(TrainOptionsCheck, NamesTheOptionThatIsOutOfRange) {
+  EXPECT_TRUE(validate(TrainOptions{}));
+  const auto wrong = validate(TrainOptions{.relative_step = 0.5F});
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, ErrorCode::usage);
+  EXPECT_NE(wrong.error().message.find("relative step"), std::string::npos);
+  EXPECT_FALSE(validate(TrainOptions{.relative_step = std::nanf("")}));
+  EXPECT_FALSE(validate(TrainOptions{.reference_spacing = -1}));
+}
+
+TEST(SamplingStep, IsSharedByDiametersWithinAnEighthOfAnOctave) {
+  EXPECT_FLOAT_EQ(sampling_step(1, 0.05F), 0.05F);
+  EXPECT_FLOAT_EQ(sampling_step(1.08F, 0.05F), 0.05F);
+  EXPECT_NE(sampling_step(1.1F, 0.05F), 0.05F);
+  EXPECT_FLOAT_EQ(sampling_step(2048, 0.05F), 0.05F * 2048);
+}
+
+class TrainLibrary : public testing::Test {
+ protected:
+  TrainLibrary() {
+    EXPECT_TRUE(write_ply(folder_ / "bracket.ply", test::cloud_of(test::bracket())));
+    EXPECT_TRUE(write_ply(folder_ / "lever.ply", test::cloud_of(test::lever())));
+    sources_ = {{"lever", folder_ / "lever.ply", 1, {}},
+                {"bracket", folder_ / "bracket.ply", 1, {}}};
+  }
+  test::TempDir folder_;
+  std::vector<ModelSource> sources_;
+};
+
+TEST_F(TrainLibrary, WritesTheSameBytesForAnyThreadsAndOrder) {
+  std::vector<std::string> bytes;
+  for (const unsigned threads : {1U, 2U}) {
+    const ThreadLimit limit(threads);
+    std::swap(sources_[0], sources_[1]);
+    const auto file = folder_ / "library.h5";
+    const auto stats = train_library(sources_, LengthUnit::metre, {}, file, {});
+    ASSERT_TRUE(stats) << stats.error().message;
+    std::ifstream in(file, std::ios::binary);
+    bytes.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  }
+  EXPECT_EQ(bytes[0], bytes[1]);
+}
+
+TEST_F(TrainLibrary, ReportsEachModelAndReadsBack) {
+  std::vector<std::string> reported;
+  Progress progress;
+  progress.report = [&](std::size_t done, std::size_t total, std::string_view item) {
+    EXPECT_EQ(total, 2U);
+    EXPECT_EQ(done, reported.size() + 1);
+    reported.emplace_back(item);
+  };
+  ASSERT_TRUE(train_library(sources_, LengthUnit::metre, {}, folder_ / "library.h5", progress));
+  EXPECT_EQ(reported, (std::vector<std::string>{"bracket", "lever"}));
+  const auto library = open_library(folder_ / "library.h5");
+  ASSERT_TRUE(library) << library.error().message;
+  EXPECT_EQ(library->models.size(), 2U);
+  EXPECT_EQ(library->models[0].source_xxh3.size(), 32U);
+}
+
+TEST_F(TrainLibrary, LeavesTheOldFileWhenAModelFailsOrWhenStopped) {
+  const auto file = folder_.write("library.h5", "old");
+  sources_.push_back({"broken", folder_.write("broken.ply", "ply\nformat ascii 1.0\n"), 1, {}});
+  const auto failed = train_library(sources_, LengthUnit::metre, {}, file, {});
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::bad_data);
+  EXPECT_NE(failed.error().message.find("broken.ply"), std::string::npos) << failed.error().message;
+
+  std::stop_source stop;
+  stop.request_stop();
+  Progress stopped;
+  stopped.stop = stop.get_token();
+  const auto result = train_library(sources_, LengthUnit::metre, {}, file, stopped);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::resumable);
+  EXPECT_EQ(std::filesystem::file_size(file), 3U);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 4)
+      << "no temporary file is left";
+}
+
+}  // namespace
+}  // namespace trivet

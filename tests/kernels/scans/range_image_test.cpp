@@ -1,0 +1,247 @@
+#include "kernels/scans/range_image.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "support/random.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+using Eigen::Vector3f;
+using test::Random;
+
+struct Scan {
+  PixelGrid grid;
+  Points points;
+};
+
+/// A wavy wall seen by a camera, with holes, and with this noise of the pixel positions.
+Scan scan_of(Random& random, const Camera& camera, double pixel_noise = 0) {
+  Scan scan{{80, 60, {}}, {}};
+  scan.grid.point_index.assign(80 * 60, PixelGrid::kNone);
+  for (std::size_t pixel = 0; pixel < 80 * 60; ++pixel) {
+    if (random.below(5) == 0) continue;
+    const auto noise = [&] { return static_cast<double>(random.normal(1)) * pixel_noise; };
+    const double u = static_cast<double>(pixel % 80), v = static_cast<double>(pixel / 80);
+    const double z = 2 + 0.5 * std::sin(u / 9) * std::cos(v / 7);
+    scan.grid.point_index[pixel] = static_cast<std::int32_t>(scan.points.size());
+    scan.points.push_back(Eigen::Vector3d((u + noise() - camera.cx) / camera.fx * z,
+                                          (v + noise() - camera.cy) / camera.fy * z, z)
+                              .cast<float>());
+  }
+  return scan;
+}
+
+TEST(FitCamera, RecoversTheCameraOfAScan) {
+  for (const Camera& camera : {Camera{70, 75, 39.5, 30.25, 1}, Camera{500, 500, -10, 90, 1}}) {
+    Random random;
+    const Scan scan = scan_of(random, camera);
+    const auto found = fit_camera(scan.grid, scan.points);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->fx, camera.fx, 1e-3);
+    EXPECT_NEAR(found->fy, camera.fy, 1e-3);
+    EXPECT_NEAR(found->cx, camera.cx, 1e-3);
+    EXPECT_NEAR(found->cy, camera.cy, 1e-3);
+  }
+}
+
+TEST(FitCamera, BearsNoiseBelowHalfAPixelAndNoMore) {
+  Random random;
+  const Camera camera{70, 75, 39.5, 30.25, 1};
+  const Scan fine = scan_of(random, camera, 0.15);
+  const auto found = fit_camera(fine.grid, fine.points);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->fx, camera.fx, 0.1);
+  EXPECT_NEAR(found->cx, camera.cx, 0.1);
+  const Scan coarse = scan_of(random, camera, 0.5);
+  EXPECT_FALSE(fit_camera(coarse.grid, coarse.points));
+}
+
+TEST(FitCamera, RefusesGridsThatNoPinholeMakes) {
+  Random random;
+  const Camera camera{70, 75, 39.5, 30.25, 1};
+  const Scan good = scan_of(random, camera);
+  const auto refused = [&](auto&& move) {
+    Scan scan = good;
+    for (std::size_t i = 0; i < scan.points.size(); ++i) scan.points.set(i, move(scan.points[i]));
+    return !fit_camera(scan.grid, scan.points);
+  };
+  EXPECT_FALSE(refused([](const Vector3f& p) { return p; }));
+  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(-p.x(), p.y(), p.z()); }))
+      << "mirrored";
+  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(p.y(), p.x(), p.z()); })) << "turned";
+  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(p.x(), p.y(), -p.z()); }))
+      << "behind";
+  EXPECT_TRUE(refused([](const Vector3f& p) {
+    return Vector3f(p.x() / p.z(), p.y() / p.z(), p.z());
+  })) << "orthographic";
+  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(0, 0, p.z()); })) << "a line";
+  EXPECT_FALSE(fit_camera({}, {})) << "nothing";
+}
+
+TEST(ImageGeometry, PutsAPointInThePixelWhoseCentreIsNearest) {
+  Random random;
+  ImageGeometry g{Pose::Identity(), 70, 75, 39.5F, 30.25F, 80, 60};
+  for (std::size_t pixel = 0; pixel < 80 * 60; ++pixel) {
+    const Vector3f p = g.back_project(pixel, random.uniform(0.1F, 10));
+    EXPECT_EQ(g.pixel_of(p), static_cast<std::int64_t>(pixel));
+    const Vector3f shift(random.uniform(-0.49F, 0.49F) / g.fx, random.uniform(-0.49F, 0.49F) / g.fy,
+                         0);
+    EXPECT_EQ(g.pixel_of(p + p.z() * shift), static_cast<std::int64_t>(pixel));
+  }
+  for (const Vector3f& p : {Vector3f(0, 0, 0), Vector3f(0, 0, -1), Vector3f(-0.58F, 0, 1),
+                            Vector3f(0.58F, 0, 1), Vector3f(0, -0.42F, 1), Vector3f(0, 0.4F, 1),
+                            Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()).eval()}) {
+    EXPECT_EQ(g.pixel_of(p), -1) << p.transpose();
+  }
+}
+
+TEST(ChooseCamera, LeavesTwoPointsAPixelAndFewHoles) {
+  for (std::uint64_t trial = 0; trial < 4; ++trial) {
+    Random random(trial);
+    const Pose T = random.motion();
+    const Vector3f viewpoint = T * Vector3f(0, 0, 4);
+    const Points points = test::transformed(random.surface(20'000), T.linear(), T.translation());
+    const auto camera = choose_camera(points, viewpoint);
+    ASSERT_TRUE(camera);
+    EXPECT_LT((camera->T_camera_scene * viewpoint).norm(), 1e-5);
+    EXPECT_NEAR(camera->T_camera_scene.linear().determinant(), 1, 1e-5);
+    std::map<std::int64_t, int> points_of_pixel;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      ++points_of_pixel[camera->pixel_of(camera->T_camera_scene * points[i])];
+    }
+    EXPECT_EQ(points_of_pixel.count(-1), 0U) << "all inside";
+    const auto occupied = static_cast<double>(points_of_pixel.size());
+    EXPECT_NEAR(20'000 / occupied, 2, 0.15);
+
+    // At random, 1.6 points a pixel leave exp(-1.6) empty: a fifth; they must be lone ones.
+    const PixelGrid grid = rasterise(*camera, points);
+    Column<float> depth(grid.point_index.size(), 0);
+    std::size_t inner = 0, empty = 0;
+    for (std::size_t pixel = 0; pixel < depth.size(); ++pixel) {
+      if (grid.point_index[pixel] != PixelGrid::kNone) depth[pixel] = 4;
+    }
+    fill_small_holes(*camera, 1, 4, depth);
+    for (std::uint32_t v = camera->height / 3; v < camera->height * 2 / 3; ++v) {
+      for (std::uint32_t u = camera->width / 3; u < camera->width * 2 / 3; ++u) {
+        ++inner;
+        empty += depth[v * camera->width + u] == 0;
+      }
+    }
+    EXPECT_LT(static_cast<double>(empty), 0.01 * static_cast<double>(inner));
+  }
+}
+
+TEST(ChooseCamera, TakesTheGivenPixelUnlessTheImageGrowsTooLarge) {
+  Random random;
+  const Points points = random.surface(20'000);
+  const auto coarse = choose_camera(points, {0, 0, 4}, 0.1F);
+  ASSERT_TRUE(coarse);
+  EXPECT_NEAR(4 / coarse->fx, 0.1, 0.005);  // at the middle, 4 away
+  EXPECT_NEAR(coarse->width, 22, 3);
+  const auto fine = choose_camera(points, {0, 0, 4}, 1e-6F);
+  ASSERT_TRUE(fine);
+  EXPECT_LE(std::max(fine->width, fine->height), 2048U);
+  EXPECT_GT(std::max(fine->width, fine->height), 2000U);
+}
+
+TEST(ChooseCamera, NeedsThreePointsAndAViewFromOutside) {
+  Random random;
+  const Points two = random.surface(2), three = random.surface(3);
+  EXPECT_FALSE(choose_camera(two, {0, 0, 4}));
+  EXPECT_TRUE(choose_camera(three, {0, 0, 4}));
+  Points ring;
+  for (const float x : {-1.0F, 1.0F}) {
+    for (const float y : {-1.0F, 1.0F}) ring.push_back({x, y, 0});
+  }
+  EXPECT_FALSE(choose_camera(ring, {0, 0, 0})) << "it would not know where to look";
+  Points same;
+  for (int i = 0; i < 5; ++i) same.push_back({1, 1, 1});
+  EXPECT_FALSE(choose_camera(same, {0, 0, 0})) << "no extent";
+}
+
+TEST(Rasterise, KeepsTheNearestPointOfEachPixel) {
+  Random random;
+  ImageGeometry g{random.motion(), 20, 20, 7.5F, 7.5F, 16, 16};
+  Points points;
+  Normals normals;
+  for (int i = 0; i < 2000; ++i) {
+    const float z = 1 + static_cast<float>(random.below(8)) / 4;  // ties on purpose
+    const Vector3f p(random.uniform(-0.6F, 0.6F), random.uniform(-0.6F, 0.6F), 1);
+    const float side = random.below(9) == 0 ? -1.0F : 1.0F;  // some are behind the camera
+    points.push_back(g.T_camera_scene.inverse() * (side * z * p));
+    normals.push_back(random.direction());
+  }
+  for (const bool with_normals : {false, true}) {
+    std::map<std::int64_t, std::int32_t> expected;
+    for (std::int32_t i = 0; i < 2000; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Vector3f p = g.T_camera_scene * points[at];
+      const std::int64_t pixel = g.pixel_of(p);
+      if (pixel < 0) continue;
+      if (with_normals && p.dot(g.T_camera_scene.linear() * normals[at]) >= 0) continue;
+      const auto [best, fresh] = expected.try_emplace(pixel, i);
+      if (fresh) continue;
+      const Vector3f q = g.T_camera_scene * points[static_cast<std::size_t>(best->second)];
+      if (p.z() < q.z()) best->second = i;
+    }
+    const PixelGrid grid = with_normals ? rasterise(g, points, normals) : rasterise(g, points);
+    ASSERT_EQ(grid.point_index.size(), 256U);
+    for (std::size_t pixel = 0; pixel < 256; ++pixel) {
+      const auto found = expected.find(static_cast<std::int64_t>(pixel));
+      EXPECT_EQ(grid.point_index[pixel],
+                found == expected.end() ? PixelGrid::kNone : found->second);
+    }
+    EXPECT_GT(expected.size(), 100U);
+  }
+}
+
+// Ties go to the lowest index: exact copies of one point.
+TEST(Rasterise, PrefersTheFirstOfEqualPoints) {
+  ImageGeometry g{Pose::Identity(), 10, 10, 4.5F, 4.5F, 10, 10};
+  Points points;
+  for (int i = 0; i < 3; ++i) points.push_back({0.01F, 0.02F, 1});
+  const PixelGrid grid = rasterise(g, points);
+  EXPECT_EQ(std::ranges::count(grid.point_index, 0), 1);
+  EXPECT_EQ(std::ranges::count(grid.point_index, PixelGrid::kNone), 99);
+}
+
+struct Patch {
+  ImageGeometry geometry{Pose::Identity(), 10, 10, 4, 4, 5, 5};
+  Column<float> depth = Column<float>(25, 2);
+};
+
+TEST(FillSmallHoles, GivesTheMeanOfLikeNeighbours) {
+  Patch patch;
+  patch.depth[12] = 0;
+  patch.depth[6] = 2.25F;
+  patch.depth[7] = 0;  // borders another hole: both are filled from what was measured
+  EXPECT_EQ(fill_small_holes(patch.geometry, 0.25F, 4, patch.depth), 2U);
+  EXPECT_EQ(patch.depth[12], (6 * 2 + 2.25F) / 7);
+  EXPECT_EQ(patch.depth[7], (6 * 2 + 2.25F) / 7);
+}
+
+TEST(FillSmallHoles, LeavesEdgesGapsAndBordersAlone) {
+  Patch step;  // a neighbour on another surface
+  step.depth[12] = 0;
+  step.depth[6] = 2.5F;
+  EXPECT_EQ(fill_small_holes(step.geometry, 0.25F, 4, step.depth), 0U);
+  EXPECT_EQ(step.depth[12], 0);
+
+  Patch gap;  // too few neighbours
+  for (const std::size_t pixel : {6U, 7U, 8U, 11U, 12U}) gap.depth[pixel] = 0;
+  EXPECT_EQ(fill_small_holes(gap.geometry, 0.25F, 5, gap.depth), 3U);
+  EXPECT_EQ(gap.depth[7], 0) << "four neighbours";
+  EXPECT_EQ(gap.depth[12], 0) << "four neighbours";
+
+  Patch border;
+  border.depth[2] = border.depth[10] = border.depth[24] = 0;
+  EXPECT_EQ(fill_small_holes(border.geometry, 0.25F, 1, border.depth), 0U);
+}
+
+}  // namespace
+}  // namespace trivet::kernels

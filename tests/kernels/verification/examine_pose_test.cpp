@@ -1,0 +1,522 @@
+#include "kernels/verification/examine_pose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "support/allocations.hpp"
+#include "support/random.hpp"
+#include "support/reference_examination.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/shapes.hpp"
+
+namespace trivet::kernels {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kTolerance = 0.003F;
+constexpr float kFar = 2;  // of a wall behind everything
+
+/// Shapes seen by a small camera at the origin, each a model of its own.
+struct Body {
+  test::Shape shape;
+  RayScene surface;
+  ModelSamples samples;
+
+  Body(test::Shape of, float diameter)
+      : shape(std::move(of)), surface(*RayScene::from_mesh(shape.vertices, shape.triangles)) {
+    samples.points = shape.vertices;
+    samples.diameter = diameter;
+    samples.spacing = 0;
+  }
+  explicit Body(const Vector3f& half) : Body(test::box(-half, half), 2 * half.norm()) {}
+};
+
+/// A round rod along x.
+Body rod_of(float radius, float half_length) {
+  const test::Shape upright =
+      test::prism(96, test::circle(static_cast<double>(radius)), -static_cast<double>(half_length),
+                  static_cast<double>(half_length));
+  return {upright.moved(test::pose_of({0, 1.5707963F, 0}, {0, 0, 0})),
+          2 * std::hypot(radius, half_length)};
+}
+
+ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120}; }
+
+/// What a camera measures of bodies in front of a wall.
+RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float wall = kFar,
+                const ImageGeometry& geometry = camera()) {
+  RangeImage image;
+  image.geometry = geometry;
+  const std::size_t n = std::size_t{image.geometry.width} * image.geometry.height;
+  image.depth.assign(n, wall);
+  image.plane.assign(n, 0);
+  image.near_plane.assign(n, 0);
+  image.normals.resize(n);
+  for (std::size_t pixel = 0; pixel < n; ++pixel)
+    image.normals.set(pixel, Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  for (std::size_t pixel = 0; pixel < n; ++pixel) {
+    const Vector3f ray = image.geometry.back_project(pixel, 1);
+    for (const auto& [body, pose] : bodies) {
+      const Pose inverse = pose.inverse();
+      const Hit hit = body->surface.intersect(inverse.translation(), inverse.linear() * ray, 0,
+                                              std::numeric_limits<float>::infinity());
+      if (hit && (image.depth[pixel] == 0 || hit.distance < image.depth[pixel]))
+        image.depth[pixel] = hit.distance;
+    }
+  }
+  return image;
+}
+
+/// With the tolerance and the background of all tests.
+Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
+                    const std::optional<Symmetry::Axis>& free_axis = {},
+                    ExplainedPixels* explained = nullptr, ExamineOptions options = {}) {
+  options.verify.tolerance = kTolerance;
+  static const std::array<std::uint8_t, 1> kBackground{1};
+  options.verify.plane_is_background = kBackground;
+  ExamineScratch scratch;
+  Examination out;
+  examine_pose({&image, 1}, body.surface, body.samples, free_axis, pose, options, scratch, out,
+               explained);
+  return out;
+}
+
+const Body& brick() {
+  static const Body body({0.1F, 0.06F, 0.04F});
+  return body;
+}
+const Pose kCorner = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.6F});
+
+TEST(ExaminePose, FindsNothingAgainstTheTruth) {
+  const Examination e = examine(look({{&brick(), kCorner}}), brick(), kCorner);
+  EXPECT_GT(e.consistent, 800);
+  EXPECT_EQ(e.consistent, e.covered);
+  EXPECT_EQ(e.violation + e.occluded + e.unknown + e.background + e.outside, 0);
+  EXPECT_LT(e.residual, 1e-6F);
+  EXPECT_LT(e.smooth, 1e-6F);
+  EXPECT_LT(e.slope, 1e-3F);
+  EXPECT_GT(e.outline_free, 100);
+  EXPECT_EQ(e.outline_crossed, 0);
+  EXPECT_GT(e.hold, 0.005F) << "three faces hold a box";
+}
+
+// Boxes before and behind the model, with noise, holes and a labelled plane; crops of every stride;
+// for scans whose neighbours err for themselves or alike.
+TEST(ExaminePose, AgreesWithANaiveReference) {
+  const Body small({0.03F, 0.02F, 0.015F});
+  Examination total;
+  double beside = 0;
+  for (std::uint64_t trial = 0; trial < 48; ++trial) {
+    SCOPED_TRACE(trial);
+    test::Random random(trial);
+    const Body& body = trial % 3 == 0 ? small : brick();
+    const auto between = [&](float low, float high) { return random.uniform(low, high); };
+    const auto turn = [&] { return Vector3f(between(-2, 2), between(-2, 2), between(-2, 2)); };
+    const Pose truth =
+        test::pose_of(turn(), {between(-0.1F, 0.1F), between(-0.1F, 0.1F), between(0.4F, 0.9F)});
+    const Pose other =
+        test::pose_of(turn(), {between(-0.15F, 0.15F), between(-0.15F, 0.15F), between(0.3F, 1)});
+    RangeImage image = look({{&body, truth}, {&brick(), other}}, between(0.7F, 1.2F));
+    for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+      image.depth[pixel] += random.normal(1e-3F);
+      if (random.uniform(0, 1) < 0.05F) image.depth[pixel] = 0;
+      image.plane[pixel] = image.near_plane[pixel] = pixel % 160 > 100 ? 1 : 0;
+    }
+    Pose pose = truth;
+    pose.pretranslate(
+        Vector3f(between(-4e-3F, 4e-3F), between(-4e-3F, 4e-3F), between(-4e-3F, 4e-3F)));
+    ExplainedPixels explained;
+    ExamineOptions options;
+    if (trial % 4 > 0) options.correlation = between(0, 1);
+    if (trial % 4 > 1) options.edge_pixels = static_cast<int>(std::lround(between(2, 6)));
+    const Examination e = examine(image, body, pose, {}, &explained, options);
+    const reference::Examination naive = reference::examination(
+        image, body.surface, body.samples.diameter, pose, explained.square, kTolerance,
+        options.edge_pixels, static_cast<double>(options.correlation));
+    beside += naive.beside;
+    const auto near = [&](float value, double expected, double relative) {
+      EXPECT_NEAR(static_cast<double>(value), expected, relative * expected + 1e-6);
+    };
+    // Rounding decides at most a few rays.
+    const double slack = 3.0 * explained.square * explained.square;
+    EXPECT_NEAR(e.covered, naive.covered, slack);
+    EXPECT_NEAR(e.outside, naive.outside, slack);
+    EXPECT_NEAR(e.consistent, naive.consistent, slack);
+    EXPECT_NEAR(e.violation, naive.violation, slack);
+    EXPECT_NEAR(e.occluded, naive.occluded, slack);
+    EXPECT_NEAR(e.sunk, naive.sunk, slack);
+    EXPECT_NEAR(e.unknown, naive.unknown, slack);
+    EXPECT_NEAR(e.background, naive.background, slack);
+    if (naive.consistent > 100 * explained.square * explained.square) {
+      near(e.residual, naive.residual, 0.02);
+      near(e.smooth, naive.smooth, 0.05);
+      near(e.slope, naive.slope, 0.05);
+      near(e.area, naive.area, 0.03);
+      EXPECT_NEAR(static_cast<double>(e.relief), naive.relief, 0.02 * naive.relief + 0.01);
+      near(e.hold, naive.hold, 0.05);
+    }
+    EXPECT_EQ(explained.pixels.size() * explained.square * explained.square, e.consistent);
+    total.consistent += e.consistent;
+    total.violation += e.violation;
+    total.occluded += e.occluded;
+    total.sunk += e.sunk;
+    total.unknown += e.unknown;
+    total.background += e.background;
+  }
+  for (const float count :
+       {total.consistent, total.violation, total.occluded, total.sunk, total.background})
+    EXPECT_GT(count, 200) << "each is met";
+  EXPECT_GT(beside, 200);
+}
+
+// A face agrees with any plane; an edge, and more so a corner, only with its like.
+TEST(ExaminePose, TellsHowFarFromAPlaneWhatIsSeenIs) {
+  const Pose face = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const Pose edge = test::pose_of({0.8F, 0, 0}, {0, 0, 0.6F});
+  const auto relief = [](const Pose& pose) {
+    return examine(look({{&brick(), pose}}), brick(), pose).relief;
+  };
+  EXPECT_LT(relief(face), 0.05F);
+  EXPECT_GT(relief(edge), 2);
+}
+
+// What is taken for a thing may be what it would lie beneath.
+TEST(ExaminePose, TellsWhatIsSunkFromWhatIsHidden) {
+  const auto behind = [](float depth) {
+    const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.6F + depth});
+    return examine(look({{&brick(), test::pose_of({0, 0, 0}, {0, 0, 0.6F})}}), brick(), pose);
+  };
+  const Examination sunk = behind(3 * kTolerance), hidden = behind(10 * kTolerance);
+  EXPECT_GT(sunk.sunk, 0.9F * sunk.covered);
+  EXPECT_GT(hidden.occluded, 0.9F * hidden.covered);
+  EXPECT_EQ(hidden.sunk, 0);
+}
+
+TEST(ExaminePose, TellsAWrongTurnByTheSlopeOfWhatIsLeft) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const RangeImage image = look({{&brick(), flat}});
+  for (const float angle : {0.01F, 0.02F}) {  // at 0.1 m from the axis still within the tolerance
+    const Examination e = examine(image, brick(), test::pose_of({0, angle, 0}, {0, 0, 0.6F}));
+    EXPECT_NEAR(e.slope, angle, 0.15F * angle);
+    EXPECT_GT(e.smooth, 0.9F * e.residual) << "no noise to average away";
+  }
+}
+
+TEST(ExaminePose, AveragesNoiseAway) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = look({{&brick(), flat}});
+  test::Random random(7);
+  for (float& depth : image.depth) depth += random.normal(1e-3F);
+  const Examination e = examine(image, brick(), flat);
+  EXPECT_NEAR(e.residual, 1.0F / 9, 0.02F) << "sigma is a third of the tolerance";
+  EXPECT_LT(e.smooth, e.residual / 6) << "windows of 9 rays, fewer at the border";
+}
+
+TEST(ExaminePose, KnowsWhatHoldsAPose) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const Body plate({0.3F, 0.3F, 0.04F});
+  const Examination face = examine(look({{&plate, flat}}), brick(), flat);
+  EXPECT_LT(face.hold, 1e-4F) << "one face slides";
+  const Examination corner = examine(look({{&brick(), kCorner}}), brick(), kCorner);
+  EXPECT_GT(corner.hold, 50 * face.hold + 1e-3F);
+
+  // A rod's turn is not asked for where it is a symmetry.
+  const Body rod = rod_of(0.03F, 0.08F);
+  const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
+  const Pose tilted = test::pose_of({0.2F, 0.9F, 0}, {0.01F, 0.02F, 0.5F});
+  const RangeImage image = look({{&rod, tilted}});
+  const float asked = examine(image, rod, tilted).hold,
+              open = examine(image, rod, tilted, axis).hold;
+  EXPECT_LT(asked, 2e-3F);
+  EXPECT_GT(open, 5 * asked);
+}
+
+// One face fixes neither two shifts nor a turn; its outline does.
+TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasSeen) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const RangeImage image = look({{&brick(), flat}});
+  EXPECT_GT(examine(image, brick(), flat).hold, 0.005F);
+
+  RangeImage unmeasured = image;
+  for (float& depth : unmeasured.depth)
+    if (depth == kFar) depth = 0;
+  const Examination alone = examine(unmeasured, brick(), flat);
+  EXPECT_GT(alone.outline_free, 100);
+  EXPECT_LT(alone.hold, 1e-4F) << "what was not measured shows no edge";
+
+  const Body frame({0.3F, 0.3F, 0.01F});  // nearer, with the face in its window
+  RangeImage framed = look({{&frame, test::pose_of({0, 0, 0}, {0, 0, 0.4F})}});
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
+    if (image.depth[pixel] < kFar) framed.depth[pixel] = image.depth[pixel];
+  EXPECT_LT(examine(framed, brick(), flat).hold, 1e-4F) << "nor does what something nearer cuts";
+
+  const Pose nearer = test::pose_of({0, 0, 0}, {0, 0, 0.5F});
+  EXPECT_EQ(examine(image, brick(), nearer).hold, 0) << "nor what does not agree within";
+}
+
+// The side of a rod does not fix it along itself, whichever way it lies.
+TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreSeen) {
+  const Body rod = rod_of(0.02F, 0.1F), longer = rod_of(0.02F, 0.25F), screen({0.05F, 0.2F, 0.01F});
+  const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
+  for (const float angle : {0.0F, 0.2F, 0.4F, 0.7854F, 1.2F}) {
+    SCOPED_TRACE(angle);
+    const Pose pose = test::pose_of({0, 0, angle}, {0, 0, 0.5F});
+    const auto along = [&](float x, float z) { return pose * test::pose_of({0, 0, 0}, {x, 0, z}); };
+    const auto hold = [&](const RangeImage& image, const Pose& at) {
+      return examine(image, rod, at, axis).hold;
+    };
+    const float open = hold(look({{&rod, pose}}), pose);
+    const float hidden = hold(
+        look({{&rod, pose}, {&screen, along(-0.1F, -0.1F)}, {&screen, along(0.1F, -0.1F)}}), pose);
+    const float half_hidden = hold(look({{&rod, pose}, {&screen, along(0.1F, -0.1F)}}), pose);
+    const float running_on = hold(look({{&longer, pose}}), pose);
+    const float slid = hold(look({{&longer, along(-0.2F, 0)}}), pose);
+    EXPECT_GT(open, 0.01F);
+    EXPECT_LT(hidden, 0.05F * open);
+    EXPECT_GT(half_hidden, 0.3F * open) << "one end is enough";
+    EXPECT_LT(running_on, 0.05F * open);
+    EXPECT_LT(slid, 0.05F * open) << "the end in the air is not the rod's";
+  }
+}
+
+TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
+  const Pose pose = test::pose_of({0.02F, 0.3F, 0.4F}, {0.02F, -0.01F, 0.6F});
+  const RangeImage image = look({{&brick(), pose}});
+  const float hold = examine(image, brick(), pose).hold;
+  EXPECT_GT(hold, 0.001F);
+
+  for (const float finer : {2.0F, 3.0F, 4.0F}) {
+    ImageGeometry fine = camera();
+    for (float* f : {&fine.fx, &fine.fy}) *f *= finer;
+    for (float* c : {&fine.cx, &fine.cy}) *c = finer * (*c + 0.5F) - 0.5F;
+    fine.width *= static_cast<std::uint32_t>(finer);
+    fine.height *= static_cast<std::uint32_t>(finer);
+    EXPECT_NEAR(examine(look({{&brick(), pose}}, kFar, fine), brick(), pose).hold, hold,
+                0.2F * hold);
+  }
+
+  test::Random random;
+  const Pose motion = random.motion();
+  RangeImage moved = image;
+  moved.geometry.T_camera_scene = motion.inverse();
+  EXPECT_NEAR(examine(moved, brick(), motion * pose).hold, hold, 1e-2F * hold);
+
+  const Body larger(Vector3f(100, 60, 40));
+  RangeImage in_millimetres = image;
+  for (float& depth : in_millimetres.depth) depth *= 1000;
+  Pose far = pose;
+  far.translation() *= 1000;
+  ExamineOptions options;
+  options.verify.tolerance = 1000 * kTolerance;
+  ExamineScratch scratch;
+  Examination out;
+  examine_pose({&in_millimetres, 1}, larger.surface, larger.samples, {}, far, options, scratch,
+               out);
+  EXPECT_NEAR(out.hold, hold, 1e-2F * hold);
+
+  options.verify.tolerance = kTolerance;
+  const std::array<RangeImage, 2> twice{image, image};
+  examine_pose(twice, brick().surface, brick().samples, {}, pose, options, scratch, out);
+  EXPECT_NEAR(out.hold, hold, 1e-4F * hold) << "means, over all images";
+}
+
+TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
+  // The model is a part of a larger flat thing.
+  const Body plate({0.3F, 0.3F, 0.04F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const Examination e = examine(look({{&plate, flat}}), brick(), flat);
+  EXPECT_EQ(e.consistent, e.covered);
+  EXPECT_EQ(e.outline_free, 0);
+  EXPECT_GT(e.outline_crossed, 100);
+  RangeImage labelled = look({{&plate, flat}});
+  labelled.plane.assign(labelled.plane.size(), 1);
+  labelled.near_plane = labelled.plane;
+  const Examination table = examine(labelled, brick(), flat);
+  EXPECT_EQ(table.outline_crossed, 0) << "things stand on a table";
+  EXPECT_EQ(table.consistent, 0) << "and are not made of it";
+}
+
+/// A brick's face in a wall that rises from it towards the camera by `slope`, turning over so many
+/// metres: a sensor's rounded crease. A negative slope falls away.
+RangeImage face_in_wall(float slope, float rounded) {
+  RangeImage image = look({});
+  constexpr float kFace = 0.56F;
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const Vector3f p = image.geometry.back_project(pixel, kFace);
+    const Vector3f beyond(std::max(std::abs(p.x()) - 0.1F, 0.0F) * (p.x() > 0 ? 1.0F : -1.0F),
+                          std::max(std::abs(p.y()) - 0.06F, 0.0F) * (p.y() > 0 ? 1.0F : -1.0F), 0);
+    const float far = beyond.norm(), turned = std::min(far, rounded);
+    const float steep = rounded > 0 ? slope * turned / rounded : far > 0 ? slope : 0;
+    image.depth[pixel] = kFace - (0.5F * steep * turned + slope * (far - turned));
+    const Vector3f outwards = far > 0 ? Vector3f(beyond / far) : Vector3f::Zero();
+    image.normals.set(pixel, (Vector3f(0, 0, -1) - steep * outwards).normalized());
+  }
+  return image;
+}
+
+TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const auto seen = [&](float slope, float rounded) {
+    return examine(face_in_wall(slope, rounded), brick(), flat);
+  };
+  const Examination on = seen(0, 0);
+  EXPECT_EQ(on.outline_touching, 0);
+  EXPECT_GT(on.outline_crossed, 100);
+  const Examination touching = seen(0.63F, 0);
+  EXPECT_EQ(touching.outline_crossed, 0);
+  EXPECT_GT(touching.outline_touching, 0.4F * on.outline_crossed)
+      << "the rest lies before the brick";
+  const Examination rounded = seen(0.8F, 0.02F);
+  EXPECT_GT(rounded.outline_touching, 0.9F * on.outline_crossed) << "over five pixels";
+  const Examination edge = seen(-0.63F, 0);
+  EXPECT_EQ(edge.outline_touching, 0) << "a body's own edge bends away";
+  EXPECT_GT(edge.outline_crossed, 0.4F * on.outline_crossed);
+}
+
+// What the scan errs over many pixels anywhere does not speak against a pose.
+TEST(ExaminePose, SparesTheWavesOfTheScan) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = look({{&brick(), flat}});
+  constexpr float kHeight = 0.001F, kLength = 24;  // [pixel]
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const auto u = static_cast<float>(pixel % 160), v = static_cast<float>(pixel / 160);
+    const float turn = 2 * 3.14159265F / kLength;
+    image.depth[pixel] += kHeight * std::sin(turn * u) * std::sin(turn * v);
+  }
+  const Examination unknown = examine(image, brick(), flat);
+  ExamineOptions wavy;
+  wavy.waviness = {0.5F * kHeight, 0.1F};
+  const Examination known = examine(image, brick(), flat, {}, nullptr, wavy);
+  const float squares = 0.25F * kHeight * kHeight / (kTolerance * kTolerance);
+  EXPECT_NEAR(unknown.residual, squares, 0.2F * squares);
+  EXPECT_LT(known.residual, 0.2F * squares);
+  EXPECT_LT(known.smooth, 0.1F * unknown.smooth);
+  EXPECT_LT(known.slope, 0.5F * unknown.slope);
+  EXPECT_EQ(known.consistent, unknown.consistent);
+}
+
+// The brick sticks out of a slanted wall that hides the rest of it.
+TEST(ExaminePose, SeesWhereTheModelDipsBeneathTheScene) {
+  const Body wall({0.4F, 0.4F, 0.01F}), cover({0.1F, 0.03F, 0.01F});
+  const Pose slanted = test::pose_of({0, 0.35F, 0}, {0, 0, 0.6F});
+  const Pose straight = test::pose_of({0, 0, 0}, {0, 0, 0.63F});
+  const auto with_normals = [](RangeImage image) {
+    const auto at = [&](std::size_t pixel) {
+      return image.geometry.back_project(pixel, image.depth[pixel]);
+    };
+    for (std::size_t pixel = 0; pixel + 160 < image.depth.size(); ++pixel) {
+      const Vector3f n = (at(pixel + 160) - at(pixel)).cross(at(pixel + 1) - at(pixel));
+      image.normals.set(pixel, n.normalized());
+    }
+    return image;
+  };
+  const auto seen_with = [&](const Body& body, const Pose& pose) {
+    const Examination e =
+        examine(with_normals(look({{&brick(), straight}, {&body, pose}})), brick(), straight);
+    EXPECT_GT(e.consistent, 100);
+    EXPECT_GT(e.occluded, 100);
+    return e.buried;
+  };
+  const RangeImage only_wall = with_normals(look({{&wall, slanted}}));
+  EXPECT_GT(examine(only_wall, brick(), straight).buried, 20);
+  EXPECT_EQ(seen_with(cover, test::pose_of({0, 0, 0}, {0, 0.03F, 0.5F})), 0)
+      << "what lies in front has an edge";
+  EXPECT_EQ(seen_with(wall, slanted), 0) << "and what leans on it makes a fold";
+}
+
+ExamineOptions blurred(int edge_pixels, float correlation = 0) {
+  ExamineOptions options;
+  options.edge_pixels = edge_pixels;
+  options.correlation = correlation;
+  return options;
+}
+
+// Cameras that match windows show outlines by up to half a window beside their place.
+TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const RangeImage image = look({{&brick(), flat}});
+  RangeImage shifted = image;
+  for (std::size_t pixel = 3; pixel < image.depth.size(); ++pixel)
+    shifted.depth[pixel] = image.depth[pixel - 3];
+  const Examination strict = examine(shifted, brick(), flat, {}, nullptr, blurred(0));
+  EXPECT_GT(strict.violation, 50) << "the wall is seen through the side that it moved from";
+  EXPECT_GT(strict.outline_crossed, 20) << "and it runs on over the other one";
+  const Examination lenient = examine(shifted, brick(), flat, {}, nullptr, blurred(5));
+  EXPECT_EQ(lenient.violation, 0);
+  EXPECT_EQ(lenient.outline_crossed, 0);
+  EXPECT_EQ(lenient.consistent, strict.consistent);
+  EXPECT_GT(lenient.outline_free, strict.outline_free);
+}
+
+TEST(ExaminePose, SeesAHoleInTheMiddleThroughAnyBlur) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = look({{&brick(), flat}});
+  constexpr int kLeft = 68, kTop = 50, kAcross = 24, kDown = 20, kEdge = 5;
+  for (int v = kTop; v < kTop + kDown; ++v) {
+    for (int u = kLeft; u < kLeft + kAcross; ++u)
+      image.depth[static_cast<std::size_t>(v * 160 + u)] = kFar;
+  }
+  const Examination strict = examine(image, brick(), flat, {}, nullptr, blurred(0));
+  const Examination lenient = examine(image, brick(), flat, {}, nullptr, blurred(kEdge, 1));
+  // A pixel beside another one counts as that one: a pixel is lost on each side. Rays are two
+  // pixels apart.
+  EXPECT_NEAR(strict.violation, (kAcross - 2) * (kDown - 2), 2 * (kAcross + kDown));
+  constexpr int kWithin = (kAcross - 2 * kEdge) * (kDown - 2 * kEdge);
+  EXPECT_NEAR(lenient.violation, kWithin, 2 * (kAcross + kDown - 4 * kEdge));
+}
+
+// The scene lies behind the model, or before it, by so many tolerances.
+TEST(ExaminePose, CountsAViolationMoreTheMoreItIsOne) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const auto at = [&](float tolerances, float correlation) {
+    const Pose moved = test::pose_of({0, 0, 0}, {0, 0, 0.6F + tolerances * kTolerance});
+    return examine(look({{&brick(), moved}}), brick(), flat, {}, nullptr, blurred(0, correlation));
+  };
+  const float whole = at(4, 0).violation;
+  EXPECT_GT(whole, 1000);
+  for (const float correlation : {0.4F, 1.0F}) {
+    const float soft = 1.5F * correlation;
+    EXPECT_EQ(at(0.99F, correlation).violation, 0);
+    for (const float share : {0.1F, 0.5F, 0.9F}) {
+      EXPECT_NEAR(at(1 + share * soft, correlation).violation, share * whole, 0.05F * whole);
+      EXPECT_NEAR(at(1 + share * soft, 0).violation, whole, 0.05F * whole) << "else at once";
+    }
+    EXPECT_NEAR(at(1.01F + soft, correlation).violation, whole, 0.05F * whole);
+    EXPECT_NEAR(at(-1 - 0.5F * soft, correlation).occluded, whole, 0.05F * whole)
+        << "what hides the model hides it";
+  }
+}
+
+TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
+  const RangeImage image = look({{&brick(), kCorner}});
+  for (const Vector3f& place : {Vector3f(0, 0, -1), Vector3f(3, 0, 0.6F)}) {
+    const Examination e = examine(image, brick(), test::pose_of({0, 0, 0}, place));
+    EXPECT_EQ(e.covered, 0);
+    EXPECT_EQ(e.hold, 0);
+  }
+  const Examination cut = examine(image, brick(), test::pose_of({0, 0, 0}, {-0.32F, 0, 0.6F}));
+  EXPECT_GT(cut.outside, 100);
+  EXPECT_GT(cut.covered, 100);
+}
+
+TEST(ExaminePose, AllocatesNothingOnceItsMemoryIsThere) {
+  const RangeImage image = look({{&brick(), kCorner}});
+  ExamineOptions options;
+  options.verify.tolerance = kTolerance;
+  ExamineScratch scratch;
+  Examination out;
+  const auto run = [&] {
+    examine_pose({&image, 1}, brick().surface, brick().samples, {}, kCorner, options, scratch, out);
+  };
+  run();
+  EXPECT_EQ(test::allocations_in(run), 0U);
+}
+
+}  // namespace
+}  // namespace trivet::kernels
