@@ -1,4 +1,4 @@
-/// trivet: recognise known rigid objects in 3-D scans.
+/// trivet: recognize known rigid objects in 3-D scans.
 
 #include <fmt/format.h>
 #include <pthread.h>
@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
   context.command = command_line({argv, static_cast<std::size_t>(argc)});
 
   CLI::App app{
-      "Recognise known rigid objects in 3-D scans.\n"
+      "Recognize known rigid objects in 3-D scans.\n"
       "Train a library once, then find its models in scenes:\n\n"
       "  trivet train MODELS/ -o LIBRARY.h5\n"
       "  trivet recognize LIBRARY.h5 SCENE.ply --json -\n"};

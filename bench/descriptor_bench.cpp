@@ -103,7 +103,7 @@ const auto* const kImages = add_row("images/ours", [](benchmark::State& state) {
       for (int axis = 0; axis < 3; ++axis) {
         kernels::spin_image(all.supports[k], all.frames[k].axes.row(axis), all.radius, image,
                             scratch);
-        kernels::normalise_spin_image(image);
+        kernels::normalize_spin_image(image);
         benchmark::DoNotOptimize(image);
       }
     }

@@ -4,13 +4,13 @@
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "rows.hpp"
-#include "storage/neighbourhoods.hpp"
+#include "storage/neighborhoods.hpp"
 #include "support/reference.hpp"
 
 namespace trivet::bench {
 namespace {
 
-// Each row starts from points alone: the search for neighbours is part of it.
+// Each row starts from points alone: the search for neighbors is part of it.
 const bool kGrid =
     add_rows("normals/ours_pixels_w3", [](benchmark::State& state, const Scan& scan) {
       Normals normals(scan.points.size());
@@ -26,14 +26,14 @@ const bool kGrid =
 const bool kRadius = add_rows("normals/ours_radius", [](benchmark::State& state, const Scan& scan) {
   const float radius = search_radius(scan);
   Normals normals(scan.points.size());
-  Neighbourhoods rows;
+  Neighborhoods rows;
   for (auto _ : state) {
     const kernels::VoxelHash grid(scan.points, radius);
     rows.offsets.assign(scan.points.size() + 1, 0);
-    kernels::count_radius_neighbours(grid, scan.points, radius, std::span(rows.offsets).subspan(1));
+    kernels::count_radius_neighbors(grid, scan.points, radius, std::span(rows.offsets).subspan(1));
     std::inclusive_scan(rows.offsets.begin(), rows.offsets.end(), rows.offsets.begin());
     rows.indices.resize(rows.offsets.back());
-    kernels::fill_radius_neighbours(grid, scan.points, radius, rows.offsets, rows.indices);
+    kernels::fill_radius_neighbors(grid, scan.points, radius, rows.offsets, rows.indices);
     kernels::estimate_normals(scan.points, rows, normals);
     kernels::orient_normals(scan.points, {0, 0, 0}, normals);
   }

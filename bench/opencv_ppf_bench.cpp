@@ -70,7 +70,7 @@ double scene_step(const cv::Mat& scene, double step) {
   return step * kDiameter / (sides / 3);
 }
 
-// Its rotations are scaled, since the quaternions of a cluster are averaged without normalising:
+// Its rotations are scaled, since the quaternions of a cluster are averaged without normalizing:
 // take the scale out.
 std::optional<Pose> match(ppf::PPF3DDetector& detector, const cv::Mat& scene, double step) {
   std::vector<ppf::Pose3DPtr> found;
@@ -98,7 +98,7 @@ void train_opencv(benchmark::State& state) {
 }
 BENCHMARK(train_opencv)->Name("train/opencv")->Arg(100)->Arg(70)->Apply(whole_process);
 
-void recognise_opencv(benchmark::State& state) {
+void recognize_opencv(benchmark::State& state) {
   cv::setNumThreads(1);
   const cv::Mat scene = as_opencv(scan_without_wall());
   const std::vector<Detector>& detectors = trained(state.range(0));
@@ -109,7 +109,7 @@ void recognise_opencv(benchmark::State& state) {
   }
   report_poses(state, poses);
 }
-BENCHMARK(recognise_opencv)->Name("recognise/opencv")->Arg(100)->Arg(70)->Apply(whole_process);
+BENCHMARK(recognize_opencv)->Name("recognize/opencv")->Arg(100)->Arg(70)->Apply(whole_process);
 
 }  // namespace
 }  // namespace trivet::bench

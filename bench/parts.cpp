@@ -52,7 +52,7 @@ struct PoseError {
 PoseError pose_error(std::size_t part, const Pose& T_scene_part) {
   const Model& model = trained_parts(kDefaultStep).models[part];
   const auto error =
-      kernels::pose_distance(parts()[part].T_scene_part, T_scene_part, {}, model.centre);
+      kernels::pose_distance(parts()[part].T_scene_part, T_scene_part, {}, model.center);
   return {double{error.translation / model.diameter},
           double{error.rotation_rad} * 180 / std::numbers::pi};
 }
@@ -143,7 +143,7 @@ const std::vector<Pose>& rough_poses() {
       const float angle = 5 * std::numbers::pi_v<float> / 180;
       rough.push_back(kernels::small_motion(angle * direction(),
                                             0.04F * bracket.diameter * direction(),
-                                            truth * bracket.centre) *
+                                            truth * bracket.center) *
                       truth);
     }
     return rough;

@@ -59,25 +59,25 @@ const bool kApproximate =
 const bool kKdTree =
     add_rows("radius_search/pcl_kd_tree", [](benchmark::State& state, const Scan& scan) {
       const PclCloud::Ptr cloud = as_pcl(scan);
-      double num_neighbours = 0;
+      double num_neighbors = 0;
       for (auto _ : state) {
         pcl::KdTreeFLANN<pcl::PointXYZ> tree;
         tree.setSortedResults(false);
         tree.setInputCloud(cloud);
         pcl::Indices indices;
         std::vector<float> distances;
-        num_neighbours = 0;
+        num_neighbors = 0;
         for (const pcl::PointXYZ& point : *cloud) {
-          num_neighbours += tree.radiusSearch(point, search_radius(scan), indices, distances);
+          num_neighbors += tree.radiusSearch(point, search_radius(scan), indices, distances);
         }
       }
-      state.counters["neighbours"] = num_neighbours / static_cast<double>(cloud->size());
+      state.counters["neighbors"] = num_neighbors / static_cast<double>(cloud->size());
     });
 
-// Neighbours from a k-d tree, as for any cloud, or from the pixels, which PCL prefers where it can.
-void radius_normals(benchmark::State& state, const Scan& scan, bool organised) {
+// Neighbors from a k-d tree, as for any cloud, or from the pixels, which PCL prefers where it can.
+void radius_normals(benchmark::State& state, const Scan& scan, bool organized) {
   const PclCloud::Ptr cloud = as_pcl(scan);
-  if (!organised) {
+  if (!organized) {
     cloud->width = static_cast<std::uint32_t>(cloud->size());
     cloud->height = 1;
   }
@@ -95,7 +95,7 @@ const bool kRadiusNormals =
     add_rows("normals/pcl_radius",
              [](benchmark::State& state, const Scan& scan) { radius_normals(state, scan, false); });
 
-const bool kOrganisedNormals =
+const bool kOrganizedNormals =
     add_rows("normals/pcl_radius_in_pixels",
              [](benchmark::State& state, const Scan& scan) { radius_normals(state, scan, true); });
 

@@ -33,7 +33,7 @@ PclCloud::Ptr as_pcl(const OrientedPoints& surface) {
   return cloud;
 }
 
-// The filter averages normals: they get their length back, and are dropped where they cancelled
+// The filter averages normals: they get their length back, and are dropped where they canceled
 // out.
 PclCloud::Ptr thinned(const PclCloud::Ptr& cloud, float step) {
   PclCloud averages;
@@ -103,7 +103,7 @@ void train_pcl(benchmark::State& state) {
 }
 BENCHMARK(train_pcl)->Name("train/pcl")->Arg(100)->Arg(70)->Apply(whole_process);
 
-void recognise_pcl(benchmark::State& state) {
+void recognize_pcl(benchmark::State& state) {
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   const PclCloud::Ptr scene = as_pcl(scan_without_wall());
   const std::vector<PclModel>& models = trained(state.range(0));
@@ -114,7 +114,7 @@ void recognise_pcl(benchmark::State& state) {
   }
   report_poses(state, poses);
 }
-BENCHMARK(recognise_pcl)->Name("recognise/pcl")->Arg(100)->Arg(70)->Apply(whole_process);
+BENCHMARK(recognize_pcl)->Name("recognize/pcl")->Arg(100)->Arg(70)->Apply(whole_process);
 
 void icp_pcl(benchmark::State& state) {
   constexpr float kStep = 0.02F * kDiameter;

@@ -14,11 +14,11 @@ namespace {
 constexpr std::int64_t kSizes[] = {256, 1024, 4096};
 constexpr std::int64_t kNaiveSizes[] = {256, 1024};
 
-/// The first points of the bracket's surface, and how their pairs are quantised.
+/// The first points of the bracket's surface, and how their pairs are quantized.
 struct TableInput {
   PointsView points;
   NormalsView normals;
-  PpfQuantisation quantisation;
+  PpfQuantization quantization;
 };
 
 TableInput table_input(std::int64_t num_points) {
@@ -36,14 +36,14 @@ struct Table {
 
 Table build(const TableInput& input) {
   const kernels::PpfPoints model{input.points, input.normals, {}};
-  const std::size_t n = input.points.size(), num_cells = input.quantisation.num_cells();
+  const std::size_t n = input.points.size(), num_cells = input.quantization.num_cells();
   kernels::PairScratch scratch(n);
   Column<std::uint32_t> counts(num_cells, 0);
   Table table;
   table.offsets.resize(num_cells + 1);
-  kernels::count_ppf_pairs(model, input.quantisation, 0, n, scratch, counts);
+  kernels::count_ppf_pairs(model, input.quantization, 0, n, scratch, counts);
   table.entries.resize(kernels::scan_ppf_counts(counts, 1, table.offsets));
-  kernels::fill_ppf_entries(model, input.quantisation, 0, n, scratch, counts, table.entries);
+  kernels::fill_ppf_entries(model, input.quantization, 0, n, scratch, counts, table.entries);
   kernels::sort_ppf_cells(table.offsets, 0, num_cells, table.entries);
   return table;
 }
@@ -62,7 +62,7 @@ NaiveTable naive_build(const TableInput& input) {
       if (i == r) continue;
       const auto feature = reference::pair_feature(input.points[r], input.normals[r],
                                                    input.points[i], input.normals[i], T);
-      if (const auto cell = reference::cell_of(feature, input.quantisation)) {
+      if (const auto cell = reference::cell_of(feature, input.quantization)) {
         table.insert({*cell, {r, feature.rotation}});
       }
     }

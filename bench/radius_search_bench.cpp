@@ -1,17 +1,17 @@
 #include <numeric>
 
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "rows.hpp"
-#include "storage/neighbourhoods.hpp"
+#include "storage/neighborhoods.hpp"
 #include "support/reference.hpp"
 
 namespace trivet::bench {
 namespace {
 
-// The share of sampled queries whose neighbours differ from the reference's. A distance that float
+// The share of sampled queries whose neighbors differ from the reference's. A distance that float
 // and double put on different sides of the radius counts as different.
-double wrong_rows(const Scan& scan, NeighbourhoodsView rows) {
+double wrong_rows(const Scan& scan, NeighborhoodsView rows) {
   double wrong = 0;
   constexpr std::size_t kSamples = 50;
   for (std::size_t k = 0; k < kSamples; ++k) {
@@ -24,8 +24,8 @@ double wrong_rows(const Scan& scan, NeighbourhoodsView rows) {
   return wrong / kSamples;
 }
 
-void report(benchmark::State& state, const Scan& scan, NeighbourhoodsView rows) {
-  state.counters["neighbours"] =
+void report(benchmark::State& state, const Scan& scan, NeighborhoodsView rows) {
+  state.counters["neighbors"] =
       static_cast<double>(rows.indices.size()) / static_cast<double>(rows.size());
   state.counters["wrong_rows"] = wrong_rows(scan, rows);
 }
@@ -34,14 +34,14 @@ void report(benchmark::State& state, const Scan& scan, NeighbourhoodsView rows) 
 const bool kVoxelHash = add_rows("radius_search/ours_voxel_hash", [](benchmark::State& state,
                                                                      const Scan& scan) {
   const float radius = search_radius(scan);
-  Neighbourhoods rows;
+  Neighborhoods rows;
   for (auto _ : state) {
     const kernels::VoxelHash grid(scan.points, radius);
     rows.offsets.assign(scan.points.size() + 1, 0);
-    kernels::count_radius_neighbours(grid, scan.points, radius, std::span(rows.offsets).subspan(1));
+    kernels::count_radius_neighbors(grid, scan.points, radius, std::span(rows.offsets).subspan(1));
     std::inclusive_scan(rows.offsets.begin(), rows.offsets.end(), rows.offsets.begin());
     rows.indices.resize(rows.offsets.back());
-    kernels::fill_radius_neighbours(grid, scan.points, radius, rows.offsets, rows.indices);
+    kernels::fill_radius_neighbors(grid, scan.points, radius, rows.offsets, rows.indices);
   }
   report(state, scan, rows);
 });
@@ -54,9 +54,9 @@ const bool kKdTree =
         const Eigen::Vector3f p = scan.points[i];
         queries.insert(queries.end(), {p.x(), p.y(), p.z()});
       }
-      Neighbourhoods rows;
+      Neighborhoods rows;
       for (auto _ : state) {
-        const auto tree = kernels::NearestNeighbours::build(scan.points);
+        const auto tree = kernels::NearestNeighbors::build(scan.points);
         rows.offsets.assign(scan.points.size() + 1, 0);
         bool done = tree.has_value() &&
                     tree->count_within(queries, radius, std::span(rows.offsets).subspan(1));
@@ -70,7 +70,7 @@ const bool kKdTree =
 
 const bool kNaive =
     add_naive_row("radius_search/naive", [](benchmark::State& state, const Scan& scan) {
-      Neighbourhoods rows;
+      Neighborhoods rows;
       for (auto _ : state) {
         rows.offsets.assign(1, 0);
         rows.indices.clear();

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/train.hpp"
 #include "kernels/verification/refine_pose.hpp"
 #include "parts.hpp"
@@ -46,7 +46,7 @@ void refine_ours(benchmark::State& state) {
   const Model& bracket = trained_parts(kDefaultStep).models[0];
   const kernels::ModelSamples samples{bracket.samples,      bracket.sample_normals,
                                       bracket.sample_views, bracket.sample_spacing,
-                                      bracket.diameter,     bracket.centre};
+                                      bracket.diameter,     bracket.center};
   kernels::RefineOptions options;
   options.num_samples = 500;
   options.first_gate = 0.06F * bracket.diameter;
@@ -63,11 +63,11 @@ BENCHMARK(refine_ours)->Name("icp/ours")->Apply(whole_process);
 
 // From the scan to verified poses of both parts: normals, planes, sampling, voting, refinement,
 // selection.
-void recognise_ours(benchmark::State& state) {
-  const Recogniser recogniser(trained_parts(relative_step(state)));
+void recognize_ours(benchmark::State& state) {
+  const Recognizer recognizer(trained_parts(relative_step(state)));
   SceneResult result;
   for (auto _ : state) {
-    auto found = recognise(recogniser, parts_scan(), {}, {});
+    auto found = recognize(recognizer, parts_scan(), {}, {});
     if (!found) return state.SkipWithError(found.error().message.c_str());
     result = std::move(*found);
   }
@@ -80,7 +80,7 @@ void recognise_ours(benchmark::State& state) {
   report_poses(state, poses);
   state.counters["false"] = static_cast<double>(result.detections.size()) - state.counters["found"];
 }
-BENCHMARK(recognise_ours)->Name("recognise/ours")->Arg(100)->Arg(70)->Arg(40)->Apply(whole_process);
+BENCHMARK(recognize_ours)->Name("recognize/ours")->Arg(100)->Arg(70)->Arg(40)->Apply(whole_process);
 
 }  // namespace
 }  // namespace trivet::bench

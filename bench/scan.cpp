@@ -27,12 +27,12 @@ Hit cast(const Eigen::Vector3f& ray) {
   wall({0, 0, -1}, 1.4F);
   wall({0.9F, 0.1F, -0.5F}, 0.6F);
   wall({0, -1, -0.3F}, 0.55F);
-  const Eigen::Vector3f centre(0.1F, 0.05F, 1.0F);
-  const float radius = 0.18F, a = ray.squaredNorm(), b = ray.dot(centre);
-  const float discriminant = b * b - a * (centre.squaredNorm() - radius * radius);
+  const Eigen::Vector3f center(0.1F, 0.05F, 1.0F);
+  const float radius = 0.18F, a = ray.squaredNorm(), b = ray.dot(center);
+  const float discriminant = b * b - a * (center.squaredNorm() - radius * radius);
   if (discriminant > 0) {
     const float t = (b - std::sqrt(discriminant)) / a;
-    hit.nearer(t, (t * ray - centre) / radius);
+    hit.nearer(t, (t * ray - center) / radius);
   }
   return hit;
 }

@@ -1,4 +1,4 @@
-/// The scan that all rows work on, and how well normals and neighbours agree with its truth.
+/// The scan that all rows work on, and how well normals and neighbors agree with its truth.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace trivet::bench {
 
-/// An organised scan of a room's corner with a ball in it, by a pinhole camera at the origin.
+/// An organized scan of a room's corner with a ball in it, by a pinhole camera at the origin.
 struct Scan {
   PixelGrid grid;
   Points points;          ///< [m], with 1 mm noise in depth
@@ -20,7 +20,7 @@ struct Scan {
 /// The scan of 4 : 3 pixels with this width; the same on every call.
 const Scan& scan_of_width(std::int64_t width);
 
-/// Radius of neighbourhoods of about 40 points, whatever the size [m].
+/// Radius of neighborhoods of about 40 points, whatever the size [m].
 float search_radius(const Scan& scan);
 
 /// Root mean square angle between unoriented normals and the truth [degree]; NaN ones do not count.

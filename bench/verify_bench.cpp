@@ -13,7 +13,7 @@ const Model& bracket() { return trained_parts(kDefaultStep).models[0]; }
 kernels::ModelSamples samples() {
   const Model& model = bracket();
   return {model.samples,        model.sample_normals, model.sample_views,
-          model.sample_spacing, model.diameter,       model.centre};
+          model.sample_spacing, model.diameter,       model.center};
 }
 
 kernels::VerifyOptions options() {

@@ -24,14 +24,14 @@ struct Sweep {
 Sweep make_sweep() {
   Sweep sweep{trained_parts(kDefaultStep).models[0], {}};
   const VoteOptions options;
-  PpfQuantisation quantisation = sweep.model.ppf.quantisation;
-  quantisation.num_distance_bins = static_cast<std::uint32_t>(
-      std::ceil(options.radius * static_cast<float>(quantisation.num_distance_bins)));
+  PpfQuantization quantization = sweep.model.ppf.quantization;
+  quantization.num_distance_bins = static_cast<std::uint32_t>(
+      std::ceil(options.radius * static_cast<float>(quantization.num_distance_bins)));
   const float radius =
-      quantisation.distance_step * static_cast<float>(quantisation.num_distance_bins);
+      quantization.distance_step * static_cast<float>(quantization.num_distance_bins);
   const engine::SceneLevel level = engine::choose_voters(
       prepared_scan(),
-      engine::sample_scene(prepared_scan(), quantisation.distance_step, sweep.model.diameter),
+      engine::sample_scene(prepared_scan(), quantization.distance_step, sweep.model.diameter),
       options);
   kernels::PairScratch scratch(level.points.size());
   std::vector<std::uint64_t> keys;
@@ -43,7 +43,7 @@ Sweep make_sweep() {
       normals.push_back(level.normals[i]);
     });
     kernels::collect_scene_votes(kernels::reference_frame(level.points[r], level.normals[r]),
-                                 points, normals, quantisation, 0, scratch, keys,
+                                 points, normals, quantization, 0, scratch, keys,
                                  sweep.references.emplace_back());
   }
   return sweep;

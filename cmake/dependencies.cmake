@@ -26,6 +26,6 @@ endfunction()
 
 # FLANN pulls in the MPI build of HDF5, and its pkg-config file would link it: name the serial one.
 trivet_library(hdf5 hdf5.h hdf5/serial hdf5_serial)
-# FLANN's index serialisation uses LZ4, which its CMake target does not name.
+# FLANN's index serialization uses LZ4, which its CMake target does not name.
 trivet_library(flann flann/flann.hpp "" flann_cpp lz4)
 trivet_library(xxhash xxhash.h "" xxhash)

@@ -12,7 +12,7 @@
 namespace trivet {
 
 struct CameraCheck {
-  Camera camera;                            ///< that the scene was recognised with
+  Camera camera;                            ///< that the scene was recognized with
   std::vector<kernels::ScalePull> objects;  ///< the sure ones with enough surface
   std::size_t num_rays = 0;                 ///< that were shot for it
   /// What would fit the objects better; absent without any.

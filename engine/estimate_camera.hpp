@@ -1,21 +1,21 @@
-/// Recognise scenes whose cameras may have been given wrongly.
+/// Recognize scenes whose cameras may have been given wrongly.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 
 namespace trivet {
 
-/// Recognise all scenes; where the checks of all scenes of a camera say that it is off, correct it
-/// and recognise all once more, twice at most. All results are held in memory.
+/// Recognize all scenes; where the checks of all scenes of a camera say that it is off, correct it
+/// and recognize all once more, twice at most. All results are held in memory.
 ///
 /// scenes  depth images get the cameras that their results were found with
-/// Results are in the order of the scenes. Errors: of recognise_all.
-Result<std::vector<SceneResult>> recognise_estimating_camera(const Recogniser& recogniser,
+/// Results are in the order of the scenes. Errors: of recognize_all.
+Result<std::vector<SceneResult>> recognize_estimating_camera(const Recognizer& recognizer,
                                                              std::span<SceneInput> scenes,
-                                                             const RecogniseOptions& options,
+                                                             const RecognizeOptions& options,
                                                              const Progress& progress);
 
 }  // namespace trivet

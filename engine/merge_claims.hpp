@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {

@@ -20,13 +20,13 @@ struct PoseLimits {
     float max_angle_deg = 180;
     bool operator==(const Tilt&) const = default;
   };
-  std::optional<Region> region{};  ///< box that holds the models' centres [scene file's unit]
+  std::optional<Region> region{};  ///< box that holds the models' centers [scene file's unit]
   std::optional<Tilt> tilt{};      ///< the model's direction is within this angle of the scene's
   bool operator==(const PoseLimits&) const = default;
 
-  /// Whether a pose with this centre is within the limits. scale: of the given lengths to the
+  /// Whether a pose with this center is within the limits. scale: of the given lengths to the
   /// region's unit.
-  bool allow(const Pose& T_scene_model, const Eigen::Vector3f& model_centre,
+  bool allow(const Pose& T_scene_model, const Eigen::Vector3f& model_center,
              double scale) const noexcept;
 };
 

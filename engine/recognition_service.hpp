@@ -9,7 +9,7 @@
 #include <stop_token>
 #include <variant>
 
-#include "engine/recogniser.hpp"
+#include "engine/recognizer.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
@@ -26,7 +26,7 @@ Result<void> validate(const ServiceOptions& options);
 
 /// A library that answers, and its number among those that this process has served: from 1.
 struct LibraryGeneration {
-  Recogniser recogniser;
+  Recognizer recognizer;
   std::uint64_t number = 0;
 };
 

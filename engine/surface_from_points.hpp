@@ -18,7 +18,7 @@ namespace trivet {
 /// Where the triangles come from.
 enum class SurfaceMethod {
   faces,   ///< the file has them
-  grid,    ///< pixels side by side in an organised scan
+  grid,    ///< pixels side by side in an organized scan
   greedy,  ///< points near one another, with normals
 };
 
@@ -29,7 +29,7 @@ struct SurfaceMethodName {
 };
 inline constexpr std::array<SurfaceMethodName, 3> kSurfaceMethods{
     {{SurfaceMethod::faces, "faces", "as the file has them"},
-     {SurfaceMethod::grid, "grid", "between neighbouring pixels of an organised scan"},
+     {SurfaceMethod::grid, "grid", "between neighboring pixels of an organized scan"},
      {SurfaceMethod::greedy, "greedy", "greedy projection, for points in any order"}}};
 
 struct SurfaceOptions {
@@ -55,7 +55,7 @@ struct Surface {
 
 /// Lay a surface through the points of a cloud.
 ///
-/// cloud  as read; where it has no normals, the greedy method fits planes to 20 neighbours, facing
+/// cloud  as read; where it has no normals, the greedy method fits planes to 20 neighbors, facing
 ///        the viewpoint: whole objects, which no viewpoint sees all of, need normals of their own
 /// name   what messages call the cloud: its file
 /// Triangles of `grid` and `greedy` are counter-clockwise seen from the viewpoint, or from where

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Recognise an array of points by the Open Inference Protocol, with binary tensors. Needs numpy.
+"""Recognize an array of points by the Open Inference Protocol, with binary tensors. Needs numpy.
 
 usage: infer.py POINTS.npy [--url http://127.0.0.1:8080] [NAME=VALUE ...]      an array [N, 3]
 """

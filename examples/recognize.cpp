@@ -1,4 +1,4 @@
-// Recognise a scan and print what was found, as any C++ program can: Boost.Beast and nlohmann-json.
+// Recognize a scan and print what was found, as any C++ program can: Boost.Beast and nlohmann-json.
 //
 // g++ -std=c++20 recognize.cpp -o recognize
 // usage: recognize HOST PORT SCAN PARAMETERS       as: recognize 127.0.0.1 8080 scan.ply format=ply

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Recognise a scan and print what was found. Needs Python 3 alone.
+"""Recognize a scan and print what was found. Needs Python 3 alone.
 
 usage: recognize.py SCAN [--url http://127.0.0.1:8080] [--deadline SECONDS] [NAME=VALUE ...]
 as:    recognize.py scan.ply min-score=0.9

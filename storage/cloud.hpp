@@ -1,4 +1,4 @@
-/// What a file of geometry holds: a mesh, a cloud, an organised scan or a depth image.
+/// What a file of geometry holds: a mesh, a cloud, an organized scan or a depth image.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@ struct Triangles {
   }
 };
 
-/// Which point each pixel of an organised scan holds.
+/// Which point each pixel of an organized scan holds.
 struct PixelGrid {
   static constexpr std::int32_t kNone = -1;
   std::uint32_t width = 0, height = 0;

@@ -16,16 +16,16 @@ namespace trivet {
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
 inline constexpr std::uint32_t kLibraryVersionMinor = 3;  ///< a newer minor version is read
 
-enum class LengthUnit { metre, millimetre };
+enum class LengthUnit { meter, millimeter };
 
 /// What to multiply a length in one unit by to have it in the other.
 inline double unit_scale(LengthUnit from, LengthUnit to) noexcept {
   if (from == to) return 1;
-  return from == LengthUnit::metre ? 1000 : 0.001;
+  return from == LengthUnit::meter ? 1000 : 0.001;
 }
 
 struct LibraryHeader {
-  LengthUnit unit = LengthUnit::metre;
+  LengthUnit unit = LengthUnit::meter;
   std::string producer;    ///< program and version that wrote the file
   std::string parameters;  ///< training parameters as one JSON object
 };

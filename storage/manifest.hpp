@@ -35,7 +35,7 @@ struct TruthInstance {
   std::optional<double> clutter = {};  ///< 0..1: share of the scene's area that others have
 };
 
-/// How many instances of a model a scene is known to hold, where that is told to the recogniser.
+/// How many instances of a model a scene is known to hold, where that is told to the recognizer.
 struct SceneTarget {
   std::string model;
   std::uint32_t num_instances = 1;
@@ -48,12 +48,12 @@ struct ManifestScene {
   std::optional<Eigen::Vector3f> viewpoint;
   bool closed_surface = false;  ///< neither camera nor viewpoint: a surface without a sensor
   std::vector<TruthInstance> truth;
-  std::vector<SceneTarget> targets = {};  ///< of BOP's localisation task; empty: not given
+  std::vector<SceneTarget> targets = {};  ///< of BOP's localization task; empty: not given
   int scene_id = -1, image_id = -1;       ///< BOP; -1: none
 };
 
 struct Manifest {
-  LengthUnit unit = LengthUnit::metre;
+  LengthUnit unit = LengthUnit::meter;
   std::vector<ManifestModel> models;       ///< in the order of the file
   std::vector<std::string> models_scored;  ///< empty: all
   std::vector<ManifestScene> scenes;

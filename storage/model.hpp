@@ -49,7 +49,7 @@ struct Model {
   std::string source;       ///< name of the file it was trained from, without folders
   std::string source_xxh3;  ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
   float diameter = 0;       ///< largest distance between two surface points [library unit]
-  Eigen::Vector3f centre{0, 0,
+  Eigen::Vector3f center{0, 0,
                          0};  ///< area centroid, which every symmetry keeps in place [library unit]
   Symmetry symmetry;
   /// Motions that map much of the surface onto itself but not all of it, best first: where
@@ -65,7 +65,7 @@ struct Model {
   Points samples;  ///< about uniform over the visible surface, for refinement and verification
   Normals sample_normals;  ///< outward
   Column<ViewMask> sample_views;
-  float sample_spacing = 0;  ///< mean distance between neighbouring samples [library unit]
+  float sample_spacing = 0;  ///< mean distance between neighboring samples [library unit]
 
   Points ppf_points;  ///< what the table's references index; at most 65,536
   Normals ppf_normals;

@@ -1,4 +1,4 @@
-/// The point-pair table of one model: a dense CSR over the quantised pair feature.
+/// The point-pair table of one model: a dense CSR over the quantized pair feature.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ struct PpfEntry {
 };
 static_assert(sizeof(PpfEntry) == 4, "the table is stored as it is in memory");
 
-/// Quantisation of the pair feature (Drost et al., CVPR 2010, section 3.1).
-struct PpfQuantisation {
+/// Quantization of the pair feature (Drost et al., CVPR 2010, section 3.1).
+struct PpfQuantization {
   float distance_step = 0;              ///< width of a distance bin [library unit], > 0
   std::uint32_t num_distance_bins = 0;  ///< distances beyond the last bin are not in the table
   std::uint32_t num_angle_bins = 0;     ///< bins over [0, pi] for each of the three angles
@@ -23,12 +23,12 @@ struct PpfQuantisation {
   std::uint32_t num_cells() const noexcept {
     return num_distance_bins * num_angle_bins * num_angle_bins * num_angle_bins;
   }
-  bool operator==(const PpfQuantisation&) const = default;
+  bool operator==(const PpfQuantization&) const = default;
 };
 
 /// Entries of cell c are entries[offsets[c] .. offsets[c + 1]), sorted by reference, then angle.
 struct PpfTableView {
-  PpfQuantisation quantisation;
+  PpfQuantization quantization;
   std::uint32_t num_references =
       0;  ///< pairs start at points below it; the rest are near them or their symmetric copies
   std::span<const std::uint32_t> offsets;  ///< num_cells() + 1, non-decreasing

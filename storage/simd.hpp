@@ -1,7 +1,7 @@
 /// Compile one loop for several instruction sets and choose at run time.
 #pragma once
 
-/// Put before a hot function whose loops the compiler vectorises: the loader picks the widest clone
+/// Put before a hot function whose loops the compiler vectorizes: the loader picks the widest clone
 /// that the processor has. Off under sanitizers, whose runtimes start after the loader's choice.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(TRIVET_NO_SIMD_CLONES)

@@ -20,7 +20,7 @@ struct Picture {
 /// Errors: internal (libpng's message).
 Result<std::vector<std::byte>> encode_png(const Picture& picture);
 
-/// Write a 16-bit grey PNG of whole rows of depths, as read_cloud reads it; 0 stands for no
+/// Write a 16-bit gray PNG of whole rows of depths, as read_cloud reads it; 0 stands for no
 /// measurement. The file appears whole or not at all. Errors: cannot_create, io, internal (libpng's
 /// message).
 Result<void> write_depth_png(const std::filesystem::path& file,

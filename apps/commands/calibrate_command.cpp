@@ -7,8 +7,8 @@
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
 #include "apps/inputs/marked_detections.hpp"
-#include "apps/inputs/open_recogniser.hpp"
-#include "apps/options/recognise_arguments.hpp"
+#include "apps/inputs/open_recognizer.hpp"
+#include "apps/options/recognize_arguments.hpp"
 #include "apps/results/commission_text.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 
@@ -20,7 +20,7 @@ constexpr float kLowestLeast = 0.5F;  // below, what is reported changes what is
 struct CalibrateArguments {
   std::string library, output;
   std::vector<std::string> manifests, marked;
-  RecogniseArguments recognise;
+  RecognizeArguments recognize;
 };
 
 Result<void> check(const CalibrateArguments& arguments, float least) {
@@ -37,29 +37,29 @@ Result<void> check(const CalibrateArguments& arguments, float least) {
   return {};
 }
 
-Result<void> recognise_scans(const CalibrateArguments& arguments, const RecogniseOptions& options,
+Result<void> recognize_scans(const CalibrateArguments& arguments, const RecognizeOptions& options,
                              const Context& context, Outcomes& outcomes) {
   if (arguments.manifests.empty()) return {};
-  const Result<Recogniser> recogniser = open_recogniser(arguments.library, "");
-  if (!recogniser) return recogniser.error();
+  const Result<Recognizer> recognizer = open_recognizer(arguments.library, "");
+  if (!recognizer) return recognizer.error();
   for (const std::string& file : arguments.manifests) {
     const Result<Manifest> manifest = read_listing(file);
     if (!manifest) return manifest.error();
     const Result<void> added =
-        add_outcomes(*recogniser, *manifest, options,
-                     context.console.progress("recognised", context.stop), outcomes);
+        add_outcomes(*recognizer, *manifest, options,
+                     context.console.progress("recognized", context.stop), outcomes);
     if (!added) return added;
   }
   return {};
 }
 
 Result<void> calibrate(const CalibrateArguments& arguments, const Context& context) {
-  const Result<RecogniseOptions> options = options_of(arguments.recognise);
+  const Result<RecognizeOptions> options = options_of(arguments.recognize);
   if (!options) return options.error();
   const float least = options->min_score;
   if (const Result<void> good = check(arguments, least); !good) return good;
   Outcomes outcomes;
-  if (const Result<void> done = recognise_scans(arguments, *options, context, outcomes); !done)
+  if (const Result<void> done = recognize_scans(arguments, *options, context, outcomes); !done)
     return done;
   for (const std::string& file : arguments.marked) {
     if (const Result<void> added = add_marked(file, outcomes); !added) return added;
@@ -84,7 +84,7 @@ void add_calibrate(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "calibrate",
       "Adapt the score to the scans of one cell, from a few of them\n\n"
-      "Either recognises scans of known truth, or takes results in which detections are marked\n"
+      "Either recognizes scans of known truth, or takes results in which detections are marked\n"
       "right or wrong: `trivet recognize LIBRARY SCANS --min-score 0.02 --json FOUND.json`, then\n"
       "\"right\": true or false in each detection. Five scans are a start. Says what it changes,\n"
       "judged on scans left out in turn; writes a file for --calibration of recognize, evaluate\n"
@@ -95,7 +95,7 @@ void add_calibrate(CLI::App& app, Context& context) {
   command->add_option("--marked", arguments->marked,
                       "Results of `trivet recognize --json` with marks; they need no library");
   command->add_option("-o,--output", arguments->output, "File to write")->required();
-  add_recognise_options(*command, arguments->recognise);
+  add_recognize_options(*command, arguments->recognize);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return calibrate(*arguments, context); };
   });

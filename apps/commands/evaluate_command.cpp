@@ -7,8 +7,8 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
-#include "apps/inputs/open_recogniser.hpp"
-#include "apps/options/recognise_arguments.hpp"
+#include "apps/inputs/open_recognizer.hpp"
+#include "apps/options/recognize_arguments.hpp"
 #include "apps/report/evaluation_report.hpp"
 #include "apps/results/bop_csv.hpp"
 #include "apps/results/detections_json.hpp"
@@ -26,10 +26,10 @@ constexpr float kLowestScore = 0.1F;
 
 struct EvaluateArguments {
   std::string library, calibration, manifest, detections, json, csv, report;
-  RecogniseArguments recognise;
+  RecognizeArguments recognize;
 };
 
-/// What is judged: recognised now, or stored by any program.
+/// What is judged: recognized now, or stored by any program.
 struct Judged {
   std::vector<std::optional<SceneResult>> results;
   float min_score = 0;  ///< of what counts as reported
@@ -40,19 +40,19 @@ std::string source_of(const std::string& library, const std::string& calibration
   return calibration.empty() ? library : fmt::format("{}, calibrated by {}", library, calibration);
 }
 
-Result<Judged> recognise_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
+Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
                                 const Context& context) {
-  const Result<Recogniser> opened = open_recogniser(arguments.library, arguments.calibration);
+  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.calibration);
   if (!opened) return opened.error();
-  const Recogniser& recogniser = *opened;
-  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  const Recognizer& recognizer = *opened;
+  Result<RecognizeOptions> options = options_of(arguments.recognize);
   if (!options) return options.error();
   options->doubtful_score = std::min(kLowestScore, options->min_score);
   Judged judged{{}, options->min_score, source_of(arguments.library, arguments.calibration)};
   judged.results.resize(manifest.scenes.size());
-  const Result<void> done = recognise_all(
-      recogniser, scenes_of(manifest, recogniser.library().header.unit), *options,
-      context.console.progress("recognised", context.stop),
+  const Result<void> done = recognize_all(
+      recognizer, scenes_of(manifest, recognizer.library().header.unit), *options,
+      context.console.progress("recognized", context.stop),
       [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; });
   if (!done) return done.error();
   return judged;
@@ -79,7 +79,7 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
                     arguments.detections, strangers.size(), *strangers.begin()));
   }
   return Judged{std::move(*results),
-                arguments.recognise.min_score.value_or(-std::numeric_limits<float>::infinity()),
+                arguments.recognize.min_score.value_or(-std::numeric_limits<float>::infinity()),
                 arguments.detections};
 }
 
@@ -94,11 +94,11 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
   const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(*manifest);
   if (!meshes) return meshes.error();
   const Result<Judged> judged = arguments.detections.empty()
-                                    ? recognise_scenes(*manifest, arguments, context)
+                                    ? recognize_scenes(*manifest, arguments, context)
                                     : stored_results(*manifest, arguments, context);
   if (!judged) return judged.error();
   const Result<Evaluation> evaluation = evaluate(
-      *manifest, *meshes, judged->results, judged->min_score, arguments.recognise.require_pose);
+      *manifest, *meshes, judged->results, judged->min_score, arguments.recognize.require_pose);
   if (!evaluation) {
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
@@ -128,7 +128,7 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
 void add_evaluate(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<EvaluateArguments>();
   CLI::App* command =
-      app.add_subcommand("evaluate", "Recognise scenes whose truth is known, and score the result");
+      app.add_subcommand("evaluate", "Recognize scenes whose truth is known, and score the result");
   command
       ->add_option("LIBRARY", arguments->library,
                    "Library file, made by `trivet train`; leave it out with --detections")
@@ -138,8 +138,8 @@ void add_evaluate(CLI::App& app, Context& context) {
   command->add_option(
       "--detections", arguments->detections,
       "Score the detections in this file, as `trivet recognize --json` or another program wrote "
-      "them, or a file of BOP results (.csv), instead of recognising");
-  add_recognise_options(*command, arguments->recognise);
+      "them, or a file of BOP results (.csv), instead of recognizing");
+  add_recognize_options(*command, arguments->recognize);
   add_calibration_option(*command, arguments->calibration);
   command->add_option("--json", arguments->json,
                       "Write the scores as JSON to this file, - for standard output");

@@ -32,7 +32,7 @@ struct FitScoreArguments {
   unsigned rounds = 2;
 };
 
-Result<Outcomes> recognise_with(const kernels::ScoreModel& score,
+Result<Outcomes> recognize_with(const kernels::ScoreModel& score,
                                 const FitScoreArguments& arguments, const Context& context) {
   Outcomes outcomes;
   for (std::size_t k = 0; k < arguments.manifests.size(); ++k) {
@@ -40,9 +40,9 @@ Result<Outcomes> recognise_with(const kernels::ScoreModel& score,
     if (!library) return library.error();
     const Result<Manifest> manifest = read_manifest(arguments.manifests[k]);
     if (!manifest) return manifest.error();
-    const Recogniser recogniser(std::move(*library), score);
+    const Recognizer recognizer(std::move(*library), score);
     const Result<void> added = add_outcomes(
-        recogniser, *manifest, {}, context.console.progress("recognised", context.stop), outcomes);
+        recognizer, *manifest, {}, context.console.progress("recognized", context.stop), outcomes);
     if (!added) return added.error();
   }
   return outcomes;
@@ -99,7 +99,7 @@ std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes
       "const ScoreModel& default_score() noexcept {{\n"
       "  static constexpr ScoreModel model{{{{{}F, {}F}}, {{{{\n{}  }}}}, {{{{\n"
       "  {{{{  // where errors are independent from pixel to pixel\n{}  }}}},\n"
-      "  {{{{  // where neighbours share them\n{}  }}}}}}}}}};\n"
+      "  {{{{  // where neighbors share them\n{}  }}}}}}}}}};\n"
       "  return model;\n"
       "}}\n"
       "// clang-format on\n\n"
@@ -178,7 +178,7 @@ Result<void> fit_score(const FitScoreArguments& arguments, const Context& contex
   // Outcomes of earlier runs stay as they are.
   const unsigned rounds = arguments.manifests.empty() ? 1 : arguments.rounds;
   for (unsigned round = 0; round < rounds; ++round) {
-    Result<Outcomes> found = recognise_with(model, arguments, context);
+    Result<Outcomes> found = recognize_with(model, arguments, context);
     if (!found) return found.error();
     if (!arguments.csv.empty()) {
       const Result<void> written = publish_text(arguments.csv, csv_of(*found));
@@ -206,7 +206,7 @@ void add_fit_score(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "fit-score",
       "Fit the default score of detections to scenes of known truth, for developers\n\n"
-      "Recognises the scenes, and fits a monotone logistic model to what the examination of each\n"
+      "Recognizes the scenes, and fits a monotone logistic model to what the examination of each\n"
       "detection found and whether it was right. The detections depend on their scores, so this\n"
       "is done in rounds. Objects in the scenes that the library does not have are unknown ones.\n"
       "`trivet calibrate` adapts the score that this program has to the scans of one cell.");
@@ -221,7 +221,7 @@ void add_fit_score(CLI::App& app, Context& context) {
       "fitted");
   command->add_option("--csv", arguments->csv,
                       "Write the parts of every detection's score and the outcome to this file");
-  command->add_option("--rounds", arguments->rounds, "Of recognising and fitting")
+  command->add_option("--rounds", arguments->rounds, "Of recognizing and fitting")
       ->check(CLI::Range(1, 5))
       ->capture_default_str();
   command->callback([arguments, &context] {

@@ -66,7 +66,7 @@ Result<void> info(const std::string& file) {
   for (const Model& model : library->models) {
     fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n", model.name,
                model.diameter, model.vertices.size(), model.samples.size(), model.ppf_points.size(),
-               model.ppf.entries.size(), model.ppf.quantisation.distance_step,
+               model.ppf.entries.size(), model.ppf.quantization.distance_step,
                model.features.size(), describe_near(model), describe(model.symmetry));
   }
   return {};

@@ -95,7 +95,7 @@ void add_mesh(CLI::App& app, Context& context) {
                    "grid: between a triangle's normal and the line of sight [degrees]")
       ->capture_default_str();
   command
-      ->add_option("--max-neighbours", options.greedy.max_neighbours,
+      ->add_option("--max-neighbors", options.greedy.max_neighbors,
                    "greedy: the nearest ones of a point that its triangles may have")
       ->capture_default_str();
   command->add_option("--radius", options.greedy.radius,

@@ -5,8 +5,8 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
-#include "apps/inputs/open_recogniser.hpp"
-#include "apps/options/recognise_arguments.hpp"
+#include "apps/inputs/open_recognizer.hpp"
+#include "apps/options/recognize_arguments.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
 #include "apps/results/camera_words.hpp"
@@ -20,7 +20,7 @@ namespace {
 struct RecognizeArguments {
   std::string library, calibration, unit, json, bop_csv, report;
   SceneArguments scenes;
-  RecogniseArguments recognise;
+  RecognizeArguments recognize;
   bool estimate_camera = false;
 };
 
@@ -46,30 +46,30 @@ void print_camera(const CameraCheck& check) {
              c.cy, c.depth_scale, check.objects.size(), *finding);
 }
 
-/// Recognise the scenes, one after the other to `emit`; with the cameras that were estimated, if
+/// Recognize the scenes, one after the other to `emit`; with the cameras that were estimated, if
 /// that is asked for.
-Result<void> recognise_scenes(const Recogniser& recogniser, std::span<SceneInput> scenes,
-                              const RecogniseOptions& options, bool estimate_camera,
+Result<void> recognize_scenes(const Recognizer& recognizer, std::span<SceneInput> scenes,
+                              const RecognizeOptions& options, bool estimate_camera,
                               const Progress& progress,
                               const std::function<void(std::size_t, const SceneResult&)>& emit) {
-  if (!estimate_camera) return recognise_all(recogniser, scenes, options, progress, emit);
+  if (!estimate_camera) return recognize_all(recognizer, scenes, options, progress, emit);
   const Result<std::vector<SceneResult>> results =
-      recognise_estimating_camera(recogniser, scenes, options, progress);
+      recognize_estimating_camera(recognizer, scenes, options, progress);
   if (!results) return results.error();
   for (std::size_t s = 0; s < results->size(); ++s) emit(s, (*results)[s]);
   return {};
 }
 
 Result<void> recognize(const RecognizeArguments& arguments, const Context& context) {
-  const Result<Recogniser> opened = open_recogniser(arguments.library, arguments.calibration);
+  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.calibration);
   if (!opened) return opened.error();
-  const Recogniser& recogniser = *opened;
-  const Library& library = recogniser.library();
+  const Recognizer& recognizer = *opened;
+  const Library& library = recognizer.library();
   SceneArguments scene_arguments = arguments.scenes;
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
   Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
-  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  Result<RecognizeOptions> options = options_of(arguments.recognize);
   if (!options) return options.error();
   if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
   if (!arguments.bop_csv.empty()) {
@@ -78,21 +78,21 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   }
 
   nlohmann::ordered_json document{{"library", arguments.library},
-                                  {"calibration", calibration_json(recogniser)},
+                                  {"calibration", calibration_json(recognizer)},
                                   {"scenes", nlohmann::ordered_json::array()},
                                   {"cameras", nlohmann::ordered_json::array()}};
   std::vector<BopResult> bop_results;
   std::vector<SceneResult> told;  // for the report
   std::vector<CameraCheck> checks;
-  const Result<void> done = recognise_scenes(
-      recogniser, scenes->sources, *options, arguments.estimate_camera,
-      context.console.progress("recognised", context.stop),
+  const Result<void> done = recognize_scenes(
+      recognizer, scenes->sources, *options, arguments.estimate_camera,
+      context.console.progress("recognized", context.stop),
       [&](std::size_t index, const SceneResult& result) {
         const std::string file = scenes->sources[index].file.string();
         if (arguments.json.empty()) {
           print_scene(file, result);
         } else {
-          document["scenes"].push_back(scene_json(file, result, recogniser.score()));
+          document["scenes"].push_back(scene_json(file, result, recognizer.score()));
         }
         if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
         if (!arguments.report.empty()) told.push_back(result);
@@ -113,7 +113,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
   }
   if (arguments.report.empty()) return {};
   return write_recognition_report(arguments.report,
-                                  {recogniser, *options, scenes->sources, told, context.command},
+                                  {recognizer, *options, scenes->sources, told, context.command},
                                   context.console.progress("drawn", context.stop));
 }
 
@@ -130,7 +130,7 @@ void add_recognize(CLI::App& app, Context& context) {
           "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, manifests, or "
           "BOP data sets (the folder, or that of one split)")
       ->required();
-  add_recognise_options(*command, arguments->recognise);
+  add_recognize_options(*command, arguments->recognize);
   add_calibration_option(*command, arguments->calibration);
   command
       ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
@@ -146,7 +146,7 @@ void add_recognize(CLI::App& app, Context& context) {
       ->expected(3);
   command->add_flag("--estimate-camera", arguments->estimate_camera,
                     "Where sure detections say that the focal length or the depth scale of depth "
-                    "images is wrong, correct it and recognise once more");
+                    "images is wrong, correct it and recognize once more");
   command->add_option("--json", arguments->json,
                       "Write the result as JSON to this file, - for standard output");
   command->add_option("--bop-csv", arguments->bop_csv,

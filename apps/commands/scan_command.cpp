@@ -188,7 +188,7 @@ void add_scan(CLI::App& app, Context& context) {
       ->add_flag("--randomize", options.randomize,
                  "Draw anew for each scene how the sensor falls short of the ideal one, and where "
                  "it stands: windows that fatten outlines and fill recesses, noise that "
-                 "neighbours share, holes on dark and bright surfaces, filters, an image that is "
+                 "neighbors share, holes on dark and bright surfaces, filters, an image that is "
                  "shifted, a camera and a depth scale that are written wrongly; focal length, "
                  "distance, the room behind. Each strength is drawn over what real sensors of "
                  "the kind show, and more. For all scenes together: images 640 or 848 pixels wide, "

@@ -127,7 +127,7 @@ void add_serve(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<SettingArguments>();
   CLI::App* command = app.add_subcommand(
       "serve",
-      "Recognise over HTTP, with a page to try it\n\n"
+      "Recognize over HTTP, with a page to try it\n\n"
       "POST /v1/recognize?format=ply takes a scan as its body and the options of `trivet "
       "recognize`\n"
       "as parameters; / is the page. SIGHUP or POST /v1/library/reload read the library anew;\n"

@@ -59,7 +59,7 @@ void add_study(CLI::App& app, Context& context) {
       "study",
       "Compare methods and parameters on scenes whose truth is known\n\n"
       "A configuration declares models, scenes and experiments. Scenes are rendered, libraries\n"
-      "trained and scenes recognised, each once; what the folder holds already is not computed\n"
+      "trained and scenes recognized, each once; what the folder holds already is not computed\n"
       "again, so that a study that was stopped goes on. It ends with index.html, a report with\n"
       "curves, tables and pictures, and results.csv.");
   command->footer(describe_settings);

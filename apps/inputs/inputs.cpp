@@ -69,10 +69,10 @@ void add_scenes(const Manifest& manifest, LengthUnit library_unit, SceneInputs& 
 }  // namespace
 
 LengthUnit parse_unit(const std::string& text) {
-  return text == "mm" ? LengthUnit::millimetre : LengthUnit::metre;
+  return text == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
 }
 
-const char* unit_name(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
+const char* unit_name(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
 
 bool is_listing(const std::string& argument) {
   return has_extension(argument, ".json") || is_bop_folder(argument);

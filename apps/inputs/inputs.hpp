@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/train.hpp"
 #include "storage/library.hpp"
 #include "storage/manifest.hpp"
@@ -32,7 +32,7 @@ struct ModelInputs {
 /// Errors: missing_input, bad_data, usage (two models of one name).
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 
-/// The unit of the models: what their manifests say, else `given`, else metres. Errors: usage (they
+/// The unit of the models: what their manifests say, else `given`, else meters. Errors: usage (they
 /// disagree).
 Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given);
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/evaluation/degrade_scene.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/simulation/measure_scene.hpp"
 
 namespace trivet::apps {

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/train.hpp"
 
 namespace trivet::apps {
@@ -15,8 +15,8 @@ inline const std::map<std::string, TrainOptions>& train_presets() {
   return presets;
 }
 
-inline const std::map<std::string, RecogniseOptions>& recognise_presets() {
-  static const std::map<std::string, RecogniseOptions> presets{
+inline const std::map<std::string, RecognizeOptions>& recognize_presets() {
+  static const std::map<std::string, RecognizeOptions> presets{
       {"fast",
        {.vote = {.reference_share = 0.05F},
         .later = {.radius = 0.7F, .reference_share = 0.1F, .max_votes = 60000},

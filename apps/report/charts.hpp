@@ -1,4 +1,4 @@
-/// The curves of the report as inline SVG; their colours are those of the page.
+/// The curves of the report as inline SVG; their colors are those of the page.
 #pragma once
 
 #include <string>

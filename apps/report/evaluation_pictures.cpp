@@ -16,7 +16,7 @@ constexpr double kNear = 1;  // diameters; a wrong detection farther from a trut
 
 struct Style {
   const char* name;
-  Colour outline;
+  Color outline;
 };
 constexpr Style kRight{"right", {47, 214, 123}}, kWrong{"wrong", {255, 82, 82}},
     kNeutral{"neutral", {181, 188, 200}}, kMissed{"missed", {74, 163, 255}},
@@ -71,7 +71,7 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
                        std::string label) {
     const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
     if (!mesh) return;
-    plan.overlays.push_back({mesh, pose, style.outline, model_colour(input.meshes, *mesh), filled});
+    plan.overlays.push_back({mesh, pose, style.outline, model_color(input.meshes, *mesh), filled});
     plan.labels.push_back({style.outline, std::move(label)});
   };
   for (const JudgedDetection& judged : input.evaluation.scenes[s].detections) {

@@ -154,11 +154,11 @@ std::string bop_table(const BopScores& bop) {
     return fmt::format("<tr><td>{}<td class=\"n\">{}<td class=\"n\">{}\n", name, cell(recall),
                        cell(precision));
   };
-  const BopRecall& recall = bop.localisation;
+  const BopRecall& recall = bop.localization;
   const BopPrecision& precision = bop.detection;
   return fmt::format(
       "<div><h2>BOP scores</h2><div class=\"table\"><table><tr><th><th class=\"n\">AR, "
-      "localisation<th class=\"n\">AP, detection\n{}</table></div></div>\n",
+      "localization<th class=\"n\">AP, detection\n{}</table></div></div>\n",
       row("mean", recall.mean, precision.mean) + row("VSD", recall.vsd, {}) +
           row("MSSD", recall.mssd, precision.mssd) + row("MSPD", recall.mspd, precision.mspd));
 }
@@ -278,7 +278,7 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
   content +=
       gallery_section("Right", figures->right, gallery.num_right, ", those of the lowest scores");
   content +=
-      "<h2>Scenes</h2>\n<p class=\"dim\">Filled with the model's colour, paler where something "
+      "<h2>Scenes</h2>\n<p class=\"dim\">Filled with the model's color, paler where something "
       "is in front of it.</p>\n" +
       picture_key();
   for (const std::string& figure : figures->scenes) content += figure;

@@ -5,7 +5,7 @@
 namespace trivet::apps {
 namespace {
 
-/// Colours follow the reader's light or dark setting; on a phone the pictures of a scene stand
+/// Colors follow the reader's light or dark setting; on a phone the pictures of a scene stand
 /// below each other.
 constexpr std::string_view kStyle = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;

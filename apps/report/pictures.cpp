@@ -14,16 +14,16 @@ namespace trivet::apps {
 namespace {
 
 /// Told apart by eye, and none like the outlines.
-constexpr std::array<Colour, 10> kModelColours{{{236, 168, 62},
-                                                {158, 118, 226},
-                                                {62, 178, 178},
-                                                {232, 124, 174},
-                                                {178, 178, 74},
-                                                {212, 116, 84},
-                                                {120, 166, 216},
-                                                {196, 150, 110},
-                                                {200, 160, 222},
-                                                {130, 190, 150}}};
+constexpr std::array<Color, 10> kModelColors{{{236, 168, 62},
+                                              {158, 118, 226},
+                                              {62, 178, 178},
+                                              {232, 124, 174},
+                                              {178, 178, 74},
+                                              {212, 116, 84},
+                                              {120, 166, 216},
+                                              {196, 150, 110},
+                                              {200, 160, 222},
+                                              {130, 190, 150}}};
 
 }  // namespace
 
@@ -51,20 +51,20 @@ Result<SceneDrawing> open_scene(const SceneInput& scene, std::span<const Evaluat
   return SceneDrawing::prepare(*cloud, scene, static_cast<float>(largest));
 }
 
-std::string css(const Colour& colour) {
-  return fmt::format("rgb({},{},{})", colour.red, colour.green, colour.blue);
+std::string css(const Color& color) {
+  return fmt::format("rgb({},{},{})", color.red, color.green, color.blue);
 }
 
 /// The palette, then a paler one, and so on.
-Colour model_colour(std::span<const EvaluationMesh> meshes, const EvaluationMesh& mesh) {
+Color model_color(std::span<const EvaluationMesh> meshes, const EvaluationMesh& mesh) {
   const auto index = static_cast<std::size_t>(&mesh - meshes.data());
-  Colour colour = kModelColours[index % kModelColours.size()];
-  for (std::size_t round = 0; round < index / kModelColours.size() % 3; ++round) {
-    for (std::uint8_t* value : {&colour.red, &colour.green, &colour.blue}) {
+  Color color = kModelColors[index % kModelColors.size()];
+  for (std::size_t round = 0; round < index / kModelColors.size() % 3; ++round) {
+    for (std::uint8_t* value : {&color.red, &color.green, &color.blue}) {
       *value = static_cast<std::uint8_t>(255 - (255 - *value) * 6 / 10);
     }
   }
-  return colour;
+  return color;
 }
 
 std::string model_label(std::span<const EvaluationMesh> meshes, const std::string& name) {
@@ -73,7 +73,7 @@ std::string model_label(std::span<const EvaluationMesh> meshes, const std::strin
   return fmt::format(
       "<span class=\"label\"><i class=\"swatch\" "
       "style=\"background:{}\"></i><span>{}</span></span>",
-      css(model_colour(meshes, *mesh)), escape_html(name));
+      css(model_color(meshes, *mesh)), escape_html(name));
 }
 
 std::string picture_labels(std::span<const PictureLabel> labels, std::span<const DrawnBox> boxes) {
@@ -98,7 +98,7 @@ std::string picture_labels(std::span<const PictureLabel> labels, std::span<const
     taken.push_back(spot);
     out += fmt::format(
         "<span class=\"tag\" style=\"left:{:.1f}%;top:{:.1f}%;border-color:{}\">{}</span>",
-        100 * spot.x, 100 * spot.y, css(labels[i].colour), escape_html(labels[i].text));
+        100 * spot.x, 100 * spot.y, css(labels[i].color), escape_html(labels[i].text));
   }
   return out;
 }

@@ -1,4 +1,4 @@
-/// What the pictures of all reports share: how scenes are opened, colours, labels, and where the
+/// What the pictures of all reports share: how scenes are opened, colors, labels, and where the
 /// pictures go.
 #pragma once
 
@@ -39,17 +39,17 @@ class PictureStore {
 /// SceneDrawing::prepare.
 Result<SceneDrawing> open_scene(const SceneInput& scene, std::span<const EvaluationMesh> models);
 
-std::string css(const Colour& colour);
+std::string css(const Color& color);
 
-/// A model's colour in pictures and tables. `mesh` is one of `meshes`.
-Colour model_colour(std::span<const EvaluationMesh> meshes, const EvaluationMesh& mesh);
+/// A model's color in pictures and tables. `mesh` is one of `meshes`.
+Color model_color(std::span<const EvaluationMesh> meshes, const EvaluationMesh& mesh);
 
-/// A model's name after a small square of its colour; the name alone where there is no such mesh.
+/// A model's name after a small square of its color; the name alone where there is no such mesh.
 std::string model_label(std::span<const EvaluationMesh> meshes, const std::string& name);
 
-/// A text above a picture, underlined in a colour.
+/// A text above a picture, underlined in a color.
 struct PictureLabel {
-  Colour colour;
+  Color color;
   std::string text;  ///< plain
 };
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/inputs/open_recogniser.hpp"
+#include "apps/inputs/open_recognizer.hpp"
 #include "apps/report/html.hpp"
 #include "apps/report/pictures.hpp"
 #include "apps/report/recognition_scene.hpp"
@@ -34,7 +34,7 @@ std::string headline(const RecognitionReport& report) {
       fmt::format("<p class=\"headline\">{} found in {}, of {} of the {}.",
                   found == 0 ? "Nothing" : counted(found, "object", "objects"),
                   counted(report.scenes.size(), "scene", "scenes"), models.size(),
-                  counted(report.recogniser.library().models.size(), "model", "models"));
+                  counted(report.recognizer.library().models.size(), "model", "models"));
   if (found == 0) {
     out = fmt::format("<p class=\"headline\">Nothing was found in {}.",
                       counted(report.scenes.size(), "scene", "scenes"));
@@ -83,23 +83,23 @@ std::string score_key(const kernels::ScoreModel& model) {
       "<div><h2>How a score is made</h2><div class=\"table\"><p class=\"dim\">Each part gives "
       "evidence for a pose, in log odds, up to the most that it can give. {:.1f} and what all "
       "parts give is the logarithm of the odds that the object is there: 0 is 50 %, 3 is 95 %. "
-      "That is where each pixel of a scan errs for itself; where neighbours err alike, it is "
+      "That is where each pixel of a scan errs for itself; where neighbors err alike, it is "
       "{:.1f} "
       "and what the parts give then. Scans between are between.</p>"
-      "<table><tr><th>part<th class=\"n\">at most<th class=\"n\">where neighbours err alike"
+      "<table><tr><th>part<th class=\"n\">at most<th class=\"n\">where neighbors err alike"
       "<th>what it looks at\n{}</table></div></div>\n",
       model.bias[0], model.bias[1], rows);
 }
 
-std::string calibration_words(const Recogniser& recogniser) {
-  const nlohmann::ordered_json name = calibration_json(recogniser);
+std::string calibration_words(const Recognizer& recognizer) {
+  const nlohmann::ordered_json name = calibration_json(recognizer);
   return name.is_null() ? "none" : name.get<std::string>();
 }
 
 /// What leads to the same result again.
 std::string origin(const RecognitionReport& report) {
-  const Library& library = report.recogniser.library();
-  const RecogniseOptions& o = report.options;
+  const Library& library = report.recognizer.library();
+  const RecognizeOptions& o = report.options;
   std::string models;
   for (const std::string& model : o.models) models += (models.empty() ? "" : ", ") + model;
   const auto number = [](auto value) { return fmt::format("{}", value); };
@@ -110,7 +110,7 @@ std::string origin(const RecognitionReport& report) {
            {"library format", fmt::format("{}.{}", kLibraryVersionMajor, library.version_minor)},
            {"trained by", library.header.producer},
            {"training", library.header.parameters},
-           {"calibration of the score", calibration_words(report.recogniser)},
+           {"calibration of the score", calibration_words(report.recognizer)},
            {"unit of the library", unit_name(library.header.unit)},
            {"models searched", models.empty() ? "all" : models},
            {"least score", number(o.min_score) + (o.require_pose ? ", of the very pose" : "")},
@@ -137,13 +137,13 @@ std::string origin(const RecognitionReport& report) {
 Result<void> write_recognition_report(const std::filesystem::path& folder,
                                       const RecognitionReport& report, const Progress& progress) {
   if (const Result<void> made = make_folder(folder); !made) return made;
-  const std::vector<EvaluationMesh> models = meshes_of(report.recogniser.library());
+  const std::vector<EvaluationMesh> models = meshes_of(report.recognizer.library());
   const std::size_t bytes = kPicturesPerScene * kPictureBytes * report.scenes.size();
   PictureStore store(folder, {.within_page = bytes <= kMaxPageBytes, .as_files = true});
 
   std::string content = fmt::format(
-      "<h1>Trivet: what was recognised</h1>\n<p class=\"dim\">{}, {}, {}</p>\n",
-      escape_html(report.recogniser.library().file.filename().string()),
+      "<h1>Trivet: what was recognized</h1>\n<p class=\"dim\">{}, {}, {}</p>\n",
+      escape_html(report.recognizer.library().file.filename().string()),
       counted(models.size(), "model", "models"), counted(report.scenes.size(), "scene", "scenes"));
   content += headline(report) + contents(report);
   for (std::size_t s = 0; s < report.scenes.size(); ++s) {
@@ -156,9 +156,9 @@ Result<void> write_recognition_report(const std::filesystem::path& folder,
     content += *figure;
     progress(s + 1, report.scenes.size(), report.scenes[s].file.filename().string());
   }
-  content += "<div class=\"tables\">\n" + score_key(report.recogniser.score()) + origin(report) +
+  content += "<div class=\"tables\">\n" + score_key(report.recognizer.score()) + origin(report) +
              "</div>\n";
-  const std::string page = html_page("Trivet: what was recognised", content);
+  const std::string page = html_page("Trivet: what was recognized", content);
   return publish_file(folder / "index.html", std::as_bytes(std::span(page)));
 }
 

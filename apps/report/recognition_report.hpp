@@ -6,16 +6,16 @@
 #include <span>
 #include <string>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 
 namespace trivet::apps {
 
-/// How many rejected poses of a model the page tells of: RecogniseOptions::max_rejected.
+/// How many rejected poses of a model the page tells of: RecognizeOptions::max_rejected.
 inline constexpr std::uint32_t kToldPerModel = 3;
 
 struct RecognitionReport {
-  const Recogniser& recogniser;
-  const RecogniseOptions& options;
+  const Recognizer& recognizer;
+  const RecognizeOptions& options;
   std::span<const SceneInput> scenes;
   std::span<const SceneResult> results;  ///< one a scene
   std::string command;                   ///< that leads to this result, as a shell takes it

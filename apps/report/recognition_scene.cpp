@@ -19,9 +19,9 @@
 namespace trivet::apps {
 namespace {
 
-constexpr Colour kQuiet{112, 118, 130};  // what was found, in the picture of the rejected
-constexpr float kHopeful = 0.01F;        // rejected poses below are not drawn
-constexpr float kSmall = 0.6F;           // models within such a part of the picture get a close-up
+constexpr Color kQuiet{112, 118, 130};  // what was found, in the picture of the rejected
+constexpr float kHopeful = 0.01F;       // rejected poses below are not drawn
+constexpr float kSmall = 0.6F;          // models within such a part of the picture get a close-up
 
 /// One scene, and what its figure is made from.
 struct Subject {
@@ -30,7 +30,7 @@ struct Subject {
   const SceneResult& result;
   std::span<const EvaluationMesh> models;
 
-  const kernels::ScoreModel& score() const { return report.recogniser.score(); }
+  const kernels::ScoreModel& score() const { return report.recognizer.score(); }
   /// The most that each part can give in this scan.
   std::array<float, kernels::kNumScoreParts> most() const {
     const std::optional<kernels::SensorModel>& sensor = result.stats.sensor;
@@ -53,18 +53,18 @@ std::string position(const Pose& T_scene_model) {
 }
 
 const char* scene_unit(const Subject& subject) {
-  const LengthUnit library = subject.report.recogniser.library().header.unit;
+  const LengthUnit library = subject.report.recognizer.library().header.unit;
   const bool same = subject.input.scale == 1;
   return unit_name(same                           ? library
-                   : library == LengthUnit::metre ? LengthUnit::millimetre
-                                                  : LengthUnit::metre);
+                   : library == LengthUnit::meter ? LengthUnit::millimeter
+                                                  : LengthUnit::meter);
 }
 
-Colour brighter(const Colour& colour) {
+Color brighter(const Color& color) {
   const auto up = [](std::uint8_t value) {
     return static_cast<std::uint8_t>(255 - (255 - value) * 2 / 5);
   };
-  return {up(colour.red), up(colour.green), up(colour.blue)};
+  return {up(color.red), up(color.green), up(color.blue)};
 }
 
 /// Whether a rejected pose is worth a picture: it has a chance, and is not just a worse guess at a
@@ -96,7 +96,7 @@ std::string rejected_id(std::size_t index) { return fmt::format("R{}", index + 1
 
 struct Reason {
   const char* style;  // a class of the page's
-  Colour outline;
+  Color outline;
 };
 const Reason& reason_of(const RejectedPose& rejected) {
   static constexpr Reason kTooLow{"doubtful", {255, 196, 61}},
@@ -123,7 +123,7 @@ std::string joined(std::initializer_list<std::string> texts) {
 
 /// "<below 50 %>: only 60 pixels agree; 83 % of its pixels are explained by gear (2)".
 std::string reason_in_words(const Subject& subject, const RejectedPose& rejected) {
-  const RecogniseOptions& options = subject.report.options;
+  const RecognizeOptions& options = subject.report.options;
   std::string what, why = "by one that was one too many";
   if (rejected.explained_by) {
     const std::size_t by = *rejected.explained_by;
@@ -307,16 +307,16 @@ std::string caption(const Subject& subject) {
   if (ambiguous > 0) out += fmt::format("<span class=\"doubtful\">{} ambiguous</span>", ambiguous);
   return out + fmt::format("<span class=\"dim\">{} points, noise {:.3g} {}, {:.2f} s</span>",
                            result.stats.num_points, result.stats.noise,
-                           unit_name(subject.report.recogniser.library().header.unit),
+                           unit_name(subject.report.recognizer.library().header.unit),
                            result.stats.total_seconds);
 }
 
 /// "0.4 mm", "0.9 m", of a length in the scene's unit.
 std::string length_words(const Subject& subject, float length) {
-  const bool metres = scene_unit(subject) == std::string_view(unit_name(LengthUnit::metre));
-  const float in_metres = metres ? length : length / 1000;
-  return in_metres < 0.1F ? fmt::format("{:.2g} mm", 1000 * in_metres)
-                          : fmt::format("{:.3g} m", in_metres);
+  const bool meters = scene_unit(subject) == std::string_view(unit_name(LengthUnit::meter));
+  const float in_meters = meters ? length : length / 1000;
+  return in_meters < 0.1F ? fmt::format("{:.2g} mm", 1000 * in_meters)
+                          : fmt::format("{:.3g} m", in_meters);
 }
 
 /// How the scan errs; empty of closed surfaces, which no sensor saw.
@@ -330,8 +330,8 @@ std::string sensor_in_words(const Subject& subject) {
     out += fmt::format(", growing with range to the power {:.1f}", sensor->exponent);
   constexpr float kHardly = 0.1F, kMostly = 0.5F;
   out += sensor->correlation < kHardly   ? "; each pixel errs for itself"
-         : sensor->correlation < kMostly ? "; neighbouring pixels err somewhat alike"
-                                         : "; neighbouring pixels err alike (a camera that matches "
+         : sensor->correlation < kMostly ? "; neighboring pixels err somewhat alike"
+                                         : "; neighboring pixels err alike (a camera that matches "
                                            "windows)";
   const auto edge = std::lround(sensor->edge_pixels());
   if (edge >= 2) out += fmt::format(", so outlines count as uncertain within {} pixels", edge);
@@ -353,8 +353,8 @@ struct Plan {
   std::vector<Overlay> overlays;
   std::vector<PictureLabel> labels;
 
-  void add(const EvaluationMesh& mesh, const Pose& pose, const Colour& outline,
-           const Colour& surface, bool filled, std::string label) {
+  void add(const EvaluationMesh& mesh, const Pose& pose, const Color& outline, const Color& surface,
+           bool filled, std::string label) {
     overlays.push_back({&mesh, pose, outline, surface, filled});
     labels.push_back({outline, std::move(label)});
   }
@@ -365,8 +365,8 @@ Plan plan_found(const Subject& subject) {
   for (std::size_t d = 0; d < subject.result.detections.size(); ++d) {
     const Detection& detection = subject.result.detections[d];
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
-    const Colour colour = model_colour(subject.models, mesh);
-    plan.add(mesh, detection.T_scene_model, brighter(colour), colour, true,
+    const Color color = model_color(subject.models, mesh);
+    plan.add(mesh, detection.T_scene_model, brighter(color), color, true,
              fmt::format("{} {}", d + 1, detection.model));
   }
   return plan;

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "apps/inputs/inputs.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/datasets/bop_results.hpp"
 #include "storage/library.hpp"
 
 namespace trivet::apps {
 
-/// Check, before anything is recognised, that every detection will have its numbers: each scene
+/// Check, before anything is recognized, that every detection will have its numbers: each scene
 /// those of a BOP data set, no two the same, and each model the name that it has there, as a
 /// library knows no object ids (obj_000001, as `trivet train DATASET` names it).
 ///

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps {

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet::apps {
 
-/// One element of "scenes", with the evidence of the score that it was recognised with; with what
+/// One element of "scenes", with the evidence of the score that it was recognized with; with what
 /// was rejected where it is asked for, and with "claims" where the result holds them.
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
                                   const kernels::ScoreModel& score, bool with_rejected = false);

@@ -74,9 +74,9 @@ ordered_json calibration_json(const std::optional<Calibration>& calibration) {
 }
 
 ordered_json bop_json(const BopScores& bop) {
-  const BopRecall& recall = bop.localisation;
+  const BopRecall& recall = bop.localization;
   const BopPrecision& precision = bop.detection;
-  return {{"localisation",
+  return {{"localization",
            {{"targets", recall.num_targets},
             {"ar_vsd", optional_json(recall.vsd)},
             {"ar_mssd", recall.mssd},
@@ -232,9 +232,9 @@ std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop)
   const auto share = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.3f}", *value) : std::string("-");
   };
-  text += fmt::format("BOP localisation             AR {} (VSD {}, MSSD {:.3f}, MSPD {})\n",
-                      share(bop.localisation.mean), share(bop.localisation.vsd),
-                      bop.localisation.mssd, share(bop.localisation.mspd));
+  text += fmt::format("BOP localization             AR {} (VSD {}, MSSD {:.3f}, MSPD {})\n",
+                      share(bop.localization.mean), share(bop.localization.vsd),
+                      bop.localization.mssd, share(bop.localization.mspd));
   text += fmt::format("BOP detection                AP {} (MSSD {:.3f}, MSPD {})\n",
                       share(bop.detection.mean), bop.detection.mssd, share(bop.detection.mspd));
   if (evaluation.seconds.empty()) return text;

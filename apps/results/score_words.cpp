@@ -107,8 +107,8 @@ constexpr std::array<Entry, 17> kEntries{{
      }},
     {"correlation",
      {"sensor",
-      "how alike neighbouring pixels err: 0, each for itself, to 1, as in matched windows"},
-     [](float v) { return percent(v) + " of the scan's errors are shared by neighbours"; }},
+      "how alike neighboring pixels err: 0, each for itself, to 1, as in matched windows"},
+     [](float v) { return percent(v) + " of the scan's errors are shared by neighbors"; }},
 }};
 
 constexpr bool each_part_has_words() {

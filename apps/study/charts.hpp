@@ -13,7 +13,7 @@ std::string rate_chart(const Panel& panel);
 /// Seconds of a scene on one core; empty where they are not known, and for bins of truths.
 std::string time_chart(const Panel& panel);
 
-/// What the colours mean.
+/// What the colors mean.
 std::string chart_key(const Panel& panel);
 
 }  // namespace trivet::apps

@@ -142,7 +142,7 @@ Result<std::string> picture_section(const StudyResults& results, const StudyFold
   if (results.pictures.empty()) return std::string();
   std::string out =
       "<h2>Scenes</h2>\n<p class=\"dim\">One of each kind, that of the median share found. Filled "
-      "with the model's colour, paler where something is in front of it.</p>\n" +
+      "with the model's color, paler where something is in front of it.</p>\n" +
       picture_key();
   PictureStore store(folder.path(), {.within_page = true, .as_files = false});
   for (const StudyPicture& picture : results.pictures) {

@@ -148,8 +148,8 @@ class Planner {
     Result<StudySettings> settings =
         settings_of(study_, experiment, group, method, experiment.variants[point.variant]);
     if (!settings) return settings.error();
-    RecogniseOptions& recognise = settings->recognise;
-    recognise.doubtful_score = std::min(kLowestKeptScore, recognise.min_score);
+    RecognizeOptions& recognize = settings->recognize;
+    recognize.doubtful_score = std::min(kLowestKeptScore, recognize.min_score);
     for (std::uint32_t repetition = 0; repetition < experiment.repetitions; ++repetition) {
       Result<std::size_t> set = group.manifest.empty()
                                     ? add_scanned(group.models, *settings, repetition)
@@ -161,12 +161,12 @@ class Planner {
       Json json{{"set", plan_.sets[*set].key},
                 {"library", plan_.libraries[library].key},
                 {"degrade", stage_json("degrade", *settings)},
-                {"recognise", stage_json("recognise", *settings)},
+                {"recognize", stage_json("recognize", *settings)},
                 {"seed", study_.seed}};
       for (std::size_t scene = 0; scene < *num_scenes; ++scene) {
         json["scene"] = scene;
         point.cells.push_back(cells_.add({key_of(json), *set, scene, library, settings->degrade,
-                                          study_.seed + scene, recognise}));
+                                          study_.seed + scene, recognize}));
       }
       point.sets.push_back(*set);
     }

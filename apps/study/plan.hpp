@@ -34,7 +34,7 @@ struct Cell {
   std::size_t set = 0, scene = 0, library = 0;
   DegradeOptions degrade{};
   std::uint64_t degrade_seed = 0;
-  RecogniseOptions options{};
+  RecognizeOptions options{};
 };
 
 /// One point of an experiment: a variant of one method on one group of scenes.

@@ -166,7 +166,7 @@ class Reader {
         if (known.name.starts_with(stage)) alike.push_back(known.name);
       }
       fault(node, fmt::format("found setting '{}'; expected {}", name,
-                              alike.empty() ? "one of scan., degrade., train. or recognise."
+                              alike.empty() ? "one of scan., degrade., train. or recognize."
                                             : fmt::format("one of {}", fmt::join(alike, ", "))));
       return;
     }
@@ -432,7 +432,7 @@ Result<StudySettings> settings_of(const Study& study, const Experiment& experime
   }
   settings.train.point_pairs = method != Method::trisi;
   settings.train.tri_spin_images = method != Method::ppf;
-  settings.recognise.method = method;
+  settings.recognize.method = method;
   return settings;
 }
 

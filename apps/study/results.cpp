@@ -40,8 +40,8 @@ class Judge {
     const Result<std::vector<std::optional<SceneResult>>> results =
         read_cells(plan_, folder_, sets_, point);
     if (!results) return results.error();
-    float threshold = point.settings.recognise.min_score;
-    const bool require_pose = point.settings.recognise.require_pose;
+    float threshold = point.settings.recognize.min_score;
+    const bool require_pose = point.settings.recognize.require_pose;
     Result<Evaluation> evaluation = evaluate(manifest, **meshes, *results, threshold, require_pose);
     if (!evaluation) return evaluation.error();
     const bool best = study_.experiments[point.experiment].threshold == Threshold::best_f1;
@@ -182,7 +182,7 @@ ExperimentKind kind_of(const Experiment& experiment) {
   if (experiment.variants.size() == 1) return ExperimentKind::groups;
   if (experiment.against == Against::previous) return ExperimentKind::steps;
   const bool tunes = experiment.vary.empty() || experiment.vary.starts_with("train.") ||
-                     experiment.vary.starts_with("recognise.");
+                     experiment.vary.starts_with("recognize.");
   // What a library holds beside the models of the scenes is no parameter.
   return tunes && experiment.vary != "train.others" ? ExperimentKind::parameter
                                                     : ExperimentKind::conditions;

@@ -10,7 +10,7 @@
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "engine/evaluation/recognise_cells.hpp"
+#include "engine/evaluation/recognize_cells.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {
@@ -28,7 +28,7 @@ Result<std::vector<ScanModel>> gather_models(const Study& study,
     const Result<ModelInputs> inputs = collect_models(group.files);
     if (!inputs) return inputs.error();
     Result<std::vector<ScanModel>> read =
-        read_scan_models(inputs->sources, inputs->unit.value_or(LengthUnit::metre), group.options);
+        read_scan_models(inputs->sources, inputs->unit.value_or(LengthUnit::meter), group.options);
     if (!read) return read.error();
     for (ScanModel& part : make_scan_models(group.num_parts, study.seed, group.families))
       read->push_back(std::move(part));
@@ -58,7 +58,7 @@ Result<void> render_missing(const Study& study, const StudyPlan& plan, const Stu
     std::error_code error;
     fs::remove_all(part, error);
     const Result<Manifest> rendered =
-        render_scenes(*models, LengthUnit::metre, missing[i]->options, part, {{}, progress.stop});
+        render_scenes(*models, LengthUnit::meter, missing[i]->options, part, {{}, progress.stop});
     if (!rendered) return rendered.error();
     fs::rename(part, whole, error);
     if (error)
@@ -153,8 +153,8 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
     cells.push_back({cell.library, inputs[cell.set][cell.scene], cell.degrade, cell.degrade_seed,
                      cell.options});
   }
-  return recognise_cells(
-      files, cells, progress_of("recognised"),
+  return recognize_cells(
+      files, cells, progress_of("recognized"),
       [&](std::size_t i, const SceneResult& result) -> Result<void> {
         const Cell& cell = plan.cells[missing[i]];
         const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;

@@ -37,7 +37,7 @@ class StudyFolder {
 /// Tells what a run does: a Progress for each of its steps, by its verb.
 using ProgressOf = std::function<Progress(std::string_view verb)>;
 
-/// Render, train and recognise what is missing. Stopped or killed at any time, the next run goes on
+/// Render, train and recognize what is missing. Stopped or killed at any time, the next run goes on
 /// with what is not there yet. Errors: of each step; resumable when stopped.
 Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
                        const ProgressOf& progress);

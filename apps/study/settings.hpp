@@ -9,20 +9,20 @@
 #include <vector>
 
 #include "engine/evaluation/degrade_scene.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/simulation/render_scenes.hpp"
 #include "engine/train.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {
 
-/// What one scene of a study is made, trained for and recognised by.
+/// What one scene of a study is made, trained for and recognized by.
 struct StudySettings {
   ScanOptions scan{};
   DegradeOptions degrade{};
   TrainOptions train{};
   std::uint32_t num_others = 0;  ///< models of the library that lie in no scene
-  RecogniseOptions recognise{};
+  RecognizeOptions recognize{};
 };
 
 /// Errors: usage (names the setting, its range and its value).
@@ -38,7 +38,7 @@ struct Setting {
   Result<void> (*set)(StudySettings&, const SettingValue&);
 };
 
-/// By stage: scan, degrade, train, recognise.
+/// By stage: scan, degrade, train, recognize.
 std::span<const Setting> all_settings();
 
 /// None of this name: null.

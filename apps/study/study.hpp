@@ -39,7 +39,7 @@ struct Variant {
 
 /// What detections count as reported.
 enum class Threshold : std::uint8_t {
-  setting,  ///< those from recognise.min-score on
+  setting,  ///< those from recognize.min-score on
   best_f1,  ///< each variant its own, where its F1 is the best: scores that mean different things
 };
 

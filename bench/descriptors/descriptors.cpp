@@ -53,7 +53,7 @@ void describe_spin(const KeypointSurface& surface, std::span<float> features, Fi
 }
 
 /// Images that correlate are near one another: |a - b|^2 = 2 - 2 correlation(a, b).
-void standardise(std::span<float, kernels::kSpinImageSize> image) {
+void standardize(std::span<float, kernels::kSpinImageSize> image) {
   double mean = 0, squared = 0;
   for (const float value : image) mean += static_cast<double>(value) / kernels::kSpinImageSize;
   for (const float value : image) squared += std::pow(static_cast<double>(value) - mean, 2);
@@ -63,11 +63,11 @@ void standardise(std::span<float, kernels::kSpinImageSize> image) {
 }
 
 void describe_spin_by_correlation(const KeypointSurface& surface, std::span<float> features) {
-  describe_spin(surface, features, standardise);
+  describe_spin(surface, features, standardize);
 }
 
 void describe_spin_by_roots(const KeypointSurface& surface, std::span<float> features) {
-  describe_spin(surface, features, kernels::normalise_spin_image);
+  describe_spin(surface, features, kernels::normalize_spin_image);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ struct FeaturePool {
 };
 
 /// Squared Euclidean distances of each of m queries to all n features: m rows of n. Exact search,
-/// as there is no other that finds the second neighbour of another place.
+/// as there is no other that finds the second neighbor of another place.
 /// Same bits on any processor.
 void compare_all(std::span<const float> queries, const FeaturePool& pool,
                  std::span<float> squared_distances);

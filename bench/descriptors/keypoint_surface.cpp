@@ -11,7 +11,7 @@
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
-#include "storage/neighbourhoods.hpp"
+#include "storage/neighborhoods.hpp"
 
 namespace trivet::bench {
 namespace {
@@ -28,12 +28,12 @@ Normals fit_normals(PointsView samples, NormalsView face_normals, PointsView que
   Normals normals(queries.size());
   engine::for_chunks(queries.size(), 1024, [&](std::size_t first, std::size_t count) {
     const PointsView some = queries.slice(first, count);
-    Neighbourhoods rows;
+    Neighborhoods rows;
     rows.offsets.assign(count + 1, 0);
-    kernels::count_radius_neighbours(grid, some, radius, std::span(rows.offsets).subspan(1));
+    kernels::count_radius_neighbors(grid, some, radius, std::span(rows.offsets).subspan(1));
     std::inclusive_scan(rows.offsets.begin(), rows.offsets.end(), rows.offsets.begin());
     rows.indices.resize(rows.offsets.back());
-    kernels::fill_radius_neighbours(grid, some, radius, rows.offsets, rows.indices);
+    kernels::fill_radius_neighbors(grid, some, radius, rows.offsets, rows.indices);
     const NormalsSpan out = normals.span().slice(first, count);
     kernels::estimate_normals(samples, rows, out);
     for (std::size_t i = 0; i < count; ++i) {

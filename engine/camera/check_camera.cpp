@@ -36,7 +36,7 @@ std::vector<SureObject> sure_objects(const Library& library, const PreparedScene
   for (const Candidate& candidate : found) {
     if (candidate.score < kSureScore || !candidate.rivals.empty()) continue;
     const Pose pose = T_camera_scene * candidate.T_scene_model;
-    const float range = (pose * library.models[candidate.model].centre).z();
+    const float range = (pose * library.models[candidate.model].center).z();
     kernels::ScaleOptions options;
     options.sigma = std::max(scene.sensor.error_at(range), kFinest * range);
     options.gate = kGate * candidate.tolerance;
@@ -48,17 +48,17 @@ std::vector<SureObject> sure_objects(const Library& library, const PreparedScene
 }
 
 /// Set up the equations of all objects. Errors of ray tracing leave an object without.
-void gather(const Recogniser& recogniser, const kernels::RangeImage& image,
+void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
             const kernels::LogScales& scales, std::span<SureObject> objects) {
   PerThread<kernels::ScaleScratch> scratch;
   for_each_index(objects.size(), [&](std::size_t k) {
     SureObject& object = objects[k];
-    const Model& model = recogniser.library().models[object.model];
-    const Result<kernels::RayScene>& surface = recogniser.surface(object.model);
+    const Model& model = recognizer.library().models[object.model];
+    const Result<kernels::RayScene>& surface = recognizer.surface(object.model);
     if (!surface) return;
     const kernels::ModelSamples samples{model.samples,      model.sample_normals,
                                         model.sample_views, model.sample_spacing,
-                                        model.diameter,     model.centre};
+                                        model.diameter,     model.center};
     kernels::gather_object(image, *surface, samples, object.T_camera_model, scales, object.options,
                            scratch.local(), object.equations);
   });
@@ -66,13 +66,13 @@ void gather(const Recogniser& recogniser, const kernels::RangeImage& image,
 
 }  // namespace
 
-CameraCheck check_camera(const Recogniser& recogniser, const PreparedScene& scene,
+CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scene,
                          const Camera& camera, std::span<const Candidate> found) {
   CameraCheck check{camera, {}};
-  std::vector<SureObject> objects = sure_objects(recogniser.library(), scene, found);
+  std::vector<SureObject> objects = sure_objects(recognizer.library(), scene, found);
   kernels::LogScales scales;
   for (int step = 0; step <= kSteps; ++step) {
-    gather(recogniser, scene.images.front(), scales, objects);
+    gather(recognizer, scene.images.front(), scales, objects);
     check.objects.clear();
     for (const SureObject& object : objects) {
       check.num_rays += object.equations.num_rays;
@@ -94,7 +94,7 @@ CameraCheck check_camera(const Recogniser& recogniser, const PreparedScene& scen
       if (!object.tells()) continue;
       object.T_camera_model =
           kernels::follow_scales(object.equations, change, object.T_camera_model,
-                                 recogniser.library().models[object.model].centre);
+                                 recognizer.library().models[object.model].center);
     }
     scales = now;
   }

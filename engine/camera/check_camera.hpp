@@ -5,7 +5,7 @@
 
 #include "engine/camera_check.hpp"
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recogniser.hpp"
+#include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
 
 namespace trivet::engine {
@@ -15,7 +15,7 @@ namespace trivet::engine {
 /// camera  of the scene's only image
 /// Candidates from a score of 0.9 without rivals are sure. The poses that were found stay as they
 /// are. Some 10,000 rays an object.
-CameraCheck check_camera(const Recogniser& recogniser, const PreparedScene& scene,
+CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scene,
                          const Camera& camera, std::span<const Candidate> found);
 
 }  // namespace trivet::engine

@@ -28,14 +28,14 @@ bool correct_cameras(std::span<const SceneResult> results, std::span<SceneInput>
 
 }  // namespace
 
-Result<std::vector<SceneResult>> recognise_estimating_camera(const Recogniser& recogniser,
+Result<std::vector<SceneResult>> recognize_estimating_camera(const Recognizer& recognizer,
                                                              std::span<SceneInput> scenes,
-                                                             const RecogniseOptions& options,
+                                                             const RecognizeOptions& options,
                                                              const Progress& progress) {
   for (int corrections = 0;; ++corrections) {
     std::vector<SceneResult> results;
     const Result<void> done =
-        recognise_all(recogniser, scenes, options, progress,
+        recognize_all(recognizer, scenes, options, progress,
                       [&](std::size_t, const SceneResult& result) { results.push_back(result); });
     if (!done) return done.error();
     if (corrections == kMostCorrections || !correct_cameras(results, scenes)) return results;

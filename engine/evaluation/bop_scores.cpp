@@ -39,7 +39,7 @@ double mm_threshold(std::size_t i) noexcept { return 2 * static_cast<double>(i +
 struct Gauge {
   const EvaluationMesh* mesh;
   std::vector<Isometry3d> symmetries;
-  Eigen::Vector3d centre;  // of a ball around all vertices
+  Eigen::Vector3d center;  // of a ball around all vertices
   double radius;
   std::optional<RayScene> rays;  // none without triangles
 };
@@ -53,13 +53,13 @@ Result<Gauge> make_gauge(const EvaluationMesh& mesh) {
   };
   if (mesh.vertices.empty()) return refuse("at least one vertex");
   if (!(mesh.diameter > 0)) return refuse("a diameter above 0");
-  Gauge gauge{&mesh, kernels::discretise_symmetry(mesh.symmetry), {}, 0, {}};
+  Gauge gauge{&mesh, kernels::discretize_symmetry(mesh.symmetry), {}, 0, {}};
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     box.extend(mesh.vertices[i].cast<double>());
-  gauge.centre = box.center();
+  gauge.center = box.center();
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    gauge.radius = std::max(gauge.radius, (mesh.vertices[i].cast<double>() - gauge.centre).norm());
+    gauge.radius = std::max(gauge.radius, (mesh.vertices[i].cast<double>() - gauge.center).norm());
   }
   if (!mesh.triangles.empty()) {
     Result<RayScene> rays = RayScene::from_mesh(mesh.vertices, mesh.triangles);
@@ -104,7 +104,7 @@ struct Rendered {
 
 PixelWindow window_of(const Gauge& gauge, const Pose& pose, const Measured& measured) {
   return kernels::window_of_ball(measured.camera, measured.window.width, measured.window.height,
-                                 pose.cast<double>() * gauge.centre, gauge.radius);
+                                 pose.cast<double>() * gauge.center, gauge.radius);
 }
 
 Result<Rendered> render(const Gauge& gauge, const Pose& pose, const PixelWindow& window,
@@ -143,8 +143,8 @@ struct Group {
   std::vector<std::size_t> truths;      // in the scene
   std::vector<float> scores;            // one a detection
   std::vector<bool> visible;            // one a truth: by 10 % or more
-  std::vector<bool> targets;            // one a truth: to be found by localisation
-  std::size_t num_wanted = 0;           // detections that localisation takes
+  std::vector<bool> targets;            // one a truth: to be found by localization
+  std::size_t num_wanted = 0;           // detections that localization takes
   std::size_t num_kept = 0;             // detections among the 100 best of the image
 
   bool has_image = false, has_vsd = false;
@@ -161,7 +161,7 @@ double visible_share(const TruthInstance& truth) noexcept {
   return truth.visible_fraction.value_or(truth.ignore ? 0 : 1);
 }
 
-/// How many instances localisation is told to find, and which truths those are: the most visible.
+/// How many instances localization is told to find, and which truths those are: the most visible.
 void choose_targets(const ManifestScene& scene, const std::string& model, Group& group) {
   if (scene.targets.empty()) {
     group.num_wanted = count_true(group.visible);
@@ -412,7 +412,7 @@ struct ModelPrecision {
 
 /// `groups`: those of one model, in the order of the scenes.
 ModelPrecision precision_of(std::span<const Group* const> groups, double diameter,
-                            double millimetres) {
+                            double millimeters) {
   ModelPrecision out;
   for (const Group* group : groups) {
     const std::size_t visible = count_true(group->visible);
@@ -444,15 +444,15 @@ ModelPrecision precision_of(std::span<const Group* const> groups, double diamete
   const auto in_diameters = [&](const Group& group, std::size_t e, std::size_t t) {
     return group.mssd(e, t) / diameter;
   };
-  const auto in_millimetres = [&](const Group& group, std::size_t e, std::size_t t) {
-    return group.mssd(e, t) * millimetres;
+  const auto in_millimeters = [&](const Group& group, std::size_t e, std::size_t t) {
+    return group.mssd(e, t) * millimeters;
   };
   const auto in_pixels = [](const Group& group, std::size_t e, std::size_t t) {
     return group.mspd(e, t);
   };
   const auto share = [](std::size_t k) { return kBopShares[k]; };
   out.mssd = average(false, out.num_targets, in_diameters, share);
-  out.mssd_mm = average(false, out.num_targets, in_millimetres, mm_threshold);
+  out.mssd_mm = average(false, out.num_targets, in_millimeters, mm_threshold);
   out.mspd = average(true, out.num_in_images, in_pixels, pixel_threshold);
   return out;
 }
@@ -477,7 +477,7 @@ BopRecall recall_of(std::span<const SceneScores> scenes) {
 }
 
 BopPrecision precision_over_models(std::span<const SceneScores> scenes,
-                                   std::span<const Gauge> gauges, double millimetres) {
+                                   std::span<const Gauge> gauges, double millimeters) {
   std::vector<std::vector<const Group*>> groups(gauges.size());
   BopPrecision out;
   for (const SceneScores& scene : scenes) {
@@ -486,7 +486,7 @@ BopPrecision precision_over_models(std::span<const SceneScores> scenes,
   }
   std::vector<ModelPrecision> models(gauges.size());
   engine::for_each_index(gauges.size(), [&](std::size_t m) {
-    models[m] = precision_of(groups[m], gauges[m].mesh->diameter, millimetres);
+    models[m] = precision_of(groups[m], gauges[m].mesh->diameter, millimeters);
   });
 
   std::size_t num_models = 0, num_in_images = 0;
@@ -549,7 +549,7 @@ Result<BopScores> bop_scores(const Manifest& manifest, std::span<const Evaluatio
   }
 
   static const SceneResult kNothing;
-  const double delta = options.vsd_delta_mm * unit_scale(LengthUnit::millimetre, manifest.unit);
+  const double delta = options.vsd_delta_mm * unit_scale(LengthUnit::millimeter, manifest.unit);
   BopScores out;
   out.errors.resize(results.size());
   std::vector<SceneScores> scenes(results.size());
@@ -560,9 +560,9 @@ Result<BopScores> bop_scores(const Manifest& manifest, std::span<const Evaluatio
   for (const SceneScores& scene : scenes) {
     if (scene.failure) return *scene.failure;
   }
-  out.localisation = recall_of(scenes);
+  out.localization = recall_of(scenes);
   out.detection =
-      precision_over_models(scenes, gauges, unit_scale(manifest.unit, LengthUnit::millimetre));
+      precision_over_models(scenes, gauges, unit_scale(manifest.unit, LengthUnit::millimeter));
   return out;
 }
 

@@ -1,6 +1,6 @@
-/// The scores of the BOP benchmark: recall of 6-D localisation, precision of 6-D detection.
+/// The scores of the BOP benchmark: recall of 6-D localization, precision of 6-D detection.
 ///
-/// Sources: Hodan et al., BOP Challenge 2020, ECCVW 2020, section 2 (localisation); Nguyen et al.,
+/// Sources: Hodan et al., BOP Challenge 2020, ECCVW 2020, section 2 (localization); Nguyen et al.,
 /// BOP Challenge 2024, CVPRW 2025 (detection). Where these are silent, as the benchmark's toolkit
 /// does it: https://github.com/thodan/bop_toolkit.
 #pragma once
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/evaluation/evaluation_meshes.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/cloud.hpp"
 #include "storage/manifest.hpp"
 #include "storage/model.hpp"
@@ -70,7 +70,7 @@ struct BopErrors {
 };
 
 struct BopScores {
-  BopRecall localisation;
+  BopRecall localization;
   BopPrecision detection;
   /// By scene and detection, as in the results; none for models without instance in the scene, or
   /// that are not scored.
@@ -83,7 +83,7 @@ struct BopScores {
 /// results  one a scene of the manifest, poses in the manifest's unit; none where recognition did
 ///          not run: its instances count as not found
 ///
-/// Localisation: a scene's targets say how many instances of a model are to be found; without them
+/// Localization: a scene's targets say how many instances of a model are to be found; without them
 /// those are all that are visible by 10 %. Of each model so many best-scored detections are taken,
 /// and so many most visible truths. By falling score, each detection takes the free truth of the
 /// smallest error, if that is below the threshold. Recall is over the truths of all scenes.

@@ -29,19 +29,19 @@ Manifest with_near_axes(Manifest manifest, const Library& library) {
 
 }  // namespace
 
-Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
-                          RecogniseOptions options, const Progress& progress, Outcomes& outcomes) {
+Result<void> add_outcomes(const Recognizer& recognizer, const Manifest& manifest,
+                          RecognizeOptions options, const Progress& progress, Outcomes& outcomes) {
   options.doubtful_score = 0;
   options.without.insert(Improvement::rivals);  // the score is what the poses of choice get
   std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
-  const Result<void> done = recognise_all(
-      recogniser, scenes_of(manifest, recogniser.library().header.unit), options, progress,
+  const Result<void> done = recognize_all(
+      recognizer, scenes_of(manifest, recognizer.library().header.unit), options, progress,
       [&](std::size_t index, const SceneResult& result) { results[index] = result; });
   if (!done) return done;
   const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(manifest);
   if (!meshes) return meshes.error();
   const Result<Evaluation> judged =
-      evaluate(with_near_axes(manifest, recogniser.library()), *meshes, results);
+      evaluate(with_near_axes(manifest, recognizer.library()), *meshes, results);
   if (!judged) return judged.error();
   for (std::size_t s = 0; s < results.size(); ++s) {
     outcomes.scans.push_back(manifest.scenes[s].name);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "storage/manifest.hpp"
 #include "storage/result.hpp"
@@ -20,11 +20,11 @@ struct Outcomes {
   std::vector<std::string> scans;   ///< that were looked at, also where nothing was found
 };
 
-/// Recognise the scenes of a manifest, and add the detections that count to `outcomes`: those that
+/// Recognize the scenes of a manifest, and add the detections that count to `outcomes`: those that
 /// remain when the best explain their pixels, down to any score, but for those that are an object
 /// of their model turned by more than 45 degrees. Truths of models that the library does not have
-/// are unknown objects. Errors: of recognise_all and evaluate.
-Result<void> add_outcomes(const Recogniser& recogniser, const Manifest& manifest,
-                          RecogniseOptions options, const Progress& progress, Outcomes& outcomes);
+/// are unknown objects. Errors: of recognize_all and evaluate.
+Result<void> add_outcomes(const Recognizer& recognizer, const Manifest& manifest,
+                          RecognizeOptions options, const Progress& progress, Outcomes& outcomes);
 
 }  // namespace trivet

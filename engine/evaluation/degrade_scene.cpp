@@ -33,8 +33,8 @@ bool degrades(DegradeOptions options) {
 Column<float> pixel_distances(const PixelGrid& grid, PointsView points) {
   Column<float> distances;
   distances.reserve(2 * points.size());
-  const auto add = [&](std::size_t pixel, std::size_t neighbour) {
-    const std::int32_t i = grid.point_index[pixel], j = grid.point_index[neighbour];
+  const auto add = [&](std::size_t pixel, std::size_t neighbor) {
+    const std::int32_t i = grid.point_index[pixel], j = grid.point_index[neighbor];
     if (i == PixelGrid::kNone || j == PixelGrid::kNone) return;
     distances.push_back(
         (points[static_cast<std::size_t>(i)] - points[static_cast<std::size_t>(j)]).norm());
@@ -55,7 +55,7 @@ Result<double> find_resolution(const Cloud& cloud) {
     if (!distances.empty()) return static_cast<double>(kernels::median(std::span(distances)));
   }
   if (!cloud.triangles.empty()) return kernels::mean_edge_length(cloud.points, cloud.triangles);
-  return kernels::mean_neighbour_distance(cloud.points);
+  return kernels::mean_neighbor_distance(cloud.points);
 }
 
 /// Points, and where they are seen from.

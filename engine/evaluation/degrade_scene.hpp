@@ -41,8 +41,8 @@ Result<void> validate(const DegradeOptions& options);
 /// diameter  that the options count in [unit of the cloud], > 0: the mean of the models looked for
 /// seed      one of its own for each scene, or points of like index err alike in all of them
 ///
-/// The resolution is the median distance between the points of neighbouring pixels; of a mesh, the
-/// mean length of its edges; of other clouds, the mean distance to the nearest neighbour. Whatever
+/// The resolution is the median distance between the points of neighboring pixels; of a mesh, the
+/// mean length of its edges; of other clouds, the mean distance to the nearest neighbor. Whatever
 /// is degraded becomes a cloud of scattered points: grid, camera, triangles and normals are gone,
 /// the viewpoint stays, and is the origin where none was told. Without any degradation the cloud
 /// stays as it is. Same bytes for any number of threads. Cost: O(n); n log n for the resolution of

@@ -11,7 +11,7 @@
 
 #include "engine/evaluation/evaluation_meshes.hpp"
 #include "engine/evaluation/score_curves.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/manifest.hpp"
 #include "storage/result.hpp"
 
@@ -65,7 +65,7 @@ struct SceneEvaluation {
 /// Seconds of one stage over the scenes that tell them.
 struct StageSeconds {
   std::string stage;
-  double median = 0, p95 = 0;  ///< quantiles, linear between neighbours
+  double median = 0, p95 = 0;  ///< quantiles, linear between neighbors
 };
 
 struct Evaluation {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/train.hpp"
 #include "storage/manifest.hpp"
 

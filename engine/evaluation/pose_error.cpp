@@ -32,7 +32,7 @@ PoseJudge::PoseJudge(const EvaluationMesh& mesh) : mesh_(mesh) {
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     box.extend(mesh.vertices[i].cast<double>());
-  centre_ = box.center();
+  center_ = box.center();
 }
 
 PoseError PoseJudge::error(const Pose& estimate, const Pose& truth) const {
@@ -60,7 +60,7 @@ double PoseJudge::add(const Pose& estimate, const Pose& truth) {
 
 PoseError PoseJudge::error_of_one(const Pose& estimate, const Pose& truth) const {
   const Matrix3d a = estimate.linear().cast<double>(), b = truth.linear().cast<double>();
-  const Vector3d shift = a * centre_ + estimate.translation().cast<double>() - b * centre_ -
+  const Vector3d shift = a * center_ + estimate.translation().cast<double>() - b * center_ -
                          truth.translation().cast<double>();
   double angle = 0;
   if (mesh_.symmetry.axis) {

@@ -40,7 +40,7 @@ class PoseJudge {
   double distance_to_vertices(const Eigen::Vector3d& point);
 
   const EvaluationMesh& mesh_;
-  Eigen::Vector3d centre_;
+  Eigen::Vector3d center_;
   std::optional<kernels::VoxelHash> grid_;  // for ADD-S only
 };
 

@@ -25,10 +25,10 @@ struct VoteScratch {
   std::uint64_t num_pairs = 0, num_votes = 0;
 };
 
-void gather_neighbours(const SceneLevel& level, const Eigen::Vector3f& centre, float radius,
-                       VoteScratch& scratch) {
+void gather_neighbors(const SceneLevel& level, const Eigen::Vector3f& center, float radius,
+                      VoteScratch& scratch) {
   scratch.indices.clear();
-  level.grid.visit_within(centre, radius,
+  level.grid.visit_within(center, radius,
                           [&](std::uint32_t i, float) { scratch.indices.push_back(i); });
   const std::size_t step = 1 + scratch.indices.size() / kMaxPairs;
   const std::size_t n = (scratch.indices.size() + step - 1) / step;
@@ -47,17 +47,17 @@ std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& lib
                                                               std::span<const std::uint32_t> models,
                                                               const VoteOptions& options,
                                                               SceneStats& stats) {
-  // The largest table's quantisation serves all: keys of equal step differ only in how far they
+  // The largest table's quantization serves all: keys of equal step differ only in how far they
   // reach, which is cut to the ball.
-  PpfQuantisation quantisation;
+  PpfQuantization quantization;
   for (const std::uint32_t m : models) {
-    const PpfQuantisation& own = library.models[m].ppf.quantisation;
-    if (own.num_distance_bins > quantisation.num_distance_bins) quantisation = own;
+    const PpfQuantization& own = library.models[m].ppf.quantization;
+    if (own.num_distance_bins > quantization.num_distance_bins) quantization = own;
   }
-  quantisation.num_distance_bins = static_cast<std::uint32_t>(
-      std::ceil(options.radius * static_cast<float>(quantisation.num_distance_bins)));
+  quantization.num_distance_bins = static_cast<std::uint32_t>(
+      std::ceil(options.radius * static_cast<float>(quantization.num_distance_bins)));
   const float radius =
-      quantisation.distance_step * static_cast<float>(quantisation.num_distance_bins);
+      quantization.distance_step * static_cast<float>(quantization.num_distance_bins);
 
   const std::size_t slots = models.size() * options.max_peaks;
   std::vector<kernels::Hypothesis> found(level.references.size() * slots);
@@ -69,9 +69,9 @@ std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& lib
       const std::uint32_t i = level.references[r];
       const kernels::ReferenceFrame frame =
           kernels::reference_frame(level.points[i], level.normals[i]);
-      gather_neighbours(level, frame.point, radius, scratch);
-      kernels::collect_scene_votes(frame, scratch.points, scratch.normals, quantisation,
-                                   options.neighbour_share, scratch.pairs, scratch.keys,
+      gather_neighbors(level, frame.point, radius, scratch);
+      kernels::collect_scene_votes(frame, scratch.points, scratch.normals, quantization,
+                                   options.neighbor_share, scratch.pairs, scratch.keys,
                                    scratch.votes);
       if (scratch.votes.size() > kMaxPairs) scratch.votes.resize(kMaxPairs);
       scratch.num_pairs += scratch.points.size();

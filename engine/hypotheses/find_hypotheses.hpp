@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "kernels/common/hypothesis.hpp"
 #include "storage/library.hpp"
 

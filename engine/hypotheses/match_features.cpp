@@ -15,7 +15,7 @@ namespace trivet::engine {
 namespace {
 
 constexpr std::size_t kGrain = 32;
-constexpr std::size_t kMoreForRatio = 7;  // neighbours, among which one is of another place
+constexpr std::size_t kMoreForRatio = 7;  // neighbors, among which one is of another place
 // Of groupings that are not by frames.
 constexpr std::size_t kMostGrouped = 3000;  // matches of a model
 constexpr std::size_t kSmallestGroup = 3;
@@ -53,18 +53,18 @@ Column<std::uint32_t> find_keypoints(const SceneSample& sample, Detector detecto
 }
 
 /// The nearest features of models to those of a scene.
-struct Neighbours {
+struct Neighbors {
   std::size_t per_feature = 0;
   std::vector<std::uint32_t> indices;
   std::vector<float> squared;
 };
 
-Neighbours find_neighbours(const TriSpinBasis& basis, const kernels::FeatureForest& forest,
-                           const Descriptions& described, const MatchOptions& options) {
+Neighbors find_neighbors(const TriSpinBasis& basis, const kernels::FeatureForest& forest,
+                         const Descriptions& described, const MatchOptions& options) {
   const bool needs_ratio = options.max_ratio < 1 || options.weigh_by_ratio;
   const std::size_t n = described.size(), k = basis.components.size();
-  Neighbours found;
-  found.per_feature = options.num_neighbours + (needs_ratio ? kMoreForRatio : 0);
+  Neighbors found;
+  found.per_feature = options.num_neighbors + (needs_ratio ? kMoreForRatio : 0);
   found.indices.resize(n * found.per_feature);
   found.squared.resize(n * found.per_feature);
   PerThread<MatchScratch> per_thread;
@@ -84,16 +84,16 @@ Neighbours find_neighbours(const TriSpinBasis& basis, const kernels::FeatureFore
   return found;
 }
 
-/// The distance of a feature's neighbour by that of its nearest one of another model or place; of
+/// The distance of a feature's neighbor by that of its nearest one of another model or place; of
 /// the farthest known where all are of this place.
 ///
-/// neighbours  of the feature, from the nearest on
-float ratio_to_other_place(const FeatureLevel& level, std::span<const std::uint32_t> neighbours,
+/// neighbors  of the feature, from the nearest on
+float ratio_to_other_place(const FeatureLevel& level, std::span<const std::uint32_t> neighbors,
                            std::span<const float> squared, std::size_t of, float place) {
-  const std::uint32_t i = neighbours[of];
+  const std::uint32_t i = neighbors[of];
   float other = squared[of];
-  for (std::size_t k = 0; k < neighbours.size(); ++k) {
-    const std::uint32_t j = neighbours[k];
+  for (std::size_t k = 0; k < neighbors.size(); ++k) {
+    const std::uint32_t j = neighbors[k];
     if (j == kernels::FeatureForest::kNone) break;
     other = squared[k];
     if (level.model[j] != level.model[i] ||
@@ -121,18 +121,18 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
   Descriptions described;
   describe_surface(sample.points, sample.normals, keypoints, support, options.limits, described);
 
-  const Neighbours found = find_neighbours(basis, level.forest, described, options);
+  const Neighbors found = find_neighbors(basis, level.forest, described, options);
   const std::size_t k = found.per_feature;
   for (std::uint32_t s = 0; s < described.size(); ++s) {
-    const auto neighbours = std::span(found.indices).subspan(s * k, k);
+    const auto neighbors = std::span(found.indices).subspan(s * k, k);
     const auto squared = std::span(found.squared).subspan(s * k, k);
-    for (std::size_t of = 0; of < options.num_neighbours; ++of) {
-      const std::uint32_t i = neighbours[of];
+    for (std::size_t of = 0; of < options.num_neighbors; ++of) {
+      const std::uint32_t i = neighbors[of];
       if (i == kernels::FeatureForest::kNone || std::sqrt(squared[of]) > options.max_distance)
         break;
-      const float ratio = k == options.num_neighbours
+      const float ratio = k == options.num_neighbors
                               ? 0
-                              : ratio_to_other_place(level, neighbours, squared, of, support / 2);
+                              : ratio_to_other_place(level, neighbors, squared, of, support / 2);
       if (options.max_ratio < 1 && ratio > options.max_ratio) continue;
       const float votes = options.weigh_by_ratio ? 1 - ratio : 1;
       if (!(votes > 0)) continue;

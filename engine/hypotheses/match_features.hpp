@@ -8,7 +8,7 @@
 
 #include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "kernels/common/hypothesis.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
 #include "storage/tri_spin_features.hpp"

@@ -27,7 +27,7 @@ constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched
 constexpr std::uint32_t kNoiseWindow = 2;
 
 /// The same of the window for normals: wide enough that noise of this size turns them by about as
-/// much as the quantisation of the pair's angles, no wider, since corners round off.
+/// much as the quantization of the pair's angles, no wider, since corners round off.
 float choose_window(float noise, float spacing) {
   return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
 }
@@ -69,7 +69,7 @@ kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const Pix
   return image;
 }
 
-/// Close single missing pixels, which scattered points leave between them, with their neighbours'
+/// Close single missing pixels, which scattered points leave between them, with their neighbors'
 /// normals.
 void close_holes(float max_step, kernels::RangeImage& image) {
   const Column<float> measured = image.depth;
@@ -112,10 +112,10 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   }
   const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
   if (!geometry) return std::nullopt;
-  return SensorView{*geometry, kernels::rasterise(*geometry, points), true};
+  return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
 }
 
-void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& options,
+void find_dominant_planes(kernels::RangeImage& image, const RecognizeOptions& options,
                           PreparedScene& scene) {
   const kernels::ImageGeometry& geometry = image.geometry;
   std::size_t measured = 0;
@@ -176,7 +176,7 @@ void find_dominant_planes(kernels::RangeImage& image, const RecogniseOptions& op
 }
 
 /// How the sensor errs by range and from pixel to pixel; noise and waviness are measured already.
-void measure_sensor(const kernels::RangeImage& image, const RecogniseOptions& options,
+void measure_sensor(const kernels::RangeImage& image, const RecognizeOptions& options,
                     kernels::SensorModel& sensor) {
   std::vector<float> ranges;
   for (const float d : image.depth) {
@@ -196,7 +196,7 @@ void measure_sensor(const kernels::RangeImage& image, const RecogniseOptions& op
 }
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
-                                  const RecogniseOptions& options, PreparedScene& scene) {
+                                  const RecognizeOptions& options, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
       : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
@@ -284,7 +284,7 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   return normals;
 }
 
-void prepare_closed_scene(const Cloud& cloud, const RecogniseOptions& options,
+void prepare_closed_scene(const Cloud& cloud, const RecognizeOptions& options,
                           PreparedScene& scene) {
   const Normals outward = cover_surface(cloud.triangles, scene);
   const std::size_t n = scene.points.size();
@@ -293,17 +293,17 @@ void prepare_closed_scene(const Cloud& cloud, const RecogniseOptions& options,
   const auto estimate = [&](float window) {
     const float radius = window * scene.spacing;
     const kernels::VoxelHash grid(scene.points, radius);
-    Neighbourhoods rows;
+    Neighborhoods rows;
     rows.offsets.assign(n + 1, 0);
     for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
-      kernels::count_radius_neighbours(grid, scene.points.view().slice(first, count), radius,
-                                       std::span(rows.offsets).subspan(first, count));
+      kernels::count_radius_neighbors(grid, scene.points.view().slice(first, count), radius,
+                                      std::span(rows.offsets).subspan(first, count));
     });
     rows.indices.resize(counts_to_offsets(rows.offsets));
     for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
-      const NeighbourhoodsView view = rows.view().rows(first, count);
-      kernels::fill_radius_neighbours(grid, scene.points.view().slice(first, count), radius,
-                                      view.offsets, rows.indices);
+      const NeighborhoodsView view = rows.view().rows(first, count);
+      kernels::fill_radius_neighbors(grid, scene.points.view().slice(first, count), radius,
+                                     view.offsets, rows.indices);
       kernels::estimate_normals(scene.points, view, scene.normals.span().slice(first, count),
                                 std::span(residuals).subspan(first, count));
     });
@@ -331,7 +331,7 @@ void prepare_closed_scene(const Cloud& cloud, const RecogniseOptions& options,
       std::optional<kernels::ImageGeometry> geometry =
           kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
       if (!geometry) continue;
-      const PixelGrid grid = kernels::rasterise(*geometry, scene.points, scene.normals);
+      const PixelGrid grid = kernels::rasterize(*geometry, scene.points, scene.normals);
       scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
       close_holes(3 * scene.spacing, scene.images.back());
     }
@@ -350,7 +350,7 @@ bool is_closed(const Cloud& cloud, const SceneInput& input) {
 }  // namespace
 
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
-                                    const RecogniseOptions& options) {
+                                    const RecognizeOptions& options) {
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
   scene.points = cloud.points;

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/scans/find_planes.hpp"
 #include "kernels/scans/range_image.hpp"
@@ -23,7 +23,7 @@ struct PreparedScene {
   Normals normals;                     ///< towards the sensor or outward; NaN where unknown
   std::vector<kernels::Plane> planes;  ///< the large ones, of any size of model
   kernels::SensorModel sensor;         ///< how it errs
-  float spacing = 0;                   ///< typical distance between neighbouring measurements
+  float spacing = 0;                   ///< typical distance between neighboring measurements
   float window = 2;  ///< half-width of the windows that normals were fitted to [spacing]
   float plane_tolerance = 0;
   double scale = 1;  ///< the file's lengths were multiplied by it
@@ -34,7 +34,7 @@ inline constexpr float kPlaneAngleRad = 0.35F;
 /// Of the options, the window of normals and what is left out matter here.
 /// Errors: bad_data (too few points, no surface).
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
-                                    const RecogniseOptions& options = {});
+                                    const RecognizeOptions& options = {});
 
 /// The scene sampled for models of one step; the same in all rounds of voting.
 struct SceneSample {

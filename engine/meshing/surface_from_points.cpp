@@ -9,7 +9,7 @@
 
 #include "engine/common/check_range.hpp"
 #include "engine/common/parallel.hpp"
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/meshing/boundary_share.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
@@ -22,7 +22,7 @@ using engine::for_chunks;
 constexpr std::size_t kRowGrain = 8;     // image rows a task
 constexpr std::size_t kNoiseBands = 10;  // of distance: sensors err more far away
 constexpr std::size_t kPointGrain = 512;
-constexpr std::size_t kNormalNeighbours = 20;  // of a plane fit, within some 2.5 spacings
+constexpr std::size_t kNormalNeighbors = 20;  // of a plane fit, within some 2.5 spacings
 // Of all triangles that pixels could span: as many are seen from behind only from a wrong place.
 constexpr double kManyBehind = 0.05;
 
@@ -41,7 +41,7 @@ Result<SurfaceMethod> choose_method(const Cloud& cloud, const std::string& name,
         fmt::format("{}: the method '{}' expects {}, found {} points without; leave the "
                     "method out to take what suits the file",
                     name, lacks_faces ? "faces" : "grid",
-                    lacks_faces ? "a file with faces" : "an organised scan", cloud.points.size())};
+                    lacks_faces ? "a file with faces" : "an organized scan", cloud.points.size())};
   }
   return *options.method;
 }
@@ -78,10 +78,10 @@ Column<float> measure_noise(const PixelGrid& grid, PointsView points,
 
 /// Errors: bad_data (a point is not finite), internal (out of memory).
 Result<Normals> estimate_normals(PointsView points, const Eigen::Vector3f& viewpoint) {
-  const std::size_t n = points.size(), k = std::min(kNormalNeighbours, n);
-  const Result<kernels::NearestNeighbours> tree = kernels::NearestNeighbours::build(points);
+  const std::size_t n = points.size(), k = std::min(kNormalNeighbors, n);
+  const Result<kernels::NearestNeighbors> tree = kernels::NearestNeighbors::build(points);
   if (!tree) return tree.error();
-  Neighbourhoods rows;
+  Neighborhoods rows;
   for (std::size_t i = 0; i <= n; ++i) rows.offsets.push_back(static_cast<std::uint32_t>(i * k));
   rows.indices.resize(n * k);
   std::vector<float> squared(n * k);
@@ -138,8 +138,8 @@ Result<void> validate(const SurfaceOptions& options) {
       {grid.max_jump >= 1, "max jump [footprints]", "at least 1", grid.max_jump},
       {grid.max_grazing_deg > 0 && grid.max_grazing_deg < 90, "max grazing [deg]",
        "above 0, below 90", grid.max_grazing_deg},
-      {greedy.max_neighbours >= 8, "max neighbours", "at least 8",
-       static_cast<double>(greedy.max_neighbours)},
+      {greedy.max_neighbors >= 8, "max neighbors", "at least 8",
+       static_cast<double>(greedy.max_neighbors)},
       {greedy.radius > 0, "radius", "above 0", greedy.radius},
       {greedy.mu >= 1 && greedy.mu <= 10, "mu [spacings]", "1 to 10", greedy.mu},
       {greedy.min_angle_deg >= 0 && greedy.min_angle_deg <= 60, "min angle [deg]", "0 to 60",

@@ -24,14 +24,14 @@ const Vector3f kGround(244, 245, 247), kSurface(122, 140, 163);
 Picture draw_model(const kernels::RayScene& surface, PointsView around, std::uint32_t width) {
   Eigen::AlignedBox3f box;
   for (std::size_t i = 0; i < around.size(); ++i) box.extend(around[i]);
-  const Vector3f centre = box.center();
+  const Vector3f center = box.center();
   const Vector3f away = -kFrom.normalized(), right = away.cross(Vector3f::UnitZ()).normalized(),
                  down = away.cross(right);
   // As near as the picture holds all.
   float radius = 0, extent = std::numeric_limits<float>::min();
   for (std::size_t i = 0; i < around.size(); ++i)
-    radius = std::max(radius, (around[i] - centre).norm());
-  const Vector3f eye = centre - kDistance * radius * away;
+    radius = std::max(radius, (around[i] - center).norm());
+  const Vector3f eye = center - kDistance * radius * away;
   for (std::size_t i = 0; i < around.size(); ++i) {
     const Vector3f p = around[i] - eye;
     extent = std::max(

@@ -30,17 +30,17 @@ struct Widths {
 constexpr Widths kWhole{640, 1024, 320}, kDetail{360, 720, 130};
 constexpr float kSurroundings = 1.6F;       // side of a detail, in extents of what it shows
 constexpr std::int64_t kSmallestSide = 24;  // of a detail [pixel of the scan]
-constexpr float kHiddenShare = 0.35F;       // of a model's colour where the scan is in front
+constexpr float kHiddenShare = 0.35F;       // of a model's color where the scan is in front
 constexpr float kHiddenDepth = 0.03F;       // in front: by so many diameters
-constexpr float kGreyOfUnknown = 0.35F;     // measured, but without a normal
+constexpr float kGrayOfUnknown = 0.35F;     // measured, but without a normal
 constexpr float kDimmed = 0.6F;             // planes larger than the models: tables, floors, walls
 constexpr std::size_t kRowGrain = 32;
 const Vector3f kBackground(22, 25, 31);  // no measurement
-const Vector3f kScanColour(226, 228, 232);
+const Vector3f kScanColor(226, 228, 232);
 
-Vector3f to_vector(const Colour& colour) {
-  return {static_cast<float>(colour.red), static_cast<float>(colour.green),
-          static_cast<float>(colour.blue)};
+Vector3f to_vector(const Color& color) {
+  return {static_cast<float>(color.red), static_cast<float>(color.green),
+          static_cast<float>(color.blue)};
 }
 
 /// A picture under construction.
@@ -49,8 +49,8 @@ struct Canvas {
   Points rgb;  // 0..255
 
   Canvas(std::uint32_t w, std::uint32_t h) : width(w), height(h), rgb(std::size_t{w} * h) {}
-  void blend(std::size_t pixel, const Vector3f& colour, float share) {
-    rgb.set(pixel, (1 - share) * rgb[pixel] + share * colour);
+  void blend(std::size_t pixel, const Vector3f& color, float share) {
+    rgb.set(pixel, (1 - share) * rgb[pixel] + share * color);
   }
 };
 
@@ -169,8 +169,8 @@ Canvas draw_scan(const Frame& frame, const Background& background) {
     }
     const std::size_t pixel = frame.scan_pixel(i);
     const Vector3f normal = frame.scan.normals[pixel];
-    const float light = normal.allFinite() ? shade(normal) : kGreyOfUnknown;
-    canvas.rgb.set(i, kScanColour * light * (background.holds(pixel) ? kDimmed : 1));
+    const float light = normal.allFinite() ? shade(normal) : kGrayOfUnknown;
+    canvas.rgb.set(i, kScanColor * light * (background.holds(pixel) ? kDimmed : 1));
   }
   return canvas;
 }
@@ -228,7 +228,7 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
   return out;
 }
 
-/// Of the rendered surface, from its neighbours in the image that belong to the same model; towards
+/// Of the rendered surface, from its neighbors in the image that belong to the same model; towards
 /// the camera.
 Vector3f rendered_normal(const kernels::ImageGeometry& geometry, const Rendering& rendering,
                          std::size_t pixel) {
@@ -280,9 +280,9 @@ void draw_overlays(const Frame& frame, const Rendering& rendering,
       if (on_outline(geometry, rendering, i, outline_width)) {
         canvas.blend(i, to_vector(overlay.outline), hidden ? 0.6F : 1.0F);
       } else if (overlay.filled) {
-        const Vector3f colour =
+        const Vector3f color =
             to_vector(overlay.surface) * shade(rendered_normal(geometry, rendering, i));
-        canvas.blend(i, colour, hidden ? kHiddenShare : 1.0F);
+        canvas.blend(i, color, hidden ? kHiddenShare : 1.0F);
       }
     }
   });

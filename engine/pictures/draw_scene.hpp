@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "engine/evaluation/evaluation_meshes.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
 #include "storage/write_png.hpp"
 
 namespace trivet {
 
-struct Colour {
+struct Color {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
 
@@ -23,8 +23,8 @@ struct Colour {
 struct Overlay {
   const EvaluationMesh* mesh = nullptr;
   Pose T_scene_model;  ///< in the scene file's unit
-  Colour outline;
-  Colour surface;
+  Color outline;
+  Color surface;
   bool filled = true;  ///< else the outline only
 };
 
@@ -35,7 +35,7 @@ struct DrawnBox {
 };
 
 struct ScenePictures {
-  Picture scan;  ///< the measured surface in grey, lit from above the sensor; dark: no measurement
+  Picture scan;  ///< the measured surface in gray, lit from above the sensor; dark: no measurement
   Picture
       overlaid;  ///< the same with the models drawn in; paler where the scan is in front of them
   std::vector<DrawnBox> boxes;  ///< one an overlay

@@ -6,7 +6,7 @@
 
 namespace trivet::engine {
 
-RecogniseOptions leave_out(RecogniseOptions options) {
+RecognizeOptions leave_out(RecognizeOptions options) {
   constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
   const auto without = [&](Improvement improvement) {
     return options.without.contains(improvement);

@@ -1,13 +1,13 @@
 /// Improvements that are left out by a value of the options.
 #pragma once
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 
 namespace trivet::engine {
 
 /// Set each option whose value is all that an improvement in `options.without` does back to what it
 /// was before it; the stages ask `without` for the others. With none left out the options stay as
 /// they are.
-RecogniseOptions leave_out(RecogniseOptions options);
+RecognizeOptions leave_out(RecognizeOptions options);
 
 }  // namespace trivet::engine

@@ -5,12 +5,12 @@
 
 namespace trivet {
 
-bool PoseLimits::allow(const Pose& T_scene_model, const Eigen::Vector3f& model_centre,
+bool PoseLimits::allow(const Pose& T_scene_model, const Eigen::Vector3f& model_center,
                        double scale) const noexcept {
   if (region) {
-    const Eigen::Array3f centre =
-        (T_scene_model * model_centre).array() * static_cast<float>(scale);
-    if (!(centre >= region->low.array()).all() || !(centre <= region->high.array()).all())
+    const Eigen::Array3f center =
+        (T_scene_model * model_center).array() * static_cast<float>(scale);
+    if (!(center >= region->low.array()).all() || !(center <= region->high.array()).all())
       return false;
   }
   if (tilt) {

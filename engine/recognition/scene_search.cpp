@@ -32,11 +32,11 @@ void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, f
 
 }  // namespace
 
-SceneSearch::SceneSearch(const Recogniser& recogniser, const PreparedScene& scene,
-                         const ModelGroups& groups, const RecogniseOptions& options,
+SceneSearch::SceneSearch(const Recognizer& recognizer, const PreparedScene& scene,
+                         const ModelGroups& groups, const RecognizeOptions& options,
                          std::stop_token stop, SceneStats& stats)
-    : recogniser_(recogniser),
-      library_(recogniser.library()),
+    : recognizer_(recognizer),
+      library_(recognizer.library()),
       scene_(scene),
       groups_(groups),
       options_(options),
@@ -99,7 +99,7 @@ void SceneSearch::match(AllProposals& proposals) {
   std::ranges::sort(wanted);
   const StageTimer timer(stats_.times, "match");
   if (!std::exchange(matched_, true)) {
-    for (const FeatureLevel& level : recogniser_.features()) {
+    for (const FeatureLevel& level : recognizer_.features()) {
       std::vector<std::uint32_t> models;
       std::ranges::set_intersection(level.models, wanted, std::back_inserter(models));
       if (models.empty()) continue;
@@ -121,9 +121,9 @@ Result<void> SceneSearch::settle(const AllProposals& proposals) {
   for (std::uint32_t m = 0; m < proposals.size(); ++m) {
     if (proposals[m].empty()) continue;
     if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
-    const float step = library_.models[m].ppf.quantisation.distance_step;
+    const float step = library_.models[m].ppf.quantization.distance_step;
     Result<std::vector<Candidate>> settled =
-        settle_model(recogniser_, m, scene_, step, proposals[m], options_, stats_);
+        settle_model(recognizer_, m, scene_, step, proposals[m], options_, stats_);
     if (!settled) return settled.error();
     std::ranges::move(*settled, std::back_inserter(candidates_));
   }
@@ -170,11 +170,11 @@ Result<std::vector<Candidate>> SceneSearch::settle_rivals(std::span<const std::u
   std::vector<Candidate> settled(chosen.size());
   for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
   if (options_.without.contains(Improvement::rivals)) return settled;
-  const OtherAnswers others(recogniser_, scene_, candidates_, options_);
+  const OtherAnswers others(recognizer_, scene_, candidates_, options_);
   std::vector<Result<void>> results(chosen.size());
   for_each_index(chosen.size(), [&](std::size_t k) {
     const Model& model = library_.models[settled[k].model];
-    results[k] = engine::settle_rivals(recogniser_, scene_, model.ppf.quantisation.distance_step,
+    results[k] = engine::settle_rivals(recognizer_, scene_, model.ppf.quantization.distance_step,
                                        candidates_, options_, settled[k]);
     if (results[k]) results[k] = others.weigh(chosen[k], settled[k]);
   });

@@ -9,8 +9,8 @@
 
 #include "engine/hypotheses/match_features.hpp"
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
-#include "engine/recogniser.hpp"
+#include "engine/recognize.hpp"
+#include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
 #include "engine/verification/select_detections.hpp"
 #include "engine/verification/settle_model.hpp"
@@ -24,8 +24,8 @@ using ModelGroups = std::map<float, std::vector<std::uint32_t>>;
 class SceneSearch {
  public:
   /// All arguments but the stop token are referred to.
-  SceneSearch(const Recogniser& recogniser, const PreparedScene& scene, const ModelGroups& groups,
-              const RecogniseOptions& options, std::stop_token stop, SceneStats& stats);
+  SceneSearch(const Recognizer& recognizer, const PreparedScene& scene, const ModelGroups& groups,
+              const RecognizeOptions& options, std::stop_token stop, SceneStats& stats);
 
   /// Test the expected poses. Errors: as search().
   Result<void> test_expected();
@@ -55,11 +55,11 @@ class SceneSearch {
   bool is_beside_votes(const Candidate& candidate) const;
   bool lies_at_one_of(std::span<const Candidate> better, const Candidate& candidate) const;
 
-  const Recogniser& recogniser_;
+  const Recognizer& recognizer_;
   const Library& library_;
   const PreparedScene& scene_;
   const ModelGroups& groups_;
-  const RecogniseOptions& options_;
+  const RecognizeOptions& options_;
   std::stop_token stop_;
   SceneStats& stats_;
   std::vector<SceneSample> samples_;   // one a group of models, from the first round on

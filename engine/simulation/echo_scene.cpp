@@ -21,7 +21,7 @@ using Eigen::Vector3f;
 using kernels::CounterRandom;
 
 constexpr std::size_t kRowGrain = 16;
-constexpr double kLeastSignal = 0.02;    // grey at 88 degrees from 0.7 m, white from 6 m
+constexpr double kLeastSignal = 0.02;    // gray at 88 degrees from 0.7 m, white from 6 m
 constexpr int kSubpixels = 4;            // rays along each side of a pixel that sees an edge
 constexpr std::size_t kNodeSpacing = 4;  // [pixel] bounced light is found so far apart
 constexpr int kBounces = 16;             // rays of a node
@@ -90,7 +90,7 @@ class BouncedLight {
   std::vector<Echo> nodes_;
 };
 
-/// Let light run over into the neighbours along rows (stride 1) or columns: binomial-like weights
+/// Let light run over into the neighbors along rows (stride 1) or columns: binomial-like weights
 /// of a Gaussian over five pixels.
 Echo blurred(std::span<const Echo> echoes, std::size_t i, std::size_t place, std::size_t size,
              std::size_t stride, std::span<const double, 3> weights) {

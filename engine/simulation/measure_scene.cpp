@@ -92,8 +92,8 @@ class Pixels {
   /// left lies farther away.
   double edge_bias(std::size_t i, double z, CounterRandom& random) const {
     const std::size_t u = i % image_.width;
-    const auto jumps = [&](std::size_t neighbour) {
-      return std::abs(static_cast<double>(image_.depth[neighbour]) - z) > kEdgeJump * beam_m_;
+    const auto jumps = [&](std::size_t neighbor) {
+      return std::abs(static_cast<double>(image_.depth[neighbor]) - z) > kEdgeJump * beam_m_;
     };
     const double side =
         (u + 1 < image_.width && jumps(i + 1) ? 1.0 : 0.0) - (u > 0 && jumps(i - 1) ? 1.0 : 0.0);
@@ -120,7 +120,7 @@ class Pixels {
     if (edge) measured += edge_bias(i, z, random);
     if (disparity_step_ > 0 && measured > 0) {
       measured =
-          kernels::quantise_disparity(measured, camera_.fx, traits_.baseline, disparity_step_);
+          kernels::quantize_disparity(measured, camera_.fx, traits_.baseline, disparity_step_);
     }
     return measured;
   }
@@ -211,12 +211,12 @@ class Writer {
 }  // namespace
 
 bool at_edge(const ExactImage& image, const Camera& camera, std::size_t i) {
-  // Between neighbouring pixels, depth on the steepest surface changes by so many times their
+  // Between neighboring pixels, depth on the steepest surface changes by so many times their
   // distance.
   static const double steepest = std::sqrt(1 - kMinCosine * kMinCosine) / kMinCosine;
   const auto z = static_cast<double>(image.depth[i]);
-  const auto jumps = [&](std::size_t neighbour) {
-    return std::abs(static_cast<double>(image.depth[neighbour]) - z) > steepest * z / camera.fx;
+  const auto jumps = [&](std::size_t neighbor) {
+    return std::abs(static_cast<double>(image.depth[neighbor]) - z) > steepest * z / camera.fx;
   };
   const std::size_t u = i % image.width, v = i / image.width;
   return (u > 0 && jumps(i - 1)) || (u + 1 < image.width && jumps(i + 1)) ||

@@ -53,7 +53,7 @@ class Faller {
 
   struct State {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-    Vector3d centre{0, 0, 0};  // of mass, in the world
+    Vector3d center{0, 0, 0};  // of mass, in the world
     std::vector<Contact> contacts;
   };
 
@@ -61,7 +61,7 @@ class Faller {
     Pose out = Pose::Identity();
     out.linear() = state.rotation.toRotationMatrix().cast<float>();
     out.translation() =
-        (state.centre - out.linear().cast<double>() * body_.centre.cast<double>()).cast<float>();
+        (state.center - out.linear().cast<double>() * body_.center.cast<double>()).cast<float>();
     return out;
   }
 
@@ -69,7 +69,7 @@ class Faller {
   void land(State& state, double reach) {
     const Pose from = pose(state);
     for (std::size_t i = 0; i < vertices_.size(); ++i) vertices_.set(i, from * body_.vertices[i]);
-    state.centre += heap_.land(vertices_, *body_.triangles, reach, scratch_, state.contacts);
+    state.center += heap_.land(vertices_, *body_.triangles, reach, scratch_, state.contacts);
   }
 
   /// Move a state that has landed along gravity, with friction, until it rests.
@@ -85,7 +85,7 @@ class Faller {
         reach = wanted;
       }
       Motion motion =
-          kernels::descend(state.contacts, state.centre, body_.gyration, fall, kFriction);
+          kernels::descend(state.contacts, state.center, body_.gyration, fall, kFriction);
       double length = motion.shift.norm() + body_.gyration * motion.turn.norm();
       if (length < kAtRest * fall) {
         if (fall >= kLongestFall * diameter) return;
@@ -98,9 +98,9 @@ class Faller {
       length *= share;
       next = moved(state, motion);
       land(next, wanted);
-      const double highest = state.centre.z() - kLeastGain * diameter;
-      bool lower = within(next) && next.centre.z() < highest;
-      if (!lower && next.centre.z() > state.centre.z() + length) {
+      const double highest = state.center.z() - kLeastGain * diameter;
+      bool lower = within(next) && next.center.z() < highest;
+      if (!lower && next.center.z() > state.center.z() + length) {
         steps += kDodges;
         lower = dodge(state, motion, length, highest, wanted, next);
       }
@@ -125,7 +125,7 @@ class Faller {
     land(next, 0);
     settle(next);
     if (within(next) &&
-        next.centre.z() < state.centre.z() - kShakeGain * static_cast<double>(body_.diameter)) {
+        next.center.z() < state.center.z() - kShakeGain * static_cast<double>(body_.diameter)) {
       std::swap(state, next);
     }
   }
@@ -142,8 +142,8 @@ class Faller {
           state,
           {motion.shift + length * Vector3d(std::cos(angle), std::sin(angle), 0), motion.turn});
       land(other, reach);
-      if (!within(other) || other.centre.z() >= highest) continue;
-      highest = other.centre.z();
+      if (!within(other) || other.center.z() >= highest) continue;
+      highest = other.center.z();
       std::swap(next, other);
       lower = true;
     }
@@ -151,12 +151,12 @@ class Faller {
   }
 
   bool within(const State& state) const {
-    return state.centre.head<2>().cwiseAbs().maxCoeff() < limit_;
+    return state.center.head<2>().cwiseAbs().maxCoeff() < limit_;
   }
 
   static State moved(const State& state, const Motion& motion) {
     State out;
-    out.centre = state.centre + motion.shift;
+    out.center = state.center + motion.shift;
     const double angle = motion.turn.norm();
     out.rotation = state.rotation;
     if (angle > 0) {
@@ -212,16 +212,16 @@ Body make_body(PointsView vertices, const Triangles& triangles) {
   }
   Body body{vertices, &triangles, kernels::find_diameter(vertices), {0, 0, 0}, 0};
   const auto diameter = static_cast<double>(body.diameter);
-  Vector3d centre = area > 0 ? Vector3d(area_moment / area) : Vector3d(0, 0, 0);
+  Vector3d center = area > 0 ? Vector3d(area_moment / area) : Vector3d(0, 0, 0);
   body.gyration =
-      area > 0 ? std::sqrt(std::max(0.0, area_square / area - centre.squaredNorm())) : 0;
+      area > 0 ? std::sqrt(std::max(0.0, area_square / area - center.squaredNorm())) : 0;
   body.gyration = std::max(body.gyration, 0.05 * diameter);
   // A closed surface with one winding; else the sums mean nothing.
   const bool bounds_volume = open.norm() < 1e-3 * area && std::abs(volume) > 1e-3 * area * diameter;
-  if (bounds_volume && (volume_moment / volume - centre).norm() < 0.3 * diameter) {
-    centre = volume_moment / volume;
+  if (bounds_volume && (volume_moment / volume - center).norm() < 0.3 * diameter) {
+    center = volume_moment / volume;
   }
-  body.centre = (origin + centre).cast<float>();
+  body.center = (origin + center).cast<float>();
   return body;
 }
 
@@ -249,12 +249,12 @@ std::vector<PlacedBody> pile_up(std::span<const Body> bodies, std::span<const st
       state.rotation = random_rotation(random);
       const double r = radius * std::sqrt(random.uniform()),
                    a = random.uniform(0, 2 * std::numbers::pi);
-      state.centre = {r * std::cos(a), r * std::sin(a), 0};
+      state.center = {r * std::cos(a), r * std::sin(a), 0};
       for (int k = 0; k < 2; ++k) {
-        if (std::isfinite(bin[k])) state.centre[k] = random.uniform(-bin[k], bin[k]);
+        if (std::isfinite(bin[k])) state.center[k] = random.uniform(-bin[k], bin[k]);
       }
       faller.land(state, 0);
-      if (i == 0 || state.centre.z() < best.centre.z()) std::swap(best, state);
+      if (i == 0 || state.center.z() < best.center.z()) std::swap(best, state);
     }
     faller.settle(best);
     for (int i = 0; i < kShakes; ++i) faller.shake(best, random);

@@ -17,12 +17,12 @@ struct Body {
   PointsView vertices;  ///< the surface [m]; valid while its owner lives
   const Triangles* triangles = nullptr;
   float diameter = 0;               ///< largest distance between two points [m]
-  Eigen::Vector3f centre{0, 0, 0};  ///< of mass [m]
+  Eigen::Vector3f center{0, 0, 0};  ///< of mass [m]
   double gyration = 0;              ///< radius of gyration [m], about
 };
 
-/// Measure a surface that somebody else keeps: diameter, centre of mass, radius of gyration. The
-/// centre is that of the volume, or of the area where the faces do not bound one.
+/// Measure a surface that somebody else keeps: diameter, center of mass, radius of gyration. The
+/// center is that of the volume, or of the area where the faces do not bound one.
 Body make_body(PointsView vertices, const Triangles& triangles);
 
 /// A body in a world whose ground is the plane z = 0, z up.

@@ -69,13 +69,13 @@ Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
     const float diameter = kernels::find_diameter(surface->points);
     if (diameter > 0) scale = static_cast<double>(options.diameter) / static_cast<double>(diameter);
   }
-  const double metres = unit_scale(unit, LengthUnit::metre);
+  const double meters = unit_scale(unit, LengthUnit::meter);
   ScanModel model;
   model.name = source.name;
   model.metal = options.metal;
-  keep_used(*surface, scale * metres, model);
+  keep_used(*surface, scale * meters, model);
   if (source.symmetry) {
-    model.symmetry = scaled(*source.symmetry, scale / source.scale * metres);
+    model.symmetry = scaled(*source.symmetry, scale / source.scale * meters);
     return model;
   }
   Cloud own;
@@ -140,9 +140,9 @@ Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> model
     ManifestModel entry;
     entry.name = model.name;
     entry.file = file;
-    entry.scale = unit_scale(LengthUnit::millimetre, unit);
+    entry.scale = unit_scale(LengthUnit::millimeter, unit);
     if (!model.symmetry.trivial())
-      entry.symmetry = scaled(model.symmetry, unit_scale(LengthUnit::metre, unit));
+      entry.symmetry = scaled(model.symmetry, unit_scale(LengthUnit::meter, unit));
     entry.object_id = id;
     entries.push_back(std::move(entry));
   }

@@ -42,7 +42,7 @@ struct ScanOptions {
 /// Errors: usage (names the option, its range and its value).
 Result<void> validate(const ScanOptions& options);
 
-/// An object to lay into scenes. All lengths are metres.
+/// An object to lay into scenes. All lengths are meters.
 struct ScanModel {
   std::string name;
   Points vertices;      ///< every one used by a triangle

@@ -37,8 +37,8 @@ CalibrationFlaws draw_calibration(CounterRandom& random) {
   CalibrationFlaws flaws;
   flaws.focal = error(random, 0.01, 0.05);
   flaws.aspect = error(random, 0.0015, 0.01);
-  flaws.centre_u_pixel = error(random, 1.5, 8);
-  flaws.centre_v_pixel = error(random, 1.5, 8);
+  flaws.center_u_pixel = error(random, 1.5, 8);
+  flaws.center_v_pixel = error(random, 1.5, 8);
   flaws.depth = error(random, 0.002, 0.01);
   flaws.shift_u_pixel = static_cast<std::int32_t>(std::lround(error(random, 1, 3)));
   flaws.shift_v_pixel = static_cast<std::int32_t>(std::lround(error(random, 1, 3)));
@@ -125,8 +125,8 @@ LineFlaws draw_line(CounterRandom& random) {
 CalibrationFlaws tenth_of(CalibrationFlaws flaws) {
   flaws.focal /= 10;
   flaws.aspect /= 10;
-  flaws.centre_u_pixel /= 10;
-  flaws.centre_v_pixel /= 10;
+  flaws.center_u_pixel /= 10;
+  flaws.center_v_pixel /= 10;
   flaws.depth /= 10;
   flaws.shift_u_pixel = flaws.shift_v_pixel = 0;
   return flaws;
@@ -155,8 +155,8 @@ Camera written_camera(const Camera& camera, const CalibrationFlaws& flaws) {
   Camera written = camera;
   written.fx *= (1 + flaws.focal) * (1 + flaws.aspect / 2);
   written.fy *= (1 + flaws.focal) * (1 - flaws.aspect / 2);
-  written.cx += flaws.centre_u_pixel;
-  written.cy += flaws.centre_v_pixel;
+  written.cx += flaws.center_u_pixel;
+  written.cy += flaws.center_v_pixel;
   return written;
 }
 
@@ -169,17 +169,17 @@ Eigen::Matrix3d written_from_true(const Camera& camera, const CalibrationFlaws& 
   return (1 + flaws.depth) * image.inverse() * pixels;
 }
 
-Pose written_pose(const Pose& T_camera_model, const Eigen::Vector3d& centre, const Camera& camera,
+Pose written_pose(const Pose& T_camera_model, const Eigen::Vector3d& center, const Camera& camera,
                   const CalibrationFlaws& flaws) {
   if (flaws == CalibrationFlaws{}) return T_camera_model;
   const Eigen::Matrix3d map = written_from_true(camera, flaws);
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(map, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d turn = svd.matrixU() * svd.matrixV().transpose(),
                         rotation = turn * T_camera_model.linear().cast<double>();
-  const Eigen::Vector3d place = map * (T_camera_model.cast<double>() * centre);
+  const Eigen::Vector3d place = map * (T_camera_model.cast<double>() * center);
   Pose out = Pose::Identity();
   out.linear() = rotation.cast<float>();
-  out.translation() = (place - rotation * centre).cast<float>();
+  out.translation() = (place - rotation * center).cast<float>();
   return out;
 }
 

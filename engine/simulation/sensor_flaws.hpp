@@ -107,11 +107,11 @@ struct LineFlaws {
 struct CalibrationFlaws {
   double focal = 0;           ///< focal lengths written are longer by this share, both
   double aspect = 0;          ///< fx by half of this share more, fy less
-  double centre_u_pixel = 0;  ///< the principal point written lies so much to the right
-  double centre_v_pixel = 0;  ///< ... and down
+  double center_u_pixel = 0;  ///< the principal point written lies so much to the right
+  double center_v_pixel = 0;  ///< ... and down
   double depth = 0;           ///< depths written are longer by this share
   /// The depth image lies so much to the right of and below where the camera sees it: registered
-  /// to the colour image with an error.
+  /// to the color image with an error.
   std::int32_t shift_u_pixel = 0, shift_v_pixel = 0;
   bool operator==(const CalibrationFlaws&) const = default;
 };
@@ -137,16 +137,16 @@ SensorFlaws draw_flaws(Sensor sensor, kernels::CounterRandom& random);
 /// The camera that is written for a true one.
 Camera written_camera(const Camera& camera, const CalibrationFlaws& flaws);
 
-/// What a badly calibrated camera makes of space about its centre: a linear map that takes each
+/// What a badly calibrated camera makes of space about its center: a linear map that takes each
 /// point to where its pixel and depth, as they are written, say that it is.
 Eigen::Matrix3d written_from_true(const Camera& camera, const CalibrationFlaws& flaws);
 
-/// The pose that fits what is written of an object best, for its true pose: the object's centre
+/// The pose that fits what is written of an object best, for its true pose: the object's center
 /// goes where its pixel and depth say; the rotation is the one nearest to the map, which also
 /// stretches.
 ///
-/// centre  of the object, in its own frame
-Pose written_pose(const Pose& T_camera_model, const Eigen::Vector3d& centre, const Camera& camera,
+/// center  of the object, in its own frame
+Pose written_pose(const Pose& T_camera_model, const Eigen::Vector3d& center, const Camera& camera,
                   const CalibrationFlaws& flaws);
 
 }  // namespace trivet::engine

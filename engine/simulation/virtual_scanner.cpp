@@ -429,7 +429,7 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
     setting.off_v = drawn.uniform(-1, 1);
   }
   scene.true_camera = {focal, focal, 0.5 * (scene.width - 1), 0.5 * (scene.height - 1),
-                       sensor.depth_step * unit_scale(LengthUnit::metre, unit)};
+                       sensor.depth_step * unit_scale(LengthUnit::meter, unit)};
   scene.camera = engine::written_camera(scene.true_camera, scene.flaws.calibration);
   const Camera& camera = scene.true_camera;
   const Points points = surface_points(bodies, placed);
@@ -508,13 +508,13 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
             ? 0
             : std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
     const Pose T_written_model = engine::written_pose(
-        T_camera_model, bodies[model].centre.cast<double>(), camera, scene.flaws.calibration);
+        T_camera_model, bodies[model].center.cast<double>(), camera, scene.flaws.calibration);
     scene.bop.instances.push_back({static_cast<int>(model) + 1, scaled(T_written_model, 1000),
                                    all.box(), visible.box(), all.num_pixels, num_valid,
                                    visible.num_pixels, fraction});
     TruthInstance truth;
     truth.model = models[model].name;
-    truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::metre, unit));
+    truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::meter, unit));
     truth.ignore = fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
     truth.visible_fraction = fraction;
     truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);

@@ -9,7 +9,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/training/orient_by_samples.hpp"
 #include "engine/training/scaled_points.hpp"
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/meshing/triangulate_cloud.hpp"
 #include "kernels/surfaces/diameter.hpp"
@@ -23,9 +23,9 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kViewGrain = 16;         // a sample shoots some 300 rays
-constexpr std::size_t kNormalNeighbours = 16;  // of a cloud's point, for the plane through it
-constexpr double kDensePerVoxel = 10;          // surface samples averaged into one point
+constexpr std::size_t kViewGrain = 16;        // a sample shoots some 300 rays
+constexpr std::size_t kNormalNeighbors = 16;  // of a cloud's point, for the plane through it
+constexpr double kDensePerVoxel = 10;         // surface samples averaged into one point
 constexpr double kFewestDense = 4096, kMostDense = 400'000;
 
 /// Sample a mesh; the normals are those of the faces and as reliable as the winding.
@@ -52,12 +52,12 @@ SpreadPoints thin_cloud(PointsView points, float cell) {
   kernels::subsample_by_normals(points, up, cell, 4, surface.points, surface.normals, scratch);
   const kernels::VoxelHash grid(points, 2 * cell);
   surface.normals.resize(surface.points.size());
-  Neighbourhoods rows;
+  Neighborhoods rows;
   rows.offsets.assign(surface.points.size() + 1, 0);
-  kernels::count_radius_neighbours(grid, surface.points, 2.5F * cell,
-                                   std::span(rows.offsets).first(surface.points.size()));
+  kernels::count_radius_neighbors(grid, surface.points, 2.5F * cell,
+                                  std::span(rows.offsets).first(surface.points.size()));
   rows.indices.resize(counts_to_offsets(rows.offsets));
-  kernels::fill_radius_neighbours(grid, surface.points, 2.5F * cell, rows.offsets, rows.indices);
+  kernels::fill_radius_neighbors(grid, surface.points, 2.5F * cell, rows.offsets, rows.indices);
   kernels::estimate_normals(points, rows, surface.normals);
   surface.spacing = cell;
   return surface;
@@ -69,13 +69,13 @@ SpreadPoints thin_cloud(PointsView points, float cell) {
 Result<Triangles> faces_of_cloud(PointsView points) {
   const kernels::Delaunay delaunay = kernels::find_delaunay(points);
   const std::size_t n = delaunay.places.size();
-  Points places(n);  // points that coincide would crowd out neighbours
+  Points places(n);  // points that coincide would crowd out neighbors
   for (std::size_t i = 0; i < n; ++i) places.set(i, points[delaunay.places[i]]);
 
-  const std::size_t num_near = std::min(kNormalNeighbours, n);
-  const Result<kernels::NearestNeighbours> tree = kernels::NearestNeighbours::build(places);
+  const std::size_t num_near = std::min(kNormalNeighbors, n);
+  const Result<kernels::NearestNeighbors> tree = kernels::NearestNeighbors::build(places);
   if (!tree) return tree.error();
-  Neighbourhoods near;
+  Neighborhoods near;
   for (std::size_t i = 0; i <= n; ++i)
     near.offsets.push_back(static_cast<std::uint32_t>(i * num_near));
   near.indices.resize(n * num_near);
@@ -194,9 +194,9 @@ Result<ModelSurface> survey_model(const Cloud& cloud, const ModelSource& source,
         source, fmt::format("only {} places that can be seen from outside", model.samples.size()));
   }
   model.sample_spacing = samples.spacing;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < model.samples.size(); ++i) centre += model.samples[i].cast<double>();
-  model.centre = (centre / static_cast<double>(model.samples.size())).cast<float>();
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < model.samples.size(); ++i) center += model.samples[i].cast<double>();
+  model.center = (center / static_cast<double>(model.samples.size())).cast<float>();
   return surface;
 }
 
@@ -211,7 +211,7 @@ void find_symmetries(const ModelSource& source, Model& model, TrainStats& stats)
     const StageTimer timer(stats.times, "near symmetry");
     const kernels::ModelSamples surface_samples{model.samples,      model.sample_normals,
                                                 model.sample_views, model.sample_spacing,
-                                                model.diameter,     model.centre};
+                                                model.diameter,     model.center};
     kernels::NearSymmetries near = kernels::find_near_symmetries(surface_samples, model.symmetry);
     model.near_symmetries = std::move(near.motions);
     model.near_axis = near.axis;

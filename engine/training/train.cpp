@@ -68,12 +68,12 @@ std::size_t references_first(float step, float spacing, Model& model) {
   return static_cast<std::size_t>(rest - order.begin());
 }
 
-/// `model.ppf` has the step of its quantisation.
+/// `model.ppf` has the step of its quantization.
 Result<void> build_table(const ModelSource& source, const TrainOptions& options,
                          const engine::ModelSurface& surface, TrainedModel& trained) {
   Model& model = trained.model;
   TrainStats& stats = trained.stats;
-  const float step = model.ppf.quantisation.distance_step;
+  const float step = model.ppf.quantization.distance_step;
   {
     const StageTimer timer(stats.times, "subsample");
     engine::sample_evenly(model, surface, step,
@@ -91,9 +91,9 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
       references_first(step, options.reference_spacing * step, model);
   const std::vector<ViewMask> views = views_of_points(model);
   const kernels::PpfPoints points{model.ppf_points, model.ppf_normals, views};
-  PpfQuantisation quantisation{step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)),
+  PpfQuantization quantization{step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)),
                                options.num_angle_bins};
-  const std::size_t num_cells = quantisation.num_cells();
+  const std::size_t num_cells = quantization.num_cells();
   const std::size_t n = model.ppf_points.size();
   const std::size_t num_chunks =
       std::min(kTableChunks, (num_references + kPairGrain - 1) / kPairGrain);
@@ -104,7 +104,7 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
   Column<std::uint32_t> counts(num_chunks * num_cells, 0);
   engine::PerThread<kernels::PairScratch> scratch([&] { return kernels::PairScratch(n); });
   engine::for_each_index(num_chunks, [&](std::size_t chunk) {
-    kernels::count_ppf_pairs(points, quantisation, chunk_first(chunk),
+    kernels::count_ppf_pairs(points, quantization, chunk_first(chunk),
                              chunk_first(chunk + 1) - chunk_first(chunk), scratch.local(),
                              std::span(counts).subspan(chunk * num_cells, num_cells));
   });
@@ -119,13 +119,13 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
   table->entries.resize(num_entries);
   engine::for_each_index(num_chunks, [&](std::size_t chunk) {
     kernels::fill_ppf_entries(
-        points, quantisation, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
+        points, quantization, chunk_first(chunk), chunk_first(chunk + 1) - chunk_first(chunk),
         scratch.local(), std::span(counts).subspan(chunk * num_cells, num_cells), table->entries);
   });
   for_chunks(num_cells, 4096, [&](std::size_t first, std::size_t count) {
     kernels::sort_ppf_cells(table->offsets, first, count, table->entries);
   });
-  model.ppf = {quantisation, static_cast<std::uint32_t>(num_references), table->offsets,
+  model.ppf = {quantization, static_cast<std::uint32_t>(num_references), table->offsets,
                table->entries};
   model.ppf_storage = std::move(table);
   stats.num_ppf_entries = num_entries;
@@ -166,7 +166,7 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
       engine::survey_model(cloud, source, options, model, trained.stats);
   if (!surface) return surface.error();
   engine::find_symmetries(source, model, trained.stats);
-  model.ppf.quantisation.distance_step = sampling_step(model.diameter, options.relative_step);
+  model.ppf.quantization.distance_step = sampling_step(model.diameter, options.relative_step);
   if (options.point_pairs) {
     if (const Result<void> built = build_table(source, options, *surface, trained); !built)
       return built.error();

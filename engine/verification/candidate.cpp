@@ -9,7 +9,7 @@ float scale_odds(float probability, float factor) noexcept {
 }
 
 bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept {
-  const kernels::PoseDistance distance = kernels::pose_distance(a, b, model.symmetry, model.centre);
+  const kernels::PoseDistance distance = kernels::pose_distance(a, b, model.symmetry, model.center);
   return distance.translation <= kRightTranslation * model.diameter &&
          distance.rotation_rad <= kRightRotationRad;
 }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "kernels/verification/examine_pose.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "kernels/verification/verify_pose.hpp"

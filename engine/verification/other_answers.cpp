@@ -24,7 +24,7 @@ constexpr double kVotesTell = 4;
 constexpr double kNoted = 0.1;              // of the candidate's share; with less, it is told apart
 constexpr std::size_t kPosesOfSibling = 2;  // best ones, compared
 
-RecogniseOptions down_to_answers(RecogniseOptions options) {
+RecognizeOptions down_to_answers(RecognizeOptions options) {
   options.min_score = kReported;
   options.doubtful_score = kAnswer;
   options.max_instances = std::numeric_limits<std::uint32_t>::max();
@@ -46,15 +46,15 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept {
   return static_cast<float>(1 / (1 + doubts / (1 + sure) / kCrowd));
 }
 
-OtherAnswers::OtherAnswers(const Recogniser& recogniser, const PreparedScene& scene,
-                           std::span<const Candidate> candidates, const RecogniseOptions& options)
-    : recogniser_(recogniser),
+OtherAnswers::OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
+                           std::span<const Candidate> candidates, const RecognizeOptions& options)
+    : recognizer_(recognizer),
       scene_(scene),
       candidates_(candidates),
       options_(options),
       selection_(
-          select_detections(recogniser.library(), scene, candidates, down_to_answers(options))),
-      answers_(recogniser.library().models.size()) {
+          select_detections(recognizer.library(), scene, candidates, down_to_answers(options))),
+      answers_(recognizer.library().models.size()) {
   for (const std::uint32_t c : selection_.chosen) answers_[candidates[c].model].push_back(c);
 }
 
@@ -68,7 +68,7 @@ Result<void> OtherAnswers::weigh(std::uint32_t index, Candidate& candidate) cons
 }
 
 Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& candidate) const {
-  const std::vector<Model>& models = recogniser_.library().models;
+  const std::vector<Model>& models = recognizer_.library().models;
   std::map<std::uint32_t, std::vector<std::uint32_t>> siblings;  // candidates by model
   for (const Refusal& refusal : selection_.refused) {
     const Candidate& other = candidates_[refusal.candidate];
@@ -81,13 +81,13 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
   if (siblings.empty()) return {};
 
   const Model& model = models[candidate.model];
-  const PoseTester tester(model, scene_, model.ppf.quantisation.distance_step, options_);
-  const Result<kernels::RayScene>& surface = recogniser_.surface(candidate.model);
+  const PoseTester tester(model, scene_, model.ppf.quantization.distance_step, options_);
+  const Result<kernels::RayScene>& surface = recognizer_.surface(candidate.model);
   if (!surface) return surface.error();
   kernels::CompareScratch scratch;
   double all = 1;  // shares of the probability, that of the candidate being 1
   for (const auto& [sibling, poses] : siblings) {
-    const Result<kernels::RayScene>& other_surface = recogniser_.surface(sibling);
+    const Result<kernels::RayScene>& other_surface = recognizer_.surface(sibling);
     if (!other_surface) return other_surface.error();
     const kernels::ModelSamples samples = samples_of(models[sibling]);
     double best = std::numeric_limits<double>::lowest();

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
-#include "engine/recogniser.hpp"
+#include "engine/recognize.hpp"
+#include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
 #include "engine/verification/select_detections.hpp"
 #include "storage/result.hpp"
@@ -26,8 +26,8 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept;
 class OtherAnswers {
  public:
   /// All arguments are referred to.
-  OtherAnswers(const Recogniser& recogniser, const PreparedScene& scene,
-               std::span<const Candidate> candidates, const RecogniseOptions& options);
+  OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
+               std::span<const Candidate> candidates, const RecognizeOptions& options);
 
   /// Lower the score of a candidate by the crowd of other answers of its model, and by its
   /// siblings: other models that claim the same pixels with at least half its score. Of these the
@@ -41,10 +41,10 @@ class OtherAnswers {
  private:
   Result<void> share_with_siblings(std::uint32_t index, Candidate& candidate) const;
 
-  const Recogniser& recogniser_;
+  const Recognizer& recognizer_;
   const PreparedScene& scene_;
   std::span<const Candidate> candidates_;
-  const RecogniseOptions& options_;
+  const RecognizeOptions& options_;
   Selection selection_;
   std::vector<std::vector<std::uint32_t>> answers_;  // candidates taken, by model
 };

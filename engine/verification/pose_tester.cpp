@@ -21,17 +21,17 @@ constexpr float kWavy = 0.25F;
 
 kernels::ModelSamples samples_of(const Model& model) noexcept {
   return {model.samples,        model.sample_normals, model.sample_views,
-          model.sample_spacing, model.diameter,       model.centre};
+          model.sample_spacing, model.diameter,       model.center};
 }
 
 PoseTester::PoseTester(const Model& model, const PreparedScene& scene, float step,
-                       const RecogniseOptions& options)
+                       const RecognizeOptions& options)
     : model_(model), scene_(scene), step_(step), options_(options), samples_(samples_of(model)) {
   if (!left_out(Improvement::background)) background_ = background_planes(scene, model.diameter);
 }
 
 float PoseTester::range_of(const Pose& pose) const {
-  return (scene_.images.front().geometry.T_camera_scene * (pose * model_.centre)).z();
+  return (scene_.images.front().geometry.T_camera_scene * (pose * model_.center)).z();
 }
 
 kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {

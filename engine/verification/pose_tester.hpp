@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/verification/candidate.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/verification/compare_poses.hpp"
@@ -23,7 +23,7 @@ class PoseTester {
  public:
   /// step  of the points that voted [library unit]
   PoseTester(const Model& model, const PreparedScene& scene, float step,
-             const RecogniseOptions& options);
+             const RecognizeOptions& options);
   PoseTester(const PoseTester&) = delete;
   PoseTester& operator=(const PoseTester&) = delete;
 
@@ -37,14 +37,14 @@ class PoseTester {
 
   /// What the sensor errs by across a surface at this pose's range [library unit].
   float error_at(const Pose& pose) const { return scene_.sensor.error_at(range_of(pose)); }
-  /// The same and what of it neighbours share, to compare poses by.
+  /// The same and what of it neighbors share, to compare poses by.
   kernels::MeasurementErrors errors_of(const Pose& pose) const;
   /// By which this pose's outline may be seen beside its place [pixel].
   int edge_pixels(const Pose& pose) const;
 
   bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
   bool allowed(const Pose& pose) const {
-    return options_.limits.allow(pose, model_.centre, 1 / scene_.scale);
+    return options_.limits.allow(pose, model_.center, 1 / scene_.scale);
   }
 
   /// Refined from where the votes left it, with some of the samples.
@@ -63,7 +63,7 @@ class PoseTester {
   const Model& model_;
   const PreparedScene& scene_;
   float step_;
-  const RecogniseOptions& options_;
+  const RecognizeOptions& options_;
   kernels::ModelSamples samples_;
   std::vector<std::uint8_t> background_;
 };

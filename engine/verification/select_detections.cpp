@@ -98,7 +98,7 @@ class PixelMarks {
 }  // namespace
 
 Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
-                        const RecogniseOptions& options, const Repeats& repeats) {
+                        const RecognizeOptions& options, const Repeats& repeats) {
   std::vector<std::uint32_t> order(claims.size());
   std::iota(order.begin(), order.end(), 0U);
   const float reported = std::max(options.min_score, kReported);
@@ -145,7 +145,7 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
   return selection;
 }
 
-float rank_of(const Model& model, const Candidate& candidate, const RecogniseOptions& options) {
+float rank_of(const Model& model, const Candidate& candidate, const RecognizeOptions& options) {
   if (options.without.contains(Improvement::explained)) return candidate.score;
   const float area = candidate.examination.area * model.diameter * model.diameter;
   return candidate.score * std::pow(area, 0.25F);
@@ -160,7 +160,7 @@ std::vector<ImageSize> sizes_of(const PreparedScene& scene) {
 
 Selection select_detections(const Library& library, const PreparedScene& scene,
                             std::span<const Candidate> candidates,
-                            const RecogniseOptions& options) {
+                            const RecognizeOptions& options) {
   std::vector<Claim> claims;
   for (const Candidate& candidate : candidates) {
     claims.push_back({candidate.model, candidate.score,

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/verification/candidate.hpp"
 
 namespace trivet::engine {
@@ -47,16 +47,16 @@ using Repeats = std::function<bool(std::span<const std::uint32_t> taken, std::ui
 /// others.
 /// repeats  if given, decides instead of the pixels
 Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
-                        const RecogniseOptions& options, const Repeats& repeats = {});
+                        const RecognizeOptions& options, const Repeats& repeats = {});
 
 /// The rank of a candidate, score x area^0.25: large surfaces prove more.
-float rank_of(const Model& model, const Candidate& candidate, const RecogniseOptions& options);
+float rank_of(const Model& model, const Candidate& candidate, const RecognizeOptions& options);
 
 std::vector<ImageSize> sizes_of(const PreparedScene& scene);
 
 /// Select by the pixels that candidates explain; by their poses alone where that is left out.
 Selection select_detections(const Library& library, const PreparedScene& scene,
-                            std::span<const Candidate> candidates, const RecogniseOptions& options);
+                            std::span<const Candidate> candidates, const RecognizeOptions& options);
 
 /// Of each model the best refused candidates by score, at most `limit`; first of all those whose
 /// pixels no better one of their own model explains, which may be further instances. Those that

@@ -57,13 +57,13 @@ class Spread {
       if (chosen_.size() == limit) return;
       if (!(looks_[c].score > least_score) || std::ranges::find(chosen_, c) != chosen_.end())
         continue;
-      const Eigen::Vector3f centre = looks_[c].T_scene_model * model_.centre;
-      const auto near = std::ranges::count_if(centres_, [&](const Eigen::Vector3f& other) {
-        return (other - centre).norm() < kPlace * model_.diameter;
+      const Eigen::Vector3f center = looks_[c].T_scene_model * model_.center;
+      const auto near = std::ranges::count_if(centers_, [&](const Eigen::Vector3f& other) {
+        return (other - center).norm() < kPlace * model_.diameter;
       });
       if (near >= static_cast<std::ptrdiff_t>(limit_a_place_)) continue;
       chosen_.push_back(c);
-      centres_.push_back(centre);
+      centers_.push_back(center);
     }
   }
 
@@ -78,7 +78,7 @@ class Spread {
   const Model& model_;
   std::uint32_t limit_a_place_;
   std::vector<std::uint32_t> chosen_;
-  std::vector<Eigen::Vector3f> centres_;
+  std::vector<Eigen::Vector3f> centers_;
 };
 
 /// Leave the best of poses that refinement led to one place; its source is the first of theirs.
@@ -87,7 +87,7 @@ std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& 
   for (const std::uint32_t c : by_score(looks)) {
     const auto known = std::find_if(kept.begin(), kept.end(), [&](const Look& other) {
       const kernels::PoseDistance distance = kernels::pose_distance(
-          other.T_scene_model, looks[c].T_scene_model, model.symmetry, model.centre);
+          other.T_scene_model, looks[c].T_scene_model, model.symmetry, model.center);
       return distance.translation < kSameTranslation * model.diameter &&
              distance.rotation_rad < kSameRotationRad;
     });
@@ -103,7 +103,7 @@ std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& 
 /// One model in one scene: what all its stages look at.
 class Settling {
  public:
-  Settling(const PoseTester& tester, const RecogniseOptions& options, SceneStats& stats)
+  Settling(const PoseTester& tester, const RecognizeOptions& options, SceneStats& stats)
       : tester_(tester),
         model_(tester.model()),
         scene_(tester.scene()),
@@ -122,7 +122,7 @@ class Settling {
       float num_votes = 0, most = 0;
       for (const kernels::Hypothesis& hypothesis : from.hypotheses) num_votes += hypothesis.votes;
       for (const kernels::Hypothesis& cluster :
-           kernels::cluster_poses(from.hypotheses, model_.symmetry, model_.centre, limits)) {
+           kernels::cluster_poses(from.hypotheses, model_.symmetry, model_.center, limits)) {
         most = std::max(most, cluster.votes);  // the first one's
         if (cluster.votes < options_.pose.min_cluster_share * most) break;
         if (!tester_.allowed(cluster.T_scene_model)) continue;
@@ -214,11 +214,11 @@ class Settling {
     examination.residual = residual * residual;
     examination.area = examination.consistent * side * side;
 
-    // A sample stands for the square of pixels between it and its neighbours.
+    // A sample stands for the square of pixels between it and its neighbors.
     std::sort(pixels.begin(), pixels.end());
     pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
     const kernels::ImageGeometry& camera = scene_.images.front().geometry;
-    const float depth = (camera.T_camera_scene * (look.T_scene_model * model_.centre)).z();
+    const float depth = (camera.T_camera_scene * (look.T_scene_model * model_.center)).z();
     if (depth > 0) {
       const float square = std::round(model_.sample_spacing * camera.fx / depth);
       candidate.explained.square = static_cast<std::uint32_t>(std::clamp(square, 1.0F, 32.0F));
@@ -253,17 +253,17 @@ class Settling {
   const Model& model_;
   const PreparedScene& scene_;
   const kernels::ModelSamples& samples_;
-  const RecogniseOptions& options_;
+  const RecognizeOptions& options_;
   SceneStats& stats_;
 };
 
 }  // namespace
 
-Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
+Result<std::vector<Candidate>> settle_model(const Recognizer& recognizer, std::uint32_t model_index,
                                             const PreparedScene& scene, float step,
                                             std::span<const Proposals> proposals,
-                                            const RecogniseOptions& options, SceneStats& stats) {
-  const PoseTester tester(recogniser.library().models[model_index], scene, step, options);
+                                            const RecognizeOptions& options, SceneStats& stats) {
+  const PoseTester tester(recognizer.library().models[model_index], scene, step, options);
   const Settling settling(tester, options, stats);
   std::vector<Look> looks = settling.cluster(proposals);
   stats.num_hypotheses += looks.size();
@@ -272,9 +272,9 @@ Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::u
   looks = settling.refine(std::move(looks));
   stats.num_examined += looks.size();
   if (looks.empty()) return std::vector<Candidate>{};
-  const Result<kernels::RayScene>& surface = recogniser.surface(model_index);
+  const Result<kernels::RayScene>& surface = recognizer.surface(model_index);
   if (!surface) return surface.error();
-  std::vector<Candidate> candidates = settling.examine_all(*surface, recogniser.score(), looks);
+  std::vector<Candidate> candidates = settling.examine_all(*surface, recognizer.score(), looks);
   for (Candidate& candidate : candidates) candidate.model = model_index;
   return candidates;
 }

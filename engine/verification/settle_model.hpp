@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
-#include "engine/recogniser.hpp"
+#include "engine/recognize.hpp"
+#include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
 #include "kernels/verification/cluster_poses.hpp"
 #include "storage/result.hpp"
@@ -23,9 +23,9 @@ struct Proposals {
 /// Cluster the hypotheses of one model, those of each source for themselves, look at each, refine
 /// the best of all, test those by rays and score them. `step` is the sampling step of the points
 /// that voted. Errors: internal (no memory for the model's ray-tracing tree).
-Result<std::vector<Candidate>> settle_model(const Recogniser& recogniser, std::uint32_t model_index,
+Result<std::vector<Candidate>> settle_model(const Recognizer& recognizer, std::uint32_t model_index,
                                             const PreparedScene& scene, float step,
                                             std::span<const Proposals> proposals,
-                                            const RecogniseOptions& options, SceneStats& stats);
+                                            const RecognizeOptions& options, SceneStats& stats);
 
 }  // namespace trivet::engine

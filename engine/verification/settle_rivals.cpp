@@ -19,7 +19,7 @@ constexpr float kRivalPlace = 0.3F;  // in diameters
 constexpr float kLeastRivalScore = 0.1F;
 constexpr float kRivalShare = 0.5F;  // of the score of the pose that is rivalled
 constexpr int kMaxHops = 3;          // from rival to better rival
-// In standard deviations, three to one, where pixels err for themselves. Where neighbours err alike
+// In standard deviations, three to one, where pixels err for themselves. Where neighbors err alike
 // edges and creases are shown beside their places: a rival must be significantly better.
 constexpr double kTelling = 0.7;
 constexpr float kSameAxis = 0.99F;  // cosine
@@ -153,7 +153,7 @@ class Rivalry {
   bool is_turn(const Pose& pose, const Pose& rival) const {
     if (!model_.near_axis) return false;
     const Eigen::Vector3f axis = model_.near_axis->direction;
-    const float apart = (rival * model_.centre - pose * model_.centre).norm();
+    const float apart = (rival * model_.center - pose * model_.center).norm();
     return (pose.linear() * axis).dot(rival.linear() * axis) > std::cos(kRightRotationRad) &&
            apart <= kRightTranslation * model_.diameter;
   }
@@ -177,7 +177,7 @@ class Rivalry {
     };
     for (const Candidate& other : candidates_) {
       if (other.model != candidate.model) continue;
-      const float apart = (other.T_scene_model * model_.centre - pose * model_.centre).norm();
+      const float apart = (other.T_scene_model * model_.center - pose * model_.center).norm();
       if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
         add(other.T_scene_model);
     }
@@ -197,13 +197,13 @@ class Rivalry {
 
 }  // namespace
 
-Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
-                           std::span<const Candidate> candidates, const RecogniseOptions& options,
+Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& scene, float step,
+                           std::span<const Candidate> candidates, const RecognizeOptions& options,
                            Candidate& candidate) {
-  const Result<kernels::RayScene>& surface = recogniser.surface(candidate.model);
+  const Result<kernels::RayScene>& surface = recognizer.surface(candidate.model);
   if (!surface) return surface.error();
-  const PoseTester tester(recogniser.library().models[candidate.model], scene, step, options);
-  Rivalry(tester, *surface, recogniser.score(), candidates).settle(candidate);
+  const PoseTester tester(recognizer.library().models[candidate.model], scene, step, options);
+  Rivalry(tester, *surface, recognizer.score(), candidates).settle(candidate);
   return {};
 }
 

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognise.hpp"
-#include "engine/recogniser.hpp"
+#include "engine/recognize.hpp"
+#include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
 #include "storage/result.hpp"
 
@@ -17,8 +17,8 @@ namespace trivet::engine {
 /// (kernels::compare_turns, kernels::compare_poses); rivals that are not significantly worse are
 /// noted, and lower its score if its shape does not explain them.
 /// `step` as for settle_model. Errors: internal (no memory for the model's ray-tracing tree).
-Result<void> settle_rivals(const Recogniser& recogniser, const PreparedScene& scene, float step,
-                           std::span<const Candidate> candidates, const RecogniseOptions& options,
+Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& scene, float step,
+                           std::span<const Candidate> candidates, const RecognizeOptions& options,
                            Candidate& candidate);
 
 }  // namespace trivet::engine

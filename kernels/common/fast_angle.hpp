@@ -1,4 +1,4 @@
-/// Angles without branches, so that loops over them vectorise.
+/// Angles without branches, so that loops over them vectorize.
 #pragma once
 
 #include <cmath>

@@ -22,7 +22,7 @@ struct PlaneFit {
 /// Undetermined where the points spread along one line only: second-largest standard deviation
 /// below about a thousandth of the largest. Where the two smallest spreads are equal (a thick rod,
 /// a solid ball) some direction of least spread is given.
-/// Free of branches, so that loops over it vectorise.
+/// Free of branches, so that loops over it vectorize.
 /// Source: Hoppe et al., SIGGRAPH 1992, tangent plane estimation. The smallest eigenvalue is the
 /// smallest root of the characteristic polynomial, which Newton's method reaches from 0 upwards;
 /// the normal is a column of the adjugate of C - lambda I, whose columns are all multiples of it.

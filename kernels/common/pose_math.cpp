@@ -17,7 +17,7 @@ namespace {
 
 /// Turn about the free axis so that the rotation comes closest to the target's.
 Pose turn_about_axis(const Pose& pose, const Symmetry::Axis& axis, const Pose& target) noexcept {
-  // Maximise trace(R_t^T R Rot(axis, angle)): with M = R_t^T R, the sum is c + a cos + b sin.
+  // Maximize trace(R_t^T R Rot(axis, angle)): with M = R_t^T R, the sum is c + a cos + b sin.
   const Eigen::Matrix3f M = target.linear().transpose() * pose.linear();
   const Eigen::Vector3f d = axis.direction;
   Eigen::Matrix3f cross;
@@ -54,30 +54,30 @@ Pose closest_equivalent(const Pose& pose, const Symmetry& symmetry, const Pose& 
 }
 
 PoseDistance pose_distance(const Pose& a, const Pose& b, const Symmetry& symmetry,
-                           const Eigen::Vector3f& model_centre) noexcept {
+                           const Eigen::Vector3f& model_center) noexcept {
   const Pose near = symmetry.trivial() ? b : closest_equivalent(b, symmetry, a);
-  return {(a * model_centre - near * model_centre).norm(),
+  return {(a * model_center - near * model_center).norm(),
           rotation_angle(a.linear(), near.linear())};
 }
 
 Pose mean_pose(std::span<const Pose> poses, std::span<const float> weights,
-               const Eigen::Vector3f& model_centre) {
+               const Eigen::Vector3f& model_center) {
   assert(!poses.empty() && poses.size() == weights.size() && "one weight per pose");
   Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double sum = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const double w = weights[i];
     const Eigen::Vector4d q = Eigen::Quaternionf(poses[i].linear()).coeffs().cast<double>();
     scatter += w * q * q.transpose();
-    centre += w * (poses[i] * model_centre).cast<double>();
+    center += w * (poses[i] * model_center).cast<double>();
     sum += w;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(scatter);
   const Eigen::Quaterniond mean(Eigen::Vector4d(solver.eigenvectors().col(3)));
   Pose out = Pose::Identity();
   out.linear() = mean.normalized().toRotationMatrix().cast<float>();
-  out.translation() = (centre / sum).cast<float>() - out.linear() * model_centre;
+  out.translation() = (center / sum).cast<float>() - out.linear() * model_center;
   return out;
 }
 

@@ -17,17 +17,17 @@ Pose closest_equivalent(const Pose& pose, const Symmetry& symmetry, const Pose& 
 
 /// Distance of two placements of one object, symmetric equivalents being the same placement.
 struct PoseDistance {
-  float translation = 0;   ///< between the images of the model's centre [scene unit]
+  float translation = 0;   ///< between the images of the model's center [scene unit]
   float rotation_rad = 0;  ///< [0, pi]; a free axis leaves the turn about it out
 };
 PoseDistance pose_distance(const Pose& a, const Pose& b, const Symmetry& symmetry,
-                           const Eigen::Vector3f& model_centre) noexcept;
+                           const Eigen::Vector3f& model_center) noexcept;
 
 /// Weighted mean: the rotation is the largest eigenvector of sum w q q^T (Markley et al., JGCD
-/// 2007), free of quaternion signs; the model's centre goes to the weighted mean of its images.
+/// 2007), free of quaternion signs; the model's center goes to the weighted mean of its images.
 /// Pre: at least one pose, weights > 0; poses within one symmetric branch (closest_equivalent).
 Pose mean_pose(std::span<const Pose> poses, std::span<const float> weights,
-               const Eigen::Vector3f& model_centre);
+               const Eigen::Vector3f& model_center);
 
 /// The rotation vector's motion: turn by |w| about w, then shift by t, both about the point
 /// `pivot`.

@@ -9,7 +9,7 @@
 
 namespace trivet::kernels {
 
-/// Linear between the neighbours in rank; none without values.
+/// Linear between the neighbors in rank; none without values.
 ///
 /// share  0..1; 0.5 gives the median, and of an even number the mean of the two in the middle
 inline std::optional<double> quantile(std::vector<double> values, double share) {

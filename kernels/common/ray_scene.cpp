@@ -161,15 +161,15 @@ Error no_points() {
 
 }  // namespace
 
-Result<RayScene> RayScene::from_spheres(PointsView centres, float radius) {
-  if (centres.empty()) return no_points();
+Result<RayScene> RayScene::from_spheres(PointsView centers, float radius) {
+  if (centers.empty()) return no_points();
   assert(radius > 0 && "a sphere without a radius stops no ray");
   auto state = std::make_unique<State>();
   if (!state->scene) return embree_error("creating a scene");
 
   Geometry spheres(RTC_GEOMETRY_TYPE_SPHERE_POINT);
   if (!spheres.handle) return embree_error("creating spheres");
-  if (!set_points(spheres, centres, radius)) return embree_error("taking memory for spheres");
+  if (!set_points(spheres, centers, radius)) return embree_error("taking memory for spheres");
 
   state->attach(spheres);
   if (!state->commit()) return embree_error("building the tree of a cloud");

@@ -41,9 +41,9 @@ class RayScene {
   /// Pre: every index < vertices.size(). Errors: bad_data (no triangles), internal (Embree's
   /// message).
   static Result<RayScene> from_mesh(PointsView vertices, const Triangles& triangles);
-  /// Spheres of one radius > 0, in the unit of the centres. Errors: bad_data (no centres),
+  /// Spheres of one radius > 0, in the unit of the centers. Errors: bad_data (no centers),
   /// internal.
-  static Result<RayScene> from_spheres(PointsView centres, float radius);
+  static Result<RayScene> from_spheres(PointsView centers, float radius);
   /// Discs of one radius > 0 across their unit normals: the surface that oriented points stand for.
   /// Rays pass through them from behind: the discs leave gaps, and a ray that came through one does
   /// not meet the surface beyond. Errors: bad_data (no points), internal.

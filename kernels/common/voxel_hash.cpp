@@ -40,20 +40,20 @@ VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(point
 std::optional<VoxelHash::Ball> VoxelHash::ball(const Eigen::Vector3f& query,
                                                float radius) const noexcept {
   if (!query.allFinite() || !(radius >= 0) || indices_.empty()) return std::nullopt;
-  std::array<double, 3> centre;
+  std::array<double, 3> center;
   Ball b{};
   b.radius = padded_radius(query, radius);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double last = lattice_.counts[axis] - 1;
-    centre[axis] = query[static_cast<int>(axis)] * lattice_.inverse_cell - lattice_.lowest[axis];
-    const double low = centre[axis] - b.radius, high = centre[axis] + b.radius;
+    center[axis] = query[static_cast<int>(axis)] * lattice_.inverse_cell - lattice_.lowest[axis];
+    const double low = center[axis] - b.radius, high = center[axis] + b.radius;
     if (!(low <= last + 1 && high >= 0)) return std::nullopt;
     b.low[axis] = static_cast<std::int64_t>(std::clamp(low, 0.0, last));
     b.high[axis] = static_cast<std::int64_t>(std::min(high, last));
   }
-  b.x = centre[0];
-  b.y = centre[1];
-  b.z = centre[2];
+  b.x = center[0];
+  b.y = center[1];
+  b.z = center[2];
   return b;
 }
 
@@ -124,15 +124,15 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
   return best;
 }
 
-void count_radius_neighbours(const VoxelHash& grid, PointsView queries, float radius,
-                             std::span<std::uint32_t> out) noexcept {
+void count_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
+                            std::span<std::uint32_t> out) noexcept {
   assert(out.size() == queries.size() && "one count per query");
   for (std::size_t i = 0; i < queries.size(); ++i) out[i] = grid.count_within(queries[i], radius);
 }
 
-void fill_radius_neighbours(const VoxelHash& grid, PointsView queries, float radius,
-                            std::span<const std::uint32_t> offsets,
-                            std::span<std::uint32_t> indices) noexcept {
+void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
+                           std::span<const std::uint32_t> offsets,
+                           std::span<std::uint32_t> indices) noexcept {
   assert(offsets.size() == queries.size() + 1 && "one row per query");
   const PointsView sorted = grid.sorted_;
   const float limit = radius * radius;

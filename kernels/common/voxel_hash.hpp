@@ -1,4 +1,4 @@
-/// A grid for neighbour searches of a known radius.
+/// A grid for neighbor searches of a known radius.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace trivet::kernels {
 /// Points sorted by voxel, with a table that finds a row of voxels (equal y and z) at once.
 ///
 /// Built once, then only read: queries allocate nothing and may run side by side.
-/// Neighbours come in a fixed order: by voxel (z, then y, then x), then by index.
+/// Neighbors come in a fixed order: by voxel (z, then y, then x), then by index.
 /// Distances are those of float coordinates, dx*dx + dy*dy + dz*dz; a radius includes its sphere.
 /// Source: cell lists (Allen and Tildesley, Computer Simulation of Liquids), sorted, not linked.
 class VoxelHash {
@@ -168,9 +168,9 @@ class VoxelHash {
     }
   }
 
-  friend void fill_radius_neighbours(const VoxelHash& grid, PointsView queries, float radius,
-                                     std::span<const std::uint32_t> offsets,
-                                     std::span<std::uint32_t> indices) noexcept;
+  friend void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
+                                    std::span<const std::uint32_t> offsets,
+                                    std::span<std::uint32_t> indices) noexcept;
 
   VoxelLattice lattice_;
   std::uint64_t rows_in_layer_ = 1;  // counts[1]
@@ -183,23 +183,23 @@ class VoxelHash {
   int table_shift_ = 63;
 };
 
-/// Count the neighbours of each query.
+/// Count the neighbors of each query.
 ///
 /// queries  m positions
 /// radius   unit of the points; its sphere is included, and so is a query that is itself a point
 /// out      m counts
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
-void count_radius_neighbours(const VoxelHash& grid, PointsView queries, float radius,
-                             std::span<std::uint32_t> out) noexcept;
+void count_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
+                            std::span<std::uint32_t> out) noexcept;
 
-/// Write the neighbours of each query, in the order of VoxelHash.
+/// Write the neighbors of each query, in the order of VoxelHash.
 ///
-/// offsets  m + 1, the exclusive sums of the counts (see Neighbourhoods); offsets[0] need not be 0
+/// offsets  m + 1, the exclusive sums of the counts (see Neighborhoods); offsets[0] need not be 0
 /// indices  the whole column: row i goes to indices[offsets[i] .. offsets[i + 1])
 /// Pre: queries and radius are those that were counted.
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
-void fill_radius_neighbours(const VoxelHash& grid, PointsView queries, float radius,
-                            std::span<const std::uint32_t> offsets,
-                            std::span<std::uint32_t> indices) noexcept;
+void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
+                           std::span<const std::uint32_t> offsets,
+                           std::span<std::uint32_t> indices) noexcept;
 
 }  // namespace trivet::kernels

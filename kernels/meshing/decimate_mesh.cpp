@@ -232,7 +232,7 @@ class Decimation {
     queue_.push({cost, std::min(i, j), std::max(i, j), u.changes + v.changes});
   }
 
-  // The link condition: u and v may have no more neighbours in common than triangles. A triangle
+  // The link condition: u and v may have no more neighbors in common than triangles. A triangle
   // alone and a tetrahedron fulfil it, and would vanish.
   bool may_collapse(std::uint32_t u, std::uint32_t v, const Vector3d& place) {
     std::uint32_t num_u = 0, num_v = 0, num_both = 0, num_common = 0;

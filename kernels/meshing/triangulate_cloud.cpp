@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/meshing/delaunay.hpp"
 
 namespace trivet::kernels {
@@ -22,7 +22,7 @@ using Corners = std::array<std::uint32_t, 3>;
 
 constexpr std::uint32_t kNone = Tetrahedron::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kSpacingNeighbours = 8;
+constexpr std::size_t kSpacingNeighbors = 8;
 // How much more of the outside lies on one side of a point than on the other; 1: half a ball.
 constexpr double kMinOutward = 0.25;
 
@@ -97,8 +97,8 @@ Result<void> Faces::measure(PointsView points, const Delaunay& delaunay) {
   positions_.insert(positions_.end(), delaunay.far_corners.begin(), delaunay.far_corners.end());
 
   // The spacing is the square root of the area that a point has, among its nearest.
-  const std::size_t k = std::min(kSpacingNeighbours + 1, n);
-  const Result<NearestNeighbours> tree = NearestNeighbours::build(places);
+  const std::size_t k = std::min(kSpacingNeighbors + 1, n);
+  const Result<NearestNeighbors> tree = NearestNeighbors::build(places);
   if (!tree) return tree.error();
   std::vector<std::uint32_t> near(k * n);
   std::vector<float> squared(k * n);
@@ -119,9 +119,9 @@ double Faces::empty_radius(const Corners& c, const Facet& facet) const {
   const Vector3d n = ab.cross(ac);
   const double n2 = n.squaredNorm();
   if (!(n2 > 0)) return kInfinity;
-  const Vector3d centre =
+  const Vector3d center =
       (ac.squaredNorm() * n.cross(ab) + ab.squaredNorm() * ac.cross(n)) / (2 * n2);
-  // Centres of balls through the corners lie at centre + s n; those between the centres of both
+  // Centers of balls through the corners lie at center + s n; those between the centers of both
   // tetrahedra are empty.
   double low = -kInfinity, high = kInfinity;
   const std::uint32_t other = tetrahedra_[facet.tetrahedron].across[facet.corner];
@@ -130,12 +130,12 @@ double Faces::empty_radius(const Corners& c, const Facet& facet) const {
     if (!is_place(apex)) continue;
     const Vector3d d = positions_[apex] - a;
     const double side = n.dot(d);
-    const double s = (d.squaredNorm() - 2 * d.dot(centre)) / (2 * side);
+    const double s = (d.squaredNorm() - 2 * d.dot(center)) / (2 * side);
     if (side > 0) high = std::min(high, s);
     if (side < 0) low = std::max(low, s);
   }
   const double s = low > 0 ? low : high < 0 ? high : 0;
-  const double radius = std::sqrt(centre.squaredNorm() + s * s * n2);
+  const double radius = std::sqrt(center.squaredNorm() + s * s * n2);
   const double spacing = std::max({spacings_[c[0]], spacings_[c[1]], spacings_[c[2]]});
   return radius <= max_radius_ * spacing ? radius : kInfinity;
 }

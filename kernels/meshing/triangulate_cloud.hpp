@@ -1,4 +1,4 @@
-/// A surface of triangles through unorganised points.
+/// A surface of triangles through unorganized points.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct TriangulateOptions {
   float max_radius = 2.5F;
   /// A triangle that goes on this flat, 0 to 180, comes before all that fold more.
   float flat_angle_deg = 30;
-  /// How far a triangle may fold back over its neighbour, 0 to 180.
+  /// How far a triangle may fold back over its neighbor, 0 to 180.
   float max_fold_angle_deg = 150;
   /// Between a triangle and the normals of its corners, 0 to 180: at edges these are of either
   /// side.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kernels/common/median.hpp"
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
 
 namespace trivet::kernels {
@@ -20,8 +20,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kNone = 0xFFFFFFFF;
-constexpr std::size_t kSpacingNeighbours = 8;
-// Height of a neighbour over the tangent plane, in spacings: what noise of 0.4 spacings leaves to
+constexpr std::size_t kSpacingNeighbors = 8;
+// Height of a neighbor over the tangent plane, in spacings: what noise of 0.4 spacings leaves to
 // 98 of 100 points, and joins no sheets that are two spacings apart.
 constexpr double kMaxHeight = 1;
 constexpr double kFullTurn = 2 * std::numbers::pi;
@@ -94,7 +94,7 @@ struct TangentPlane {
 };
 
 /// A point near the one whose fan is made, in its tangent plane.
-struct Neighbour {
+struct Neighbor {
   std::uint32_t index;
   Vector2d at;
   double turned = 0;  // counter-clockwise from where the gap begins
@@ -150,12 +150,12 @@ class Growth {
   void gather(std::uint32_t p);
   void find_borders();
   bool is_covered() const;
-  bool may_join(std::uint32_t p, const Neighbour& q) const;
-  void close_gap(std::uint32_t p, const Neighbour& first, const Neighbour& last, double width);
-  void keep_delaunay_neighbours();
-  void add_triangle(std::uint32_t p, const Neighbour& a, const Neighbour& b);
-  Neighbour project(std::uint32_t v) const { return {v, plane_.project(position(v))}; }
-  bool crosses_border(const Neighbour& p, const Neighbour& q) const;
+  bool may_join(std::uint32_t p, const Neighbor& q) const;
+  void close_gap(std::uint32_t p, const Neighbor& first, const Neighbor& last, double width);
+  void keep_delaunay_neighbors();
+  void add_triangle(std::uint32_t p, const Neighbor& a, const Neighbor& b);
+  Neighbor project(std::uint32_t v) const { return {v, plane_.project(position(v))}; }
+  bool crosses_border(const Neighbor& p, const Neighbor& q) const;
   bool is_narrow(const std::array<std::uint32_t, 3>& corners) const;
   bool is_open_towards(std::uint32_t v, std::uint32_t w) const;
   bool fits(std::uint32_t v, std::uint32_t from, std::uint32_t to) const;
@@ -175,9 +175,9 @@ class Growth {
   // Of the point whose fan is made.
   TangentPlane plane_;
   std::vector<std::pair<float, std::uint32_t>> near_;
-  std::vector<Neighbour> neighbours_;
+  std::vector<Neighbor> neighbors_;
   std::vector<Border> borders_;
-  std::vector<Neighbour> starts_, ends_, chain_, kept_;
+  std::vector<Neighbor> starts_, ends_, chain_, kept_;
 };
 
 Result<void> Growth::measure() {
@@ -201,20 +201,20 @@ Result<void> Growth::measure() {
   for (const std::uint32_t i : order) places.push_back(points_[i]);
 
   spacings_.assign(points_.size(), 0);
-  const std::size_t n = places.size(), k = std::min(2 * kSpacingNeighbours + 1, n);
+  const std::size_t n = places.size(), k = std::min(2 * kSpacingNeighbors + 1, n);
   if (n < 3) return {};
-  const Result<NearestNeighbours> tree = NearestNeighbours::build(places);
+  const Result<NearestNeighbors> tree = NearestNeighbors::build(places);
   if (!tree) return tree.error();
   std::vector<std::uint32_t> nearest(k * n);
   std::vector<float> squared(k * n);
   if (const Result<void> found = tree->k_nearest(places, k, nearest, squared); !found)
     return found.error();
 
-  // The spacing is the step of the square lattice whose eighth neighbour is as far, or as dense.
+  // The spacing is the step of the square lattice whose eighth neighbor is as far, or as dense.
   // The other side of a thin wall does not count.
   const auto visit_alike = [&](std::size_t i, auto&& visit) {
     std::size_t num_alike = 0;
-    for (std::size_t j = 1; j < k && num_alike < kSpacingNeighbours; ++j) {
+    for (std::size_t j = 1; j < k && num_alike < kSpacingNeighbors; ++j) {
       if (are_alike(order[i], order[nearest[k * i + j]]))
         visit(nearest[k * i + j], squared[k * i + j], ++num_alike);
     }
@@ -257,20 +257,20 @@ void Growth::gather(std::uint32_t p) {
   grid_.visit_within(points_[p], static_cast<float>(reach(p)), [&](std::uint32_t i, float d2) {
     if (i != p && are_alike(p, i) && is_level(p, i)) near_.emplace_back(d2, i);
   });
-  const std::size_t count = std::min<std::size_t>(options_.max_neighbours, near_.size());
+  const std::size_t count = std::min<std::size_t>(options_.max_neighbors, near_.size());
   std::ranges::nth_element(near_, near_.begin() + static_cast<std::ptrdiff_t>(count));
   near_.resize(count);
-  neighbours_.clear();
+  neighbors_.clear();
   for (const auto& [d2, i] : near_) {
-    const Neighbour q = project(i);
-    if (!q.at.isZero(0)) neighbours_.push_back(q);  // else it has no direction
+    const Neighbor q = project(i);
+    if (!q.at.isZero(0)) neighbors_.push_back(q);  // else it has no direction
   }
 }
 
 /// Note the edges of single triangles around p: nothing beyond them is seen.
 void Growth::find_borders() {
   borders_.clear();
-  for (const Neighbour& q : neighbours_) {
+  for (const Neighbor& q : neighbors_) {
     if (fans_.is_closed(q.index)) continue;
     fans_.visit(q.index, [&](const Fans::Wedge& wedge) {
       if (!fans_.has_edge(wedge.from, q.index))
@@ -281,9 +281,9 @@ void Growth::find_borders() {
   }
 }
 
-/// Whether the point, which has no triangle, lies in one of its neighbours'.
+/// Whether the point, which has no triangle, lies in one of its neighbors'.
 bool Growth::is_covered() const {
-  return std::ranges::any_of(neighbours_, [&](const Neighbour& q) {
+  return std::ranges::any_of(neighbors_, [&](const Neighbor& q) {
     return fans_.any(q.index, [&](const Fans::Wedge& wedge) {
       const Vector2d a = project(wedge.from).at, b = project(wedge.to).at;
       return cross(q.at, a) >= 0 && cross(a, b) >= 0 && cross(b, q.at) >= 0;
@@ -292,7 +292,7 @@ bool Growth::is_covered() const {
 }
 
 /// Whether a segment meets a border that it does not share an end with.
-bool Growth::crosses_border(const Neighbour& p, const Neighbour& q) const {
+bool Growth::crosses_border(const Neighbor& p, const Neighbor& q) const {
   const Vector2d along = q.at - p.at;
   return std::ranges::any_of(borders_, [&](const Border& border) {
     if (border.from == p.index || border.from == q.index || border.to == p.index ||
@@ -339,7 +339,7 @@ bool Growth::fits(std::uint32_t v, std::uint32_t from, std::uint32_t to) const {
 }
 
 /// Whether an edge from p to a point that it has none to would be in nobody's way.
-bool Growth::may_join(std::uint32_t p, const Neighbour& q) const {
+bool Growth::may_join(std::uint32_t p, const Neighbor& q) const {
   return is_open_towards(q.index, p) && !crosses_border({p, Vector2d::Zero()}, q);
 }
 
@@ -353,7 +353,7 @@ bool Growth::is_narrow(const std::array<std::uint32_t, 3>& corners) const {
   return false;
 }
 
-void Growth::add_triangle(std::uint32_t p, const Neighbour& a, const Neighbour& b) {
+void Growth::add_triangle(std::uint32_t p, const Neighbor& a, const Neighbor& b) {
   if (!fans_.has_edge(b.index, a.index)) {  // a new edge
     if (!is_in_reach(a.index, b.index) || !are_alike(a.index, b.index) || crosses_border(a, b))
       return;
@@ -370,13 +370,13 @@ void Growth::add_triangle(std::uint32_t p, const Neighbour& a, const Neighbour& 
   }
 }
 
-/// Keep of the chain what are neighbours of the point in a Delaunay triangulation of the plane: the
+/// Keep of the chain what are neighbors of the point in a Delaunay triangulation of the plane: the
 /// corners of its convex hull once inverted. The ends stay.
-void Growth::keep_delaunay_neighbours() {
+void Growth::keep_delaunay_neighbors() {
   kept_.clear();
-  for (const Neighbour& c : chain_) {
+  for (const Neighbor& c : chain_) {
     while (kept_.size() >= 2) {
-      const Neighbour &a = kept_[kept_.size() - 2], &b = kept_.back();
+      const Neighbor &a = kept_[kept_.size() - 2], &b = kept_.back();
       if (c.turned - a.turned >= std::numbers::pi) break;
       if (cross(b.inverted() - a.inverted(), c.inverted() - b.inverted()) > 0) break;
       kept_.pop_back();
@@ -386,12 +386,11 @@ void Growth::keep_delaunay_neighbours() {
   chain_.swap(kept_);
 }
 
-/// Close the gap of a fan that turns counter-clockwise from one neighbour to another.
-void Growth::close_gap(std::uint32_t p, const Neighbour& first, const Neighbour& last,
-                       double width) {
+/// Close the gap of a fan that turns counter-clockwise from one neighbor to another.
+void Growth::close_gap(std::uint32_t p, const Neighbor& first, const Neighbor& last, double width) {
   const double first_angle = first.angle();
   chain_.assign(1, first);
-  for (Neighbour q : neighbours_) {
+  for (Neighbor q : neighbors_) {
     if (q.index == first.index || q.index == last.index || fans_.is_closed(q.index) ||
         !is_in_reach(p, q.index)) {
       continue;
@@ -402,7 +401,7 @@ void Growth::close_gap(std::uint32_t p, const Neighbour& first, const Neighbour&
       continue;
     chain_.push_back(q);
   }
-  std::sort(chain_.begin() + 1, chain_.end(), [](const Neighbour& a, const Neighbour& b) {
+  std::sort(chain_.begin() + 1, chain_.end(), [](const Neighbor& a, const Neighbor& b) {
     if (a.turned != b.turned) return a.turned < b.turned;
     const double near_a = a.at.squaredNorm(), near_b = b.at.squaredNorm();
     return near_a != near_b ? near_a < near_b : a.index < b.index;
@@ -410,7 +409,7 @@ void Growth::close_gap(std::uint32_t p, const Neighbour& first, const Neighbour&
   chain_.push_back(last);
   chain_.back().turned = width;
 
-  keep_delaunay_neighbours();
+  keep_delaunay_neighbors();
   for (std::size_t k = 0; k + 1 < chain_.size(); ++k) {
     if (chain_[k + 1].turned - chain_[k].turned <= max_angle_)
       add_triangle(p, chain_[k], chain_[k + 1]);
@@ -424,11 +423,11 @@ void Growth::complete(std::uint32_t p) {
   gather(p);
   find_borders();
   if (fans_.is_empty(p)) {
-    // The nearest neighbour is one in any triangulation of Delaunay's.
+    // The nearest neighbor is one in any triangulation of Delaunay's.
     if (is_covered()) return;
-    const Neighbour* nearest = nullptr;
-    for (const Neighbour& q : neighbours_) {
-      const auto rank = [](const Neighbour& v) { return std::pair(v.at.squaredNorm(), v.index); };
+    const Neighbor* nearest = nullptr;
+    for (const Neighbor& q : neighbors_) {
+      const auto rank = [](const Neighbor& v) { return std::pair(v.at.squaredNorm(), v.index); };
       if ((nearest == nullptr || rank(q) < rank(*nearest)) && is_in_reach(p, q.index) &&
           may_join(p, q))
         nearest = &q;
@@ -442,9 +441,9 @@ void Growth::complete(std::uint32_t p) {
     if (!fans_.has_edge(p, wedge.to)) starts_.push_back(project(wedge.to));
     if (!fans_.has_edge(wedge.from, p)) ends_.push_back(project(wedge.from));
   });
-  for (const Neighbour& first : starts_) {
-    const auto width = [&](const Neighbour& end) { return turn(first.angle(), end.angle()); };
-    const Neighbour& last = *std::ranges::min_element(ends_, {}, width);
+  for (const Neighbor& first : starts_) {
+    const auto width = [&](const Neighbor& end) { return turn(first.angle(), end.angle()); };
+    const Neighbor& last = *std::ranges::min_element(ends_, {}, width);
     close_gap(p, first, last, width(last));
   }
 }

@@ -1,4 +1,4 @@
-/// A surface of triangles through unorganised points with normals, open or closed.
+/// A surface of triangles through unorganized points with normals, open or closed.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace trivet::kernels {
 
 /// Named as by Marton et al.; where a default is not theirs, triangulate_greedy says why.
 struct GreedyOptions {
-  std::uint32_t max_neighbours = 100;  ///< of a point, the nearest ones, >= 8
+  std::uint32_t max_neighbors = 100;  ///< of a point, the nearest ones, >= 8
   /// Search radius, and so the longest edge, > 0 [unit of the points]. Infinite: `mu` alone counts.
   float radius = std::numeric_limits<float>::infinity();
   /// Longest edge in local spacings, >= 1 (the step of a square lattice, or 1.1 times the root of
@@ -42,16 +42,16 @@ struct GreedyOptions {
 /// Errors: internal (out of memory). Takes memory. Cost: n log n.
 /// Depends on the order of the points only in where the surface starts to grow.
 ///
-/// Method: from point to point, along a growing front, the neighbours of a point are projected on
+/// Method: from point to point, along a growing front, the neighbors of a point are projected on
 /// its tangent plane. What existing triangles hide from the point is left out, and the gaps of its
 /// fan are closed over the others. Source: Marton, Rusu, Beetz, ICRA 2009, after Gopi and Krishnan,
-/// SIBGRAPI 2002. Departs from them in four things: of the visible neighbours those are taken that
+/// SIBGRAPI 2002. Departs from them in four things: of the visible neighbors those are taken that
 /// are the point's in the Delaunay triangulation of the plane (Gopi, Krishnan, Silva, Computer
-/// Graphics Forum 19(3), 2000), so that the fans of neighbours agree and angles are as wide as they
-/// can be; to leave the farther of two neighbours out that are less than 10 degrees apart, as the
+/// Graphics Forum 19(3), 2000), so that the fans of neighbors agree and angles are as wide as they
+/// can be; to leave the farther of two neighbors out that are less than 10 degrees apart, as the
 /// paper does, then only makes other triangles narrow. Edges are measured at both ends, in spacings
-/// found from eight neighbours, since the distance to the nearest one, which the paper multiplies
-/// by mu (2.5 there), may be anything among random points. Neighbours lie within one spacing of the
+/// found from eight neighbors, since the distance to the nearest one, which the paper multiplies
+/// by mu (2.5 there), may be anything among random points. Neighbors lie within one spacing of the
 /// tangent plane. A triangle must fit into the fans of all its corners, so that these never
 /// overlap.
 Result<Triangles> triangulate_greedy(PointsView points, NormalsView normals,

@@ -75,7 +75,7 @@ class Judge {
   double max_jump_, max_slope_;
 };
 
-/// Call visit(corners) for each triangle between neighbouring pixels, all wound one way in the
+/// Call visit(corners) for each triangle between neighboring pixels, all wound one way in the
 /// image.
 template <class Visit>
 void visit_triangles(const PixelGrid& grid, const Judge& judge, Visit&& visit) {
@@ -114,7 +114,7 @@ Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
   const Judge judge(points, viewpoint, noise, options);
 
   // All triangles are wound as most of them face the sensor. One that then faces away is seen from
-  // behind, which no surface is: to turn it alone would tear it from its neighbours.
+  // behind, which no surface is: to turn it alone would tear it from its neighbors.
   std::int64_t balance = 0;
   visit_triangles(grid, judge, [&](const Corners& c) {
     const double seen = judge.seen(c);

@@ -1,4 +1,4 @@
-/// A surface of triangles through an organised scan.
+/// A surface of triangles through an organized scan.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 namespace trivet::kernels {
 
 struct GridTriangulationOptions {
-  /// Longest edge between neighbouring pixels, in footprints: what the same pixels are apart on a
+  /// Longest edge between neighboring pixels, in footprints: what the same pixels are apart on a
   /// surface that faces the sensor there; >= 1. With 5 a step in depth that is as steep as a
   /// surface seen at 78 degrees is a jump: what lies on its two sides hangs together no more.
   float max_jump = 5;
@@ -29,7 +29,7 @@ struct GridTriangulationStats {
   std::size_t num_behind = 0;   ///< cut: seen from behind; many where the viewpoint is wrong
 };
 
-/// Span triangles between the pixels of an organised scan.
+/// Span triangles between the pixels of an organized scan.
 ///
 /// grid       which point each pixel holds
 /// points     n positions; pixels of points that are not finite count as empty

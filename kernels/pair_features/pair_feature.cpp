@@ -29,7 +29,7 @@ Pose frame_pose(const ReferenceFrame& frame) noexcept {
 namespace {
 
 /// Columns that do not overlap: said at the parameters, where the compiler believes it and
-/// vectorises the loop.
+/// vectorizes the loop.
 TRIVET_SIMD_CLONES
 void compute_columns(const ReferenceFrame& reference, std::size_t n, const float* __restrict x,
                      const float* __restrict y, const float* __restrict z,
@@ -77,15 +77,15 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
 }
 
 TRIVET_SIMD_CLONES
-void quantise_pair_features(const PpfQuantisation& quantisation, const PairFeaturesSpan& features,
+void quantize_pair_features(const PpfQuantization& quantization, const PairFeaturesSpan& features,
                             std::span<std::uint32_t> cells,
                             std::span<std::uint16_t> rotations) noexcept {
   const std::size_t n = features.distance.size();
   assert(cells.size() == n && rotations.size() == n && "one cell and one rotation per pair");
-  const float per_distance = 1.0F / quantisation.distance_step;
-  const std::int32_t num_angles = static_cast<std::int32_t>(quantisation.num_angle_bins);
+  const float per_distance = 1.0F / quantization.distance_step;
+  const std::int32_t num_angles = static_cast<std::int32_t>(quantization.num_angle_bins);
   const float per_angle = static_cast<float>(num_angles) / kPi;
-  const std::int32_t num_distances = static_cast<std::int32_t>(quantisation.num_distance_bins);
+  const std::int32_t num_distances = static_cast<std::int32_t>(quantization.num_distance_bins);
   const float* __restrict distance = features.distance.data();
   const float* __restrict angle1 = features.angle_n1_d.data();
   const float* __restrict angle2 = features.angle_n2_d.data();
@@ -106,7 +106,7 @@ void quantise_pair_features(const PpfQuantisation& quantisation, const PairFeatu
         ((bin_d * num_angles + bin_1) * num_angles + bin_2) * num_angles + bin_3);
     const bool inside = bin_d < num_distances && distance[i] > 0;
     cell[i] = inside ? key : kNoCell;
-    turn[i] = quantise_rotation(rotation[i]);
+    turn[i] = quantize_rotation(rotation[i]);
   }
 }
 

@@ -1,4 +1,4 @@
-/// The point-pair feature of Drost et al., CVPR 2010, its quantised key, and the rotation angle of
+/// The point-pair feature of Drost et al., CVPR 2010, its quantized key, and the rotation angle of
 /// a pair.
 #pragma once
 
@@ -48,7 +48,7 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
                            const PairFeaturesSpan& out) noexcept;
 
 /// Angles as fractions of a full turn: differences wrap by themselves in 16-bit arithmetic.
-inline std::uint16_t quantise_rotation(float angle_rad) noexcept {
+inline std::uint16_t quantize_rotation(float angle_rad) noexcept {
   // Two turns more keep the number positive, so that cutting the fraction off rounds to nearest.
   constexpr float kPerRadian = 65536.0F / (2 * kPi);
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(angle_rad * kPerRadian + 131072.5F));
@@ -59,7 +59,7 @@ inline constexpr std::uint32_t kNoCell = 0xFFFFFFFFU;
 /// Write the cell of each pair: ((bin_d * A + bin_1) * A + bin_2) * A + bin_3, the distance most
 /// significant, so that tables of equal step and different size share keys. kNoCell for coincident
 /// points or too far ones.
-void quantise_pair_features(const PpfQuantisation& quantisation, const PairFeaturesSpan& features,
+void quantize_pair_features(const PpfQuantization& quantization, const PairFeaturesSpan& features,
                             std::span<std::uint32_t> cells,
                             std::span<std::uint16_t> rotations) noexcept;
 

@@ -33,7 +33,7 @@ bool seen_together(const ViewMask& a, const ViewMask& b) noexcept {
 
 /// Call body(reference, cell, rotation) for every pair that belongs in the table.
 template <class Body>
-void for_each_pair(const PpfPoints& model, const PpfQuantisation& quantisation, std::size_t first,
+void for_each_pair(const PpfPoints& model, const PpfQuantization& quantization, std::size_t first,
                    std::size_t count, PairScratch& scratch, Body&& body) noexcept {
   const std::size_t n = model.points.size();
   assert(scratch.cells.size() >= n && "scratch holds one model's points");
@@ -41,7 +41,7 @@ void for_each_pair(const PpfPoints& model, const PpfQuantisation& quantisation, 
   for (std::size_t reference = first; reference < first + count; ++reference) {
     compute_pair_features(reference_frame(model.points[reference], model.normals[reference]),
                           model.points, model.normals, features);
-    quantise_pair_features(quantisation, features, std::span(scratch.cells).first(n),
+    quantize_pair_features(quantization, features, std::span(scratch.cells).first(n),
                            std::span(scratch.rotations).first(n));
     for (std::size_t i = 0; i < n; ++i) {
       if (scratch.cells[i] == kNoCell) continue;
@@ -95,10 +95,10 @@ void spread_references(PointsView points, NormalsView normals, float distance,
   }
 }
 
-void count_ppf_pairs(const PpfPoints& model, const PpfQuantisation& quantisation, std::size_t first,
+void count_ppf_pairs(const PpfPoints& model, const PpfQuantization& quantization, std::size_t first,
                      std::size_t count, PairScratch& scratch,
                      std::span<std::uint32_t> counts) noexcept {
-  for_each_pair(model, quantisation, first, count, scratch,
+  for_each_pair(model, quantization, first, count, scratch,
                 [&](std::size_t, std::uint32_t cell, std::uint16_t) { ++counts[cell]; });
 }
 
@@ -120,10 +120,10 @@ std::uint64_t scan_ppf_counts(std::span<std::uint32_t> counts, std::size_t num_c
   return total;
 }
 
-void fill_ppf_entries(const PpfPoints& model, const PpfQuantisation& quantisation,
+void fill_ppf_entries(const PpfPoints& model, const PpfQuantization& quantization,
                       std::size_t first, std::size_t count, PairScratch& scratch,
                       std::span<std::uint32_t> positions, std::span<PpfEntry> entries) noexcept {
-  for_each_pair(model, quantisation, first, count, scratch,
+  for_each_pair(model, quantization, first, count, scratch,
                 [&](std::size_t reference, std::uint32_t cell, std::uint16_t rotation) {
                   entries[positions[cell]++] = {static_cast<std::uint16_t>(reference), rotation};
                 });

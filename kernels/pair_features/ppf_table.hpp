@@ -49,7 +49,7 @@ void spread_references(PointsView points, NormalsView normals, float distance,
                        std::span<std::uint8_t> is_reference);
 
 /// Add the pairs of references [first, first + count) to counts[num_cells].
-void count_ppf_pairs(const PpfPoints& model, const PpfQuantisation& quantisation, std::size_t first,
+void count_ppf_pairs(const PpfPoints& model, const PpfQuantization& quantization, std::size_t first,
                      std::size_t count, PairScratch& scratch,
                      std::span<std::uint32_t> counts) noexcept;
 
@@ -60,7 +60,7 @@ std::uint64_t scan_ppf_counts(std::span<std::uint32_t> counts, std::size_t num_c
 
 /// Write the entries of references [first, first + count); positions[num_cells] advance.
 /// Chunks write to disjoint places; within a cell references rise, as chunks are in order.
-void fill_ppf_entries(const PpfPoints& model, const PpfQuantisation& quantisation,
+void fill_ppf_entries(const PpfPoints& model, const PpfQuantization& quantization,
                       std::size_t first, std::size_t count, PairScratch& scratch,
                       std::span<std::uint32_t> positions, std::span<PpfEntry> entries) noexcept;
 

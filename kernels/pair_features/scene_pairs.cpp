@@ -28,10 +28,10 @@ Bins bins_of(float value, float per_bin, std::uint32_t num_bins, float share) no
   return {{bin, 0}, 1};
 }
 
-void collect_with_neighbour_cells(const PpfQuantisation& q, const PairFeaturesSpan& f, float share,
-                                  std::span<const std::uint32_t> cells,
-                                  std::span<const std::uint16_t> rotations,
-                                  std::vector<std::uint64_t>& keys) {
+void collect_with_neighbor_cells(const PpfQuantization& q, const PairFeaturesSpan& f, float share,
+                                 std::span<const std::uint32_t> cells,
+                                 std::span<const std::uint16_t> rotations,
+                                 std::vector<std::uint64_t>& keys) {
   const std::uint32_t angles = q.num_angle_bins;
   const float per_angle = static_cast<float>(angles) / kPi;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -56,20 +56,20 @@ void collect_with_neighbour_cells(const PpfQuantisation& q, const PairFeaturesSp
 
 }  // namespace
 
-void collect_scene_votes(const ReferenceFrame& reference, PointsView neighbours,
-                         NormalsView normals, const PpfQuantisation& quantisation,
-                         float neighbour_share, PairScratch& scratch,
-                         std::vector<std::uint64_t>& keys, std::vector<SceneVote>& votes) {
-  const std::size_t n = neighbours.size();
+void collect_scene_votes(const ReferenceFrame& reference, PointsView neighbors, NormalsView normals,
+                         const PpfQuantization& quantization, float neighbor_share,
+                         PairScratch& scratch, std::vector<std::uint64_t>& keys,
+                         std::vector<SceneVote>& votes) {
+  const std::size_t n = neighbors.size();
   const PairFeaturesSpan features = scratch.features(n);
   const auto cells = std::span(scratch.cells).first(n);
   const auto rotations = std::span(scratch.rotations).first(n);
-  compute_pair_features(reference, neighbours, normals, features);
-  quantise_pair_features(quantisation, features, cells, rotations);
+  compute_pair_features(reference, neighbors, normals, features);
+  quantize_pair_features(quantization, features, cells, rotations);
 
   keys.clear();
-  if (neighbour_share > 0) {
-    collect_with_neighbour_cells(quantisation, features, neighbour_share, cells, rotations, keys);
+  if (neighbor_share > 0) {
+    collect_with_neighbor_cells(quantization, features, neighbor_share, cells, rotations, keys);
   } else {
     for (std::size_t i = 0; i < n; ++i) {
       if (cells[i] != kNoCell) keys.push_back(pack(cells[i], rotations[i]));

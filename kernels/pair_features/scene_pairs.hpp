@@ -1,4 +1,4 @@
-/// The scene side of the voting: for each reference point, its pairs as cells of the quantised
+/// The scene side of the voting: for each reference point, its pairs as cells of the quantized
 /// feature.
 #pragma once
 
@@ -25,17 +25,17 @@ inline constexpr std::uint32_t kRotationShift = 11;  // 2^16 / 32 = 2^11
 
 /// Collect the look-ups of one reference point, sorted by cell so that the table is walked forward.
 ///
-/// neighbours       the second points of the pairs, with unit normals; the reference itself may be
+/// neighbors       the second points of the pairs, with unit normals; the reference itself may be
 ///                  among them
-/// neighbour_share  s, 0 to 0.5: where a component lies in the outer share s of its bin, the
+/// neighbor_share  s, 0 to 0.5: where a component lies in the outer share s of its bin, the
 ///                  adjoining bin is looked up too (1 to 16 cells, Vidal et al., Sensors 2018); 0
 ///                  looks up one cell
 /// Each (cell, rotation bin) is looked up at most once (Hinterstoisser et al., ECCV 2016,
 /// section 3.4), so that large flat regions, which repeat the same pair, do not outvote the rest.
 /// The lowest rotation stands for its bin. votes is cleared; it keeps its capacity.
-void collect_scene_votes(const ReferenceFrame& reference, PointsView neighbours,
-                         NormalsView normals, const PpfQuantisation& quantisation,
-                         float neighbour_share, PairScratch& scratch,
-                         std::vector<std::uint64_t>& keys, std::vector<SceneVote>& votes);
+void collect_scene_votes(const ReferenceFrame& reference, PointsView neighbors, NormalsView normals,
+                         const PpfQuantization& quantization, float neighbor_share,
+                         PairScratch& scratch, std::vector<std::uint64_t>& keys,
+                         std::vector<SceneVote>& votes);
 
 }  // namespace trivet::kernels

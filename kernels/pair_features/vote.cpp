@@ -37,7 +37,7 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
   assert(votes.size() < 8192 && "counters of 16 bits");
   // Sorted: from the first cell beyond the table on, pairs are farther apart than this model is
   // large.
-  const std::uint32_t num_cells = table.quantisation.num_cells();
+  const std::uint32_t num_cells = table.quantization.num_cells();
   const auto beyond = std::partition_point(
       votes.begin(), votes.end(), [&](const SceneVote& vote) { return vote.cell < num_cells; });
   votes = votes.first(static_cast<std::size_t>(beyond - votes.begin()));

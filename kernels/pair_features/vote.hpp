@@ -42,7 +42,7 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
 
 /// Find the highest peaks, one a model point at most, and set the accumulator back to zero.
 ///
-/// A peak's votes are summed over its bin and both neighbours (the rotation wraps), which equals
+/// A peak's votes are summed over its bin and both neighbors (the rotation wraps), which equals
 /// spreading each vote (Hinterstoisser et al., ECCV 2016). Peaks below `share` of the highest are
 /// left out.
 VotePeaks take_peaks(std::span<std::uint16_t> accumulator, std::size_t max_peaks,

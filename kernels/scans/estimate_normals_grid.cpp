@@ -36,43 +36,43 @@ struct LaneSums {
 }
 
 // The squared distance to the nearer of two pixels, infinite where neither holds a point.
-[[gnu::always_inline]] inline void nearer_of(const PixelPoints& pixels, const LanePoints& centre,
+[[gnu::always_inline]] inline void nearer_of(const PixelPoints& pixels, const LanePoints& center,
                                              std::size_t one, std::size_t other, Lanes& out) {
   out = Lanes{} + std::numeric_limits<float>::infinity();
   for (const std::size_t at : {one, other}) {
     LanePoints p;
     load(pixels, at, p);
-    const Lanes dx = p.x - centre.x, dy = p.y - centre.y, dz = p.z - centre.z;
+    const Lanes dx = p.x - center.x, dy = p.y - center.y, dz = p.z - center.z;
     const Lanes d2 = dx * dx + dy * dy + dz * dz;
     out = d2 < out ? d2 : out;  // false for NaN
   }
 }
 
-// The squared distance within which neighbours count; 0 for a pixel without neighbours.
-[[gnu::always_inline]] inline void squared_gate(const PixelPoints& pixels, const LanePoints& centre,
+// The squared distance within which neighbors count; 0 for a pixel without neighbors.
+[[gnu::always_inline]] inline void squared_gate(const PixelPoints& pixels, const LanePoints& center,
                                                 std::size_t at, float factor, Lanes& out) {
   const Lanes infinity = Lanes{} + std::numeric_limits<float>::infinity();
   Lanes h, v;
-  nearer_of(pixels, centre, at - 1, at + 1, h);
-  nearer_of(pixels, centre, at - pixels.stride, at + pixels.stride, v);
+  nearer_of(pixels, center, at - 1, at + 1, h);
+  nearer_of(pixels, center, at - pixels.stride, at + pixels.stride, v);
   const Lanes low = h < v ? h : v, high = h < v ? v : h;
   const Lanes cap = 9.0F * low;
   const Lanes footprint = high == infinity ? low : high < cap ? high : cap;
   out = footprint == infinity ? Lanes{} : footprint * (factor * factor);
 }
 
-// Sums over the window about the centre: differences of close floats are exact or nearly so.
-[[gnu::always_inline]] inline void sum_window(const PixelPoints& pixels, const LanePoints& centre,
+// Sums over the window about the center: differences of close floats are exact or nearly so.
+[[gnu::always_inline]] inline void sum_window(const PixelPoints& pixels, const LanePoints& center,
                                               std::size_t at, std::size_t window, const Lanes& gate,
                                               LaneSums& s) {
   const Lanes zero{};
   s = LaneSums{};
   for (std::size_t row = at - window * pixels.stride; row <= at + window * pixels.stride;
        row += pixels.stride) {
-    for (std::size_t neighbour = row - window; neighbour <= row + window; ++neighbour) {
+    for (std::size_t neighbor = row - window; neighbor <= row + window; ++neighbor) {
       LanePoints p;
-      load(pixels, neighbour, p);
-      Lanes x = p.x - centre.x, y = p.y - centre.y, z = p.z - centre.z;
+      load(pixels, neighbor, p);
+      Lanes x = p.x - center.x, y = p.y - center.y, z = p.z - center.z;
       const auto counts = x * x + y * y + z * z <= gate;  // false for NaN
       x = counts ? x : zero;
       y = counts ? y : zero;
@@ -155,13 +155,13 @@ void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
         continue;
       }
       const std::size_t at = pixels.at(u, v);
-      LanePoints centre;
+      LanePoints center;
       Lanes gate;
       LaneSums sums;
       PlaneLanes planes;
-      load(pixels, at, centre);
-      squared_gate(pixels, centre, at, gate_factor, gate);
-      sum_window(pixels, centre, at, options.window, gate, sums);
+      load(pixels, at, center);
+      squared_gate(pixels, center, at, gate_factor, gate);
+      sum_window(pixels, center, at, options.window, gate, sums);
       fit_lanes(sums, planes);
 
       // Turn each normal to the sensor and hand it to its point.

@@ -1,4 +1,4 @@
-/// Normals of an organised scan, whose neighbours lie side by side in its pixel grid.
+/// Normals of an organized scan, whose neighbors lie side by side in its pixel grid.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@ namespace trivet::kernels {
 struct GridNormalOptions {
   static constexpr std::uint32_t kMaxWindow = 20;
   std::uint32_t window = 3;         ///< half-width w [pixel], 1..20; larger is smoother and slower
-  float gate = 2.0F;                ///< a neighbour counts within gate * window * footprint, > 0
-  std::uint32_t min_points = 6;     ///< points of a fit with its centre, >= 3; fewer give NaN
+  float gate = 2.0F;                ///< a neighbor counts within gate * window * footprint, > 0
+  std::uint32_t min_points = 6;     ///< points of a fit with its center, >= 3; fewer give NaN
   float max_obliquity_rad = 1.48F;  ///< angle between normal and line of sight; beyond it NaN
   bool operator==(const GridNormalOptions&) const = default;
 };
@@ -45,12 +45,12 @@ void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out);
 /// normals    one unit vector a point of the scan, written for the points of these rows
 /// residuals  root mean square distance of each fit to its plane, unit of the points; or empty
 ///
-/// A neighbour in the (2 w + 1)^2 window counts if its distance from the centre is within
-/// gate * w * footprint. The footprint is the distance between neighbouring pixels on the surface:
-/// of the nearer horizontal and the nearer vertical neighbour the farther one, at most 3 times the
+/// A neighbor in the (2 w + 1)^2 window counts if its distance from the center is within
+/// gate * w * footprint. The footprint is the distance between neighboring pixels on the surface:
+/// of the nearer horizontal and the nearer vertical neighbor the farther one, at most 3 times the
 /// other. So the gate widens with range and slant, while a step in depth of more than the gate
 /// never blends into a normal; smaller steps do. NaN in both outputs: fewer than min_points, no
-/// neighbouring pixel, points on a line, too oblique. No allocation, lock or throw. Rows are
+/// neighboring pixel, points on a line, too oblique. No allocation, lock or throw. Rows are
 /// independent: any split into chunks gives the same bits. Cost: O((2 w + 1)^2) a pixel. Source:
 /// Hoppe et al., SIGGRAPH 1992, tangent plane estimation, on a gated window of pixels.
 void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,

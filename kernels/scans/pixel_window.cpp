@@ -28,12 +28,12 @@ Stretch stretch(double focal, double middle, std::uint32_t limit, double across,
 }  // namespace
 
 PixelWindow window_of_ball(const Camera& camera, std::uint32_t width, std::uint32_t height,
-                           const Eigen::Vector3d& centre, double radius) noexcept {
+                           const Eigen::Vector3d& center, double radius) noexcept {
   assert(camera.fx > 0 && camera.fy > 0 && radius >= 0 && "readers check cameras");
-  if (centre.z() < -radius) return {};
-  if (!(centre.z() > radius)) return {0, 0, width, height};
-  const Stretch u = stretch(camera.fx, camera.cx, width, centre.x(), centre.z(), radius);
-  const Stretch v = stretch(camera.fy, camera.cy, height, centre.y(), centre.z(), radius);
+  if (center.z() < -radius) return {};
+  if (!(center.z() > radius)) return {0, 0, width, height};
+  const Stretch u = stretch(camera.fx, camera.cx, width, center.x(), center.z(), radius);
+  const Stretch v = stretch(camera.fy, camera.cy, height, center.y(), center.z(), radius);
   if (u.count == 0 || v.count == 0) return {};
   return {u.first, v.first, u.count, v.count};
 }

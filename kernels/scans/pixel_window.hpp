@@ -29,13 +29,13 @@ struct PixelWindow {
 ///
 /// camera         pinhole with fx, fy > 0
 /// width, height  of the image [pixel]
-/// centre         of the ball in the camera's frame, radius >= 0 in the same unit
+/// center         of the ball in the camera's frame, radius >= 0 in the same unit
 /// A ball behind the camera gives an empty window, one that reaches the plane z = 0 the whole
 /// image. In the plane of the optical axis and the image's x, the ball is a disc at the angle a
 /// that fills a +- asin(radius / distance): its tangents bound every pixel's u. The same holds for
 /// v.
 PixelWindow window_of_ball(const Camera& camera, std::uint32_t width, std::uint32_t height,
-                           const Eigen::Vector3d& centre, double radius) noexcept;
+                           const Eigen::Vector3d& center, double radius) noexcept;
 
 /// The camera of which the window is the whole image.
 inline Camera camera_of_window(Camera camera, const PixelWindow& window) noexcept {

@@ -129,7 +129,7 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   return geometry;
 }
 
-PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsView normals) {
+PixelGrid rasterize(const ImageGeometry& geometry, PointsView points, NormalsView normals) {
   PixelGrid grid;
   grid.width = geometry.width;
   grid.height = geometry.height;
@@ -151,7 +151,7 @@ PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsVie
   return grid;
 }
 
-std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours,
+std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbors,
                              Column<float>& depth) {
   const Column<float> measured = depth;
   std::size_t filled = 0;
@@ -171,7 +171,7 @@ std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int 
           ++count;
         }
       }
-      if (count < min_neighbours || high - low > max_step) continue;
+      if (count < min_neighbors || high - low > max_step) continue;
       depth[pixel] = sum / static_cast<float>(count);
       ++filled;
     }

@@ -26,7 +26,7 @@ struct ImageGeometry {
       return -1;
     return static_cast<std::int64_t>(v) * width + static_cast<std::int64_t>(u);
   }
-  /// The camera-frame point at depth z that projects to the centre of a pixel.
+  /// The camera-frame point at depth z that projects to the center of a pixel.
   Eigen::Vector3f back_project(std::size_t pixel, float z) const noexcept {
     const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
     return {(u - cx) * z / fx, (v - cy) * z / fy, z};
@@ -43,7 +43,7 @@ struct RangeImage {
                                     ///< along the line where something stands on it
 };
 
-/// Recover the camera of an organised scan whose file does not name it, by least squares on u = fx
+/// Recover the camera of an organized scan whose file does not name it, by least squares on u = fx
 /// x/z + cx. Nothing is returned unless 95 % of the points lie within half a pixel: then the grid
 /// is not a pinhole's. points are in the frame of a sensor at the origin that looks along +z.
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
@@ -61,13 +61,13 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
 
 /// For each pixel the index of the nearest of the points that fall on it (ties to the lowest
 /// index). With normals, points that face away from the camera are left out.
-PixelGrid rasterise(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
+PixelGrid rasterize(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
 
-/// Fill single missing pixels of a depth image between measured neighbours of like depth, in place.
-/// A pixel is filled with the mean of its measured 8-neighbours when there are at least
-/// `min_neighbours` of them, all within `max_step` of each other. Pixels on the image's border stay
+/// Fill single missing pixels of a depth image between measured neighbors of like depth, in place.
+/// A pixel is filled with the mean of its measured 8-neighbors when there are at least
+/// `min_neighbors` of them, all within `max_step` of each other. Pixels on the image's border stay
 /// as they are. Gives the number filled.
-std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbours,
+std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbors,
                              Column<float>& depth);
 
 }  // namespace trivet::kernels

@@ -20,7 +20,7 @@ namespace trivet::kernels {
 /// instances  one a depth: index of the instance that was hit; Hit::kNone where there is none, or
 ///            where the scene is a single surface
 /// normals    empty, or one a depth: unit face normal, towards the camera; NaN where there is none
-/// Surfaces in front of the camera's centre are seen however near; both sides of a triangle are.
+/// Surfaces in front of the camera's center are seen however near; both sides of a triangle are.
 /// Rows are independent: any split into chunks of rows gives the same bits. No allocation.
 void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t width,
                   std::uint32_t first_row, std::span<float> depth,

@@ -12,7 +12,7 @@
 namespace trivet::kernels {
 
 /// What a scan tells of the sensor that made it. Sensors that match windows of pixels, as
-/// structured light of dots and stereo do, err alike in neighbouring pixels, by more the farther
+/// structured light of dots and stereo do, err alike in neighboring pixels, by more the farther
 /// they look, and move the outlines of what they see by up to half a window. Sensors that measure
 /// each pixel for itself do neither.
 struct SensorModel {
@@ -20,9 +20,9 @@ struct SensorModel {
   /// Standard deviation across surfaces of what is independent from pixel to pixel, nearly
   /// [scene unit].
   float noise = 0;
-  Waviness waviness{};    ///< of what neighbours share
+  Waviness waviness{};    ///< of what neighbors share
   float exponent = 0;     ///< of range: both heights grow with it to this power, 0..2
-  float correlation = 0;  ///< 0..1: 0, pixels err for themselves; 1, neighbours err alike
+  float correlation = 0;  ///< 0..1: 0, pixels err for themselves; 1, neighbors err alike
 
   /// The same at a range [scene unit] > 0.
   float noise_at(float at_range) const noexcept { return noise * growth(at_range); }
@@ -45,7 +45,7 @@ struct SensorModel {
 struct SmoothPatch {
   float range = 0;        ///< mean depth
   float deviation = 0;    ///< standard deviation of the rest [scene unit]
-  float correlation = 0;  ///< of the rests of neighbours in a row or a column, -1..1
+  float correlation = 0;  ///< of the rests of neighbors in a row or a column, -1..1
 };
 inline constexpr std::size_t kPatchSide = 11;  ///< [pixel]
 

@@ -8,7 +8,7 @@
 
 namespace trivet::kernels {
 
-/// Depth from matched windows, phases or patterns errs alike in neighbouring pixels: surfaces are
+/// Depth from matched windows, phases or patterns errs alike in neighboring pixels: surfaces are
 /// smooth, and wavy. What is left after averaging over windows of pixels, beyond what independent
 /// noise leaves.
 struct Waviness {

@@ -1,7 +1,7 @@
 /// Disturb the positions of a cloud, to measure how recognition bears it.
 ///
 /// What happens to a point depends on the seed and its index alone, and kinds of noise with one
-/// seed are independent of each other. Pixels of an organised scan keep their points; only noise
+/// seed are independent of each other. Pixels of an organized scan keep their points; only noise
 /// along the viewing ray leaves a depth image's points on the rays of their pixels.
 #pragma once
 

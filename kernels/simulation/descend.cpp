@@ -65,13 +65,13 @@ double relax(Held& held, double friction, Velocity& velocity) {
 
 }  // namespace
 
-Motion descend(std::span<const Contact> contacts, const Vector3d& centre, double gyration,
+Motion descend(std::span<const Contact> contacts, const Vector3d& center, double gyration,
                double fall, double friction) {
   assert(gyration > 0 && fall > 0 && "a body of some extent that wants to fall");
   std::vector<Held> held;
   held.reserve(contacts.size());
   for (const Contact& contact : contacts) {
-    const Vector3d arm = (contact.point - centre) / gyration, n = contact.normal,
+    const Vector3d arm = (contact.point - center) / gyration, n = contact.normal,
                    first = n.unitOrthogonal();
     held.push_back({Row(n, arm), Row(first, arm), Row(n.cross(first), arm), contact.gap});
   }

@@ -8,7 +8,7 @@
 
 namespace trivet::kernels {
 
-/// Turn by |turn| about `turn`, then shift, both about the body's centre of mass.
+/// Turn by |turn| about `turn`, then shift, both about the body's center of mass.
 struct Motion {
   Eigen::Vector3d shift{0, 0, 0};  ///< [m]
   Eigen::Vector3d turn{0, 0, 0};   ///< [rad]
@@ -17,7 +17,7 @@ struct Motion {
 /// Find where a body goes that would fall by `fall` if it were free.
 ///
 /// contacts  that hold it; gaps >= 0 are closed at most
-/// centre    of mass [m]
+/// center    of mass [m]
 /// gyration  radius of gyration > 0 [m], the same about every axis
 /// fall      > 0 [m]
 /// friction  coefficient of Coulomb, >= 0: a contact does not slip below that share of its force
@@ -25,7 +25,7 @@ struct Motion {
 /// Source: Gauss's principle of least constraint for one step of unilateral contacts, solved by
 /// projected Gauss-Seidel (Moreau, "Unilateral contact and dry friction in finite freedom
 /// dynamics", 1988; Jourdan, Alart, Jean, CMAME 1998).
-Motion descend(std::span<const Contact> contacts, const Eigen::Vector3d& centre, double gyration,
+Motion descend(std::span<const Contact> contacts, const Eigen::Vector3d& center, double gyration,
                double fall, double friction);
 
 }  // namespace trivet::kernels

@@ -13,17 +13,17 @@ void smooth_image(const ValueImage& in, std::uint32_t first_row, Along along, st
              r = static_cast<int>(radius);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t pixel = std::size_t{first_row} * in.width + i;
-    const float* centre = in.values.data() + pixel;
+    const float* center = in.values.data() + pixel;
     const auto u = static_cast<int>(pixel % in.width), v = static_cast<int>(pixel / in.width);
     const bool by_rows = along == Along::rows;
     const int place = by_rows ? u : v, size = by_rows ? width : height;
     const std::ptrdiff_t stride = by_rows ? 1 : width;
     out[i] = 0;
-    if (*centre == 0) continue;
+    if (*center == 0) continue;
     float sum = 0, count = 0;
     for (int k = std::max(-r, -place); k <= std::min(r, size - 1 - place); ++k) {
-      const float value = centre[k * stride];
-      const bool near = value != 0 && std::abs(value - *centre) <= reach;
+      const float value = center[k * stride];
+      const bool near = value != 0 && std::abs(value - *center) <= reach;
       sum += near ? value : 0;
       count += near ? 1.0F : 0.0F;
     }
@@ -64,12 +64,12 @@ void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t rea
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::size_t pixel = std::size_t{first_row} * in.width + i;
     const auto u = static_cast<int>(pixel % in.width), v = static_cast<int>(pixel / in.width);
-    const float* centre = in.values.data() + pixel;
-    out[i] = *centre;
-    if (*centre != 0) continue;
+    const float* center = in.values.data() + pixel;
+    out[i] = *center;
+    if (*center != 0) continue;
     const auto look = [&](int room, std::ptrdiff_t stride) {
       for (int k = 1; k <= std::min(farthest, room); ++k) {
-        const float value = centre[k * stride];
+        const float value = center[k * stride];
         if (value == 0) continue;
         if (out[i] == 0 || (fill == Fill::least ? value < out[i] : value > out[i])) out[i] = value;
         return;

@@ -43,7 +43,7 @@ enum class Fill { least, most };
 void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t reach, Fill fill,
                 std::span<float> out) noexcept;
 
-/// Let values that are greater by more than `least_jump` spread over their neighbours: a pixel
+/// Let values that are greater by more than `least_jump` spread over their neighbors: a pixel
 /// takes the greatest that lies in the square of side 2 radius + 1 about it, if it exceeds its own
 /// by so much; one without measurement stays so. Of disparities, the foreground grows on all sides.
 /// Source: registration to another camera draws each pixel as large as it is there, and the nearest

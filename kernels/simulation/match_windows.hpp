@@ -12,7 +12,7 @@ inline constexpr float kNoDot = 0, kUnseenDot = -1;
 struct WindowMatching {
   std::uint32_t half_window = 4;  ///< windows are 2 half_window + 1 pixels wide; 1..kMaxHalfWindow
   float taper = 0.1F;             ///< what a dot at a window's corner weighs less than one at its
-                                  ///< centre, 0..1; more than 0 lets the nearer of equals win
+                                  ///< center, 0..1; more than 0 lets the nearer of equals win
   float reach_pixel = 1;          ///< dots agree with what differs from them by no more, > 0
   std::uint32_t fewest_dots = 2;  ///< that agree, >= 1
   float least_share = 0;  ///< of the weight of a window's dots, seen or not, that agree, 0..1

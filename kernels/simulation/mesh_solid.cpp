@@ -99,9 +99,9 @@ class Blocks {
       high[k] = std::min(low[k] + kBlock, lattice_.counts[k]);
     }
     const float half = lattice_.cell * (kBlock + 1) / 2;
-    const Vector3f centre = lattice_.position(low) + Vector3f::Constant(half - lattice_.cell);
+    const Vector3f center = lattice_.position(low) + Vector3f::Constant(half - lattice_.cell);
     const float radius = std::sqrt(3.0F) * (half + kReach * lattice_.cell);
-    const float distance = solid.restrict_to(centre, radius, near);
+    const float distance = solid.restrict_to(center, radius, near);
     if (std::abs(distance) > radius) {
       lattice_.for_nodes(low, high, [&](const Index3&, std::size_t i) { values_[i] = distance; });
       return;
@@ -219,10 +219,10 @@ class CellVertices {
     Points points(planes_.size());
     const Vector3f half = Vector3f::Constant(lattice_.cell / 2);
     for (std::size_t i = 0; i < planes_.size(); ++i) {
-      const Vector3f centre = lattice_.position(cells_[i]) + half;
+      const Vector3f center = lattice_.position(cells_[i]) + half;
       const auto limit = [&](const Vector3f& p) -> Vector3f {
         const Vector3f reach = (1 + 2 * kReach) * half;
-        return p.cwiseMax(centre - reach).cwiseMin(centre + reach);
+        return p.cwiseMax(center - reach).cwiseMin(center + reach);
       };
       // Tangent planes of curved faces meet beside the surface: one step towards it.
       const Vector3f met = limit(planes_[i].meet());

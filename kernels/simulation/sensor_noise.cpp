@@ -31,7 +31,7 @@ double laser_sigma(double z, double baseline) noexcept {
   return kWavelength / (2 * std::numbers::pi * sin_aperture * sin_triangulation);
 }
 
-double quantise_disparity(double z, double focal_pixel, double baseline,
+double quantize_disparity(double z, double focal_pixel, double baseline,
                           double step_pixel) noexcept {
   const double disparity = focal_pixel * baseline / z;
   return focal_pixel * baseline / (step_pixel * std::round(disparity / step_pixel));

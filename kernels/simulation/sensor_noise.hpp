@@ -1,4 +1,4 @@
-/// How depth sensors err: one law a function, all lengths in metres.
+/// How depth sensors err: one law a function, all lengths in meters.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,7 +36,7 @@ inline constexpr double kStereoMatching = 0.1;
 double laser_sigma(double z, double baseline) noexcept;
 
 /// Depth that a disparity f b / z, told in steps, stands for. Infinite for less than half a step.
-double quantise_disparity(double z, double focal_pixel, double baseline,
+double quantize_disparity(double z, double focal_pixel, double baseline,
                           double step_pixel) noexcept;
 
 /// Angle [rad] between where a mirror would send the light and where the sensor is.

@@ -110,9 +110,9 @@ SolidSample oblong_sample(const Values& v, const Vector3f& p) noexcept {
   float distance = c * p.x() + s * y - v[0];
   if (along < 0 || along > s * v[2]) {
     const bool first = along < 0;
-    const Vector2f from_centre(first ? p.x() : p.x() - v[2], y);
-    const float length = from_centre.norm();
-    gradient = direction(from_centre, length);
+    const Vector2f from_center(first ? p.x() : p.x() - v[2], y);
+    const float length = from_center.norm();
+    gradient = direction(from_center, length);
     distance = length - (first ? v[0] : v[1]);
   }
   return {distance, {gradient.x(), std::copysign(gradient.y(), p.y()), 0}};

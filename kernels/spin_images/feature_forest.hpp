@@ -1,4 +1,4 @@
-/// Approximate nearest neighbours among feature vectors.
+/// Approximate nearest neighbors among feature vectors.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace trivet::kernels {
 
-/// Randomised k-d trees that are searched together, best bin first.
+/// Randomized k-d trees that are searched together, best bin first.
 ///
 /// Every tree splits at the mean of a coordinate drawn from the five that vary most. Unlike FLANN's
 /// forest, whose trees come from std::random_device, the same vectors give the same trees. Only
@@ -48,8 +48,8 @@ class FeatureForest {
   /// queries            m vectors of finite numbers
   /// max_checks         vectors that a query is compared with, about: more are more exact; from
   ///                    num_trees * size() on all are exact
-  /// indices            m * k; kNone past the last neighbour
-  /// squared_distances  m * k; infinite past the last neighbour
+  /// indices            m * k; kNone past the last neighbor
+  /// squared_distances  m * k; infinite past the last neighbor
   /// Queries are independent: any split into chunks gives the same bits, on any processor. The
   /// scratch grows once.
   void k_nearest(std::span<const float> queries, std::size_t k, std::size_t max_checks,

@@ -48,7 +48,7 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
             axis.y(), axis.z(), static_cast<float>(kSpinBins - 1) / radius, scratch.weights.data(),
             scratch.bins.data());
   // Each bin collects for itself and the three bins after it, so that a point adds four numbers in
-  // one place: where neighbours add to places that half overlap, each waits for the one before.
+  // one place: where neighbors add to places that half overlap, each waits for the one before.
   alignas(64) std::array<FourFloats, kSpinBins * kStride> shares{};
   for (std::size_t k = 0; k < n; ++k) {
     FourFloats weights;
@@ -69,7 +69,7 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
   }
 }
 
-void normalise_spin_image(std::span<float, kSpinImageSize> image) noexcept {
+void normalize_spin_image(std::span<float, kSpinImageSize> image) noexcept {
   double sum = 0;
   for (const float value : image) sum += static_cast<double>(value);
   if (!(sum > 0)) return;

@@ -35,6 +35,6 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
 /// Scale images to a sum of 1 and take square roots: Euclidean distances between such images are
 /// Hellinger's, and no sampling density counts. An image without area stays 0.
 /// Source: Arandjelovic and Zisserman, CVPR 2012 (square roots of histograms).
-void normalise_spin_image(std::span<float, kSpinImageSize> image) noexcept;
+void normalize_spin_image(std::span<float, kSpinImageSize> image) noexcept;
 
 }  // namespace trivet::kernels

@@ -32,7 +32,7 @@ void gather_support(const VoxelHash& grid, std::span<const float> areas,
 ///
 /// grid    of the points
 /// points  n positions, in their order before the grid's; one that is not finite has no area
-/// radius  > 0; some 2.5 times the distance of neighbours: a smaller one follows chance
+/// radius  > 0; some 2.5 times the distance of neighbors: a smaller one follows chance
 /// areas   n
 /// Grids of voxels hold more points where a surface stands across their axes; unless that is
 /// weighed out, moments of the surface turn with the grid.

@@ -16,7 +16,7 @@ LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> ar
   if (frame.hold < limits.min_hold) return {};
   const auto write = [&](std::span<float, kSpinImageSize> one, int axis) {
     spin_image(scratch.support, frame.axes.row(axis), radius, one, scratch.spin);
-    normalise_spin_image(one);
+    normalize_spin_image(one);
     if (axis == 2) return;
     for (float& value : one) value *= kTurningWeight;
   };

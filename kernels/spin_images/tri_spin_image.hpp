@@ -34,7 +34,7 @@ struct TriSpinScratch {
   SpinScratch spin;
 };
 
-/// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalised, the first two
+/// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalized, the first two
 /// times kTurningWeight.
 ///
 /// surface  points of the surface

@@ -22,7 +22,7 @@ constexpr std::uint32_t kLeafSize = 32;
 TRIVET_SIMD_CLONES
 float farthest_squared(float px, float py, float pz, const float* x, const float* y, const float* z,
                        std::size_t n) {
-  // Floats that are not negative compare as their bits; the compiler vectorises the integer
+  // Floats that are not negative compare as their bits; the compiler vectorizes the integer
   // maximum.
   std::int32_t best = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -45,7 +45,7 @@ std::size_t farthest_index(PointsView points, const Eigen::Vector3d& from) {
   return best;
 }
 
-/// A run of points as seen from the centre: all lie in the cone, none beyond the radius.
+/// A run of points as seen from the center: all lie in the cone, none beyond the radius.
 struct Cell {
   Eigen::Vector3f axis = Eigen::Vector3f::UnitZ();
   float half_angle = 0;  // [rad]
@@ -56,7 +56,7 @@ struct Cell {
 
 class Search {
  public:
-  /// points are relative to the centre and hold both ends of every distance above `best`.
+  /// points are relative to the center and hold both ends of every distance above `best`.
   Search(std::vector<Eigen::Vector3f> points, double best) : best_(best), cells_(1) {
     build(points, 0, 0, static_cast<std::uint32_t>(points.size()));
     sorted_.reserve(points.size());
@@ -164,23 +164,23 @@ float find_diameter(PointsView points) {
   // A good distance first: from a point to the farthest one, from there again, while it grows.
   std::size_t end = farthest_index(points, points[0].cast<double>());
   double best = 0;
-  Eigen::Vector3d centre = points[end].cast<double>();
+  Eigen::Vector3d center = points[end].cast<double>();
   for (int sweep = 0; sweep < 8; ++sweep) {
     const Eigen::Vector3d from = points[end].cast<double>();
     const std::size_t other = farthest_index(points, from);
     const double distance = (points[other].cast<double>() - from).norm();
     if (distance <= best) break;
     best = distance;
-    centre = 0.5 * (from + points[other].cast<double>());
+    center = 0.5 * (from + points[other].cast<double>());
     end = other;
   }
   if (best == 0) return 0;
 
-  // An end of the diameter is at least best - r away from the centre, r the largest such distance.
-  const double radius = (points[farthest_index(points, centre)].cast<double>() - centre).norm();
+  // An end of the diameter is at least best - r away from the center, r the largest such distance.
+  const double radius = (points[farthest_index(points, center)].cast<double>() - center).norm();
   std::vector<Eigen::Vector3f> ends;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d p = points[i].cast<double>() - centre;
+    const Eigen::Vector3d p = points[i].cast<double>() - center;
     if (p.norm() + radius > best) ends.push_back(p.cast<float>());
   }
   if (ends.size() < 2) return static_cast<float>(best);

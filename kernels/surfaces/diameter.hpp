@@ -12,8 +12,8 @@ namespace trivet::kernels {
 /// Cost: n log n for usual shapes, for a sphere too; 10^6 points take well under a second. Takes
 /// memory once, for a copy of the points that may be an end of the diameter.
 /// Method: two-tree branch and bound. A pair of cells is dropped when its bound, from the cells'
-/// radii and cones of directions about a common centre, is not above the best distance found; about
-/// a centre that bound stays tight for spheres, where one from boxes does not.
+/// radii and cones of directions about a common center, is not above the best distance found; about
+/// a center that bound stays tight for spheres, where one from boxes does not.
 float find_diameter(PointsView points);
 
 }  // namespace trivet::kernels

@@ -33,13 +33,13 @@ PlaneSums sum_row(PointsView points, std::span<const std::uint32_t> row) {
 
 }  // namespace
 
-void estimate_normals(PointsView points, NeighbourhoodsView neighbours, NormalsSpan normals,
+void estimate_normals(PointsView points, NeighborhoodsView neighbors, NormalsSpan normals,
                       std::span<float> residuals) noexcept {
-  assert(normals.size() == neighbours.size() && "one normal per neighbourhood");
+  assert(normals.size() == neighbors.size() && "one normal per neighborhood");
   assert((residuals.empty() || residuals.size() == normals.size()) && "one residual per normal");
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    const PlaneFit plane = fit_plane(sum_row(points, neighbours.row(i)));
+  for (std::size_t i = 0; i < neighbors.size(); ++i) {
+    const PlaneFit plane = fit_plane(sum_row(points, neighbors.row(i)));
     const Eigen::Vector3d normal{plane.x, plane.y, plane.z};
     normals.set(i, plane.determined ? Eigen::Vector3f(normal.cast<float>())
                                     : Eigen::Vector3f::Constant(kNaN));

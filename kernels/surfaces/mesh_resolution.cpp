@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 
 namespace trivet::kernels {
 
@@ -33,9 +33,9 @@ double mean_edge_length(PointsView vertices, const Triangles& triangles) {
   return sum / static_cast<double>(edges.size());
 }
 
-Result<double> mean_neighbour_distance(PointsView points) {
+Result<double> mean_neighbor_distance(PointsView points) {
   if (points.size() < 2) return 0.0;
-  const Result<NearestNeighbours> tree = NearestNeighbours::build(points);
+  const Result<NearestNeighbors> tree = NearestNeighbors::build(points);
   if (!tree) return tree.error();
   // The nearest is the point itself, or another one in the same place.
   std::vector<std::uint32_t> indices(2 * points.size());

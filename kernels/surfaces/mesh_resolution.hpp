@@ -15,10 +15,10 @@ namespace trivet::kernels {
 /// Source: the mesh resolution of Guo et al., IJCV 2013.
 double mean_edge_length(PointsView vertices, const Triangles& triangles);
 
-/// The mean distance of a cloud's points to their nearest neighbours; 0 for fewer than two points.
+/// The mean distance of a cloud's points to their nearest neighbors; 0 for fewer than two points.
 ///
 /// points   finite positions
 /// Cost: n log n. Errors: bad_data (a point is not finite), internal (out of memory).
-Result<double> mean_neighbour_distance(PointsView points);
+Result<double> mean_neighbor_distance(PointsView points);
 
 }  // namespace trivet::kernels

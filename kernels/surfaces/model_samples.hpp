@@ -13,9 +13,9 @@ struct ModelSamples {
   PointsView points;
   NormalsView normals;
   std::span<const ViewMask> views;
-  float spacing = 0;  ///< between neighbouring samples
+  float spacing = 0;  ///< between neighboring samples
   float diameter = 0;
-  Eigen::Vector3f centre{0, 0, 0};
+  Eigen::Vector3f center{0, 0, 0};
 };
 
 }  // namespace trivet::kernels

@@ -64,7 +64,7 @@ void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<cons
     const auto found = std::upper_bound(area_sums.begin(), area_sums.end(), place);
     const auto t = static_cast<std::size_t>(std::min(found, last) - area_sums.begin());
 
-    // From the square to the triangle, keeping areas and most neighbours.
+    // From the square to the triangle, keeping areas and most neighbors.
     double u = fraction(shift_u + kStepU * index);
     double v = fraction(shift_v + kStepV * index);
     if (v > u) {

@@ -15,7 +15,7 @@ namespace trivet::kernels {
 /// sends that one's centroid out and takes the slot; the rest leaves at the end. So a voxel may
 /// come out more than once, and a permutation of the points gives other centroids. Cost: O(n).
 /// Allocates only what `out` grows by. Source: the approximate voxel grid of PCL; the thesis
-/// (section 3.1.2) takes its points for the centres of voxels, but they are centroids.
+/// (section 3.1.2) takes its points for the centers of voxels, but they are centroids.
 void subsample_approximate_voxel_grid(PointsView points, float cell, Points& out);
 
 }  // namespace trivet::kernels

@@ -14,14 +14,14 @@ void subsample_local_maximum(PointsView points, float radius, Column<std::uint32
   indices.reserve(grid.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (!flat[i].allFinite()) continue;
-    std::uint32_t num_neighbours = 0;
+    std::uint32_t num_neighbors = 0;
     bool highest = true;
     grid.visit_within(flat[i], radius, [&](std::uint32_t j, float) {
       if (j == i) return;
-      ++num_neighbours;
+      ++num_neighbors;
       if (points.z[j] > points.z[i] || (points.z[j] == points.z[i] && j < i)) highest = false;
     });
-    if (!highest || num_neighbours == 0) indices.push_back(i);
+    if (!highest || num_neighbors == 0) indices.push_back(i);
   }
 }
 

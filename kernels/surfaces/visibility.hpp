@@ -21,7 +21,7 @@ inline constexpr float kMinViewCosine = 0.17365F;
 ///
 /// Spacing s is the step of the grid or disc subsampling that made the cloud. On a square grid the
 /// farthest place from all points is s / sqrt(2) = 0.71 s away: radius 0.8 s leaves no holes. The
-/// spheres of a flat neighbourhood reach 0.8 s above it: from 1.0 s a ray that rises at all is
+/// spheres of a flat neighborhood reach 0.8 s above it: from 1.0 s a ray that rises at all is
 /// free. A wall of a thickness between 0.2 s and 1.8 s is one solid; below, both of its sides look
 /// free.
 inline constexpr float kCloudRadius = 0.8F;
@@ -29,7 +29,7 @@ inline constexpr float kCloudOffset = 1.0F;
 
 /// Unit vector from the object to the camera for view d < kNumViews: a point of the Fibonacci
 /// sphere, z = 1 - (2 d + 1) / kNumViews, longitude d times the golden angle pi (3 - sqrt 5). About
-/// 14 degrees lie between neighbours. Library files rely on this numbering.
+/// 14 degrees lie between neighbors. Library files rely on this numbering.
 Eigen::Vector3f view_direction(std::size_t d) noexcept;
 
 /// The view nearest to a direction (any length > 0); the lowest index among equals.

@@ -84,7 +84,7 @@ class Search {
       Pose motion = surface_.refine(start, 120, 4);
       const Pose reached = surface_.to_model(motion);
       const auto same = [&](const Pose& other) {
-        const PoseDistance d = pose_distance(reached, other, symmetry_, samples_.centre);
+        const PoseDistance d = pose_distance(reached, other, symmetry_, samples_.center);
         return d.rotation_rad < kSameTurn && d.translation < kSameShift * samples_.diameter;
       };
       if (is_identity(reached) || std::ranges::any_of(seen, same) || turns_about(axis, reached))
@@ -154,7 +154,7 @@ class Search {
 
   /// The turn between two motions of the model's frame, modulo the symmetry [rad].
   float turn_between(const Pose& a, const Pose& b) const {
-    return pose_distance(a, b, symmetry_, samples_.centre).rotation_rad;
+    return pose_distance(a, b, symmetry_, samples_.center).rotation_rad;
   }
   bool is_identity(const Pose& motion, float apart = kTurned) const {
     return turn_between(Pose::Identity(), motion) < apart;

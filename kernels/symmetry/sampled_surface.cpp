@@ -14,7 +14,7 @@ namespace {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// A step through n samples that visits all of them, neighbours in the list far apart in time: an
+/// A step through n samples that visits all of them, neighbors in the list far apart in time: an
 /// early look sees the whole object.
 std::size_t coprime_step(std::size_t n) {
   auto step = static_cast<std::size_t>(0.618 * static_cast<double>(n)) + 1;
@@ -52,16 +52,16 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
     ++used;
   }
   if (used == 0) return;
-  centre_ = (sum / static_cast<double>(used)).cast<float>();
+  center_ = (sum / static_cast<double>(used)).cast<float>();
   points_.reserve(used);
   normals_.reserve(used);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!normals[i].allFinite()) continue;
-    points_.push_back((points[i] - centre_) / diameter);
+    points_.push_back((points[i] - center_) / diameter);
     normals_.push_back(normals[i]);
   }
 
-  // The mean distance of neighbouring samples, found on a grid of about that size.
+  // The mean distance of neighboring samples, found on a grid of about that size.
   constexpr float kCell = 0.05F;
   grid_ = VoxelHash(points_, kCell);
   double sum_nearest = 0;
@@ -180,7 +180,7 @@ Pose SampledSurface::refine(Pose motion, std::size_t num_queries, int num_steps)
 Pose SampledSurface::to_model(const Pose& motion) const noexcept {
   Pose result = motion;
   result.translation() =
-      centre_ + diameter_ * Eigen::Vector3f(motion.translation()) - motion.linear() * centre_;
+      center_ + diameter_ * Eigen::Vector3f(motion.translation()) - motion.linear() * center_;
   return result;
 }
 

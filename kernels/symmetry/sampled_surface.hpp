@@ -17,8 +17,8 @@ namespace trivet::kernels {
 /// within 30 degrees of m, the least of sqrt(h^2 + max(0, l - slack)^2). h is the part of q - p
 /// along n + m: that is zero for two points of one circle, so that curved surfaces cost no accuracy
 /// (Rusinkiewicz, "A symmetric objective function for ICP", 2019). l is the rest, the way along the
-/// surface, and slack is twice the mean distance of neighbouring samples, more where a sample lies
-/// on a face so narrow that its neighbours there are farther: gaps between samples are no distance.
+/// surface, and slack is twice the mean distance of neighboring samples, more where a sample lies
+/// on a face so narrow that its neighbors there are farther: gaps between samples are no distance.
 /// Where there is no such p the distance is kCap.
 ///
 /// Sampling leaves an error that depends on the shape. It is measured, not guessed: the distances
@@ -59,7 +59,7 @@ class SampledSurface {
   /// The motion in the frame and unit of the samples as they were given.
   Pose to_model(const Pose& motion) const noexcept;
   Eigen::Vector3f to_model(const Eigen::Vector3f& point) const noexcept {
-    return centre_ + diameter_ * point;
+    return center_ + diameter_ * point;
   }
 
  private:
@@ -73,7 +73,7 @@ class SampledSurface {
   /// Distance to the second nearest sample of the same sheet; kMaxSlack where it is farther.
   float second_gap(std::uint32_t sample) const noexcept;
 
-  Eigen::Vector3f centre_{0, 0, 0};
+  Eigen::Vector3f center_{0, 0, 0};
   float diameter_ = 1;
   float slack_ = 0;       // of most samples
   Column<float> slacks_;  // of each

@@ -37,8 +37,8 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
   const int reach = static_cast<int>(std::ceil((kCap + slack) * scale_));
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f p = points_[i], n = normals[i];
-    const Eigen::Array3i centre = (p.array() * scale_ + 0.5F * kSize).floor().cast<int>();
-    const Eigen::Array3i low = (centre - reach).max(0), high = (centre + reach).min(kSize - 1);
+    const Eigen::Array3i center = (p.array() * scale_ + 0.5F * kSize).floor().cast<int>();
+    const Eigen::Array3i low = (center - reach).max(0), high = (center + reach).min(kSize - 1);
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
         float* row = &field_[static_cast<std::size_t>((z * kSize + y) * kSize)];
@@ -93,7 +93,7 @@ std::vector<TurnScreen::Candidate> TurnScreen::candidates() const {
       rate({r * std::cos(longitude), r * std::sin(longitude), z});
     }
 
-    // The best of each bundle of neighbouring axes.
+    // The best of each bundle of neighboring axes.
     std::stable_sort(rated.begin(), rated.end(),
                      [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
     const std::size_t first = result.size();

@@ -36,7 +36,7 @@ class TurnScreen {
   PointsView points_;
   std::size_t stride_;
   float scale_;               // voxels per diameter
-  std::vector<float> field_;  // distance from the surface at voxel centres
+  std::vector<float> field_;  // distance from the surface at voxel centers
   Eigen::Matrix3f inertia_;   // second moments of the samples
 };
 

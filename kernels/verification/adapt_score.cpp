@@ -56,7 +56,7 @@ Costs costs_of(const ScoreModel& model, std::span<const ScoreParts> parts,
 /// One unknown: how the log odds of each row change with it, and what coordinate descent knows.
 struct Coordinate {
   std::vector<double> slopes;
-  double value = 0, centre = 0, deviation = 1, low = 0, high = 0;
+  double value = 0, center = 0, deviation = 1, low = 0, high = 0;
   double raise = 0;  // of the largest raise: of the shift by 1, of a weight below 1 by 1
   double trust = 1;  // largest step
 };
@@ -64,8 +64,8 @@ struct Coordinate {
 /// Where a parabola of this slope and curvature at c.value, and the toll on raises, are least.
 double lowest_point(const Coordinate& c, double gradient, double curvature, double toll) {
   const double paid = toll * c.raise / curvature, free = c.value - gradient / curvature;
-  if (c.centre == 0) return free - paid;
-  return free < c.centre ? std::min(free + paid, c.centre) : free;
+  if (c.center == 0) return free - paid;
+  return free < c.center ? std::min(free + paid, c.center) : free;
 }
 
 /// The most that the curvature of the log loss is while log odds change by at most `reach`.
@@ -79,7 +79,7 @@ double largest_curvature(double log_odds, double reach) {
 double descend_along(Coordinate& c, std::span<const std::uint8_t> right, double toll,
                      std::span<double> log_odds) {
   const double precision = 1 / (c.deviation * c.deviation);
-  double gradient = precision * (c.value - c.centre), curvature = precision;
+  double gradient = precision * (c.value - c.center), curvature = precision;
   for (std::size_t i = 0; i < right.size(); ++i) {
     if (c.slopes[i] == 0) continue;
     const double p = 1 / (1 + std::exp(-log_odds[i]));
@@ -111,8 +111,8 @@ class AdaptationFit {
     }
   }
 
-  /// Minimise with so much to pay for each unit of the largest raise.
-  ScoreAdaptation minimise(double toll) {
+  /// Minimize with so much to pay for each unit of the largest raise.
+  ScoreAdaptation minimize(double toll) {
     for (Coordinate& c : coordinates_) c.trust = 1;
     for (int pass = 0; pass < kMaxPasses; ++pass) {
       double largest = 0;
@@ -182,7 +182,7 @@ ScoreAdaptation fit_adaptation(const ScoreModel& model, std::span<const ScorePar
                                std::span<const std::uint8_t> right) {
   assert(parts.size() == right.size() && "one outcome a row");
   AdaptationFit fit(model, parts, right);
-  const ScoreAdaptation unbounded = fit.minimise(0);
+  const ScoreAdaptation unbounded = fit.minimize(0);
   if (largest_raise(model, unbounded) <= kMaxRaise) return unbounded;
   // The least toll that keeps within the bound is the multiplier of the constrained minimum. One as
   // large as the number of rows is more than all of them can gain.
@@ -190,7 +190,7 @@ ScoreAdaptation fit_adaptation(const ScoreModel& model, std::span<const ScorePar
   double low = 0, high = static_cast<double>(parts.size());
   for (int i = 0; i < kTollBisections; ++i) {
     const double toll = (low + high) / 2;
-    const ScoreAdaptation tried = fit.minimise(toll);
+    const ScoreAdaptation tried = fit.minimize(toll);
     if (largest_raise(model, tried) > kMaxRaise) {
       low = toll;
     } else {

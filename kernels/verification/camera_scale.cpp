@@ -74,13 +74,13 @@ ScalePull leave_pose_free(const ObjectEquations& equations, const LogScales& sca
 }
 
 Pose follow_scales(const ObjectEquations& equations, const LogScales& step,
-                   const Pose& T_camera_model, const Eigen::Vector3f& model_centre) {
+                   const Pose& T_camera_model, const Eigen::Vector3f& model_center) {
   const Eigen::Matrix<double, 6, 1> rest =
       equations.pull.head<6>() -
       equations.information.topRightCorner<6, 2>() * Eigen::Vector2d(step.focal, step.depth);
   const Eigen::Matrix<double, 6, 1> motion = pose_information(equations).ldlt().solve(rest);
   Pose pose = small_motion(motion.head<3>().cast<float>(), motion.tail<3>().cast<float>(),
-                           T_camera_model * model_centre) *
+                           T_camera_model * model_center) *
               T_camera_model;
   pose.linear() = Eigen::Quaternionf(pose.linear()).normalized().toRotationMatrix();
   return pose;

@@ -26,7 +26,7 @@ ScalePull leave_pose_free(const ObjectEquations& equations, const LogScales& sca
 
 /// The pose that fits best once the scales change by `step` from where the equations were set up.
 Pose follow_scales(const ObjectEquations& equations, const LogScales& step,
-                   const Pose& T_camera_model, const Eigen::Vector3f& model_centre);
+                   const Pose& T_camera_model, const Eigen::Vector3f& model_center);
 
 /// A factor and its standard error.
 struct Factor {
@@ -36,7 +36,7 @@ struct Factor {
 /// What a camera's focal lengths and depths are to be multiplied by.
 struct CameraScale {
   Factor focal;
-  std::optional<Factor> depth;  ///< none where neighbouring pixels err alike
+  std::optional<Factor> depth;  ///< none where neighboring pixels err alike
   double num_models = 0;        ///< that tell, by their shares of the information
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 struct Cluster {
   std::vector<Pose> members;  // all in the branch of the first
-  std::vector<Eigen::Vector3f> centres;
+  std::vector<Eigen::Vector3f> centers;
   std::vector<float> weights;
   float votes = 0;
 };
@@ -23,11 +23,11 @@ std::int64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
   return ((x & 0x1FFFFF) << 42) | ((y & 0x1FFFFF) << 21) | (z & 0x1FFFFF);
 }
 
-bool joins(const Cluster& cluster, const Pose& pose, const Eigen::Vector3f& centre,
+bool joins(const Cluster& cluster, const Pose& pose, const Eigen::Vector3f& center,
            const ClusterOptions& options) noexcept {
   const float max_squared = options.max_translation * options.max_translation;
   for (std::size_t m = 0; m < cluster.members.size(); ++m) {
-    if ((cluster.centres[m] - centre).squaredNorm() > max_squared) return false;
+    if ((cluster.centers[m] - center).squaredNorm() > max_squared) return false;
     if (rotation_angle(cluster.members[m].linear(), pose.linear()) > options.max_rotation_rad)
       return false;
   }
@@ -37,7 +37,7 @@ bool joins(const Cluster& cluster, const Pose& pose, const Eigen::Vector3f& cent
 }  // namespace
 
 std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
-                                      const Symmetry& symmetry, const Eigen::Vector3f& model_centre,
+                                      const Symmetry& symmetry, const Eigen::Vector3f& model_center,
                                       const ClusterOptions& options) {
   std::vector<std::uint32_t> order(hypotheses.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -48,8 +48,8 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
   std::vector<Cluster> clusters;
   std::unordered_map<std::int64_t, std::vector<std::uint32_t>> clusters_of_cell;
   for (const std::uint32_t i : order) {
-    const Eigen::Vector3f centre = hypotheses[i].T_scene_model * model_centre;
-    const Eigen::Array3f scaled = (centre / options.max_translation).array().floor();
+    const Eigen::Vector3f center = hypotheses[i].T_scene_model * model_center;
+    const Eigen::Array3f scaled = (center / options.max_translation).array().floor();
     const auto cx = static_cast<std::int64_t>(scaled.x()),
                cy = static_cast<std::int64_t>(scaled.y()),
                cz = static_cast<std::int64_t>(scaled.z());
@@ -68,7 +68,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
                                   ? hypotheses[i].T_scene_model
                                   : closest_equivalent(hypotheses[i].T_scene_model, symmetry,
                                                        clusters[c].members.front());
-            if (!joins(clusters[c], pose, pose * model_centre, options)) continue;
+            if (!joins(clusters[c], pose, pose * model_center, options)) continue;
             best = c;
             best_pose = pose;
             break;
@@ -82,7 +82,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
     }
     Cluster& cluster = clusters[best];
     cluster.members.push_back(best_pose);
-    cluster.centres.push_back(best_pose * model_centre);
+    cluster.centers.push_back(best_pose * model_center);
     cluster.weights.push_back(hypotheses[i].votes);
     cluster.votes += hypotheses[i].votes;
   }
@@ -98,7 +98,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
   out.reserve(strongest.size());
   for (const std::uint32_t c : strongest) {
     out.push_back(
-        {mean_pose(clusters[c].members, clusters[c].weights, model_centre), clusters[c].votes});
+        {mean_pose(clusters[c].members, clusters[c].weights, model_center), clusters[c].votes});
   }
   return out;
 }

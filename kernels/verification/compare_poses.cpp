@@ -12,7 +12,7 @@ constexpr float kGrazing = 0.17F;      // cosine below which a surface is too ob
 constexpr float kFitError = 0.004F;    // of model and pose, as a share of the diameter
 constexpr double kAgreement = 10;      // likelihood of r = 0 over that of a pixel off the model
 constexpr double kSeenThrough = 0.03;  // ... of a measurement anywhere behind the surface
-// Where neighbours err alike, so much of the surface is blended with what lies beside it, as thin
+// Where neighbors err alike, so much of the surface is blended with what lies beside it, as thin
 // parts and edges are, and errs so many times more.
 constexpr double kBlended = 0.3, kBlend = 8;
 // Shares of rays without measurement are told by so many rays, and not below this.
@@ -100,7 +100,7 @@ class Comparer {
 };
 
 auto ball_of(const ImageGeometry& g, const ModelSamples& samples, const Pose& T_camera_model) {
-  return project_ball(g, T_camera_model * samples.centre, 0.5F * ball_diameter(samples));
+  return project_ball(g, T_camera_model * samples.center, 0.5F * ball_diameter(samples));
 }
 
 }  // namespace

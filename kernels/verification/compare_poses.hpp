@@ -59,7 +59,7 @@ struct CompareScratch {
 /// normal distribution around 0, as wide as noise and error of model and pose together, mixed with
 /// a uniform one (relative to what a pixel off the model may show). Measured in front is occlusion
 /// and says nothing, unless it is a background plane, which nothing reaches through; nor does a
-/// background plane at the model's depth or a grazing surface. Where neighbours err alike, part of
+/// background plane at the model's depth or a grazing surface. Where neighbors err alike, part of
 /// the normal distribution is eight times as wide: thin parts and edges are blended with what lies
 /// beside them. Without a measurement the likelihood is the share of such rays among those that
 /// both poses meet the model by, over the share among those that neither does. A block of pixels

@@ -44,7 +44,7 @@ const ScoreModel& default_score() noexcept {
     {0.0F, 0.0F, 0.0F, 0.0F},  // coarseness
     {0.0F, 0.0F, 0.0F, 0.0F},  // correlation
   }},
-  {{  // where neighbours share them
+  {{  // where neighbors share them
     {0.57405F, 0.65616F, 1.7131F, 0.82098F},  // violation
     {0.77414F, 0.17411F, 0.60663F, 0.0F},  // background
     {0.0F, 1.424F, 1.7217F, 0.58068F},  // free

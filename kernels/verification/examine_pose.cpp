@@ -30,7 +30,7 @@ constexpr float kDeep = 3;
 constexpr int kLeastRays = 3, kMostRays = 16;
 // What lies beneath the measured surface by less may be what the model is taken for [tolerances].
 constexpr float kShallow = 6;
-// Where neighbours err alike, depth is wrong by a few tolerances in places: what lies so much
+// Where neighbors err alike, depth is wrong by a few tolerances in places: what lies so much
 // farther than a whole one behind the model is looked through for sure.
 constexpr float kSoftness = 1.5F;
 
@@ -40,7 +40,7 @@ enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 struct Sums {
   double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
   Matrix6 covariance = Matrix6::Zero();
-  Eigen::Vector3d places = Eigen::Vector3d::Zero();  // from the model's centre
+  Eigen::Vector3d places = Eigen::Vector3d::Zero();  // from the model's center
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   double outline = 0;  // number of its places
   Matrix6 outline_covariance = Matrix6::Zero();
@@ -57,7 +57,7 @@ class Examiner {
         s_(scratch),
         T_camera_model_(g_.T_camera_scene * T_scene_model),
         diameter_(samples.diameter),
-        centre_(T_camera_model_ * samples.centre),
+        center_(T_camera_model_ * samples.center),
         edge_(options.edge_pixels),
         softness_(std::max(1e-6F, kSoftness * options.correlation)),
         crop_(box, kMargin) {}
@@ -121,7 +121,7 @@ class Examiner {
           sums.count += 1;
           sums.squares += share * share;
           sums.area += static_cast<double>(square * z * z / (g_.fx * g_.fy * facing));
-          const Eigen::Vector3d place = (R_scene_camera * (ray * z - centre_)).cast<double>();
+          const Eigen::Vector3d place = (R_scene_camera * (ray * z - center_)).cast<double>();
           sums.places += place;
           sums.spread.noalias() += place * place.transpose();
           const Vector6 J = constraint(R_scene_camera, ray * z, normal);
@@ -362,7 +362,7 @@ class Examiner {
   Vector6 constraint(const Eigen::Matrix3f& R_scene_camera, const Eigen::Vector3f& point,
                      const Eigen::Vector3f& normal) const noexcept {
     const Eigen::Vector3f n = R_scene_camera * normal;
-    const Eigen::Vector3f arm = R_scene_camera * (point - centre_) / (0.5F * diameter_);
+    const Eigen::Vector3f arm = R_scene_camera * (point - center_) / (0.5F * diameter_);
     Vector6 J;
     J << arm.cross(n).cast<double>(), n.cast<double>();
     return J;
@@ -399,7 +399,7 @@ class Examiner {
   ExamineScratch& s_;
   Pose T_camera_model_;
   float diameter_;
-  Eigen::Vector3f centre_;
+  Eigen::Vector3f center_;
   int edge_;        // [pixel]
   float softness_;  // [tolerances]
   RayCrop crop_;
@@ -412,7 +412,7 @@ Vector6 free_turn(const ModelSamples& samples, const std::optional<Symmetry::Axi
   if (!free_axis) return turn;
   const Eigen::Vector3f axis = T_scene_model.linear() * free_axis->direction;
   const Eigen::Vector3f arm =
-      T_scene_model * samples.centre - T_scene_model * Eigen::Vector3f(free_axis->point);
+      T_scene_model * samples.center - T_scene_model * Eigen::Vector3f(free_axis->point);
   turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * samples.diameter)).cast<double>();
   return turn.normalized();
 }
@@ -438,7 +438,7 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
   std::uint32_t first_pixel = 0;
   for (const RangeImage& image : images) {
     const std::optional<PixelBox> box = project_ball(
-        image.geometry, image.geometry.T_camera_scene * (T_scene_model * samples.centre), radius);
+        image.geometry, image.geometry.T_camera_scene * (T_scene_model * samples.center), radius);
     if (box) {
       Examiner examiner(image, samples, T_scene_model, *box, options, scratch);
       examiner.compare(surface, first_pixel, out, sums, explained);

@@ -79,7 +79,7 @@ struct ExplainedPixels {
 /// explained  if given, is replaced by the consistent pixels
 /// Along each ray: r = (measured - model's depth) times the cosine of incidence. |r| <= tolerance
 /// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose; so are
-/// background planes, and the neighbours that are looked at where the pixel itself does not agree.
+/// background planes, and the neighbors that are looked at where the pixel itself does not agree.
 /// A right pose leaves noise in r: averaged over windows it vanishes and has no slope. A wrong one
 /// leaves shape.
 /// Sources: Papazov and Burschka, ACCV 2010 (acceptance by visibility and penalty); Gelfand et al.,

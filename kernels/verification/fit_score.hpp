@@ -8,7 +8,7 @@
 
 namespace trivet::kernels {
 
-/// Minimise sum log loss + ridge / 2 sum weight^2 over all weights >= 0.
+/// Minimize sum log loss + ridge / 2 sum weight^2 over all weights >= 0.
 ///
 /// parts  n, all finite; their 3 and 97 % quantiles become the outer knots, the others lie at equal
 ///        distances between

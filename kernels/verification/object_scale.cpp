@@ -49,10 +49,10 @@ bool is_near_edge(const RayCrop& crop, const Column<float>& residuals, int i, in
 }
 
 /// Derivative of a residual at the point `met` of a surface with the normal `n`.
-Vector8 derivative(const Eigen::Vector3d& met, const Eigen::Vector3d& centre,
+Vector8 derivative(const Eigen::Vector3d& met, const Eigen::Vector3d& center,
                    const Eigen::Vector3d& n) {
   Vector8 J;
-  J << n.cross(met - centre), -n, -(n.x() * met.x() + n.y() * met.y()), n.dot(met);
+  J << n.cross(met - center), -n, -(n.x() * met.x() + n.y() * met.y()), n.dot(met);
   return J;
 }
 
@@ -64,8 +64,8 @@ void gather_object(const RangeImage& image, const RayScene& surface, const Model
   out = {};
   const ImageGeometry g = scaled(image.geometry, scales.focal);
   const auto depth_factor = static_cast<float>(std::exp(scales.depth));
-  const Eigen::Vector3f centre = T_camera_model * samples.centre;
-  const std::optional<PixelBox> box = project_ball(g, centre, 0.5F * ball_diameter(samples));
+  const Eigen::Vector3f center = T_camera_model * samples.center;
+  const std::optional<PixelBox> box = project_ball(g, center, 0.5F * ball_diameter(samples));
   if (!box) return;
   const RayCrop crop(*box, 1);
   out.num_rays = crop.size();
@@ -102,7 +102,7 @@ void gather_object(const RangeImage& image, const RayScene& surface, const Model
       if (!std::isfinite(s.residuals[at]) || is_near_edge(crop, s.residuals, i, j, reach)) continue;
       const Eigen::Vector3f met = s.depths[at] * ray_through(g, crop.u(i), crop.v(j));
       const Vector8 J =
-          derivative(met.cast<double>(), centre.cast<double>(), s.normals[at].cast<double>());
+          derivative(met.cast<double>(), center.cast<double>(), s.normals[at].cast<double>());
       const double r = -static_cast<double>(s.residuals[at]);  // beyond is against the normal
       const double share = r / static_cast<double>(options.gate);
       const double root = (1 - share * share) / sigma;

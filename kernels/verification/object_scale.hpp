@@ -27,7 +27,7 @@ struct ScaleOptions {
 
 /// Normal equations of a point-to-plane fit, weights being one over the squared sigma. The unknowns
 /// in their order: rotation vector [rad] and translation [scene unit] of the object in the camera's
-/// frame, about the image of its centre, log focal scale, log depth scale.
+/// frame, about the image of its center, log focal scale, log depth scale.
 struct ObjectEquations {
   using Vector8 = Eigen::Matrix<double, 8, 1>;
 

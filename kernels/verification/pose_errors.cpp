@@ -62,7 +62,7 @@ void for_surface(const DistanceMap& map, const Body& body) noexcept {
 
 }  // namespace
 
-std::vector<Isometry3d> discretise_symmetry(const Symmetry& symmetry) {
+std::vector<Isometry3d> discretize_symmetry(const Symmetry& symmetry) {
   std::vector<Isometry3d> discrete{Isometry3d::Identity()};
   for (const Pose& pose : symmetry.poses) discrete.emplace_back(pose.cast<double>());
   if (!symmetry.axis) return discrete;

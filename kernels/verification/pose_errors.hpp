@@ -18,14 +18,14 @@ namespace trivet::kernels {
 ///
 /// A free axis becomes 315 = ceil(pi / 0.01) turns: from one to the next no point moves by more
 /// than 1 % of the diameter. Beside discrete symmetries, every turn follows each of them.
-std::vector<Eigen::Isometry3d> discretise_symmetry(const Symmetry& symmetry);
+std::vector<Eigen::Isometry3d> discretize_symmetry(const Symmetry& symmetry);
 
 /// Maximum symmetry-aware surface distance: the largest distance between a vertex in both poses,
 /// the smallest over the symmetries.
 ///
 /// vertices         n > 0 points of the model
 /// estimate, truth  model to scene, in the vertices' unit
-/// symmetries       of the model, with the identity (discretise_symmetry)
+/// symmetries       of the model, with the identity (discretize_symmetry)
 /// Returns a length in the vertices' unit. No allocation. Cost: n times the symmetries at most; a
 /// symmetry is left at the first vertex that makes it worse than the best one.
 double mssd(PointsView vertices, const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
@@ -33,12 +33,12 @@ double mssd(PointsView vertices, const Eigen::Isometry3d& estimate, const Eigen:
 
 /// Maximum symmetry-aware projection distance: as `mssd`, between the vertices' images [pixel].
 ///
-/// A vertex behind the camera is projected through its centre all the same; one in the plane z = 0
+/// A vertex behind the camera is projected through its center all the same; one in the plane z = 0
 /// has no image, which makes the error infinite.
 double mspd(PointsView vertices, const Camera& camera, const Eigen::Isometry3d& estimate,
             const Eigen::Isometry3d& truth, std::span<const Eigen::Isometry3d> symmetries) noexcept;
 
-/// Distances from the camera's centre along the rays of a window's pixels; 0: nothing there, as
+/// Distances from the camera's center along the rays of a window's pixels; 0: nothing there, as
 /// outside the window.
 struct DistanceMap {
   PixelWindow window;

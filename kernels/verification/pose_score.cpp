@@ -44,7 +44,7 @@ float part_evidence(const ScoreModel& model, const ScoreParts& parts, std::size_
     const float ramp = std::clamp((parts[part] - knots[k]) / (knots[k + 1] - knots[k]), 0.0F, 1.0F);
     const float weight =
         shares[0] * model.weights[0][part][k] + shares[1] * model.weights[1][part][k];
-    sum += weight * (kScoreParts[part].favourable ? ramp : 1 - ramp);
+    sum += weight * (kScoreParts[part].favorable ? ramp : 1 - ramp);
   }
   return sum;
 }

@@ -12,7 +12,7 @@ namespace trivet::kernels {
 /// One part of a score: what it is called, and whether more of it speaks for the pose.
 struct ScorePart {
   std::string_view name;
-  bool favourable;
+  bool favorable;
 };
 
 inline constexpr std::array<ScorePart, 17> kScoreParts{{
@@ -48,7 +48,7 @@ ScoreParts score_parts(const Examination& examination, float relative_tolerance,
 /// A logistic model that is additive and monotone: each part adds weights on the ramps between its
 /// knots, all >= 0, so that no part can speak against what it stands for. How much a part tells
 /// depends on the sensor, so there are weights for errors that are independent from pixel to pixel
-/// and for errors that neighbours share; between, the log odds of both are mixed.
+/// and for errors that neighbors share; between, the log odds of both are mixed.
 struct ScoreModel {
   static constexpr std::size_t kKnots = 5;
   using Weights = std::array<std::array<float, kKnots - 1>, kNumScoreParts>;  ///< of the ramps

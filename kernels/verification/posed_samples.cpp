@@ -61,7 +61,7 @@ PosedSamples::PosedSamples(const ImageGeometry& geometry, const ModelSamples& sa
       samples_(samples),
       T_camera_model_(geometry.T_camera_scene * T_scene_model) {
   const Eigen::Vector3f camera_in_model = T_camera_model_.inverse().translation();
-  const std::size_t view = nearest_view((camera_in_model - samples.centre).normalized());
+  const std::size_t view = nearest_view((camera_in_model - samples.center).normalized());
   view_word_ = view / 64;
   view_bit_ = view % 64;
 }

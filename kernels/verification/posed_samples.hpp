@@ -1,4 +1,4 @@
-/// Model samples as a camera sees them, a block at a time, so that loops over them vectorise.
+/// Model samples as a camera sees them, a block at a time, so that loops over them vectorize.
 #pragma once
 
 #include <array>

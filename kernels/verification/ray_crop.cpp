@@ -32,16 +32,16 @@ RayCrop::RayCrop(const PixelBox& box, int margin) noexcept {
 float ball_diameter(const ModelSamples& samples) noexcept {
   float reach = 0;
   for (std::size_t i = 0; i < samples.points.size(); ++i)
-    reach = std::max(reach, (samples.points[i] - samples.centre).squaredNorm());
+    reach = std::max(reach, (samples.points[i] - samples.center).squaredNorm());
   return 2 * (std::sqrt(reach) + samples.spacing);
 }
 
-std::optional<PixelBox> project_ball(const ImageGeometry& g, const Eigen::Vector3f& centre,
+std::optional<PixelBox> project_ball(const ImageGeometry& g, const Eigen::Vector3f& center,
                                      float radius) noexcept {
-  if (!(centre.z() > 1.05F * radius)) return std::nullopt;
-  const float x = centre.x() / centre.z(), y = centre.y() / centre.z();
+  if (!(center.z() > 1.05F * radius)) return std::nullopt;
+  const float x = center.x() / center.z(), y = center.y() / center.z();
   // The tangents of the ball's cone, bounded from above.
-  const float reach = radius / std::sqrt(centre.z() * centre.z() - radius * radius);
+  const float reach = radius / std::sqrt(center.z() * center.z() - radius * radius);
   const float half_u = g.fx * reach * (1 + x * x + std::abs(x) * reach);
   const float half_v = g.fy * reach * (1 + y * y + std::abs(y) * reach);
   const float u = g.fx * x + g.cx, v = g.fy * y + g.cy;

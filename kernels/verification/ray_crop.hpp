@@ -42,13 +42,13 @@ struct RayCrop {
   int v(int j) const noexcept { return v0 + stride * j; }
 };
 
-/// Twice the distance that samples lie from their centre, which no other point of the surface
+/// Twice the distance that samples lie from their center, which no other point of the surface
 /// exceeds by more than their spacing: the diameter of a ball around the model.
 float ball_diameter(const ModelSamples& samples) noexcept;
 
 /// The box that a ball of the camera's frame projects into; nothing where that is off the image or
 /// the camera is in the ball or next to it.
-std::optional<PixelBox> project_ball(const ImageGeometry& geometry, const Eigen::Vector3f& centre,
+std::optional<PixelBox> project_ball(const ImageGeometry& geometry, const Eigen::Vector3f& center,
                                      float radius) noexcept;
 
 /// The direction of a pixel's ray in the camera's frame; its z is 1.
@@ -70,7 +70,7 @@ struct Measurement {
 };
 
 /// The measurement of a pixel, or where that is off by more than `tolerance`, of the pixel or of
-/// one of its four neighbours, whichever fits best: half a pixel of error must not look like a
+/// one of its four neighbors, whichever fits best: half a pixel of error must not look like a
 /// hole.
 ///
 /// z      depth of the model's surface

@@ -124,7 +124,7 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
   Pulls pulls;
   float gate = options.first_gate;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration, gate *= shrink) {
-    const Stand stand{pose * samples.centre, gate, min_cosine};
+    const Stand stand{pose * samples.center, gate, min_cosine};
     NormalEquations sums;
     for (const RangeImage& image : images) {
       const PosedSamples posed(image.geometry, samples, pose);
@@ -163,7 +163,7 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
     pose.linear() = Eigen::Quaternionf(pose.linear()).normalized().toRotationMatrix();
     refined.iterations = iteration + 1;
   }
-  const float translation = (pose * samples.centre - start * samples.centre).norm();
+  const float translation = (pose * samples.center - start * samples.center).norm();
   const float rotation = rotation_angle(pose.linear(), start.linear());
   if (!(translation <= options.max_translation) || !(rotation <= options.max_rotation_rad)) {
     refined.T_scene_model = start;

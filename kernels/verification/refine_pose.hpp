@@ -18,7 +18,7 @@ struct RefineOptions {
   float last_gate = 0;  ///< ... in the last one; the gate shrinks geometrically between, > 0
   float max_normal_angle_rad = 1.0F;
   float max_translation =
-      0;  ///< the result is given up beyond this motion of the model's centre, > 0
+      0;  ///< the result is given up beyond this motion of the model's center, > 0
   float max_rotation_rad = 0.35F;
 };
 
@@ -28,7 +28,7 @@ struct Refined {
   bool moved_too_far = false;  ///< the pose is then the one given
 };
 
-/// Minimise sum w (n . (T p - q))^2 over the visible samples p, where q is the measured point on
+/// Minimize sum w (n . (T p - q))^2 over the visible samples p, where q is the measured point on
 /// p's viewing ray and n its normal (Chen and Medioni, 1992; association as Blais and Levine, PAMI
 /// 1995; weights of Tukey). No allocation. Fewer than 20 associated samples leave the pose where it
 /// is.

@@ -63,12 +63,12 @@ void find_facing(std::size_t n, const float* __restrict x, const float* __restri
 struct Seen {
   std::size_t count = 0;
   alignas(64) BlockColumn<std::int32_t> index;  // in the block
-  alignas(64) BlockColumn<std::int32_t> pixel;  // the sample's or a neighbour, whichever fits best
+  alignas(64) BlockColumn<std::int32_t> pixel;  // the sample's or a neighbor, whichever fits best
   alignas(64) BlockColumn<float> residual;      // there; infinite without a measurement
 };
 
-/// The pixel or a neighbour, whichever fits best: half a pixel of error must not look like a hole.
-/// Beyond the image's edge the pixel stands for its neighbour.
+/// The pixel or a neighbor, whichever fits best: half a pixel of error must not look like a hole.
+/// Beyond the image's edge the pixel stands for its neighbor.
 TRIVET_SIMD_CLONES
 void fit_pixels(const float* __restrict depth, std::int32_t width, std::int32_t height,
                 float tolerance, std::size_t n, const std::int32_t* __restrict index,
@@ -190,7 +190,7 @@ namespace {
 
 constexpr int kOutlineSide = 96;  // cells; a diameter is some 50
 
-/// A coarse image of the model alone, around its centre.
+/// A coarse image of the model alone, around its center.
 struct OutlineGrid {
   float u0 = 0, v0 = 0;  // its corner in the image [pixel]
   float cell = 0;        // [pixel]
@@ -239,20 +239,20 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
   for (const RangeImage& image : images) {
     const ImageGeometry& geometry = image.geometry;
     const PosedSamples posed(geometry, samples, T_scene_model);
-    const Eigen::Vector3f centre = posed.T_camera_model() * samples.centre;
-    if (!(centre.z() > samples.diameter * 0.1F)) continue;
+    const Eigen::Vector3f center = posed.T_camera_model() * samples.center;
+    if (!(center.z() > samples.diameter * 0.1F)) continue;
 
     // Each sample covers 3 x 3 cells of 0.8 spacings, which leaves no holes inside the outline and
     // widens it by about one cell.
     OutlineGrid grid;
-    grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / centre.z());
+    grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / center.z());
     grid.side = std::min(
         kOutlineSide,
-        static_cast<int>(std::ceil(2 * samples.diameter * geometry.fx / (centre.z() * grid.cell))) +
+        static_cast<int>(std::ceil(2 * samples.diameter * geometry.fx / (center.z() * grid.cell))) +
             8);
     const float half = grid.cell * static_cast<float>(grid.side) / 2;
-    grid.u0 = geometry.fx * centre.x() / centre.z() + geometry.cx - half;
-    grid.v0 = geometry.fy * centre.y() / centre.z() + geometry.cy - half;
+    grid.u0 = geometry.fx * center.x() / center.z() + geometry.cx - half;
+    grid.v0 = geometry.fy * center.y() / center.z() + geometry.cy - half;
 
     // The nearest sample of each cell.
     const auto side = static_cast<std::size_t>(grid.side);

@@ -61,7 +61,7 @@ struct Evidence {
 /// A sample is visible when its view mask has the bit of the direction to the camera and its normal
 /// is within 81 degrees of the ray. With measured depth d, model depth z and the angle between ray
 /// and normal, r = (d - z) cos: |r| <= tolerance is agreement, r > tolerance a violation, r <
-/// -tolerance occlusion; where the pixel itself does not agree, the best of it and its 4 neighbours
+/// -tolerance occlusion; where the pixel itself does not agree, the best of it and its 4 neighbors
 /// counts. explained   if given, the pixel (offset by the images before it) of every consistent
 /// sample is appended Source: Papazov and Burschka, ACCV 2010, acceptance by visibility and
 /// penalty; extended by normals and planes.

@@ -7,7 +7,7 @@
 ///     DATASET/test/000001/scene_camera.json, scene_gt.json, scene_gt_info.json
 ///     DATASET/test_targets_bop19.json, test_targets_bop24.json
 ///
-/// Source: bop_toolkit, docs/bop_datasets_format.md. All lengths are millimetres.
+/// Source: bop_toolkit, docs/bop_datasets_format.md. All lengths are millimeters.
 #pragma once
 
 #include <Eigen/Core>

@@ -13,7 +13,7 @@ namespace {
 LengthUnit parse_unit(const JsonNode& node) {
   const std::string unit = node.string();
   if (unit != "m" && unit != "mm") node.refuse("expected the unit \"m\" or \"mm\"");
-  return unit == "m" ? LengthUnit::metre : LengthUnit::millimetre;
+  return unit == "m" ? LengthUnit::meter : LengthUnit::millimeter;
 }
 
 double positive(const JsonNode& node) {

@@ -299,7 +299,7 @@ Result<Manifest> read_models(const Place& place) {
   const auto objects = read_bop_models_info(place.models / "models_info.json");
   if (!objects) return objects.error();
   Manifest manifest;
-  manifest.unit = LengthUnit::millimetre;
+  manifest.unit = LengthUnit::millimeter;
   for (const BopObject& object : *objects) {
     ManifestModel model;
     model.name = bop_model_name(object.id);

@@ -17,7 +17,7 @@ namespace {
 
 struct ImageHeader {
   std::uint32_t width, height;
-  unsigned bits, colour;
+  unsigned bits, color;
 };
 
 /// Signature and IHDR, before libpng sees the file. Source: PNG (ISO/IEC 15948), sections 5.2
@@ -37,11 +37,11 @@ Result<ImageHeader> read_header(const Input& input) {
 }
 
 Result<void> check_header(const Input& input, const ImageHeader& header) {
-  if (header.bits != 16 || header.colour != PNG_COLOR_TYPE_GRAY) {
+  if (header.bits != 16 || header.color != PNG_COLOR_TYPE_GRAY) {
     return input.refuse(
-        fmt::format("expected 16-bit grey depth values, found {} bits a sample and "
-                    "colour type {}; a picture or an 8-bit image holds no depths",
-                    header.bits, header.colour));
+        fmt::format("expected 16-bit gray depth values, found {} bits a sample and "
+                    "color type {}; a picture or an 8-bit image holds no depths",
+                    header.bits, header.color));
   }
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
   const std::uint64_t limit = std::min(input.options.max_pixels, input.max_points());

@@ -32,7 +32,7 @@ Result<void> check_range(PointsView points, const Input& input) {
   if (distance > kLargestCoordinate) {
     return input.refuse(
         fmt::format("expected coordinates up to {:g}, found {:g}; give the file in "
-                    "metres or millimetres near its own origin",
+                    "meters or millimeters near its own origin",
                     kLargestCoordinate, distance));
   }
   if (points.size() > 1 && extent < kSmallestExtent * distance) {

@@ -98,7 +98,7 @@ class OffReader {
     return v;
   }
 
-  /// One a line; colours and texture coordinates may follow.
+  /// One a line; colors and texture coordinates may follow.
   Result<void> read_vertices(std::uint64_t count, bool with_normals) {
     cloud_.points.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -114,7 +114,7 @@ class OffReader {
     return {};
   }
 
-  /// One a line: the number of corners, the corners; a colour may follow.
+  /// One a line: the number of corners, the corners; a color may follow.
   Result<void> read_faces(std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) {
       next_line();

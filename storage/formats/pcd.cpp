@@ -157,15 +157,15 @@ Result<Cloud> read_pcd(const Input& input) {
   }
   if (!done) return done.error();
 
-  const bool organised = header->height > 1;
-  if (organised) {
+  const bool organized = header->height > 1;
+  if (organized) {
     cloud.grid = PixelGrid{static_cast<std::uint32_t>(header->width),
                            static_cast<std::uint32_t>(header->height),
                            Column<std::int32_t>(header->num_points)};
     std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
   }
-  // Zero is what writers put when they do not know; for an organised cloud it is the camera.
-  if (organised || !header->viewpoint.isZero(0)) cloud.viewpoint = header->viewpoint;
+  // Zero is what writers put when they do not know; for an organized cloud it is the camera.
+  if (organized || !header->viewpoint.isZero(0)) cloud.viewpoint = header->viewpoint;
   return cloud;
 }
 

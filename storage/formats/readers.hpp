@@ -23,13 +23,13 @@ Result<Cloud> read_obj(const Input& input);
 /// STL, text or binary; corners at equal coordinates become one point.
 Result<Cloud> read_stl(const Input& input);
 
-/// Geomview OFF in text, with or without normals, colours and texture coordinates.
+/// Geomview OFF in text, with or without normals, colors and texture coordinates.
 Result<Cloud> read_off(const Input& input);
 
 /// One point a line: x y z, or x y z nx ny nz.
 Result<Cloud> read_xyz(const Input& input);
 
-/// 16-bit grey PNG of depths; zero is no measurement. Needs the camera in the options.
+/// 16-bit gray PNG of depths; zero is no measurement. Needs the camera in the options.
 Result<Cloud> read_depth_png(const Input& input);
 
 }  // namespace trivet::formats

@@ -45,7 +45,7 @@ void on_flush(png_structp) {}
 
 struct Rows {
   std::uint32_t width, height;
-  int bits, colour;
+  int bits, color;
   const png_byte* first;
   std::size_t stride;  // bytes
 };
@@ -59,7 +59,7 @@ bool encode(const Rows& rows, Sink& sink) {
     return false;
   }
   png_set_write_fn(png, &sink, on_write, on_flush);
-  png_set_IHDR(png, info, rows.width, rows.height, rows.bits, rows.colour, PNG_INTERLACE_NONE,
+  png_set_IHDR(png, info, rows.width, rows.height, rows.bits, rows.color, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
   if (rows.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);

@@ -34,7 +34,7 @@ Row read_row(TextCursor& cursor) {
   return row;
 }
 
-/// Whether columns four to six are directions: colours and intensities stand there as well.
+/// Whether columns four to six are directions: colors and intensities stand there as well.
 bool are_directions(PointsView normals) {
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const float length = normals[i].norm();

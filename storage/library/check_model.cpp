@@ -45,7 +45,7 @@ std::string check_scalars(const Model& model) {
   if (!std::isfinite(model.diameter) || model.diameter <= 0) {
     return fmt::format("diameter: expected a positive length, found {}", model.diameter);
   }
-  if (!finite(model.centre)) return "centre: expected finite coordinates";
+  if (!finite(model.center)) return "center: expected finite coordinates";
   if (!std::isfinite(model.sample_spacing) || model.sample_spacing < 0) {
     return fmt::format("sample_spacing: expected a length, found {}", model.sample_spacing);
   }
@@ -96,8 +96,8 @@ std::string check_triangles(const Model& model) {
 }
 
 std::string check_table(const PpfTableView& table, std::size_t num_points) {
-  const PpfQuantisation& q = table.quantisation;
-  if (q == PpfQuantisation{} && table.offsets.empty() && table.entries.empty())
+  const PpfQuantization& q = table.quantization;
+  if (q == PpfQuantization{} && table.offsets.empty() && table.entries.empty())
     return {};  // trained without
   if (!std::isfinite(q.distance_step) || q.distance_step <= 0) {
     return fmt::format("ppf@distance_step: expected a positive length, found {}", q.distance_step);

@@ -212,7 +212,7 @@ void take_table(Taker& take, const std::string& path, const StoredGroup& group,
                 const std::shared_ptr<const std::byte>& file, Model& model) {
   model.ppf_points = copy_points(take.data(group, format::kPpfPoints, path));
   model.ppf_normals = copy_points(take.data(group, format::kPpfNormals, path));
-  model.ppf.quantisation = {take.f32(group.attributes, "distance_step", path),
+  model.ppf.quantization = {take.f32(group.attributes, "distance_step", path),
                             take.u32(group.attributes, "num_distance_bins", path),
                             take.u32(group.attributes, "num_angle_bins", path)};
   model.ppf.num_references = take.u32(group.attributes, "num_references", path);
@@ -257,7 +257,7 @@ Model take_model(Taker& take, const std::string& name, const StoredGroup& group,
   model.source = take.text(group.attributes, "source", path);
   model.source_xxh3 = take.text(group.attributes, "source_xxh3", path);
   model.diameter = take.f32(group.attributes, "diameter", path);
-  model.centre = take.vector(group.attributes, "centre", path);
+  model.center = take.vector(group.attributes, "centre", path);
   model.sample_spacing = take.f32(group.attributes, "sample_spacing", path);
 
   model.symmetry.declared = take.numbers<std::uint8_t, 1>(group.attributes, "symmetry_declared",
@@ -355,7 +355,7 @@ Result<Library> read_library(const fs::path& file) {
   const std::string unit = take.text(root->attributes, "length_unit", "/");
   if (unit != "m" && unit != "mm")
     take.refuse("/@length_unit", fmt::format("expected m or mm, found '{}'", unit));
-  out.header.unit = unit == "mm" ? LengthUnit::millimetre : LengthUnit::metre;
+  out.header.unit = unit == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
   const std::string expected = take.text(root->attributes, std::string(format::kChecksum), "/");
   if (const std::string sum = format::digest(*root); sum != expected) {
     take.refuse(

@@ -180,7 +180,7 @@ StoredAttributes model_attributes(const Model& model) {
   out.emplace("source", attribute(model.source));
   out.emplace("source_xxh3", attribute(model.source_xxh3));
   out.emplace("diameter", attribute(model.diameter));
-  out.emplace("centre", attribute(model.centre));
+  out.emplace("centre", attribute(model.center));
   out.emplace("sample_spacing", attribute(model.sample_spacing));
   out.emplace("symmetry_declared", attribute(model.symmetry.declared));
   out.emplace("symmetry_axis_direction", attribute(Eigen::Vector3f(axis.direction)));
@@ -189,12 +189,12 @@ StoredAttributes model_attributes(const Model& model) {
 }
 
 StoredAttributes table_attributes(const PpfTableView& table) {
-  const PpfQuantisation& quantisation = table.quantisation;
+  const PpfQuantization& quantization = table.quantization;
   StoredAttributes out;
   out.emplace("num_references", attribute(table.num_references));
-  out.emplace("distance_step", attribute(quantisation.distance_step));
-  out.emplace("num_distance_bins", attribute(quantisation.num_distance_bins));
-  out.emplace("num_angle_bins", attribute(quantisation.num_angle_bins));
+  out.emplace("distance_step", attribute(quantization.distance_step));
+  out.emplace("num_distance_bins", attribute(quantization.num_distance_bins));
+  out.emplace("num_angle_bins", attribute(quantization.num_angle_bins));
   return out;
 }
 
@@ -206,7 +206,7 @@ StoredAttributes basis_attributes(const TriSpinBasis& basis) {
   return out;
 }
 
-std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::metre ? "m" : "mm"; }
+std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
 
 constexpr std::string_view kAxisConvention =
     "models: as in their source; scenes: x right, y down, z forward";

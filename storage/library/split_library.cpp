@@ -22,7 +22,7 @@ std::vector<std::vector<std::uint32_t>> split_models(const Library& library,
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::stable_sort(
-      order, {}, [&](std::uint32_t m) { return library.models[m].ppf.quantisation.distance_step; });
+      order, {}, [&](std::uint32_t m) { return library.models[m].ppf.quantization.distance_step; });
   double all = 0, before = 0;
   for (const Model& model : library.models) all += weight_of(model);
   std::vector<std::vector<std::uint32_t>> parts(num_parts);

@@ -1,6 +1,6 @@
 // The options of a recognition, as parameters of the target or as a JSON object.
 #include "apps/service/serve/json_parameters.hpp"
-#include "apps/service/serve/recognise_query.hpp"
+#include "apps/service/serve/recognize_query.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {
@@ -17,7 +17,7 @@ void parse_query(std::string_view input) {
     if (!target) return;
     parameters = std::move(target->parameters);
   }
-  const Result<apps::RecogniseQuery> query = apps::parse_recognise_query(parameters);
+  const Result<apps::RecognizeQuery> query = apps::parse_recognize_query(parameters);
   if (!query) {
     require(query.error().code == ErrorCode::usage, "faults are the client's");
     return require(!query.error().message.empty(), "there is a reason");

@@ -1,6 +1,6 @@
 #include <cstdio>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/train.hpp"
 
 int main() {

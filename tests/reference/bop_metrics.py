@@ -196,7 +196,7 @@ def by_score(scene, name):
     return sorted(mine, key=lambda e: -scene["detections"][e]["score"])
 
 
-def localisation(case):
+def localization(case):
     totals = {"mssd": 0, "mspd": 0, "vsd": 0}
     found = {"mssd": np.zeros(10), "mspd": np.zeros(10), "vsd": np.zeros((10, 10))}
     open_matches = 0
@@ -298,7 +298,7 @@ def main():
     measure(case)
     errors = [[nearest(scene, e) for e in range(len(scene["detections"]))]
               for scene in case["scenes"]]
-    json.dump({"localisation": localisation(case), "detection": detection(case), "errors": errors},
+    json.dump({"localization": localization(case), "detection": detection(case), "errors": errors},
               sys.stdout)
 
 

@@ -1,4 +1,4 @@
-/// Organised scans of surfaces given by a formula.
+/// Organized scans of surfaces given by a formula.
 #pragma once
 
 #include <cmath>

@@ -49,10 +49,10 @@ std::string lzf_literals(std::string_view bytes) {
   return out;
 }
 
-std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int colour_type,
+std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int color_type,
                      std::string_view rows) {
   const std::string header = big(width) + big(height) + static_cast<char>(bits) +
-                             static_cast<char>(colour_type) + std::string(3, '\0');
+                             static_cast<char>(color_type) + std::string(3, '\0');
   const auto length = static_cast<std::uint16_t>(rows.size());
   const std::string stream = "\x78\x01" + std::string("\x01") + little(length) +
                              little(static_cast<std::uint16_t>(~length)) + std::string(rows) +

@@ -36,9 +36,9 @@ std::string lzf_literals(std::string_view bytes);
 
 /// A PNG file with one uncompressed deflate stream; `rows` holds filter bytes and big-endian
 /// samples.
-std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int colour_type,
+std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int color_type,
                      std::string_view rows);
-/// A 16-bit grey PNG of these depths.
+/// A 16-bit gray PNG of these depths.
 std::string depth_png(std::uint32_t width, std::uint32_t height,
                       const std::vector<std::uint16_t>& depths);
 

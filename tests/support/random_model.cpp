@@ -44,10 +44,10 @@ struct Table {
 
 // Entries drawn with their cell, sorted as the format wants them, then counted.
 void fill_table(Random& random, const RandomModelSize& size, Model& model) {
-  model.ppf.quantisation = {uniform(random, 0.01F, 0.1F), size.num_distance_bins,
+  model.ppf.quantization = {uniform(random, 0.01F, 0.1F), size.num_distance_bins,
                             size.num_angle_bins};
   model.ppf.num_references = static_cast<std::uint32_t>(size.num_ppf_points);
-  const std::uint32_t num_cells = model.ppf.quantisation.num_cells();
+  const std::uint32_t num_cells = model.ppf.quantization.num_cells();
   struct Row {
     std::uint32_t cell;
     PpfEntry entry;
@@ -109,7 +109,7 @@ Model random_model(const std::string& name, std::uint64_t seed, const RandomMode
   model.source = name + ".ply";
   model.source_xxh3 = "0123456789abcdef0123456789abcdef";
   model.diameter = uniform(random, 0.1F, 3);
-  model.centre = vector(random);
+  model.center = vector(random);
   model.sample_spacing = uniform(random, 0.001F, 0.1F);
   for (int i = 0; i < 3; ++i) model.symmetry.poses.push_back(motion(random));
   model.symmetry.axis = Symmetry::Axis{unit_vector(random), vector(random)};
@@ -161,7 +161,7 @@ TriSpinBasis random_basis(std::uint64_t seed, std::size_t num_components) {
 std::string difference(const Model& a, const Model& b) {
   if (a.name != b.name) return "name";
   if (a.source != b.source || a.source_xxh3 != b.source_xxh3) return "source";
-  if (a.diameter != b.diameter || a.centre != b.centre || a.sample_spacing != b.sample_spacing)
+  if (a.diameter != b.diameter || a.center != b.center || a.sample_spacing != b.sample_spacing)
     return "scalars";
   if (!same(a.symmetry, b.symmetry)) return "symmetry";
   if (!same(a.near_symmetries, b.near_symmetries)) return "near_symmetries";
@@ -175,7 +175,7 @@ std::string difference(const Model& a, const Model& b) {
   if (!same(a.sample_views, b.sample_views)) return "sample_views";
   if (!same(a.ppf_points.view(), b.ppf_points.view())) return "ppf/points";
   if (!same(a.ppf_normals.view(), b.ppf_normals.view())) return "ppf/normals";
-  if (!(a.ppf.quantisation == b.ppf.quantisation)) return "ppf quantisation";
+  if (!(a.ppf.quantization == b.ppf.quantization)) return "ppf quantization";
   if (!same(a.ppf.offsets, b.ppf.offsets)) return "ppf/offsets";
   if (!same(a.ppf.entries, b.ppf.entries)) return "ppf/entries";
   if (!same(a.features.keypoints.view(), b.features.keypoints.view())) return "trisi/keypoints";

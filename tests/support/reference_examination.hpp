@@ -32,12 +32,12 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   const int width = static_cast<int>(g.width), height = static_cast<int>(g.height);
   const int stride = static_cast<int>(square);
   const Pose T_model_camera = T_camera_model.inverse();
-  const Eigen::Vector3d centre = T_camera_model.translation().cast<double>();
+  const Eigen::Vector3d center = T_camera_model.translation().cast<double>();
   const auto middle = [&](float f, double at, float c) {
     return static_cast<int>(
-        std::floor(static_cast<double>(f) * at / centre.z() + static_cast<double>(c)));
+        std::floor(static_cast<double>(f) * at / center.z() + static_cast<double>(c)));
   };
-  const int u_middle = middle(g.fx, centre.x(), g.cx), v_middle = middle(g.fy, centre.y(), g.cy);
+  const int u_middle = middle(g.fx, center.x(), g.cx), v_middle = middle(g.fy, center.y(), g.cy);
   const double each = stride * stride, tau = static_cast<double>(tolerance);
 
   Examination out;
@@ -121,7 +121,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
         out.residual += best * best / (tau * tau);
         out.area += each * z * z / static_cast<double>(g.fx * g.fy) / facing;
         places.push_back(ray * z);
-        const Eigen::Vector3d arm = (ray * z - centre) / (static_cast<double>(diameter) / 2);
+        const Eigen::Vector3d arm = (ray * z - center) / (static_cast<double>(diameter) / 2);
         Eigen::Matrix<double, 6, 1> J;
         J << arm.cross(n), n;
         A += J * J.transpose();
@@ -185,7 +185,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
           (v_middle + stride * j - static_cast<double>(g.cy)) / static_cast<double>(g.fy), 1);
       const Eigen::Vector3d along(-across.y() / fx, across.x() / static_cast<double>(g.fy), 0);
       const Eigen::Vector3d n = along.cross(ray).normalized();
-      const Eigen::Vector3d arm = (ray * z - centre) / (size / 2);
+      const Eigen::Vector3d arm = (ray * z - center) / (size / 2);
       Eigen::Matrix<double, 6, 1> J;
       J << arm.cross(n), n;
       B += J * J.transpose();
@@ -211,9 +211,9 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     }
     out.smooth += values.mean() * values.mean() / (tau * tau) / count;
     if (values.size() < 6) continue;
-    const Eigen::MatrixXd centred =
+    const Eigen::MatrixXd centered =
         rows.rightCols(2).rowwise() - rows.rightCols(2).colwise().mean();
-    if (!((centred.transpose() * centred).determinant() >
+    if (!((centered.transpose() * centered).determinant() >
           1e-3 * static_cast<double>(values.size() * values.size()))) {
       continue;
     }

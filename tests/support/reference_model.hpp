@@ -62,8 +62,8 @@ inline std::optional<double> nearest_hit(PointsView vertices, const Triangles& t
 
 /// Where a ray first meets a sphere; infinity for nowhere.
 inline double ray_sphere(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
-                         const Eigen::Vector3f& centre, double radius) {
-  const Eigen::Vector3d o = (origin - centre).cast<double>(), d = direction.cast<double>();
+                         const Eigen::Vector3f& center, double radius) {
+  const Eigen::Vector3d o = (origin - center).cast<double>(), d = direction.cast<double>();
   const double a = d.squaredNorm(), b = o.dot(d), c = o.squaredNorm() - radius * radius;
   const double discriminant = b * b - a * c;
   if (discriminant < 0) return kInfinity;

@@ -55,7 +55,7 @@ inline Bin bin_of(double value, double width) {
 }
 
 /// The four components of a feature as bins; an angle of exactly pi is in the last bin.
-inline std::array<Bin, 4> bins_of(const PairFeature& f, const PpfQuantisation& q) {
+inline std::array<Bin, 4> bins_of(const PairFeature& f, const PpfQuantization& q) {
   const auto angle = [&](double value) {
     const Bin bin = bin_of(value, kPi / q.num_angle_bins);
     return bin.index == q.num_angle_bins ? Bin{bin.index - 1, 1} : bin;
@@ -66,21 +66,21 @@ inline std::array<Bin, 4> bins_of(const PairFeature& f, const PpfQuantisation& q
 
 /// The cell of four bins; nothing beyond the last distance bin.
 inline std::optional<std::uint32_t> cell_of_bins(const std::array<std::int64_t, 4>& bin,
-                                                 const PpfQuantisation& q) {
+                                                 const PpfQuantization& q) {
   if (bin[0] >= q.num_distance_bins) return std::nullopt;
   std::int64_t cell = 0;
   for (std::size_t k = 0; k < 4; ++k) cell = (k > 0 ? cell * q.num_angle_bins : 0) + bin[k];
   return static_cast<std::uint32_t>(cell);
 }
 
-inline std::optional<std::uint32_t> cell_of(const PairFeature& f, const PpfQuantisation& q) {
+inline std::optional<std::uint32_t> cell_of(const PairFeature& f, const PpfQuantization& q) {
   if (f.distance == 0) return std::nullopt;
   const auto bins = bins_of(f, q);
   return cell_of_bins({bins[0].index, bins[1].index, bins[2].index, bins[3].index}, q);
 }
 
 /// Whether a component lies so near a border (`edges`: fractions of a bin) that rounding decides.
-inline bool near_border(const PairFeature& f, const PpfQuantisation& q,
+inline bool near_border(const PairFeature& f, const PpfQuantization& q,
                         std::initializer_list<double> edges = {0, 1}) {
   for (const Bin& bin : bins_of(f, q)) {
     for (const double edge : edges) {
@@ -102,7 +102,7 @@ inline double units_between(double a, double b) {
   return std::min(d, 65536 - d);
 }
 
-/// The rotation that minimises sum w |R - R_i|^2 in the Frobenius norm: by singular values, as the
+/// The rotation that minimizes sum w |R - R_i|^2 in the Frobenius norm: by singular values, as the
 /// mean quaternion's definition says the same.
 inline Eigen::Matrix3d mean_rotation(const std::vector<Eigen::Matrix3d>& rotations,
                                      const std::vector<double>& weights) {

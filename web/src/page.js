@@ -2,7 +2,7 @@ import { Matrix4, Vector3 } from "three";
 
 import { adviceOnNothing } from "./advice.js";
 import { showAnswer } from "./answer.js";
-import { detectionColours } from "./colours.js";
+import { detectionColors } from "./colors.js";
 import { byId, element, moveByArrows } from "./dom.js";
 import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
@@ -24,7 +24,7 @@ import {
   secondsWords,
 } from "./words.js";
 
-const kAloneColour = "#8fa3b8"; // of a model shown by itself
+const kAloneColor = "#8fa3b8"; // of a model shown by itself
 
 const meshes = new Meshes();
 const view = makeView();
@@ -103,7 +103,7 @@ function openScan(next, camera) {
   byId("welcome").hidden = true;
   if (byId("examples-box").contains(document.activeElement)) byId("headline").focus();
   byId("examples-box").open = false;
-  byId("recognise").disabled = false;
+  byId("recognize").disabled = false;
   settings.adopt(scan, camera);
   showTab("result");
   return run();
@@ -149,17 +149,17 @@ async function run() {
     say("Settings are missing");
     return showProblem(fault.message);
   }
-  say("Recognising …");
+  say("Recognizing …");
   try {
     scan.body ??= await service.fetchBytes(scan.url, asking.signal);
     const [result] = await Promise.all([
-      service.recognise(scan, settings.parameters(scan), asking.signal),
+      service.recognize(scan, settings.parameters(scan), asking.signal),
       showPoints(asking.signal),
     ]);
     await showResult(result, asking.signal);
   } catch (error) {
     if (asking.signal.aborted) return;
-    say(error instanceof service.ServiceError ? "Not recognised" : "Not shown");
+    say(error instanceof service.ServiceError ? "Not recognized" : "Not shown");
     showProblem(error.message, error.mayPass && run);
   } finally {
     if (running === asking) setBusy(false);
@@ -173,14 +173,14 @@ async function showResult(result, signal) {
   const [scene] = answer.scenes;
   if (answer.library.generation !== library.generation) await loadLibrary();
   const { detections, rejected = [] } = scene;
-  const colours = detectionColours(detections);
+  const colors = detectionColors(detections);
   const told = worthTelling(rejected, detections);
   const things = [
     ...detections.map((pose, k) => ({
       id: `found-${k}`,
       kind: "found",
       label: `${k + 1}`,
-      colour: colours[k],
+      color: colors[k],
       pose,
     })),
     ...told.map((pose, k) => ({
@@ -250,7 +250,7 @@ async function pose(things, signal) {
       id: thing.id,
       kind: thing.kind,
       label: thing.label,
-      colour: thing.colour,
+      color: thing.color,
       geometry: await meshes.get(thing.pose.model),
       pose: poseMatrix(thing.pose.T_scene_model),
       rivals: (thing.pose.rivals ?? []).map(poseMatrix),
@@ -307,7 +307,7 @@ async function showModel(model) {
   try {
     const geometry = await meshes.get(model.name);
     if (byId("models").hidden) return;
-    view?.showModel(geometry, kAloneColour);
+    view?.showModel(geometry, kAloneColor);
     libraryPanel.mark(model);
     showTools(true);
     byId("welcome").hidden = true;

@@ -72,7 +72,7 @@ export class PoseList {
   }
 
   /**
-   * things      [{ id, kind, label, colour, pose: as the service gave it, reason }]
+   * things      [{ id, kind, label, color, pose: as the service gave it, reason }]
    * unit        of the scan
    * scoreParts  of the service, or null
    */
@@ -85,7 +85,7 @@ export class PoseList {
         id: `about-${thing.id}`,
       });
       const swatch = element("span", { className: `swatch ${thing.kind}`, "aria-hidden": "true" });
-      if (thing.colour) swatch.style.background = thing.colour;
+      if (thing.color) swatch.style.background = thing.color;
       const meter = element("span", { className: "meter", "aria-hidden": "true" });
       meter.style.setProperty("--score", thing.pose.score);
       const button = element(

@@ -74,11 +74,11 @@ export async function fetchPoints(scan, parameters, signal) {
 }
 
 /**
- * Recognise a scan.
+ * Recognize a scan.
  *
  * Returns { text: the answer as it came, answer: parsed, seconds: from sending to the end of it }.
  */
-export async function recognise(scan, parameters, signal) {
+export async function recognize(scan, parameters, signal) {
   performance.clearResourceTimings();
   const start = performance.now();
   const response = await post("/v1/recognize", parameters, scan.body, signal);

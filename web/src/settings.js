@@ -37,8 +37,8 @@ export class Settings {
   constructor(unit) {
     this.libraryUnit = unit;
     field("unit").value = remembered().unit || unit;
-    form.addEventListener("change", () => this.#summarise());
-    this.#summarise();
+    form.addEventListener("change", () => this.#summarize());
+    this.#summarize();
   }
 
   /** Take over how a scan is to be read: an example says it, a file is like the last one. */
@@ -53,7 +53,7 @@ export class Settings {
     if (scan.query?.has("min-score")) field("min-score").value = scan.query.get("min-score");
     byId("camera").hidden = scan.format !== "png";
     if (camera) this.setCamera(camera);
-    this.#summarise();
+    this.#summarize();
   }
 
   setCamera(camera) {
@@ -110,7 +110,7 @@ export class Settings {
     return parameters;
   }
 
-  /** Parameters of a request to recognise it. */
+  /** Parameters of a request to recognize it. */
   parameters(scan) {
     const parameters = this.pointParameters(scan);
     parameters.set("method", field("method").value);
@@ -139,7 +139,7 @@ export class Settings {
     });
   }
 
-  #summarise() {
+  #summarize() {
     byId("settings-now").textContent =
       `${field("method").value}, score ≥ ${this.minScore}, ${this.unit}`;
   }

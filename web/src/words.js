@@ -5,8 +5,8 @@ const figures = (value, digits) => Number(value.toPrecision(digits)).toString().
 /** A length in the given unit ("m" or "mm"), told in the one that reads better. */
 export function lengthWords(value, unit) {
   if (!Number.isFinite(value)) return "unknown";
-  const metres = unit === "mm" ? value / 1000 : value;
-  return Math.abs(metres) < 1 ? `${figures(metres * 1000, 3)} mm` : `${figures(metres, 3)} m`;
+  const meters = unit === "mm" ? value / 1000 : value;
+  return Math.abs(meters) < 1 ? `${figures(meters * 1000, 3)} mm` : `${figures(meters, 3)} m`;
 }
 
 /** A point in the scan's own unit, since that is what robots are taught in. */

@@ -7,7 +7,7 @@ import {
   foundRows,
   openExample,
   openPage,
-  recognised,
+  recognized,
   test,
 } from "./fixtures.js";
 
@@ -27,10 +27,10 @@ test.describe("a service that refuses", () => {
     await openPage(page);
     await chooseFiles(page, [file("broken.ply", "this is no ply")]);
     await expect(page.getByRole("alert")).toContainText("expected");
-    await expect(page.locator("#headline")).toHaveText("Not recognised");
+    await expect(page.locator("#headline")).toHaveText("Not recognized");
     await expect(page.getByRole("alert").getByRole("button")).toHaveCount(0);
     const files = await exampleFiles(request);
-    const scene = await recognised(page, () => chooseFiles(page, files));
+    const scene = await recognized(page, () => chooseFiles(page, files));
     await expect(page.getByRole("alert")).toBeEmpty();
     await expect(foundRows(page)).toHaveCount(scene.detections.length);
   });
@@ -45,7 +45,7 @@ test.describe("a service that is gone", () => {
     await page.locator("#examples button").first().click();
     await expect(page.getByRole("alert")).toContainText("The service does not answer");
     await page.unroute("**/v1/recognize?*");
-    const scene = await recognised(page, () =>
+    const scene = await recognized(page, () =>
       page.getByRole("button", { name: "Try again" }).click(),
     );
     await expect(foundRows(page)).toHaveCount(scene.detections.length);
@@ -87,7 +87,7 @@ test("a scan with nothing in it says what to check", async ({ page }) => {
     { length: 900 },
     (_, i) => `${(i % 30) / 100} ${Math.floor(i / 30) / 100} 1`,
   );
-  await recognised(page, () => chooseFiles(page, [file("plane.xyz", plane.join("\n"))]));
+  await recognized(page, () => chooseFiles(page, [file("plane.xyz", plane.join("\n"))]));
   await expect(page.locator("#headline")).toHaveText("No model found");
   await expect(page.locator("#advice")).toContainText("290 mm × 290 mm × 0 mm");
 });
@@ -101,7 +101,7 @@ test.describe("a browser without WebGL", () => {
     });
     await openPage(page);
     await expect(page.getByText("No 3-D view")).toBeVisible();
-    const scene = await recognised(page, () => page.locator("#examples button").first().click());
+    const scene = await recognized(page, () => page.locator("#examples button").first().click());
     await expect(foundRows(page)).toHaveCount(scene.detections.length);
   });
 });
@@ -149,7 +149,7 @@ test("what a scan had on the GPU is freed for the next one", async ({ page }) =>
   const live = () => page.evaluate(() => window.live);
   const again = async () => {
     await page.getByText("Examples").click();
-    await recognised(page, () => page.locator("#examples button").first().click());
+    await recognized(page, () => page.locator("#examples button").first().click());
     await foundRows(page).first().click();
     await expect(page.locator(".mark.selected")).toHaveCount(1);
     await page.waitForTimeout(500);

@@ -32,8 +32,8 @@ export async function openPage(page) {
 
 const isRecognition = (response) => response.url().includes("/v1/recognize");
 
-/** Do something that makes the page recognise; returns the scene of the service's answer. */
-export async function recognised(page, act) {
+/** Do something that makes the page recognize; returns the scene of the service's answer. */
+export async function recognized(page, act) {
   const [response] = await Promise.all([page.waitForResponse(isRecognition), act()]);
   const { scenes } = await response.json();
   await base.expect(page.getByRole("heading", { name: "Time" })).toBeVisible();
@@ -44,7 +44,7 @@ export async function recognised(page, act) {
 export async function openExample(page, index = 0) {
   await openPage(page);
   const example = page.locator("#examples").getByRole("button").nth(index);
-  const scene = await recognised(page, () => example.click());
+  const scene = await recognized(page, () => example.click());
   await drawn(page, scene.detections.length);
   return scene;
 }

@@ -10,7 +10,7 @@ import {
   openExample,
   openPage,
   pixels,
-  recognised,
+  recognized,
   test,
 } from "./fixtures.js";
 
@@ -22,7 +22,7 @@ async function diameterOf(request, name) {
   return models.find((model) => model.name === name).diameter;
 }
 
-/** How many pixels around a mark have about the hue of a colour. */
+/** How many pixels around a mark have about the hue of a color. */
 async function pixelsOfHue(page, mark, [r, g, b]) {
   const box = await mark.boundingBox();
   const clip = { x: box.x - 25, y: box.y - 25, width: box.width + 50, height: box.height + 50 };
@@ -56,18 +56,18 @@ test("an example is shown with what the service found in it", async ({ page }) =
   }
 });
 
-test("models are drawn in their colours where they were found", async ({ page }) => {
+test("models are drawn in their colors where they were found", async ({ page }) => {
   await openExample(page);
-  const colour = await page
+  const color = await page
     .locator("#found .swatch")
     .first()
     .evaluate((swatch) => getComputedStyle(swatch).backgroundColor.match(/\d+/g).map(Number));
   const mark = page.locator(".mark.found").first();
-  expect(await pixelsOfHue(page, mark, colour)).toBeGreaterThan(100);
+  expect(await pixelsOfHue(page, mark, color)).toBeGreaterThan(100);
   const box = await mark.boundingBox();
   await page.keyboard.press("d");
   await expect(mark).toBeHidden();
-  expect(await pixelsOfHue(page, { boundingBox: () => box }, colour)).toBeLessThan(20);
+  expect(await pixelsOfHue(page, { boundingBox: () => box }, color)).toBeLessThan(20);
 });
 
 test("a detection that is clicked is looked at, and says what its score is made of", async ({
@@ -128,8 +128,8 @@ test("a score that is asked for leaves the others out", async ({ page }) => {
   const scores = detections.map((detection) => detection.score);
   await page.getByText("Settings").click();
   await page.getByLabel("Lowest score").fill(String(Math.max(...scores)));
-  const again = await recognised(page, () =>
-    page.getByRole("button", { name: "Recognise" }).click(),
+  const again = await recognized(page, () =>
+    page.getByRole("button", { name: "Recognize" }).click(),
   );
   expect(again.detections.length).toBeLessThanOrEqual(detections.length);
   await expect(foundRows(page)).toHaveCount(again.detections.length);
@@ -138,7 +138,7 @@ test("a score that is asked for leaves the others out", async ({ page }) => {
 test("a chosen depth image is read with the camera chosen beside it", async ({ page, request }) => {
   const files = await exampleFiles(request);
   await openPage(page);
-  const scene = await recognised(page, () => chooseFiles(page, files));
+  const scene = await recognized(page, () => chooseFiles(page, files));
   expect(scene.detections.length).toBeGreaterThan(0);
   await expect(foundRows(page)).toHaveCount(scene.detections.length);
 });
@@ -162,10 +162,10 @@ test("a depth image without a camera asks for it, and the next one has it", asyn
   ]) {
     await page.getByLabel(label).fill(String(numbers[key]));
   }
-  await recognised(page, () => page.getByLabel("Depth scale").press("Enter"));
+  await recognized(page, () => page.getByLabel("Depth scale").press("Enter"));
   await expect(page.getByRole("alert")).toBeEmpty();
   await openPage(page);
-  const scene = await recognised(page, () => chooseFiles(page, [scan]));
+  const scene = await recognized(page, () => chooseFiles(page, [scan]));
   expect(scene.detections.length).toBeGreaterThan(0);
 });
 
@@ -177,19 +177,19 @@ test("a camera that is dropped by itself is that of the next depth image", async
   await openPage(page);
   await drop(page, [camera]);
   await expect(page.getByRole("alert")).toContainText("kept for the next depth image");
-  const scene = await recognised(page, () => drop(page, [scan]));
+  const scene = await recognized(page, () => drop(page, [scan]));
   expect(scene.detections.length).toBeGreaterThan(0);
 });
 
-test("a dropped scan is recognised", async ({ page, request }) => {
+test("a dropped scan is recognized", async ({ page, request }) => {
   const files = await exampleFiles(request);
   await openPage(page);
-  const scene = await recognised(page, () => drop(page, files));
+  const scene = await recognized(page, () => drop(page, files));
   await expect(foundRows(page)).toHaveCount(scene.detections.length);
   await drawn(page, scene.detections.length);
 });
 
-test("a scan that is dropped while another is recognised takes its place", async ({
+test("a scan that is dropped while another is recognized takes its place", async ({
   page,
   request,
 }) => {
@@ -197,15 +197,15 @@ test("a scan that is dropped while another is recognised takes its place", async
   await openPage(page);
   let held = 0;
   await page.route("**/v1/recognize?*", (route) => (held++ ? route.continue() : undefined));
-  const cancelled = page.waitForEvent("requestfailed", (failed) =>
+  const canceled = page.waitForEvent("requestfailed", (failed) =>
     failed.url().includes("/v1/recognize"),
   );
   await drop(page, files);
   await expect.poll(() => held).toBe(1);
-  const scene = await recognised(page, () =>
+  const scene = await recognized(page, () =>
     drop(page, [{ ...files[0], name: `second.${files[0].name.split(".")[1]}` }, ...files.slice(1)]),
   );
-  expect((await cancelled).failure().errorText).toBe("net::ERR_ABORTED");
+  expect((await canceled).failure().errorText).toBe("net::ERR_ABORTED");
   await expect(foundRows(page)).toHaveCount(scene.detections.length);
   await expect(page).toHaveTitle(/second/);
   await expect(page.getByRole("alert")).toBeEmpty();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {

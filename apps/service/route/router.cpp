@@ -190,7 +190,7 @@ struct Router::State {
       const HttpAnswer reply = finish("recognize");
       if (!has_method(request, "POST", reply)) return;
       if (is_full(request.body.size())) return reply(refusal_response(Refusal::full));
-      asio::co_spawn(context, recognise(std::move(request), reply, id), asio::detached);
+      asio::co_spawn(context, recognize(std::move(request), reply, id), asio::detached);
     } else if (path == "/v1/models") {
       const HttpAnswer reply = finish("models");
       if (has_method(request, "GET", reply)) reply(models());
@@ -237,12 +237,12 @@ struct Router::State {
     std::string unit;
     std::vector<Missing> missing;
     for (const Shard& shard : shards) {
-      if (!shard.catalogue) {
+      if (!shard.catalog) {
         missing.push_back({shard.address.name, shard.reason});
         continue;
       }
-      unit = shard.catalogue->unit;
-      for (const nlohmann::json& model : shard.catalogue->models) {
+      unit = shard.catalog->unit;
+      for (const nlohmann::json& model : shard.catalog->models) {
         Json one = model;
         one["shard"] = shard.address.name;
         all.push_back(std::move(one));
@@ -254,7 +254,7 @@ struct Router::State {
                                {"models", std::move(all)}});
   }
 
-  asio::awaitable<void> recognise(HttpRequest request, HttpAnswer reply, std::string id) {
+  asio::awaitable<void> recognize(HttpRequest request, HttpAnswer reply, std::string id) {
     const auto begun = Clock::now();
     const std::size_t bytes = request.body.size();
     ++num_inflight;
@@ -315,8 +315,8 @@ struct Router::State {
     for (const std::string& name : CLI::detail::split(*models, ',')) {
       bool is_known = false;
       for (std::size_t k = 0; k < shards.size(); ++k) {
-        const bool holds = shards[k].catalogue && shards[k].catalogue->names.contains(name);
-        if (!holds && shards[k].catalogue) continue;
+        const bool holds = shards[k].catalog && shards[k].catalog->names.contains(name);
+        if (!holds && shards[k].catalog) continue;
         is_known = true;  // or may be held by a shard that has not told yet
         shares[k] += (shares[k].empty() ? "" : ",") + name;
       }

@@ -22,19 +22,19 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{2};
 /// A shard that stays ready is asked for its models each so many looks: it may read another
 /// library.
-constexpr int kCatalogueInterval = 10;
+constexpr int kCatalogInterval = 10;
 
-Result<ShardCatalogue> parse_catalogue(const std::string& body) {
-  ShardCatalogue catalogue;
+Result<ShardCatalog> parse_catalog(const std::string& body) {
+  ShardCatalog catalog;
   const Result<void> done =
       with_json(std::as_bytes(std::span(body)), "its models", [&](const JsonNode& root) {
-        catalogue.unit = root.at("unit").string();
-        catalogue.models = root.at("models").value();
+        catalog.unit = root.at("unit").string();
+        catalog.models = root.at("models").value();
         for (const JsonNode& model : root.at("models").elements())
-          catalogue.names.insert(model.at("name").string());
+          catalog.names.insert(model.at("name").string());
       });
   if (!done) return done.error();
-  return catalogue;
+  return catalog;
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ asio::awaitable<bool> ShardLook::again() {
     }
   }
   if (!reason.empty()) num_ready_ = 0;
-  if (reason.empty() && num_ready_++ % kCatalogueInterval == 0) {
+  if (reason.empty() && num_ready_++ % kCatalogInterval == 0) {
     reason = co_await read_models();
     has_read = reason.empty();
     if (!has_read) num_ready_ = 0;
@@ -96,9 +96,9 @@ asio::awaitable<std::string> ShardLook::read_models() {
   const HttpResponse* const answer = std::get_if<HttpResponse>(&outcome);
   if (!answer) co_return std::get<HttpFailure>(outcome).reason;
   if (answer->status != 200) co_return fmt::format("no models, with {}", answer->status);
-  Result<ShardCatalogue> catalogue = parse_catalogue(answer->body);
-  if (!catalogue) co_return catalogue.error().message;
-  shard_.catalogue = std::move(*catalogue);
+  Result<ShardCatalog> catalog = parse_catalog(answer->body);
+  if (!catalog) co_return catalog.error().message;
+  shard_.catalog = std::move(*catalog);
   co_return "";
 }
 
@@ -111,14 +111,14 @@ std::optional<std::string> conflict_of(std::span<const Shard> shards) {
   std::map<std::string, const Shard*> holders;
   const Shard* first = nullptr;
   for (const Shard& shard : shards) {
-    if (!shard.catalogue) continue;
+    if (!shard.catalog) continue;
     if (!first) first = &shard;
-    if (shard.catalogue->unit != first->catalogue->unit) {
+    if (shard.catalog->unit != first->catalog->unit) {
       return fmt::format("expected libraries of one unit, found {} in {} and {} in {}",
-                         first->catalogue->unit, first->address.name, shard.catalogue->unit,
+                         first->catalog->unit, first->address.name, shard.catalog->unit,
                          shard.address.name);
     }
-    for (const std::string& name : shard.catalogue->names) {
+    for (const std::string& name : shard.catalog->names) {
       const auto [holder, is_new] = holders.emplace(name, &shard);
       if (!is_new) {
         return fmt::format("expected each model in one shard, found '{}' in {} and {}", name,

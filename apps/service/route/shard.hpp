@@ -24,7 +24,7 @@ struct ShardAddress {
 Result<ShardAddress> parse_shard(const std::string& text);
 
 /// The models that a shard told of.
-struct ShardCatalogue {
+struct ShardCatalog {
   std::string unit;
   nlohmann::json models;
   std::set<std::string> names;
@@ -34,7 +34,7 @@ struct ShardCatalogue {
 struct Shard {
   ShardAddress address;
   std::optional<boost::asio::ip::tcp::endpoint> endpoint{};
-  std::optional<ShardCatalogue> catalogue{};  ///< the last one
+  std::optional<ShardCatalog> catalog{};  ///< the last one
   bool is_reachable = false, is_ready = false;
   std::string reason = "not looked at yet";  ///< of not being ready
 };

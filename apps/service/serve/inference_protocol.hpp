@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "apps/service/http/query.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/points.hpp"
 #include "storage/result.hpp"
 
@@ -23,7 +23,7 @@ struct InferenceRequest {
   std::string id;
   Points points;                             ///< input "points", FP32 [N, 3]
   std::optional<Eigen::Vector3f> viewpoint;  ///< input "viewpoint", FP32 [3]
-  Parameters options;  ///< parameters of the request, for parse_recognise_query
+  Parameters options;  ///< parameters of the request, for parse_recognize_query
   std::vector<std::string> binary_outputs;  ///< outputs that are to be binary
   bool all_binary = false;
 };

@@ -2,17 +2,17 @@
 
 #include <utility>
 
-#include "apps/inputs/open_recogniser.hpp"
+#include "apps/inputs/open_recognizer.hpp"
 
 namespace trivet::apps {
 
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number) {
-  Result<Recogniser> recogniser = open_recogniser(files.library, files.calibration);
-  if (!recogniser) return recogniser.error();
+  Result<Recognizer> recognizer = open_recognizer(files.library, files.calibration);
+  if (!recognizer) return recognizer.error();
   auto generation =
-      std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recogniser), number});
-  generation->recogniser.build_all();
+      std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recognizer), number});
+  generation->recognizer.build_all();
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 

@@ -20,7 +20,7 @@ struct LibraryFiles {
   std::string library, calibration;  ///< the calibration of the score: empty, the default
 };
 
-/// Open a library and build all that its first scene would wait for. Errors: of open_recogniser.
+/// Open a library and build all that its first scene would wait for. Errors: of open_recognizer.
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number);
 

@@ -33,8 +33,8 @@ Result<std::string> Thumbnails::of(const LibraryGeneration& generation, const Mo
     }
   }
   const auto index =
-      static_cast<std::uint32_t>(&model - generation.recogniser.library().models.data());
-  const Result<kernels::RayScene>& surface = generation.recogniser.surface(index);
+      static_cast<std::uint32_t>(&model - generation.recognizer.library().models.data());
+  const Result<kernels::RayScene>& surface = generation.recognizer.surface(index);
   if (!surface) return surface.error();
   const Result<std::vector<std::byte>> png =
       encode_png(draw_model(*surface, model.vertices, kWidth));

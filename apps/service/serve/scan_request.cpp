@@ -102,13 +102,13 @@ Result<ScanRequest> parse_form(const std::string& content_type, Parameters param
                                                out.scans.size(), options.each.size())};
   }
   parameters.insert(parameters.end(), options.all.begin(), options.all.end());
-  Result<RecogniseQuery> query = parse_recognise_query(parameters);
+  Result<RecognizeQuery> query = parse_recognize_query(parameters);
   if (!query) return query.error();
   out.options = std::move(query->options);
   for (std::size_t i = 0; i < out.scans.size(); ++i) {
     out.scans[i].scene = query->scene;
     if (options.each.empty()) continue;
-    const Result<RecogniseQuery> own = parse_recognise_query(options.each[i]);
+    const Result<RecognizeQuery> own = parse_recognize_query(options.each[i]);
     if (!own) return own.error();
     ServedScene& scene = out.scans[i].scene;
     if (own->scene.camera) scene.camera = own->scene.camera;
@@ -134,7 +134,7 @@ Result<ScanRequest> parse_scan_request(HttpRequest& request, Target target) {
       given != target.parameters.end()) {
     target.parameters.erase(given);
   }
-  Result<RecogniseQuery> query = parse_recognise_query(target.parameters);
+  Result<RecognizeQuery> query = parse_recognize_query(target.parameters);
   if (!query) return query.error();
   out.options = std::move(query->options);
   out.scans.push_back({"body." + *format, *out.body, query->scene});

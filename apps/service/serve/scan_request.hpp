@@ -8,7 +8,7 @@
 
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/query.hpp"
-#include "apps/service/serve/recognise_query.hpp"
+#include "apps/service/serve/recognize_query.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {
@@ -23,7 +23,7 @@ struct ScanPart {
 struct ScanRequest {
   std::shared_ptr<const std::string> body;
   std::vector<ScanPart> scans;  ///< at least one
-  RecogniseOptions options;
+  RecognizeOptions options;
 };
 
 /// As the body alone: `format` tells the format, or the content type; options are parameters of

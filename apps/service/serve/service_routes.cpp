@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/inputs/open_recogniser.hpp"
+#include "apps/inputs/open_recognizer.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/score_words.hpp"
 #include "apps/service/http/http_messages.hpp"
@@ -73,7 +73,7 @@ struct ServiceRoutes::Route {
 const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
   using R = ServiceRoutes;
   static const std::vector<Route> all{
-      {"POST", "/v1/recognize", false, true, "recognize", &R::recognise},
+      {"POST", "/v1/recognize", false, true, "recognize", &R::recognize},
       {"POST", "/v1/points", false, true, "points", &R::points},
       {"GET", "/v1/models", false, false, "models", &R::list_models},
       {"GET", "/v1/models/", true, false, "model", &R::view_model},
@@ -210,7 +210,7 @@ void ServiceRoutes::tell_recognition(const CallPtr& call, const ServiceAnswer& f
   call->told["detections"] = num_detections;
 }
 
-void ServiceRoutes::recognise(const CallPtr& call, std::string_view) {
+void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
   Result<ScanRequest> asked = parse_scan_request(call->request, call->target);
   if (!asked) return reply(call, error_response(asked.error()));
   struct State {
@@ -232,8 +232,8 @@ void ServiceRoutes::recognise(const CallPtr& call, std::string_view) {
     metrics_.observe_stage("decode",
                            std::chrono::duration<double>(ServiceClock::now() - begun).count());
     Result<SceneResult> result =
-        trivet::recognise(generation.recogniser, *cloud,
-                          scan.scene.input(generation.recogniser.library().header.unit),
+        trivet::recognize(generation.recognizer, *cloud,
+                          scan.scene.input(generation.recognizer.library().header.unit),
                           state->request.options, stop);
     if (!result) return result.error();
     state->results[i] = std::move(*result);
@@ -244,16 +244,16 @@ void ServiceRoutes::recognise(const CallPtr& call, std::string_view) {
     Json scenes = Json::array();
     for (std::size_t i = 0; i < state->results.size(); ++i) {
       scenes.push_back(scene_json(state->request.scans[i].name, state->results[i],
-                                  found.generation->recogniser.score(),
+                                  found.generation->recognizer.score(),
                                   state->request.options.max_rejected > 0));
     }
-    const Library& library = found.generation->recogniser.library();
+    const Library& library = found.generation->recognizer.library();
     return json_response(
         200, {{"request_id", call->id},
               {"library",
                {{"file", library.file.filename().string()},
                 {"generation", found.generation->number},
-                {"calibration", calibration_json(found.generation->recogniser)}}},
+                {"calibration", calibration_json(found.generation->recognizer)}}},
               {"seconds", {{"queue", found.queue_seconds}, {"work", found.work_seconds}}},
               {"scenes", std::move(scenes)}});
   });
@@ -292,7 +292,7 @@ void ServiceRoutes::points(const CallPtr& call, std::string_view) {
 
 void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
   const auto generation = service_.generation();
-  const Library& library = generation->recogniser.library();
+  const Library& library = generation->recognizer.library();
   Json models = Json::array();
   for (const Model& model : library.models) {
     const auto view = [&](const char* what) {
@@ -319,7 +319,7 @@ void ServiceRoutes::view_model(const CallPtr& call, std::string_view rest) {
   submit_one(call,
              [this, name, is_mesh = view == "mesh.ply"](
                  const LibraryGeneration& generation) -> Result<HttpResponse> {
-               const Model* const model = find_model(generation.recogniser.library(), name);
+               const Model* const model = find_model(generation.recognizer.library(), name);
                if (!model) return error_response(404, fmt::format("no model '{}'", name));
                if (is_mesh) return HttpResponse{200, model_mesh(*model), "model/ply", {}};
                Result<std::string> png = thumbnails_.of(generation, *model);
@@ -356,7 +356,7 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
 
 void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
   const auto generation = service_.generation();
-  const kernels::ScoreModel& score = generation->recogniser.score();
+  const kernels::ScoreModel& score = generation->recognizer.score();
   const auto independent = most_evidence(score, 0), shared = most_evidence(score, 1);
   Json parts = Json::array();
   for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
@@ -399,7 +399,7 @@ void ServiceRoutes::server(const CallPtr& call, std::string_view) {
 void ServiceRoutes::metrics(const CallPtr& call, std::string_view) {
   const ServiceState state = service_.state();
   const auto generation = service_.generation();
-  const Library& library = generation->recogniser.library();
+  const Library& library = generation->recognizer.library();
   reply(call, {200,
                metrics_.text({state.num_waiting, state.num_running, state.num_bytes,
                               num_connections_ ? num_connections_() : 0, library.models.size(),
@@ -431,7 +431,7 @@ namespace {
 /// What a path behind /v2/models/ asks for: NAME[/versions/N] of the library that answers, and the
 /// rest. Errors: usage (another name or version).
 Result<std::string_view> rest_of_model(std::string_view rest, const LibraryGeneration& generation) {
-  const std::string model = model_name(generation.recogniser.library());
+  const std::string model = model_name(generation.recognizer.library());
   const std::string version = std::to_string(generation.number);
   const auto cut = [&rest](std::string_view front) {
     if (!rest.starts_with(front)) return false;
@@ -450,7 +450,7 @@ void ServiceRoutes::inference_model(const CallPtr& call, std::string_view rest) 
   const auto generation = service_.generation();
   const Result<std::string_view> asked = rest_of_model(rest, *generation);
   if (!asked) return reply(call, error_response(404, asked.error().message));
-  const std::string model = model_name(generation->recogniser.library());
+  const std::string model = model_name(generation->recognizer.library());
   if (asked->empty())
     return reply(call, json_response(200, inference_metadata(model, generation->number)));
   if (*asked != "/ready") return reply(call, error_response(404, "no such path"));
@@ -484,12 +484,12 @@ void ServiceRoutes::infer(const CallPtr& call, std::string_view rest) {
     Result<InferenceRequest> request = parse_inference(call->request.body, header_size);
     if (!request) return request.error();
     state->request = std::move(*request);
-    Result<RecogniseQuery> query = parse_recognise_query(state->request.options);
+    Result<RecognizeQuery> query = parse_recognize_query(state->request.options);
     if (!query) return query.error();
-    SceneInput input = query->scene.input(generation.recogniser.library().header.unit);
+    SceneInput input = query->scene.input(generation.recognizer.library().header.unit);
     if (state->request.viewpoint) input.viewpoint = state->request.viewpoint;
-    Result<SceneResult> result = trivet::recognise(
-        generation.recogniser, take_cloud(state->request), input, query->options, stop);
+    Result<SceneResult> result = trivet::recognize(
+        generation.recognizer, take_cloud(state->request), input, query->options, stop);
     if (!result) return result.error();
     state->result = std::move(*result);
     return {};
@@ -497,7 +497,7 @@ void ServiceRoutes::infer(const CallPtr& call, std::string_view rest) {
   submit(call, std::move(job), [this, call, state](const ServiceAnswer& found) {
     tell_recognition(call, found, {&state->result, 1});
     InferenceResponse done = write_inference(state->request, state->result,
-                                             model_name(found.generation->recogniser.library()),
+                                             model_name(found.generation->recognizer.library()),
                                              found.generation->number);
     if (done.header_size == done.body.size())
       return HttpResponse{200, std::move(done.body), "application/json", {}};

@@ -16,8 +16,8 @@
 #include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/model_views.hpp"
-#include "engine/recognise.hpp"
 #include "engine/recognition_service.hpp"
+#include "engine/recognize.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {
@@ -58,7 +58,7 @@ class ServiceRoutes {
 
   // Each takes what of the path lies behind that of its route.
   void page(const CallPtr& call, std::string_view rest);
-  void recognise(const CallPtr& call, std::string_view rest);
+  void recognize(const CallPtr& call, std::string_view rest);
   void points(const CallPtr& call, std::string_view rest);
   void list_models(const CallPtr& call, std::string_view rest);
   void view_model(const CallPtr& call, std::string_view rest);

@@ -23,9 +23,9 @@ Solid plate_with_holes(CounterRandom& random, float least_move, float most_move)
   const float c = std::sqrt(0.5F);
   const Solid outline = kernels::box({1, half_width, height}) &
                         around_z(kernels::half_space({c, c, 0}, c * (1 + half_width - corner)), 2);
-  const float centre = between(random, 0.2F, 0.3F), move = between(random, least_move, most_move);
+  const float center = between(random, 0.2F, 0.3F), move = between(random, least_move, most_move);
   const Solid holes = hole(radius, x - move, y) | hole(radius, x, -y) | hole(radius, -x, y) |
-                      hole(radius, -x, -y) | hole(centre, 0, 0);
+                      hole(radius, -x, -y) | hole(center, 0, 0);
   return outline - holes;
 }
 

@@ -44,8 +44,8 @@ Solid hexagon(float half_width) {
 }
 
 Solid block(const Vector3f& low, const Vector3f& high) {
-  const Vector3f centre = (low + high) / 2;
-  return shifted(kernels::box(high - centre), centre.x(), centre.y(), centre.z());
+  const Vector3f center = (low + high) / 2;
+  return shifted(kernels::box(high - center), center.x(), center.y(), center.z());
 }
 
 Solid slab(float low, float high) {

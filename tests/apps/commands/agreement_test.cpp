@@ -1,5 +1,5 @@
 // The evaluation against a scorer that shares no code with it: score_poses.py beside the
-// development data. Both must count the same, on what is recognised and on detections made up to be
+// development data. Both must count the same, on what is recognized and on detections made up to be
 // hard to judge.
 #include <gtest/gtest.h>
 
@@ -94,7 +94,7 @@ class Agreement : public testing::TestWithParam<const char*> {
 
 class AgreementOnRecognition : public Agreement {};
 
-TEST_P(AgreementOnRecognition, HoldsForStoredDetectionsAndWhileRecognising) {
+TEST_P(AgreementOnRecognition, HoldsForStoredDetectionsAndWhileRecognizing) {
   run({"train", manifest(), "-o", "library.h5", "--quiet"});
   run({"recognize", "library.h5", manifest(), "--json", "found.json", "--quiet"});
   expect_agreement();

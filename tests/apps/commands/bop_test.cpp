@@ -69,7 +69,7 @@ class Bop : public testing::Test {
     return i == 0 ? test::pose_of({2.1F, 0.7F, -0.4F}, {-0.12F, 0.03F, 0.85F})
                   : test::pose_of({0.5F, -1.1F, 0.3F}, {0.12F, -0.02F, 0.8F});
   }
-  /// In tenths of a millimetre.
+  /// In tenths of a millimeter.
   static void write_depth(const fs::path& file, const Cloud& cloud) {
     std::vector<std::uint16_t> depths;
     for (const std::int32_t point : cloud.grid->point_index) {
@@ -140,7 +140,7 @@ TEST_F(Bop, GivesTheSameDetectionsForTheFolderOfTheSplit) {
   EXPECT_TRUE(fs::exists(*folder_ / "found.json"));
 }
 
-TEST_F(Bop, JudgesADataSetRecognisedNowOrByAFileOfResults) {
+TEST_F(Bop, JudgesADataSetRecognizedNowOrByAFileOfResults) {
   const auto scores = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "evaluate");
     arguments.insert(arguments.end(), {"--json", "-", "--quiet"});
@@ -154,8 +154,8 @@ TEST_F(Bop, JudgesADataSetRecognisedNowOrByAFileOfResults) {
     EXPECT_EQ(judged["instances"], 3);
     EXPECT_EQ(judged["right"], 3);
     EXPECT_EQ(judged["false_positives"], 0);
-    EXPECT_EQ(judged["bop"]["localisation"]["targets"], 3);
-    EXPECT_GT(judged["bop"]["localisation"]["ar"].get<double>(), 0.95);
+    EXPECT_EQ(judged["bop"]["localization"]["targets"], 3);
+    EXPECT_GT(judged["bop"]["localization"]["ar"].get<double>(), 0.95);
     EXPECT_GT(judged["bop"]["detection"]["ap"].get<double>(), 0.95);
   }
   const test::Outcome refused = run({"evaluate", "set/manifest.json", "--detections", "found.csv"});

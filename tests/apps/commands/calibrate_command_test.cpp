@@ -30,7 +30,7 @@ Json marked_result(std::size_t num_scans) {
       const float best = i % 2 == 0 ? random.uniform(0.7F, 1) : random.uniform(0, 1);
       for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
         const auto& knots = model.knots[k];
-        const bool good_is_high = kernels::kScoreParts[k].favourable;
+        const bool good_is_high = kernels::kScoreParts[k].favorable;
         const float good = good_is_high ? knots.back() : knots.front(),
                     bad = good_is_high ? knots.front() : knots.back();
         values[k] = std::lerp(std::lerp(bad, good, random.uniform(0, 1)), good, best);
@@ -96,7 +96,7 @@ TEST_F(CalibrateCommand, TellsWhatMarkedDetectionsChange) {
   EXPECT_EQ(test::read_bytes(folder_ / "cell.json"), bytes);
 }
 
-TEST_F(CalibrateCommand, CountsAScanThatWasRecognisedTwiceOnce) {
+TEST_F(CalibrateCommand, CountsAScanThatWasRecognizedTwiceOnce) {
   folder_.write("found.json", marked_result(2).dump());
   ASSERT_EQ(run({"calibrate", "--marked", "found.json", "found.json", "-o", "cell.json"}).exit_code,
             0);
@@ -131,7 +131,7 @@ TEST_F(CalibrateCommand, AsksForScansOrMarks) {
       2);
 }
 
-TEST_F(CalibrateCommand, RecognisesScansOfKnownTruth) {
+TEST_F(CalibrateCommand, RecognizesScansOfKnownTruth) {
   make_library();
   const Json pose = Json::array({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1});
   const Json scene{{"file", "scan.ply"},
@@ -147,7 +147,7 @@ TEST_F(CalibrateCommand, RecognisesScansOfKnownTruth) {
   EXPECT_NE(outcome.error.find("found 1 with"), std::string::npos) << outcome.error;
 }
 
-TEST_F(CalibrateCommand, ChangesWhatIsRecognised) {
+TEST_F(CalibrateCommand, ChangesWhatIsRecognized) {
   make_library();
   ScoreCalibration calibration{{}, 5, 30, 60};
   ASSERT_TRUE(write_calibration(folder_ / "none.json", calibration));

@@ -61,7 +61,7 @@ TEST_F(CameraCheckCommand, SaysThatTheFocalLengthIsTooLarge) {
             std::string::npos);
 }
 
-TEST_F(CameraCheckCommand, RecognisesWithTheCameraThatItEstimates) {
+TEST_F(CameraCheckCommand, RecognizesWithTheCameraThatItEstimates) {
   const json found = json::parse(
       run({"recognize", "l.h5", "scans/wrong.json", "--estimate-camera", "--json", "-"}));
   ASSERT_EQ(found["cameras"].size(), 1U);

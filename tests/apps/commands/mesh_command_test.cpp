@@ -88,7 +88,7 @@ TEST_F(MeshCommand, LaysASurfaceThroughPointsThatFacesTheViewpoint) {
   const Cloud oriented = mesh({"oriented.xyz"});
   EXPECT_EQ(oriented.triangles.size(), 2U * 81);
   EXPECT_EQ(oriented.normals.size(), 100U) << "normals stay";
-  EXPECT_EQ(mesh({"points.xyz", "--radius", "1.5", "--mu", "4", "--max-neighbours", "8",
+  EXPECT_EQ(mesh({"points.xyz", "--radius", "1.5", "--mu", "4", "--max-neighbors", "8",
                   "--max-angle", "100", "--max-normal-angle", "30", "--min-angle", "10"})
                 .triangles.size(),
             2U * 81);

@@ -49,7 +49,7 @@ set = { degrade.scattered = true }
 name = "rotation"
 scenes = ["heaps"]
 methods = ["ppf"]
-vary = "recognise.cluster-rotation"
+vary = "recognize.cluster-rotation"
 values = [8, 15]
 
 [[experiments]]
@@ -59,7 +59,7 @@ methods = ["ppf"]
 threshold = "best-f1"
 [[experiments.variants]]
 name = "without rays"
-set = { recognise.without = ["rays", "waves", "second-round", "rivals"], recognise.min-score = 0 }
+set = { recognize.without = ["rays", "waves", "second-round", "rivals"], recognize.min-score = 0 }
 [[experiments.variants]]
 name = "all"
 
@@ -170,7 +170,7 @@ TEST_F(Study, ComputesNothingTwice) {
   EXPECT_EQ(num_cells, 3U * (4 + 2 + 1 + 1 + 1));
   const test::Outcome again = run({"study", "study.toml", "-o", "out"});
   EXPECT_EQ(again.exit_code, 0);
-  EXPECT_EQ(again.error.find("recognised"), std::string::npos) << again.error;
+  EXPECT_EQ(again.error.find("recognized"), std::string::npos) << again.error;
   EXPECT_EQ(again.error.find("trained"), std::string::npos) << again.error;
   EXPECT_EQ(std::regex_replace(read("out/index.html"), std::regex("<pre>[^<]*</pre>"), ""),
             std::regex_replace(first, std::regex("<pre>[^<]*</pre>"), ""));
@@ -256,8 +256,8 @@ TEST_F(Study, RefusesWhatItCannotRun) {
             "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nvary = \"scan.instances\"\n"
             "values = [500]\n",
         65, "1 to 200");
-  fails(base + "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nset = { recognise = 3 }\n", 65,
-        "recognise");
+  fails(base + "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nset = { recognize = 3 }\n", 65,
+        "recognize");
   fails(
       "[models.files]\nfiles = [\"absent.ply\"]\n[scenes.heaps]\nmodels = [\"files\"]\n"
       "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\n",

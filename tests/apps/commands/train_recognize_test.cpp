@@ -1,4 +1,4 @@
-/// Train and recognise as a script does: what the files hold, and that nothing around changes them.
+/// Train and recognize as a script does: what the files hold, and that nothing around changes them.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -153,19 +153,19 @@ TEST_F(TrainRecognize, TellsHowTheScanErrs) {
     const Eigen::Vector3f p = scan.points[i];
     scan.points.set(i, (1 + random.normal(kNoise) / p.norm()) * p);
   }
-  const nlohmann::json in_metres = tell("m"), metres = in_metres.at("sensor");
-  EXPECT_NEAR(metres.at("range").get<double>(), 0.85, 0.3);
-  EXPECT_NEAR(metres.at("noise").get<double>(), kNoise, 0.5 * kNoise);
+  const nlohmann::json in_meters = tell("m"), meters = in_meters.at("sensor");
+  EXPECT_NEAR(meters.at("range").get<double>(), 0.85, 0.3);
+  EXPECT_NEAR(meters.at("noise").get<double>(), kNoise, 0.5 * kNoise);
   for (std::size_t i = 0; i < scan.points.size(); ++i) scan.points.set(i, 1000 * scan.points[i]);
-  const nlohmann::json in_millimetres = tell("mm"), millimetres = in_millimetres.at("sensor");
+  const nlohmann::json in_millimeters = tell("mm"), millimeters = in_millimeters.at("sensor");
   const auto near = [](const nlohmann::json& value, double expected) {
     EXPECT_NEAR(value.get<double>(), expected, 0.01 * expected + 0.001);
   };
   for (const char* const length : {"range", "noise", "shared"})
-    near(millimetres.at(length), 1000 * metres.at(length).get<double>());
+    near(millimeters.at(length), 1000 * meters.at(length).get<double>());
   for (const char* const number : {"exponent", "correlation", "edge_pixels"})
-    near(millimetres.at(number), metres.at(number));
-  EXPECT_NEAR(in_millimetres.at("noise").get<double>(), in_metres.at("noise"), 0.01 * kNoise);
+    near(millimeters.at(number), meters.at(number));
+  EXPECT_NEAR(in_millimeters.at("noise").get<double>(), in_meters.at("noise"), 0.01 * kNoise);
 }
 
 TEST_F(TrainRecognize, TellsNoSensorOfAClosedSurface) {
@@ -226,7 +226,7 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
   for (const char* text :
        {"1 object found in 2 scenes", ">scan.ply<", ">a&lt;b&gt;&amp;&quot;c&quot;.ply<",
         "1 bracket", "None of the models.", "What spoke for and against", "below 80 %",
-        "prefers-color-scheme", "The scan errs by ", "where neighbours err alike",
+        "prefers-color-scheme", "The scan errs by ", "where neighbors err alike",
         "recognize library.h5 scan.ply 'a&lt;b&gt;&amp;&quot;c&quot;.ply' --report report"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
   }

@@ -1,8 +1,8 @@
 """Hold a running service to its own description.
 
 usage: check_openapi.py PORT SCAN QUERY ROUTES_SOURCE
-SCAN     a depth image of which the service recognises something
-QUERY    the parameters that it is recognised with
+SCAN     a depth image of which the service recognizes something
+QUERY    the parameters that it is recognized with
 """
 import http.client
 import json

@@ -70,7 +70,7 @@ class HaProxy : public testing::Test {
                                  "--drain-grace-ms", "2000", "--exit-timeout-ms", "300000"},
         folder_.path(), port);
   }
-  Answer recognise() { return ask(port_, "POST", query_, scan_); }
+  Answer recognize() { return ask(port_, "POST", query_, scan_); }
 
   /// Recognitions that a replica has, waiting and running.
   static int num_taken(int port) {
@@ -85,10 +85,10 @@ class HaProxy : public testing::Test {
   }
 
   /// Answers to requests that are sent at once, after `meanwhile` has been called.
-  std::vector<Answer> recognise_at_once(std::size_t n, const std::function<void()>& meanwhile) {
+  std::vector<Answer> recognize_at_once(std::size_t n, const std::function<void()>& meanwhile) {
     std::vector<Answer> answers(n);
     std::vector<std::thread> clients;
-    for (Answer& answer : answers) clients.emplace_back([&] { answer = recognise(); });
+    for (Answer& answer : answers) clients.emplace_back([&] { answer = recognize(); });
     meanwhile();
     for (std::thread& client : clients) client.join();
     return answers;
@@ -107,7 +107,7 @@ TEST_F(HaProxy, LosesNothingWhenAReplicaEnds) {
   std::vector<std::thread> clients;
   for (int i = 0; i < 4; ++i) {
     clients.emplace_back([&] {
-      while (!stop) ++(recognise().status == 200 ? num_answered : num_failed);
+      while (!stop) ++(recognize().status == 200 ? num_answered : num_failed);
     });
   }
   EXPECT_TRUE(test::comes([&] { return num_taken(a_->port()) > 0 && num_answered > 0; }));
@@ -123,7 +123,7 @@ TEST_F(HaProxy, LosesNothingWhenAReplicaEnds) {
 
 TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
   int num_lost = 0;
-  const std::vector<Answer> answers = recognise_at_once(8, [&] {
+  const std::vector<Answer> answers = recognize_at_once(8, [&] {
     EXPECT_TRUE(test::comes([&] {
       return num_taken(a_->port()) + num_taken(b_->port()) >= 6 && num_taken(a_->port()) > 1;
     }));
@@ -137,11 +137,11 @@ TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
   EXPECT_GT(num_failed, 0);
   EXPECT_LE(num_failed, num_lost);
   // At once: what cannot be sent to the dead one is sent to the other.
-  for (const Answer& answer : recognise_at_once(4, [] {})) EXPECT_EQ(answer.status, 200);
+  for (const Answer& answer : recognize_at_once(4, [] {})) EXPECT_EQ(answer.status, 200);
 
   a_ = serve(a_->port());
   EXPECT_TRUE(test::comes([&] {
-    EXPECT_EQ(recognise().status, 200);
+    EXPECT_EQ(recognize().status, 200);
     return ask(a_->port(), "GET", "/metrics").body.find("route=\"recognize\",code=\"200\"") !=
            std::string::npos;
   })) << "asked again once it is ready";

@@ -38,9 +38,9 @@ std::string response(int status, const std::string& body) {
 class FakeShard {
  public:
   /// Gives all bytes of an answer; none: it never answers. A connection ends after an answer.
-  using Recognise = std::function<std::optional<std::string>()>;
-  explicit FakeShard(Recognise recognise, std::string model = "fake")
-      : recognise_(std::move(recognise)), model_(std::move(model)) {
+  using Recognize = std::function<std::optional<std::string>()>;
+  explicit FakeShard(Recognize recognize, std::string model = "fake")
+      : recognize_(std::move(recognize)), model_(std::move(model)) {
     listener_ = ::socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in where{};
     where.sin_family = AF_INET;
@@ -89,7 +89,7 @@ class FakeShard {
           response(200, json{{"unit", "m"}, {"models", json::array({{{"name", model_}}})}}.dump());
     } else if (head.starts_with("POST")) {
       ++num_asked_;
-      answer = recognise_();
+      answer = recognize_();
     }
     if (answer) {
       ::send(client, answer->data(), answer->size(), MSG_NOSIGNAL);
@@ -102,7 +102,7 @@ class FakeShard {
     ::close(client);
   }
 
-  Recognise recognise_;
+  Recognize recognize_;
   std::string model_;
   int listener_ = -1;
   int port_ = 0;

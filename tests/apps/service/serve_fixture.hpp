@@ -30,7 +30,7 @@ class ServeFixture : public testing::Test {
   std::filesystem::path depth_;           ///< the scan, a depth image
   Camera camera_;                         ///< of the scan
   std::string parameters_;                ///< for it, without the format
-  std::string query_;                     ///< the target that recognises it
+  std::string query_;                     ///< the target that recognizes it
   std::atomic<pid_t> process_{0};
 
  private:

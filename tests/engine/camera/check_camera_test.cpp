@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"
 
@@ -17,7 +17,7 @@ class CheckCamera : public testing::Test {
   static void SetUpTestSuite() {
     bracket_ = test::bracket();
     lever_ = test::lever();
-    recogniser_ = Recogniser(test::trained_library({{"bracket", &bracket_}, {"lever", &lever_}},
+    recognizer_ = Recognizer(test::trained_library({{"bracket", &bracket_}, {"lever", &lever_}},
                                                    {.tri_spin_images = false}));
   }
 
@@ -39,19 +39,19 @@ class CheckCamera : public testing::Test {
     }
     return cloud;
   }
-  static SceneResult recognised(const Cloud& cloud) {
-    const Result<SceneResult> result = recognise(recogniser_, cloud, {}, {.method = Method::ppf});
+  static SceneResult recognized(const Cloud& cloud) {
+    const Result<SceneResult> result = recognize(recognizer_, cloud, {}, {.method = Method::ppf});
     EXPECT_TRUE(result) << result.error().message;
     return *result;
   }
   static CameraCheck check(const Cloud& cloud) {
-    const SceneResult result = recognised(cloud);
+    const SceneResult result = recognized(cloud);
     EXPECT_TRUE(result.stats.camera_check);
     return result.stats.camera_check.value_or(CameraCheck{});
   }
 
   static inline test::Shape bracket_, lever_;
-  static inline Recogniser recogniser_{Library{}};
+  static inline Recognizer recognizer_{Library{}};
 };
 
 TEST_F(CheckCamera, FindsNothingWrongWithTheRightCamera) {
@@ -94,14 +94,14 @@ TEST_F(CheckCamera, JoinsTheScenesOfACamera) {
 }
 
 TEST_F(CheckCamera, ShootsFourTimesTheRaysOfAnExamination) {
-  const SceneResult result = recognised(scan(1));
+  const SceneResult result = recognized(scan(1));
   EXPECT_LE(result.stats.camera_check->num_rays, 4 * 2500 * result.detections.size());
 }
 
 TEST_F(CheckCamera, KnowsNoCameraOfAScanThatNamesNone) {
   Cloud cloud = scan(1);
   cloud.camera.reset();
-  EXPECT_FALSE(recognised(cloud).stats.camera_check);
+  EXPECT_FALSE(recognized(cloud).stats.camera_check);
 }
 
 TEST_F(CheckCamera, GivesTheSameBitsForAnyNumberOfThreads) {

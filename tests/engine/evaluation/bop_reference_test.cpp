@@ -47,7 +47,7 @@ class Case {
   Case(std::uint64_t number, LengthUnit unit, const test::TempDir& folder)
       : random_(number),
         folder_(folder),
-        mm_(static_cast<float>(unit_scale(LengthUnit::millimetre, unit))) {
+        mm_(static_cast<float>(unit_scale(LengthUnit::millimeter, unit))) {
     manifest.unit = unit;
     add_model(
         "box", test::box({-30, -20, -15}, {30, 20, 15}), 78,
@@ -271,10 +271,10 @@ class BopReference : public testing::TestWithParam<int> {};
 TEST_P(BopReference, AgreesOnRandomScenes) {
   const test::TempDir folder;
   const auto number = static_cast<std::uint64_t>(GetParam());
-  Case c(number, number < 2 ? LengthUnit::millimetre : LengthUnit::metre, folder);
+  Case c(number, number < 2 ? LengthUnit::millimeter : LengthUnit::meter, folder);
   if (number == 2)
     c.meshes[0].triangles = {}, c.document["models"]["box"]["triangles"] = json::array();
-  c.document["unit_mm"] = unit_scale(c.manifest.unit, LengthUnit::millimetre);
+  c.document["unit_mm"] = unit_scale(c.manifest.unit, LengthUnit::millimeter);
   c.document["delta_mm"] = 15;
   for (const ManifestModel& model : c.manifest.models) c.document["scored"].push_back(model.name);
   if (!c.manifest.models_scored.empty()) c.document["scored"] = c.manifest.models_scored;
@@ -283,14 +283,14 @@ TEST_P(BopReference, AgreesOnRandomScenes) {
   ASSERT_TRUE(ours) << ours.error().message;
   const json expected = run_reference(c.document, folder);
 
-  const json& recall = expected["localisation"];
-  EXPECT_EQ(ours->localisation.num_targets, recall["num_targets"].get<std::size_t>());
-  EXPECT_GT(ours->localisation.num_targets, 8U);
-  expect_near(ours->localisation.mssd, recall["mssd"], 1e-12, "AR MSSD");
-  expect_near(ours->localisation.mspd, recall["mspd"], 1e-12, "AR MSPD");
+  const json& recall = expected["localization"];
+  EXPECT_EQ(ours->localization.num_targets, recall["num_targets"].get<std::size_t>());
+  EXPECT_GT(ours->localization.num_targets, 8U);
+  expect_near(ours->localization.mssd, recall["mssd"], 1e-12, "AR MSSD");
+  expect_near(ours->localization.mspd, recall["mspd"], 1e-12, "AR MSPD");
   const double slack = recall["vsd_slack"].get<double>();
   EXPECT_LT(slack, 0.02);
-  expect_near(ours->localisation.vsd, recall["vsd"], slack + 1e-12, "AR VSD");
+  expect_near(ours->localization.vsd, recall["vsd"], slack + 1e-12, "AR VSD");
   const json& precision = expected["detection"];
   EXPECT_EQ(ours->detection.num_absent, precision["num_absent"].get<std::size_t>());
   expect_near(ours->detection.mssd, precision["mssd"], 1e-12, "AP MSSD");

@@ -29,7 +29,7 @@ class BopScoresTest : public testing::Test {
       meshes.push_back({name, plate.vertices, plate.triangles, 100, {}});
       manifest.models.push_back({name, "", 1, {}});
     }
-    manifest.unit = LengthUnit::millimetre;
+    manifest.unit = LengthUnit::millimeter;
     add_scene(2000);
   }
 
@@ -67,7 +67,7 @@ class BopScoresTest : public testing::Test {
   }
   void expect_mssd(double recall, double precision) const {
     const BopScores scores = score();
-    EXPECT_NEAR(scores.localisation.mssd, recall, 1e-12);
+    EXPECT_NEAR(scores.localization.mssd, recall, 1e-12);
     EXPECT_NEAR(scores.detection.mssd, precision, 1e-12);
   }
 
@@ -81,11 +81,11 @@ TEST_F(BopScoresTest, GivesFullMarksForTheTruthItself) {
   add_truth(at(0));
   add_detection(at(0));
   const BopScores scores = score();
-  EXPECT_EQ(scores.localisation.num_targets, 1U);
-  EXPECT_EQ(scores.localisation.vsd, 1);
-  EXPECT_EQ(scores.localisation.mssd, 1);
-  EXPECT_EQ(scores.localisation.mspd, 1);
-  EXPECT_EQ(scores.localisation.mean, 1);
+  EXPECT_EQ(scores.localization.num_targets, 1U);
+  EXPECT_EQ(scores.localization.vsd, 1);
+  EXPECT_EQ(scores.localization.mssd, 1);
+  EXPECT_EQ(scores.localization.mspd, 1);
+  EXPECT_EQ(scores.localization.mean, 1);
   EXPECT_EQ(scores.detection.num_targets, 1U);
   EXPECT_EQ(scores.detection.mssd, 1);
   EXPECT_EQ(scores.detection.mspd, 1);
@@ -99,8 +99,8 @@ TEST_F(BopScoresTest, CountsTheThresholdsAboveTheError) {
   add_truth(at(0));
   add_detection(at(12));
   const BopScores scores = score();
-  EXPECT_NEAR(scores.localisation.mssd, 0.8, 1e-12);
-  EXPECT_NEAR(*scores.localisation.mspd, 0.8, 1e-12);
+  EXPECT_NEAR(scores.localization.mssd, 0.8, 1e-12);
+  EXPECT_NEAR(*scores.localization.mspd, 0.8, 1e-12);
   EXPECT_NEAR(scores.detection.mssd, 0.8, 1e-12);
   EXPECT_NEAR(*scores.detection.mspd, 0.8, 1e-12);
   EXPECT_NEAR(*scores.detection.mean, 0.8, 1e-12);
@@ -114,7 +114,7 @@ TEST_F(BopScoresTest, CountsTheThresholdsAboveTheError) {
 TEST_F(BopScoresTest, DoesNotCountAThresholdThatIsJustMet) {
   add_truth(at(0));
   add_detection(at(25));
-  EXPECT_NEAR(score().localisation.mssd, 0.5, 1e-12);  // 0.3 to 0.5
+  EXPECT_NEAR(score().localization.mssd, 0.5, 1e-12);  // 0.3 to 0.5
 }
 
 // Along the rays the plate is 12 to 12.1 mm further away: wrong at 2 of 10 tolerances, right at all
@@ -123,7 +123,7 @@ TEST_F(BopScoresTest, TakesVsdOverTolerancesAndThresholds) {
   add_truth(at(0));
   add_detection(at(0, 0, 612));
   const BopScores scores = score();
-  EXPECT_NEAR(*scores.localisation.vsd, 0.8, 1e-12);
+  EXPECT_NEAR(*scores.localization.vsd, 0.8, 1e-12);
   EXPECT_EQ((*scores.errors[0][0]->vsd)[1], 1);
   EXPECT_EQ((*scores.errors[0][0]->vsd)[2], 0);
 }
@@ -131,7 +131,7 @@ TEST_F(BopScoresTest, TakesVsdOverTolerancesAndThresholds) {
 TEST_F(BopScoresTest, KnowsThatVsdOfPosesApartIsOne) {
   add_truth(at(-150));
   add_detection(at(150));
-  EXPECT_EQ(score().localisation.vsd, 0);
+  EXPECT_EQ(score().localization.vsd, 0);
   EXPECT_EQ((*score().errors[0][0]->vsd)[9], 1);
 }
 
@@ -139,19 +139,19 @@ TEST_F(BopScoresTest, TakesMissingDepthForVisibleAndAnOccluderForHiding) {
   add_truth(at(0));
   add_detection(at(0));
   measure(0);
-  EXPECT_EQ(score().localisation.vsd, 1);
+  EXPECT_EQ(score().localization.vsd, 1);
   measure(400);
-  EXPECT_EQ(score().localisation.vsd, 0) << "nothing of the plate is visible";
-  EXPECT_EQ(score().localisation.mssd, 1);
+  EXPECT_EQ(score().localization.vsd, 0) << "nothing of the plate is visible";
+  EXPECT_EQ(score().localization.mssd, 1);
 }
 
 // The plate lies 10 mm behind what was measured.
-TEST_F(BopScoresTest, TakesTheDeltaOfVsdInMillimetres) {
+TEST_F(BopScoresTest, TakesTheDeltaOfVsdInMillimeters) {
   add_truth(at(0));
   add_detection(at(0));
   measure(590);
-  EXPECT_EQ(score().localisation.vsd, 1);
-  EXPECT_EQ(score({.vsd_delta_mm = 5}).localisation.vsd, 0);
+  EXPECT_EQ(score().localization.vsd, 1);
+  EXPECT_EQ(score({.vsd_delta_mm = 5}).localization.vsd, 0);
 }
 
 TEST_F(BopScoresTest, AcceptsSymmetries) {
@@ -165,22 +165,22 @@ TEST_F(BopScoresTest, AcceptsSymmetries) {
   half.translation().setZero();
   meshes[0].symmetry.poses = {half};
   expect_mssd(1, 1);
-  EXPECT_EQ(score().localisation.mspd, 1);
+  EXPECT_EQ(score().localization.mspd, 1);
   meshes[0].symmetry = {{}, Symmetry::Axis{}, true};
   expect_mssd(1, 1);
 }
 
-TEST_F(BopScoresTest, LocalisesWithAsManyDetectionsAsThereAreTargets) {
+TEST_F(BopScoresTest, LocalizesWithAsManyDetectionsAsThereAreTargets) {
   add_truth(at(0));
   add_detection(at(-150), 0.9F);
   add_detection(at(0), 0.8F);
   expect_mssd(0, 0.5);
   manifest.scenes[0].targets = {{"plate", 2}};
   expect_mssd(1, 0.5);
-  EXPECT_EQ(score().localisation.num_targets, 1U) << "there is one, whatever the targets say";
+  EXPECT_EQ(score().localization.num_targets, 1U) << "there is one, whatever the targets say";
   manifest.scenes[0].targets = {{"other", 1}};
   expect_mssd(0, 0.5);
-  EXPECT_EQ(score().localisation.num_targets, 0U);
+  EXPECT_EQ(score().localization.num_targets, 0U);
 }
 
 TEST_F(BopScoresTest, CountsMissingDetectionsAsNotFound) {
@@ -190,7 +190,7 @@ TEST_F(BopScoresTest, CountsMissingDetectionsAsNotFound) {
   expect_mssd(0.5, 51.0 / 101);  // recalls 0 to 0.5 are reached
   results[0].reset();
   expect_mssd(0, 0);
-  EXPECT_EQ(score().localisation.num_targets, 2U);
+  EXPECT_EQ(score().localization.num_targets, 2U);
 }
 
 TEST_F(BopScoresTest, LooksForTheMostVisibleInstances) {
@@ -199,23 +199,23 @@ TEST_F(BopScoresTest, LooksForTheMostVisibleInstances) {
   add_truth(at(0), 0.9);
   add_truth(at(150), 0.9);
   add_detection(at(-150));
-  EXPECT_EQ(score().localisation.mssd, 0);
+  EXPECT_EQ(score().localization.mssd, 0);
   results[0]->detections[0].T_scene_model = at(0);
-  EXPECT_EQ(score().localisation.mssd, 1) << "the first of equally visible ones";
+  EXPECT_EQ(score().localization.mssd, 1) << "the first of equally visible ones";
   results[0]->detections[0].T_scene_model = at(150);
-  EXPECT_EQ(score().localisation.mssd, 0);
+  EXPECT_EQ(score().localization.mssd, 0);
 }
 
-// Localisation does not look for the hidden one; detection does not care.
+// Localization does not look for the hidden one; detection does not care.
 TEST_F(BopScoresTest, LeavesOutWhatIsVisibleByLessThanATenth) {
   add_truth(at(-150), 0.099);
   add_truth(at(0), 0.1);
   add_detection(at(0), 0.5F);
-  EXPECT_EQ(score().localisation.num_targets, 1U);
+  EXPECT_EQ(score().localization.num_targets, 1U);
   EXPECT_EQ(score().detection.num_targets, 1U);
   expect_mssd(1, 1);
   add_detection(at(-150), 0.9F);
-  expect_mssd(0, 1);  // it takes the one place of localisation
+  expect_mssd(0, 1);  // it takes the one place of localization
   add_detection(at(-150), 0.8F);
   expect_mssd(0, 0.5);  // a second detection of the hidden one is false
 }
@@ -224,9 +224,9 @@ TEST_F(BopScoresTest, TakesTruthsToBeIgnoredForHiddenWhereVisibilityIsUnknown) {
   add_truth(at(0));
   add_truth(at(-150));
   manifest.scenes[0].truth[1].ignore = true;
-  EXPECT_EQ(score().localisation.num_targets, 1U);
+  EXPECT_EQ(score().localization.num_targets, 1U);
   manifest.scenes[0].truth[1].visible_fraction = 0.2;
-  EXPECT_EQ(score().localisation.num_targets, 2U);
+  EXPECT_EQ(score().localization.num_targets, 2U);
 }
 
 TEST_F(BopScoresTest, GivesEachDetectionOneTruth) {
@@ -244,7 +244,7 @@ TEST_F(BopScoresTest, MatchesByFallingScore) {
   add_truth(at(40));
   add_detection(at(0), 0.5F);
   add_detection(at(-10), 0.9F);
-  EXPECT_NEAR(score().localisation.mssd, 0.6, 1e-12);
+  EXPECT_NEAR(score().localization.mssd, 0.6, 1e-12);
 }
 
 TEST_F(BopScoresTest, BreaksTiesByTheOrderOfTheDetections) {
@@ -316,12 +316,12 @@ TEST_F(BopScoresTest, HasNoVsdAndMspdWithoutADepthImage) {
   manifest.scenes[0].file = folder / "absent.ply";
   for (int camera = 0; camera < 2; ++camera) {
     const BopScores scores = score();
-    EXPECT_FALSE(scores.localisation.vsd);
-    EXPECT_FALSE(scores.localisation.mspd);
-    EXPECT_FALSE(scores.localisation.mean);
+    EXPECT_FALSE(scores.localization.vsd);
+    EXPECT_FALSE(scores.localization.mspd);
+    EXPECT_FALSE(scores.localization.mean);
     EXPECT_FALSE(scores.detection.mspd);
     EXPECT_FALSE(scores.detection.mean);
-    EXPECT_NEAR(scores.localisation.mssd, 0.8, 1e-12);
+    EXPECT_NEAR(scores.localization.mssd, 0.8, 1e-12);
     EXPECT_NEAR(scores.detection.mssd_mm, 0.4, 1e-12);
     EXPECT_FALSE(scores.errors[0][0]->mspd);
     EXPECT_FALSE(scores.errors[0][0]->vsd);
@@ -336,9 +336,9 @@ TEST_F(BopScoresTest, CountsForVsdAndMspdOnlyScenesWithADepthImage) {
   add_truth(at(0));
   manifest.scenes[1].camera.reset();
   const BopScores scores = score();
-  EXPECT_EQ(scores.localisation.vsd, 1);
-  EXPECT_EQ(scores.localisation.mspd, 1);
-  EXPECT_EQ(scores.localisation.mssd, 0.5);
+  EXPECT_EQ(scores.localization.vsd, 1);
+  EXPECT_EQ(scores.localization.mspd, 1);
+  EXPECT_EQ(scores.localization.mssd, 0.5);
   EXPECT_EQ(scores.detection.mspd, 1);
   EXPECT_NEAR(scores.detection.mssd, 51.0 / 101, 1e-12);
 }
@@ -348,11 +348,11 @@ TEST_F(BopScoresTest, HasNoVsdOfAMeshWithoutFaces) {
   add_truth(at(150), {}, "other");
   add_detection(at(0));
   meshes[1].triangles = {};
-  EXPECT_EQ(score().localisation.vsd, 1) << "of the plate alone";
-  EXPECT_EQ(score().localisation.mspd, 0.5);
+  EXPECT_EQ(score().localization.vsd, 1) << "of the plate alone";
+  EXPECT_EQ(score().localization.mspd, 0.5);
   meshes[0].triangles = {};
-  EXPECT_FALSE(score().localisation.vsd);
-  EXPECT_FALSE(score().localisation.mean);
+  EXPECT_FALSE(score().localization.vsd);
+  EXPECT_FALSE(score().localization.mean);
 }
 
 TEST_F(BopScoresTest, NamesTheNearestTruthOfEachDetection) {
@@ -364,11 +364,11 @@ TEST_F(BopScoresTest, NamesTheNearestTruthOfEachDetection) {
   EXPECT_NEAR(score().errors[0][0]->mssd, 20, 1e-9);
 }
 
-TEST_F(BopScoresTest, GivesTheSameInMetres) {
+TEST_F(BopScoresTest, GivesTheSameInMeters) {
   add_truth(at(0));
   add_detection(at(12, 0, 604));
   const BopScores in_mm = score();
-  manifest.unit = LengthUnit::metre;
+  manifest.unit = LengthUnit::meter;
   manifest.scenes[0].camera->depth_scale = 0.001;
   for (EvaluationMesh& mesh : meshes) {
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
@@ -378,9 +378,9 @@ TEST_F(BopScoresTest, GivesTheSameInMetres) {
   manifest.scenes[0].truth[0].T_scene_model.translation() *= 0.001F;
   results[0]->detections[0].T_scene_model.translation() *= 0.001F;
   const BopScores in_m = score();
-  EXPECT_EQ(in_m.localisation.vsd, in_mm.localisation.vsd);
-  EXPECT_EQ(in_m.localisation.mssd, in_mm.localisation.mssd);
-  EXPECT_EQ(in_m.localisation.mspd, in_mm.localisation.mspd);
+  EXPECT_EQ(in_m.localization.vsd, in_mm.localization.vsd);
+  EXPECT_EQ(in_m.localization.mssd, in_mm.localization.mssd);
+  EXPECT_EQ(in_m.localization.mspd, in_mm.localization.mspd);
   EXPECT_EQ(in_m.detection.mssd_mm, in_mm.detection.mssd_mm);
   EXPECT_NEAR(in_m.errors[0][0]->mssd, 0.001 * in_mm.errors[0][0]->mssd, 1e-8);
 }
@@ -388,10 +388,10 @@ TEST_F(BopScoresTest, GivesTheSameInMetres) {
 TEST_F(BopScoresTest, HasNothingToScoreWithoutTruth) {
   add_detection(at(0));
   const BopScores scores = score();
-  EXPECT_EQ(scores.localisation.num_targets, 0U);
-  EXPECT_EQ(scores.localisation.mssd, 0);
+  EXPECT_EQ(scores.localization.num_targets, 0U);
+  EXPECT_EQ(scores.localization.mssd, 0);
   EXPECT_EQ(scores.detection.mssd, 0);
-  EXPECT_FALSE(scores.localisation.vsd);
+  EXPECT_FALSE(scores.localization.vsd);
   EXPECT_EQ(scores.detection.num_absent, 1U);
 }
 
@@ -437,8 +437,8 @@ TEST_F(BopScoresTest, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto bits = [&](unsigned num_threads) {
     const ThreadLimit limit(num_threads);
     const BopScores scores = score();
-    std::vector<double> numbers{*scores.localisation.vsd,  scores.localisation.mssd,
-                                *scores.localisation.mspd, scores.detection.mssd,
+    std::vector<double> numbers{*scores.localization.vsd,  scores.localization.mssd,
+                                *scores.localization.mspd, scores.detection.mssd,
                                 *scores.detection.mspd,    scores.detection.mssd_mm};
     for (const auto& scene : scores.errors) {
       for (const auto& error : scene) {

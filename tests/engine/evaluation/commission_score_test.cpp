@@ -27,8 +27,8 @@ Outcomes draw(const kernels::ScoreModel& cell, std::size_t num_scans, std::size_
       kernels::ScoreParts parts;
       for (std::size_t k = 0; k < kNumScoreParts; ++k) {
         const auto& knots = cell.knots[k];
-        const float low = kernels::kScoreParts[k].favourable ? knots.front() : knots.back();
-        const float high = kernels::kScoreParts[k].favourable ? knots.back() : knots.front();
+        const float low = kernels::kScoreParts[k].favorable ? knots.front() : knots.back();
+        const float high = kernels::kScoreParts[k].favorable ? knots.back() : knots.front();
         parts[k] = std::lerp(std::lerp(low, high, random.uniform(0, 1)), high, best);
       }
       parts[kernels::kCorrelationPart] = 0.3F;

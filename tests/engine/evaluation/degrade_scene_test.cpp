@@ -29,7 +29,7 @@ constexpr float kDiameter = 0.25F;
 constexpr float kDepth = 1;
 constexpr double kResolution = 0.01;  ///< of `wall`
 
-/// 200 x 150 pixels of a wall at kDepth: neighbours are a pixel pitch apart.
+/// 200 x 150 pixels of a wall at kDepth: neighbors are a pixel pitch apart.
 Cloud wall() {
   const test::DepthScan scan = test::depth_scan(200, 150, [](float, float) { return kDepth; });
   Cloud cloud;
@@ -109,7 +109,7 @@ TEST(DegradeScene, LeavesScatteredPointsSeenFromWhereTheyWere) {
   EXPECT_EQ(degraded(bumps(100), {.scattered = true}).viewpoint, Vector3f(0, 0, 0));
 }
 
-TEST(DegradeScene, LeavesAScanToRecognise) {
+TEST(DegradeScene, LeavesAScanToRecognize) {
   const test::DepthScan bowl =
       test::depth_scan(200, 150, [](float a, float b) { return 1 + 0.5F * (a * a + b * b); });
   Cloud cloud;
@@ -128,9 +128,9 @@ TEST(DegradeScene, AddsNoiseInResolutionsOfTheScan) {
   for (const double sigma : found) expect_sigma(sigma, 0.5 * kResolution, scan.points.size());
 }
 
-// Points on a lattice of pitch 1/16: a cloud's nearest neighbours are that apart, a mesh of squares
+// Points on a lattice of pitch 1/16: a cloud's nearest neighbors are that apart, a mesh of squares
 // with their diagonals has edges of (2 + sqrt 2) / 3 of it, up to its border.
-TEST(DegradeScene, TakesTheResolutionOfACloudFromItsNeighboursAndOfAMeshFromItsEdges) {
+TEST(DegradeScene, TakesTheResolutionOfACloudFromItsNeighborsAndOfAMeshFromItsEdges) {
   constexpr std::uint32_t kSide = 100;
   constexpr double kPitch = 1.0 / 16;
   Cloud lattice;

@@ -34,7 +34,7 @@ class FindHypotheses : public testing::Test {
     level_ = engine::choose_voters(
         *scene, engine::sample_scene(*scene, step(), library_.models[0].diameter), {});
   }
-  static float step() { return library_.models[0].ppf.quantisation.distance_step; }
+  static float step() { return library_.models[0].ppf.quantization.distance_step; }
 
   static inline Library library_;
   static inline engine::SceneLevel level_;
@@ -44,7 +44,7 @@ class FindHypotheses : public testing::Test {
 };
 
 TEST_F(FindHypotheses, HasTheTruthAmongThoseOfEachModel) {
-  ASSERT_EQ(library_.models[1].ppf.quantisation.distance_step, step());
+  ASSERT_EQ(library_.models[1].ppf.quantization.distance_step, step());
   SceneStats stats;
   const auto found = engine::find_hypotheses(library_, level_, kModels, {}, stats);
   ASSERT_EQ(found.size(), 2U);
@@ -52,7 +52,7 @@ TEST_F(FindHypotheses, HasTheTruthAmongThoseOfEachModel) {
     const Model& model = library_.models[m];
     const auto right = std::ranges::count_if(found[m], [&](const kernels::Hypothesis& hypothesis) {
       const auto distance =
-          kernels::pose_distance(truth_[m], hypothesis.T_scene_model, model.symmetry, model.centre);
+          kernels::pose_distance(truth_[m], hypothesis.T_scene_model, model.symmetry, model.center);
       return distance.translation < 0.1F * model.diameter && distance.rotation_rad < 0.26F;
     });
     EXPECT_GE(right, 5) << model.name;
@@ -63,7 +63,7 @@ TEST_F(FindHypotheses, TakesPairsWithinTheBallOnly) {
   for (const float radius : {0.1F, 0.4F, 1.0F}) {
     std::uint32_t bins = 0;
     for (const Model& model : library_.models)
-      bins = std::max(bins, model.ppf.quantisation.num_distance_bins);
+      bins = std::max(bins, model.ppf.quantization.num_distance_bins);
     const float ball = step() * std::ceil(radius * static_cast<float>(bins));
     std::uint64_t expected = 0;
     for (const std::uint32_t r : level_.references) {

@@ -36,7 +36,7 @@ class MatchFeatures : public testing::Test {
   }
   static bool is_right(std::uint32_t m, const Pose& pose) {
     const Model& model = library_.models[m];
-    const auto distance = kernels::pose_distance(truth_[m], pose, model.symmetry, model.centre);
+    const auto distance = kernels::pose_distance(truth_[m], pose, model.symmetry, model.center);
     return distance.translation < 0.1F * model.diameter && distance.rotation_rad < 0.26F;
   }
   static double right_share(const SceneMatches& matches) {
@@ -91,19 +91,19 @@ TEST_F(MatchFeatures, KeepsWhatIsNearEnough) {
 }
 
 TEST_F(MatchFeatures, KeepsWhatIsNearerThanTheNextPlace) {
-  const SceneMatches nearest = match({.num_neighbours = 1});
+  const SceneMatches nearest = match({.num_neighbors = 1});
   std::size_t before = nearest.matches.size();
   for (const float ratio : {0.95F, 0.85F, 0.7F}) {
-    const SceneMatches sure = match({.num_neighbours = 1, .max_ratio = ratio});
+    const SceneMatches sure = match({.num_neighbors = 1, .max_ratio = ratio});
     EXPECT_LT(sure.matches.size(), before) << ratio;
     before = sure.matches.size();
   }
-  EXPECT_GT(right_share(match({.num_neighbours = 1, .max_ratio = 0.85F})), right_share(nearest));
+  EXPECT_GT(right_share(match({.num_neighbors = 1, .max_ratio = 0.85F})), right_share(nearest));
 }
 
 TEST_F(MatchFeatures, GivesSureMatchesMoreVotes) {
   double right = 0, wrong = 0, num_right = 0, num_wrong = 0;
-  for (const FeatureMatch& match : match({.num_neighbours = 1, .weigh_by_ratio = true}).matches) {
+  for (const FeatureMatch& match : match({.num_neighbors = 1, .weigh_by_ratio = true}).matches) {
     ASSERT_GT(match.votes, 0);
     ASSERT_LE(match.votes, 1);
     const bool is_so = is_right(match.model, match.T_scene_model);

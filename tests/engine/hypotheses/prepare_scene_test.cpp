@@ -25,7 +25,7 @@ Cloud two_parts() {
 }
 
 engine::PreparedScene prepare(const Cloud& cloud, const SceneInput& input,
-                              const RecogniseOptions& options = {}) {
+                              const RecognizeOptions& options = {}) {
   StageTimes times;
   Result<engine::PreparedScene> scene = engine::prepare_scene(cloud, input, times, options);
   EXPECT_TRUE(scene) << scene.error().message;

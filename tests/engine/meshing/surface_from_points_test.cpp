@@ -114,7 +114,7 @@ TEST(SurfaceFromPoints, RefusesWhatHasNoSurface) {
   EXPECT_TRUE(is_refused(surface_from_points(cloud, "line.ply", {.method = SurfaceMethod::faces}),
                          ErrorCode::usage, "a file with faces"));
   EXPECT_TRUE(is_refused(surface_from_points(cloud, "line.ply", {.method = SurfaceMethod::grid}),
-                         ErrorCode::usage, "an organised scan"));
+                         ErrorCode::usage, "an organized scan"));
 }
 
 TEST(SurfaceFromPoints, RefusesOptionsOutOfTheirRange) {
@@ -128,7 +128,7 @@ TEST(SurfaceFromPoints, RefusesOptionsOutOfTheirRange) {
   }
   EXPECT_FALSE(validate({.grid = {.max_jump = 0.5F}}));
   EXPECT_FALSE(validate({.greedy = {.radius = 0}}));
-  EXPECT_FALSE(validate({.greedy = {.max_neighbours = 7}}));
+  EXPECT_FALSE(validate({.greedy = {.max_neighbors = 7}}));
   EXPECT_TRUE(validate(SurfaceOptions{}));
 }
 

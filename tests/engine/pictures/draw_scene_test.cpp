@@ -58,7 +58,7 @@ std::array<int, 3> pixel(const Picture& picture, std::uint32_t u, std::uint32_t 
   return {picture.rgb[at], picture.rgb[at + 1], picture.rgb[at + 2]};
 }
 
-constexpr Colour kGreen{0, 255, 0}, kOrange{255, 128, 0};
+constexpr Color kGreen{0, 255, 0}, kOrange{255, 128, 0};
 
 // The face of the cube at z = 0.9 spans 0.2 * 600 / 0.9 = 133 pixels.
 TEST(DrawScene, PutsModelsWhereTheyAre) {
@@ -104,15 +104,15 @@ TEST(DrawScene, LeavesModelsOutsideTheImageOut) {
 
 TEST(DrawScene, TakesPosesInTheScenesUnit) {
   const EvaluationMesh model = cube();
-  Cloud millimetres = wall();
+  Cloud millimeters = wall();
   for (const std::span<float> column :
-       {millimetres.points.span().x, millimetres.points.span().y, millimetres.points.span().z}) {
+       {millimeters.points.span().x, millimeters.points.span().y, millimeters.points.span().z}) {
     for (float& value : column) value *= 1000;
   }
   SceneInput input = depth_image();
   input.scale = 0.001;
   const std::array overlays{Overlay{&model, ahead(1000), kGreen, kOrange, true}};
-  const Result<ScenePictures> pictures = draw_scene(millimetres, input, overlays);
+  const Result<ScenePictures> pictures = draw_scene(millimeters, input, overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;
   EXPECT_NEAR((pictures->boxes[0].right - pictures->boxes[0].left) * kWidth, 600 * 0.2 / 0.9, 2);
 }
@@ -152,7 +152,7 @@ TEST(DrawScene, ShowsWhatReachesOutOfTheImage) {
 
 TEST(DrawScene, DrawsEachOutlineWhole) {
   const EvaluationMesh model = cube();
-  constexpr Colour kBlue{0, 0, 255};
+  constexpr Color kBlue{0, 0, 255};
   const std::array both{Overlay{&model, ahead(1), kBlue, {}, false},
                         Overlay{&model, ahead(1.0001F), kGreen, {}, false}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), both);

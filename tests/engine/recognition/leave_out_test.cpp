@@ -31,7 +31,7 @@ TEST(ImprovementSet, HoldsWhatWasPutIn) {
 }
 
 TEST(LeaveOut, ChangesNothingWhenNothingIsLeftOut) {
-  RecogniseOptions options;
+  RecognizeOptions options;
   options.max_instances = 7;
   options.vote.max_votes = 1234;
   options.later.radius = 0.9F;
@@ -62,7 +62,7 @@ class WithoutImprovement : public testing::Test {
       ASSERT_TRUE(trained) << trained.error().message;
       library.models.push_back(std::move(trained->model));
     }
-    recogniser_ = Recogniser(std::move(library));
+    recognizer_ = Recognizer(std::move(library));
     scene_ =
         test::render_scan({{&wall, Pose::Identity()},
                            {&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0.03F, 0.85F})},
@@ -76,10 +76,10 @@ class WithoutImprovement : public testing::Test {
       const double wave = 0.0008 * std::sin(0.3 * u) * std::sin(0.3 * v);
       z[i] += static_cast<float>(wave + 0.0007 * random.normal());
     }
-    whole_ = recognised({});
+    whole_ = recognized({});
   }
-  static SceneResult recognised(ImprovementSet without) {
-    auto result = recognise(recogniser_, scene_, {}, {.min_score = 0.02F, .without = without});
+  static SceneResult recognized(ImprovementSet without) {
+    auto result = recognize(recognizer_, scene_, {}, {.min_score = 0.02F, .without = without});
     EXPECT_TRUE(result) << result.error().message;
     return std::move(*result);
   }
@@ -98,7 +98,7 @@ class WithoutImprovement : public testing::Test {
     }
     return out;
   }
-  static inline Recogniser recogniser_{Library{}};
+  static inline Recognizer recognizer_{Library{}};
   static inline Cloud scene_;
   static inline SceneResult whole_;
 };
@@ -109,19 +109,19 @@ TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
   for (const ImprovementName& known : kImprovements) {
     if (known.improvement == Improvement::background || known.improvement == Improvement::rivals)
       continue;
-    EXPECT_NE(fingerprint(recognised({known.improvement})), fingerprint(whole_)) << known.name;
+    EXPECT_NE(fingerprint(recognized({known.improvement})), fingerprint(whole_)) << known.name;
   }
-  EXPECT_EQ(fingerprint(recognised({})), fingerprint(whole_));
+  EXPECT_EQ(fingerprint(recognized({})), fingerprint(whole_));
 }
 
 TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
-  RecogniseOptions options;
+  RecognizeOptions options;
   options.pose.rounds = 0;
   options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F})}};
   options.without = {Improvement::contour};  // which the wall runs on beyond
-  const auto known = recognise(recogniser_, scene_, {}, options);
+  const auto known = recognize(recognizer_, scene_, {}, options);
   options.without.insert(Improvement::background);
-  const auto unknown = recognise(recogniser_, scene_, {}, options);
+  const auto unknown = recognize(recognizer_, scene_, {}, options);
   ASSERT_TRUE(known && unknown);
   EXPECT_EQ(known->stats.num_examined, 0U) << "a wall supports no pose";
   EXPECT_EQ(unknown->stats.num_examined, 1U);
@@ -129,21 +129,21 @@ TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
 
 TEST_F(WithoutImprovement, TakesMoreWork) {
   const SceneStats& s = whole_.stats;
-  EXPECT_GT(recognised({Improvement::ball}).stats.num_pairs, s.num_pairs);
-  EXPECT_GT(recognised({Improvement::full_cells}).stats.num_votes, s.num_votes);
-  EXPECT_GT(recognised({Improvement::references}).stats.num_references, s.num_references);
-  EXPECT_GT(recognised({Improvement::planes}).stats.num_references, s.num_references);
-  EXPECT_LT(recognised({Improvement::second_round}).stats.num_references, s.num_references);
+  EXPECT_GT(recognized({Improvement::ball}).stats.num_pairs, s.num_pairs);
+  EXPECT_GT(recognized({Improvement::full_cells}).stats.num_votes, s.num_votes);
+  EXPECT_GT(recognized({Improvement::references}).stats.num_references, s.num_references);
+  EXPECT_GT(recognized({Improvement::planes}).stats.num_references, s.num_references);
+  EXPECT_LT(recognized({Improvement::second_round}).stats.num_references, s.num_references);
 }
 
 TEST_F(WithoutImprovement, KeepsOneInstanceOfEachModel) {
-  const SceneResult result = recognised({Improvement::clusters});
+  const SceneResult result = recognized({Improvement::clusters});
   EXPECT_LE(result.detections.size(), 2U);
   EXPECT_GT(whole_.detections.size(), 2U);
 }
 
 TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
-  const SceneResult result = recognised({Improvement::refinement});
+  const SceneResult result = recognized({Improvement::refinement});
   ASSERT_FALSE(result.detections.empty());
   float best = 1;
   for (const Detection& detection : result.detections) {
@@ -162,7 +162,7 @@ TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
 TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
   ImprovementSet all;
   for (const ImprovementName& known : kImprovements) all.insert(known.improvement);
-  const auto result = recognise(recogniser_, scene_, {}, {.min_score = 0, .without = all});
+  const auto result = recognize(recognizer_, scene_, {}, {.min_score = 0, .without = all});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ(result->detections.size(), 2U) << "one a model";
   for (const Detection& detection : result->detections) {
@@ -173,7 +173,7 @@ TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
 
 // Samples stand for rays: what they meet fills the same numbers.
 TEST_F(WithoutImprovement, FindsTheSamePartsBySamplesWhereNoRaysAreShot) {
-  const auto result = recognise(recogniser_, scene_, {}, {.without = {Improvement::rays}});
+  const auto result = recognize(recognizer_, scene_, {}, {.without = {Improvement::rays}});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ(result->detections.size(), 3U);
   for (const Detection& detection : result->detections) {

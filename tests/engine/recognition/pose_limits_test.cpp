@@ -13,14 +13,14 @@ TEST(PoseLimits, AllowEverythingByDefault) {
   EXPECT_TRUE(PoseLimits{}.allow(test::pose_of({1, 2, 3}, {4, 5, 6}), {0, 0, 0}, 1));
 }
 
-TEST(PoseLimits, HoldTheModelsCentreInABoxOfTheFilesUnit) {
+TEST(PoseLimits, HoldTheModelsCenterInABoxOfTheFilesUnit) {
   PoseLimits limits;
   limits.region = PoseLimits::Region{{-100, -100, 400}, {100, 100, 600}};  // mm
-  const Eigen::Vector3f centre(0.05F, 0, 0);                               // m
-  EXPECT_TRUE(limits.allow(test::pose_of({0, 0, 0}, {0, 0, 0.5F}), centre, 1000));
-  EXPECT_FALSE(limits.allow(test::pose_of({0, 0, 0}, {0.06F, 0, 0.5F}), centre, 1000))
-      << "the origin is inside, the centre is not";
-  EXPECT_FALSE(limits.allow(test::pose_of({0, 0, 0}, {0, 0, 0.5F}), centre, 1));
+  const Eigen::Vector3f center(0.05F, 0, 0);                               // m
+  EXPECT_TRUE(limits.allow(test::pose_of({0, 0, 0}, {0, 0, 0.5F}), center, 1000));
+  EXPECT_FALSE(limits.allow(test::pose_of({0, 0, 0}, {0.06F, 0, 0.5F}), center, 1000))
+      << "the origin is inside, the center is not";
+  EXPECT_FALSE(limits.allow(test::pose_of({0, 0, 0}, {0, 0, 0.5F}), center, 1));
 }
 
 TEST(PoseLimits, HoldADirectionOfTheModelNearOneOfTheScene) {

@@ -9,7 +9,7 @@
 
 #include "engine/evaluation/evaluate.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "engine/train.hpp"
 #include "support/temp_dir.hpp"
 
@@ -40,10 +40,10 @@ TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
   ASSERT_TRUE(trained) << trained.error().message;
   Result<Library> library = open_library(folder / "library.h5");
   ASSERT_TRUE(library) << library.error().message;
-  const Recogniser recogniser(std::move(*library));
+  const Recognizer recognizer(std::move(*library));
   std::vector<std::optional<SceneResult>> results(manifest->scenes.size());
   const auto done =
-      recognise_all(recogniser, scenes_of(*manifest, recogniser.library().header.unit), {}, {},
+      recognize_all(recognizer, scenes_of(*manifest, recognizer.library().header.unit), {}, {},
                     [&](std::size_t index, const SceneResult& result) { results[index] = result; });
   ASSERT_TRUE(done) << done.error().message;
 
@@ -60,7 +60,7 @@ TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
 INSTANTIATE_TEST_SUITE_P(
     Sets, RealScans,
     testing::Values(DataSet{"uwa", "uwa/manifest.json", 4, 4, 0},
-                    DataSet{"uwa_in_metres", "uwa/manifest_full_scan_m.json", 4, 4, 0},
+                    DataSet{"uwa_in_meters", "uwa/manifest_full_scan_m.json", 4, 4, 0},
                     DataSet{"stanford_bunny", "stanford_bunny_scans/manifest.json", 10, 10, 0},
                     DataSet{"bologna", "bologna_retrieval/manifest.json", 15, 15, 0},
                     DataSet{"kinect_bunny", "kinect_bunny/manifest.json", 18, 18, 0},

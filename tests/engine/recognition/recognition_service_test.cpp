@@ -17,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 
 std::shared_ptr<const LibraryGeneration> generation(std::uint64_t number) {
-  return std::make_shared<LibraryGeneration>(LibraryGeneration{Recogniser(Library{}), number});
+  return std::make_shared<LibraryGeneration>(LibraryGeneration{Recognizer(Library{}), number});
 }
 
 using Work = std::function<Result<void>(std::size_t, const LibraryGeneration&, std::stop_token)>;

@@ -128,15 +128,15 @@ TEST_P(PileUp, LeavesBodiesWhereGravityHoldsThem) {
   int steep = 0;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const Body& body = all[placed[i].body];
-    const double here = static_cast<double>((placed[i].T_world_body * body.centre).z());
+    const double here = static_cast<double>((placed[i].T_world_body * body.center).z());
     double lowest_near = here;
     for (int k = 0; k < 12; ++k) {
       const float angle = static_cast<float>(k) * std::numbers::pi_v<float> / 6;
       const Eigen::Vector3f axis(std::cos(angle), std::sin(angle), 0);
       Pose turned = placed[i].T_world_body;
-      const Eigen::Vector3f centre = turned * body.centre;
+      const Eigen::Vector3f center = turned * body.center;
       turned.prerotate(Eigen::AngleAxisf(std::numbers::pi_v<float> / 180, axis));
-      turned.translation() += centre - turned * body.centre;
+      turned.translation() += center - turned * body.center;
       const Shape shape = shapes()[placed[i].body].moved(turned);
       const std::vector<Facet> mesh = reference::facets_of(shape.vertices, shape.triangles);
       double drop = lowest(mesh);
@@ -144,7 +144,7 @@ TEST_P(PileUp, LeavesBodiesWhereGravityHoldsThem) {
         drop = std::min(drop, reference::clearance(mesh, world(placed[j])));
       lowest_near = std::min(lowest_near, here - drop);
     }
-    // Toppling lowers the centre by up to half the width a radian: 0.5 mm a degree for these.
+    // Toppling lowers the center by up to half the width a radian: 0.5 mm a degree for these.
     if (here - lowest_near > 0.5e-3) ++steep;
   }
   EXPECT_LE(steep, 3) << "of " << placed.size();
@@ -168,18 +168,18 @@ TEST(PileUpOne, LaysABoxOnAFace) {
   }
 }
 
-TEST(MakeBody, FindsTheCentreOfTheVolume) {
-  // A long bar with a plate at its end: the areas' centre is elsewhere.
+TEST(MakeBody, FindsTheCenterOfTheVolume) {
+  // A long bar with a plate at its end: the areas' center is elsewhere.
   const Shape shape = test::box({0, -0.01F, -0.01F}, {0.2F, 0.01F, 0.01F});
   Body body = make_body(shape.vertices, shape.triangles);
-  EXPECT_LT((body.centre - Eigen::Vector3f(0.1F, 0, 0)).norm(), 1e-6F);
+  EXPECT_LT((body.center - Eigen::Vector3f(0.1F, 0, 0)).norm(), 1e-6F);
   EXPECT_NEAR(body.diameter, std::sqrt(0.04 + 2 * 0.0004), 1e-6);
   const Shape cone = test::prism(90, test::circle(1), 0, 1, 0, 1e-6);
   body = make_body(cone.vertices, cone.triangles);
-  EXPECT_NEAR(body.centre.z(), 0.25, 1e-3);
+  EXPECT_NEAR(body.center.z(), 0.25, 1e-3);
   const Shape turned = cone.inside_out();
   body = make_body(turned.vertices, turned.triangles);
-  EXPECT_NEAR(body.centre.z(), 0.25, 1e-3) << "whatever the winding";
+  EXPECT_NEAR(body.center.z(), 0.25, 1e-3) << "whatever the winding";
 }
 
 }  // namespace

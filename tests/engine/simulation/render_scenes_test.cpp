@@ -47,7 +47,7 @@ ScanOptions exact(std::uint32_t num_instances, Sensor sensor = Sensor::structure
 }
 
 Result<RenderedScene> scan(const std::vector<ScanModel>& models, const ScanOptions& options,
-                           std::uint32_t index, LengthUnit unit = LengthUnit::metre) {
+                           std::uint32_t index, LengthUnit unit = LengthUnit::meter) {
   const Result<VirtualScanner> scanner = VirtualScanner::create(models, unit, options);
   if (!scanner) return scanner.error();
   return scanner->scan(index);
@@ -177,7 +177,7 @@ TEST(VirtualScanner, FindsTheAreaOfASphereThatASensorMeasures) {
 TEST(VirtualScanner, TellsLengthsInTheAskedUnit) {
   const std::vector<ScanModel> models{box_model()};
   const Result<RenderedScene> m = scan(models, exact(2), 1),
-                              mm = scan(models, exact(2), 1, LengthUnit::millimetre);
+                              mm = scan(models, exact(2), 1, LengthUnit::millimeter);
   ASSERT_TRUE(m && mm);
   EXPECT_EQ(m->depths, mm->depths);
   EXPECT_NEAR(mm->camera.depth_scale, 1000 * m->camera.depth_scale, 1e-12);
@@ -273,7 +273,7 @@ Files rendered_files(unsigned num_threads, std::uint32_t num_scenes) {
   options.num_scenes = num_scenes;
   const ThreadLimit limit(num_threads);
   const Result<Manifest> manifest =
-      render_scenes(models, LengthUnit::metre, options, folder / "scan", {});
+      render_scenes(models, LengthUnit::meter, options, folder / "scan", {});
   EXPECT_TRUE(manifest) << manifest.error().message;
   Files files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "scan")) {
@@ -317,9 +317,9 @@ TEST(RenderScenes, ScalesModelsAndDeclaresTheirSymmetries) {
   options.num_scenes = 1;
   const std::vector<ModelSource> sources{{"box", folder / "box.ply", 1, {}}};
   const Result<std::vector<ScanModel>> models =
-      read_scan_models(sources, LengthUnit::millimetre, {.diameter = 200});
+      read_scan_models(sources, LengthUnit::millimeter, {.diameter = 200});
   ASSERT_TRUE(models) << models.error().message;
-  ASSERT_TRUE(render_scenes(*models, LengthUnit::millimetre, options, folder / "scan", {}));
+  ASSERT_TRUE(render_scenes(*models, LengthUnit::millimeter, options, folder / "scan", {}));
   const Result<Manifest> manifest = read_manifest(folder / "scan/manifest.json");
   ASSERT_TRUE(manifest) << manifest.error().message;
   ASSERT_TRUE(manifest->models[0].symmetry);
@@ -345,7 +345,7 @@ TEST(RenderScenes, RefusesCloudsWithoutFaces) {
   cloud.triangles = {};
   ASSERT_TRUE(write_ply(folder / "cloud.ply", cloud));
   const std::vector<ModelSource> sources{{"cloud", folder / "cloud.ply", 1, {}}};
-  const Result<std::vector<ScanModel>> models = read_scan_models(sources, LengthUnit::metre, {});
+  const Result<std::vector<ScanModel>> models = read_scan_models(sources, LengthUnit::meter, {});
   ASSERT_FALSE(models);
   EXPECT_EQ(models.error().code, ErrorCode::bad_data);
   EXPECT_NE(models.error().message.find("cloud.ply"), std::string::npos);
@@ -357,7 +357,7 @@ TEST(RenderScenes, TellsWhenItIsStopped) {
   std::stop_source stop;
   stop.request_stop();
   const Result<Manifest> manifest =
-      render_scenes(models, LengthUnit::metre, {}, folder / "scan", {{}, stop.get_token()});
+      render_scenes(models, LengthUnit::meter, {}, folder / "scan", {{}, stop.get_token()});
   ASSERT_FALSE(manifest);
   EXPECT_EQ(manifest.error().code, ErrorCode::resumable);
   EXPECT_FALSE(std::filesystem::exists(folder / "scan/manifest.json"));

@@ -256,7 +256,7 @@ Statistics measure_real(const std::filesystem::path& file) {
   Statistics sum;
   const Result<Manifest> manifest = read_manifest(file);
   EXPECT_TRUE(manifest) << manifest.error().message;
-  const double metres = unit_scale(manifest->unit, LengthUnit::metre);
+  const double meters = unit_scale(manifest->unit, LengthUnit::meter);
   std::vector<std::optional<RayScene>> meshes(manifest->models.size());
   const auto mesh_of = [&](const std::string& name) -> const RayScene* {
     for (std::size_t m = 0; m < meshes.size(); ++m) {
@@ -265,7 +265,7 @@ Statistics measure_real(const std::filesystem::path& file) {
       if (!meshes[m]) {
         Result<Cloud> cloud = read_cloud(model.file);
         EXPECT_TRUE(cloud) << cloud.error().message;
-        const auto scale = static_cast<float>(model.scale * metres);
+        const auto scale = static_cast<float>(model.scale * meters);
         for (std::size_t i = 0; i < cloud->points.size(); ++i)
           cloud->points.set(i, scale * cloud->points[i]);
         Model trained;
@@ -290,11 +290,11 @@ Statistics measure_real(const std::filesystem::path& file) {
       const std::int32_t point = image->grid->point_index[i];
       if (point >= 0)
         scan.depth[i] =
-            static_cast<float>(metres) * image->points[static_cast<std::size_t>(point)].z();
+            static_cast<float>(meters) * image->points[static_cast<std::size_t>(point)].z();
     }
     for (const TruthInstance& truth : scene.truth) {
       Pose pose = truth.T_scene_model;
-      pose.translation() *= static_cast<float>(metres);
+      pose.translation() *= static_cast<float>(meters);
       scan.objects.push_back({mesh_of(truth.model), pose});
       scan.counts.push_back(!truth.ignore);
     }
@@ -312,7 +312,7 @@ std::vector<Statistics> measure_rendered(Sensor sensor, std::uint32_t num_scenes
   options.seed = 21;
   options.sensor.sensor = sensor;
   options.randomize = true;
-  const Result<VirtualScanner> scanner = VirtualScanner::create(models, LengthUnit::metre, options);
+  const Result<VirtualScanner> scanner = VirtualScanner::create(models, LengthUnit::meter, options);
   EXPECT_TRUE(scanner) << scanner.error().message;
   std::vector<RayScene> meshes;
   for (const ScanModel& model : models)

@@ -98,7 +98,7 @@ TEST(SensorFlaws, FattenTheSideAwayFromTheLight) {
   }
 }
 
-TEST(SensorFlaws, ErrAlikeInNeighboursAndMoreWithTheSquareOfDepth) {
+TEST(SensorFlaws, ErrAlikeInNeighborsAndMoreWithTheSquareOfDepth) {
   const auto spread = [](double z) {
     const std::vector<double> depths =
         scan({wall(static_cast<float>(z))}, Sensor::structured_light, matched());
@@ -110,7 +110,7 @@ TEST(SensorFlaws, ErrAlikeInNeighboursAndMoreWithTheSquareOfDepth) {
       products += (depths[i] - z) * (depths[i + 1] - z);
       n += 1;
     }
-    EXPECT_GT(products / squares, 0.7) << "a window's dots are its neighbour's";
+    EXPECT_GT(products / squares, 0.7) << "a window's dots are its neighbor's";
     return std::sqrt(squares / n);
   };
   const double near = spread(0.6), far = spread(1.2);
@@ -198,7 +198,7 @@ TEST(DrawFlaws, ReachesOverWideRangesAndLeavesEachLawOutAtTimes) {
     focal = std::max(focal, std::abs(flaws.calibration.focal));
     EXPECT_LE(std::abs(flaws.calibration.focal), 0.05);
     EXPECT_LE(std::abs(flaws.calibration.depth), 0.01);
-    EXPECT_LE(std::abs(flaws.calibration.centre_u_pixel), 8);
+    EXPECT_LE(std::abs(flaws.calibration.center_u_pixel), 8);
     EXPECT_LE(std::abs(flaws.calibration.shift_u_pixel), 3);
     EXPECT_LE(flaws.match.noise_pixel, 0.15);
     no_focal += flaws.calibration.focal == 0 ? 1 : 0;
@@ -232,8 +232,8 @@ TEST(DrawFlaws, GivesEachSensorItsKind) {
 
 const CalibrationFlaws kBad{.focal = -0.03,
                             .aspect = 0.008,
-                            .centre_u_pixel = 6,
-                            .centre_v_pixel = -4,
+                            .center_u_pixel = 6,
+                            .center_v_pixel = -4,
                             .depth = 0.01,
                             .shift_u_pixel = 2,
                             .shift_v_pixel = -1};
@@ -262,13 +262,13 @@ TEST(WrittenPose, FitsWhatIsWrittenOfAnObjectBest) {
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::AngleAxisf(0.7F, Vector3f(1, 2, 3).normalized()).toRotationMatrix();
   pose.translation() = Vector3f(0.15F, -0.1F, 0.8F);
-  const Vector3d centre(0.01, 0.02, -0.03);
+  const Vector3d center(0.01, 0.02, -0.03);
   std::vector<Vector3d> points;
   for (std::uint64_t i = 0; i < 2000; ++i) {
     kernels::CounterRandom random(5, i, 0);
     const Vector3d d(random.normal(), random.normal(), random.normal());
-    points.push_back(centre + 0.05 * d.normalized());
-    points.push_back(centre - 0.05 * d.normalized());
+    points.push_back(center + 0.05 * d.normalized());
+    points.push_back(center - 0.05 * d.normalized());
   }
   const Eigen::Matrix3d map = written_from_true(kCamera, kBad);
   const auto error = [&](const Eigen::Isometry3d& candidate) {
@@ -278,7 +278,7 @@ TEST(WrittenPose, FitsWhatIsWrittenOfAnObjectBest) {
     return sum;
   };
   const Eigen::Isometry3d written(
-      written_pose(pose, centre, kCamera, kBad).cast<double>().matrix());
+      written_pose(pose, center, kCamera, kBad).cast<double>().matrix());
   const double best = error(written);
   EXPECT_LT(best, 0.5 * error(Eigen::Isometry3d(pose.cast<double>().matrix())));
   for (int axis = 0; axis < 3; ++axis) {
@@ -288,7 +288,7 @@ TEST(WrittenPose, FitsWhatIsWrittenOfAnObjectBest) {
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(sign * 0.01, Vector3d::Unit(axis)).toRotationMatrix();
       turned.linear() = turn * written.linear();
-      turned.translation() += written * centre - turned * centre;
+      turned.translation() += written * center - turned * center;
       EXPECT_GT(error(shifted), best);
       EXPECT_GT(error(turned), best);
     }

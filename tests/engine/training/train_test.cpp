@@ -28,7 +28,7 @@ TEST(TrainModel, DescribesTheWholeVisibleSurface) {
   EXPECT_GT(model.samples.size(), 1000U);
   EXPECT_GT(trained->stats.num_hidden_samples, 0U)
       << "the parts overlap: their inner faces cannot be seen";
-  EXPECT_EQ(model.ppf.offsets.size(), model.ppf.quantisation.num_cells() + 1U);
+  EXPECT_EQ(model.ppf.offsets.size(), model.ppf.quantization.num_cells() + 1U);
   EXPECT_EQ(model.ppf.entries.size(), model.ppf.offsets.back());
   for (std::size_t i = 0; i < model.ppf_points.size(); ++i) {
     ASSERT_NEAR(model.ppf_normals[i].norm(), 1, 1e-4F);
@@ -53,7 +53,7 @@ TEST(TrainModel, StartsPairsAtPointsThatTheSpacingKeepsApart) {
   const Model& model = spread->model;
   EXPECT_EQ(model.ppf_points.size(), all->model.ppf_points.size());
   EXPECT_LT(model.ppf.num_references, model.ppf_points.size() / 2);
-  const float distance = 1.5F * model.ppf.quantisation.distance_step;
+  const float distance = 1.5F * model.ppf.quantization.distance_step;
   const auto near_and_like = [&](std::size_t i, std::size_t k) {
     return (model.ppf_points[i] - model.ppf_points[k]).norm() <= distance &&
            model.ppf_normals[i].dot(model.ppf_normals[k]) > 0.71F;
@@ -173,7 +173,7 @@ TEST_F(TrainLibrary, WritesTheSameBytesForAnyThreadsAndOrder) {
     const ThreadLimit limit(threads);
     std::swap(sources_[0], sources_[1]);
     const auto file = folder_ / "library.h5";
-    const auto stats = train_library(sources_, LengthUnit::metre, {}, file, {});
+    const auto stats = train_library(sources_, LengthUnit::meter, {}, file, {});
     ASSERT_TRUE(stats) << stats.error().message;
     std::ifstream in(file, std::ios::binary);
     bytes.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
@@ -189,7 +189,7 @@ TEST_F(TrainLibrary, ReportsEachModelAndReadsBack) {
     EXPECT_EQ(done, reported.size() + 1);
     reported.emplace_back(item);
   };
-  ASSERT_TRUE(train_library(sources_, LengthUnit::metre, {}, folder_ / "library.h5", progress));
+  ASSERT_TRUE(train_library(sources_, LengthUnit::meter, {}, folder_ / "library.h5", progress));
   EXPECT_EQ(reported, (std::vector<std::string>{"bracket", "lever"}));
   const auto library = open_library(folder_ / "library.h5");
   ASSERT_TRUE(library) << library.error().message;
@@ -200,7 +200,7 @@ TEST_F(TrainLibrary, ReportsEachModelAndReadsBack) {
 TEST_F(TrainLibrary, LeavesTheOldFileWhenAModelFailsOrWhenStopped) {
   const auto file = folder_.write("library.h5", "old");
   sources_.push_back({"broken", folder_.write("broken.ply", "ply\nformat ascii 1.0\n"), 1, {}});
-  const auto failed = train_library(sources_, LengthUnit::metre, {}, file, {});
+  const auto failed = train_library(sources_, LengthUnit::meter, {}, file, {});
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::bad_data);
   EXPECT_NE(failed.error().message.find("broken.ply"), std::string::npos) << failed.error().message;
@@ -209,7 +209,7 @@ TEST_F(TrainLibrary, LeavesTheOldFileWhenAModelFailsOrWhenStopped) {
   stop.request_stop();
   Progress stopped;
   stopped.stop = stop.get_token();
-  const auto result = train_library(sources_, LengthUnit::metre, {}, file, stopped);
+  const auto result = train_library(sources_, LengthUnit::meter, {}, file, stopped);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::resumable);
   EXPECT_EQ(std::filesystem::file_size(file), 3U);

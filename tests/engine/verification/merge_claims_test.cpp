@@ -56,9 +56,9 @@ TEST(MergeClaims, FindsInHalvesOfALibraryWhatTheWholeFinds) {
       test::render_scan({{&wall, Pose::Identity()},
                          {&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F})},
                          {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.12F, 0.02F, 0.95F})}});
-  const RecogniseOptions options{.method = Method::ppf, .min_score = 0.5F, .tell_claims = true};
+  const RecognizeOptions options{.method = Method::ppf, .min_score = 0.5F, .tell_claims = true};
   const auto look = [&](Library library) {
-    return recognise(Recogniser(std::move(library)), scene, {}, options);
+    return recognize(Recognizer(std::move(library)), scene, {}, options);
   };
   const auto whole =
       look(test::trained_library({{"bracket", &bracket}, {"lever", &lever}, {"like", &like}}));

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"
 
@@ -58,8 +58,8 @@ class Siblings : public testing::Test {
   static void SetUpTestSuite() {
     short_ = rod(0.085F);
     long_ = rod(0.13F);
-    both_ = Recogniser(test::trained_library({{"long", &long_}, {"short", &short_}}));
-    one_ = Recogniser(test::trained_library({{"short", &short_}}));
+    both_ = Recognizer(test::trained_library({{"long", &long_}, {"short", &short_}}));
+    one_ = Recognizer(test::trained_library({{"short", &short_}}));
   }
   static Pose pose() { return test::pose_of({0.6F, 0, 0}, {0, 0, 0.7F}); }
   /// The short one in front of a wall, its pin hidden or not.
@@ -70,14 +70,14 @@ class Siblings : public testing::Test {
     if (hidden) things.push_back({&cover, Pose::Identity()});
     return test::render_scan(things);
   }
-  static std::vector<Detection> found(const Recogniser& recogniser, bool hidden,
+  static std::vector<Detection> found(const Recognizer& recognizer, bool hidden,
                                       float min_score = 0.02F) {
-    const auto result = recognise(recogniser, scan(hidden), {}, {.min_score = min_score});
+    const auto result = recognize(recognizer, scan(hidden), {}, {.min_score = min_score});
     EXPECT_TRUE(result);
     return result->detections;
   }
   static inline test::Shape short_, long_;
-  static inline Recogniser both_{Library{}}, one_{Library{}};
+  static inline Recognizer both_{Library{}}, one_{Library{}};
 };
 
 TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotTellThemApart) {

@@ -44,7 +44,7 @@ TEST(FastAngle, IsExactOnTheAxesAndZeroAtTheOrigin) {
   EXPECT_EQ(fast_atan2(-0.0F, -0.0F), 0);
 }
 
-// The quantised angles rely on it: nothing lies beyond the last bin.
+// The quantized angles rely on it: nothing lies beyond the last bin.
 TEST(FastAngle, StaysWithinHalfATurn) {
   for (int i = 0; i < 1000; ++i) {
     const float y = std::ldexp(1.0F, -i / 10);

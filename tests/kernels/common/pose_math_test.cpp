@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3f;
 using test::Random;
 
-const Vector3f kCentre(0.3F, -0.2F, 0.5F);
+const Vector3f kCenter(0.3F, -0.2F, 0.5F);
 
 Pose turned(const Pose& pose, const Vector3f& axis, float angle) {
   Pose T = Pose::Identity();
@@ -25,12 +25,12 @@ std::vector<Symmetry> symmetries(Random& random) {
   const Vector3f axis = random.direction(), side = axis.unitOrthogonal();
   std::vector<Symmetry> out(4);
   for (int k = 0; k < 3; ++k) {
-    out[0].poses.push_back(test::turn_about(Vector3f::Unit(k), pi, kCentre));
+    out[0].poses.push_back(test::turn_about(Vector3f::Unit(k), pi, kCenter));
   }
-  out[1].poses = test::turns(12, axis, kCentre);
-  out[2].axis = Symmetry::Axis{axis, kCentre + 2.0F * axis};
-  out[3].axis = Symmetry::Axis{axis, kCentre - axis};
-  out[3].poses.push_back(test::turn_about(side, pi, kCentre));
+  out[1].poses = test::turns(12, axis, kCenter);
+  out[2].axis = Symmetry::Axis{axis, kCenter + 2.0F * axis};
+  out[3].axis = Symmetry::Axis{axis, kCenter - axis};
+  out[3].poses.push_back(test::turn_about(side, pi, kCenter));
   return out;
 }
 
@@ -88,7 +88,7 @@ TEST(ClosestEquivalent, IsTheBestOfAllEquivalents) {
       // The trials are 0.05 degrees apart; the best one lies below them.
       EXPECT_LE(reference::rotation_angle(found, target), best + 2e-3);
       EXPECT_GE(reference::rotation_angle(found, target), best - 1e-3);
-      EXPECT_LT((found * kCentre - pose * kCentre).norm(), 1e-5) << "every symmetry keeps it";
+      EXPECT_LT((found * kCenter - pose * kCenter).norm(), 1e-5) << "every symmetry keeps it";
     }
   }
 }
@@ -117,15 +117,15 @@ TEST(PoseDistance, IsZeroBetweenSymmetricEquivalents) {
     for (int trial = 0; trial < 50; ++trial) {
       const Pose a = random.motion();
       const PoseDistance d =
-          pose_distance(a, a * random_symmetry(random, symmetry), symmetry, kCentre);
+          pose_distance(a, a * random_symmetry(random, symmetry), symmetry, kCenter);
       EXPECT_LT(d.translation, 1e-5);
       EXPECT_LT(d.rotation_rad, 2e-5);
     }
   }
 }
 
-// Shift by t and turn about the centre by less than half of the symmetry's own angles.
-TEST(PoseDistance, MeasuresAtTheCentreAndSparesTheFreeTurn) {
+// Shift by t and turn about the center by less than half of the symmetry's own angles.
+TEST(PoseDistance, MeasuresAtTheCenterAndSparesTheFreeTurn) {
   Random random;
   const Symmetry gear = symmetries(random)[1], can = symmetries(random)[2];
   for (const Symmetry& symmetry : {Symmetry{}, gear, can}) {
@@ -135,9 +135,9 @@ TEST(PoseDistance, MeasuresAtTheCentreAndSparesTheFreeTurn) {
       const float angle = random.uniform(0, 0.2F);
       const Vector3f about =
           symmetry.axis ? Vector3f(symmetry.axis->direction).unitOrthogonal() : random.direction();
-      Pose b = a * test::turn_about(about, angle, kCentre) * random_symmetry(random, symmetry);
+      Pose b = a * test::turn_about(about, angle, kCenter) * random_symmetry(random, symmetry);
       b.pretranslate(shift);
-      const PoseDistance d = pose_distance(a, b, symmetry, kCentre);
+      const PoseDistance d = pose_distance(a, b, symmetry, kCenter);
       EXPECT_NEAR(d.translation, shift.norm(), 1e-5);
       EXPECT_NEAR(d.rotation_rad, angle, 2e-5);
     }
@@ -160,24 +160,24 @@ Weighted around(Random& random, const Pose& middle, std::size_t n, float angle) 
   return out;
 }
 
-TEST(MeanPose, IsTheLeastSquaresMeanOfTheRotationsAndCentres) {
+TEST(MeanPose, IsTheLeastSquaresMeanOfTheRotationsAndCenters) {
   for (const std::size_t n : {1U, 2U, 3U, 50U}) {
     Random random(n);
     for (int trial = 0; trial < 20; ++trial) {
       const auto [poses, weights] = around(random, random.motion(), n, 0.5F);
       std::vector<Eigen::Matrix3d> rotations;
-      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      Eigen::Vector3d center = Eigen::Vector3d::Zero();
       double sum = 0;
       for (std::size_t i = 0; i < n; ++i) {
         rotations.push_back(poses[i].linear().cast<double>());
-        centre += static_cast<double>(weights[i]) * (poses[i] * kCentre).cast<double>();
+        center += static_cast<double>(weights[i]) * (poses[i] * kCenter).cast<double>();
         sum += static_cast<double>(weights[i]);
       }
-      const Pose found = mean_pose(poses, weights, kCentre);
+      const Pose found = mean_pose(poses, weights, kCenter);
       const Eigen::Matrix3d expected =
           reference::mean_rotation(rotations, {weights.begin(), weights.end()});
       EXPECT_LT((found.linear().cast<double>() - expected).norm(), 3e-6);
-      EXPECT_LT(((found * kCentre).cast<double>() - centre / sum).norm(), 3e-6);
+      EXPECT_LT(((found * kCenter).cast<double>() - center / sum).norm(), 3e-6);
     }
   }
 }
@@ -188,7 +188,7 @@ TEST(MeanPose, DoesNotDependOnQuaternionSigns) {
   const float pi = static_cast<float>(reference::kPi);
   const Pose id = Pose::Identity();
   const std::vector<Pose> poses{turned(id, axis, pi - 0.1F), turned(id, axis, pi + 0.1F)};
-  const Pose mean = mean_pose(poses, std::vector<float>{2, 2}, kCentre);
+  const Pose mean = mean_pose(poses, std::vector<float>{2, 2}, kCenter);
   EXPECT_LT(reference::rotation_angle(mean, turned(id, axis, pi)), 1e-3);
 }
 
@@ -197,12 +197,12 @@ TEST(MeanPose, TakenToOneBranchIgnoresSymmetry) {
   for (const Symmetry& symmetry : symmetries(random)) {
     const Pose middle = random.motion();
     auto [poses, weights] = around(random, middle, 30, 0.05F);
-    const Pose plain = mean_pose(poses, weights, kCentre);
+    const Pose plain = mean_pose(poses, weights, kCenter);
     for (Pose& pose : poses) {
       pose = closest_equivalent(pose * random_symmetry(random, symmetry), symmetry, plain);
     }
     const PoseDistance d =
-        pose_distance(plain, mean_pose(poses, weights, kCentre), symmetry, kCentre);
+        pose_distance(plain, mean_pose(poses, weights, kCenter), symmetry, kCenter);
     EXPECT_LT(d.translation, 1e-5);
     EXPECT_LT(d.rotation_rad, 2e-3);  // with a free axis each member is turned a little
   }
@@ -222,7 +222,7 @@ TEST(SmallMotion, TurnsAboutThePivotAndThenShifts) {
               0)
         << "right-handed";
   }
-  EXPECT_EQ(small_motion(Vector3f::Zero(), Vector3f::Zero(), kCentre).matrix(),
+  EXPECT_EQ(small_motion(Vector3f::Zero(), Vector3f::Zero(), kCenter).matrix(),
             Pose::Identity().matrix());
 }
 

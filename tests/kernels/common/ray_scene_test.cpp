@@ -62,11 +62,11 @@ TEST(RayScene, AgreesWithReferenceOnRandomTriangles) {
 
 TEST(RayScene, AgreesWithReferenceOnDiscsThatStopRaysFromTheFront) {
   Random random;
-  const Points centres = random.dyadic_cloud(100, 1);
+  const Points centers = random.dyadic_cloud(100, 1);
   Normals normals;
-  for (std::size_t i = 0; i < centres.size(); ++i) normals.push_back(random.direction());
+  for (std::size_t i = 0; i < centers.size(); ++i) normals.push_back(random.direction());
   constexpr float kRadius = 0.1F;
-  const auto scene = RayScene::from_discs(centres, normals, kRadius);
+  const auto scene = RayScene::from_discs(centers, normals, kRadius);
   ASSERT_TRUE(scene);
   int met = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -74,13 +74,13 @@ TEST(RayScene, AgreesWithReferenceOnDiscsThatStopRaysFromTheFront) {
     const Vector3f direction = 0.7F * random.direction() - origin;
     double expected = reference::kInfinity;
     bool grazes = false;
-    for (std::size_t i = 0; i < centres.size(); ++i) {
+    for (std::size_t i = 0; i < centers.size(); ++i) {
       const Eigen::Vector3d n = normals[i].cast<double>(), o = origin.cast<double>(),
-                            d = direction.cast<double>(), c = centres[i].cast<double>();
+                            d = direction.cast<double>(), c = centers[i].cast<double>();
       const double t = n.dot(c - o) / n.dot(d);
-      const double from_centre = (o + t * d - c).norm();
-      grazes |= std::abs(from_centre - 0.1) < 1e-3 || std::abs(n.dot(d) / d.norm()) < 1e-2;
-      if (n.dot(d) < 0 && t > 0 && from_centre < 0.1) expected = std::min(expected, t);
+      const double from_center = (o + t * d - c).norm();
+      grazes |= std::abs(from_center - 0.1) < 1e-3 || std::abs(n.dot(d) / d.norm()) < 1e-2;
+      if (n.dot(d) < 0 && t > 0 && from_center < 0.1) expected = std::min(expected, t);
     }
     if (grazes) continue;
     const Hit hit = scene->intersect(origin, direction, 0, 10);
@@ -96,20 +96,20 @@ TEST(RayScene, AgreesWithReferenceOnDiscsThatStopRaysFromTheFront) {
 
 TEST(RayScene, AgreesWithReferenceOnSpheres) {
   Random random;
-  const Points centres = random.dyadic_cloud(100, 1);
+  const Points centers = random.dyadic_cloud(100, 1);
   constexpr float kRadius = 0.1F;
-  const auto scene = RayScene::from_spheres(centres, kRadius);
+  const auto scene = RayScene::from_spheres(centers, kRadius);
   ASSERT_TRUE(scene);
   for (int k = 0; k < 500; ++k) {
     const Vector3f origin = 3 * random.direction();
     const Vector3f direction = 0.7F * random.direction() - origin;
     double expected = reference::kInfinity, loose = expected, tight = expected;
-    for (std::size_t i = 0; i < centres.size(); ++i) {
-      expected = std::min(expected, reference::ray_sphere(origin, direction, centres[i], kRadius));
+    for (std::size_t i = 0; i < centers.size(); ++i) {
+      expected = std::min(expected, reference::ray_sphere(origin, direction, centers[i], kRadius));
       tight =
-          std::min(tight, reference::ray_sphere(origin, direction, centres[i], kRadius * 0.999));
+          std::min(tight, reference::ray_sphere(origin, direction, centers[i], kRadius * 0.999));
       loose =
-          std::min(loose, reference::ray_sphere(origin, direction, centres[i], kRadius * 1.001));
+          std::min(loose, reference::ray_sphere(origin, direction, centers[i], kRadius * 1.001));
     }
     if (loose < reference::kInfinity && tight - loose > 0.01) continue;  // a ray that grazes
     const Hit hit = scene->intersect(origin, direction, 0, kFar);
@@ -117,7 +117,7 @@ TEST(RayScene, AgreesWithReferenceOnSpheres) {
     EXPECT_EQ(scene->occluded(origin, direction, 0, kFar), static_cast<bool>(hit));
     if (!hit) continue;
     EXPECT_NEAR(hit.distance, expected, 1e-3);
-    const Vector3f outward = origin + hit.distance * direction - centres[hit.primitive];
+    const Vector3f outward = origin + hit.distance * direction - centers[hit.primitive];
     EXPECT_GT(hit.normal.dot(outward), 0.99F * kRadius);
   }
 }

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "storage/neighbourhoods.hpp"
+#include "storage/neighborhoods.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference.hpp"
@@ -23,19 +23,19 @@ std::vector<std::uint32_t> visited(const VoxelHash& grid, const Eigen::Vector3f&
   return found;
 }
 
-Neighbourhoods all_neighbours(const VoxelHash& grid, PointsView queries, float radius,
-                              std::size_t grain) {
-  Neighbourhoods out;
+Neighborhoods all_neighbors(const VoxelHash& grid, PointsView queries, float radius,
+                            std::size_t grain) {
+  Neighborhoods out;
   out.offsets.assign(queries.size() + 1, 0);
   test::for_chunks(queries.size(), grain, [&](std::size_t first, std::size_t count) {
-    count_radius_neighbours(grid, queries.slice(first, count), radius,
-                            std::span(out.offsets).subspan(first + 1, count));
+    count_radius_neighbors(grid, queries.slice(first, count), radius,
+                           std::span(out.offsets).subspan(first + 1, count));
   });
   std::inclusive_scan(out.offsets.begin(), out.offsets.end(), out.offsets.begin());
   out.indices.resize(out.offsets.back());
   test::for_chunks(queries.size(), grain, [&](std::size_t first, std::size_t count) {
-    fill_radius_neighbours(grid, queries.slice(first, count), radius,
-                           std::span(out.offsets).subspan(first, count + 1), out.indices);
+    fill_radius_neighbors(grid, queries.slice(first, count), radius,
+                          std::span(out.offsets).subspan(first, count + 1), out.indices);
   });
   return out;
 }
@@ -75,15 +75,15 @@ TEST(VoxelHash, AgreesWithReferenceOnRandomClouds) {
 
 TEST(VoxelHash, BreaksTiesOnALatticeByTheLowestIndex) {
   Random random;
-  Points lattice, centres;
+  Points lattice, centers;
   for (const std::uint32_t i : random.permutation(216)) {
     const Eigen::Vector3f p(static_cast<float>(i % 6), static_cast<float>(i / 6 % 6),
                             static_cast<float>(i / 36));
     lattice.push_back(p);
-    centres.push_back(p + Eigen::Vector3f::Constant(0.5F));
+    centers.push_back(p + Eigen::Vector3f::Constant(0.5F));
   }
   for (const float cell : {0.3F, 1.0F, 2.5F}) {
-    expect_reference_searches(lattice, centres, cell, 4);
+    expect_reference_searches(lattice, centers, cell, 4);
     expect_reference_searches(lattice, lattice, cell, 1);
   }
 }
@@ -177,7 +177,7 @@ TEST(VoxelHash, FindsNothingForQueriesThatMeanNothing) {
 
 void expect_reference_rows(PointsView points, float radius) {
   const VoxelHash grid(points, radius);
-  const Neighbourhoods rows = all_neighbours(grid, points, radius, points.size() + 1);
+  const Neighborhoods rows = all_neighbors(grid, points, radius, points.size() + 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto row = rows.view().row(i);
     std::vector<std::uint32_t> found(row.begin(), row.end());
@@ -186,13 +186,13 @@ void expect_reference_rows(PointsView points, float radius) {
   }
 }
 
-TEST(RadiusNeighbours, AgreesWithReferenceOnRandomClouds) {
+TEST(RadiusNeighbors, AgreesWithReferenceOnRandomClouds) {
   for (const std::size_t n : test::kSmallSizes) {
     expect_reference_rows(Random(n).dyadic_cloud(n), 0.5F);
   }
 }
 
-TEST(RadiusNeighbours, IncludesTheSphere) {
+TEST(RadiusNeighbors, IncludesTheSphere) {
   Points lattice;
   for (int i = 0; i < 216; ++i) {
     lattice.push_back(
@@ -201,27 +201,27 @@ TEST(RadiusNeighbours, IncludesTheSphere) {
   for (const float radius : {1.0F, 3.0F}) expect_reference_rows(lattice, radius);
 }
 
-TEST(RadiusNeighbours, GivesTheSameBitsForAnyChunking) {
+TEST(RadiusNeighbors, GivesTheSameBitsForAnyChunking) {
   Random random;
   const Points points = random.surface(500);
   const VoxelHash grid(points, 0.2F);
-  const Neighbourhoods whole = all_neighbours(grid, points, 0.2F, 500);
+  const Neighborhoods whole = all_neighbors(grid, points, 0.2F, 500);
   EXPECT_GT(whole.indices.size(), 1000U);
   for (const std::size_t grain : {1U, 7U, 64U, 499U}) {
-    const Neighbourhoods chunked = all_neighbours(grid, points, 0.2F, grain);
+    const Neighborhoods chunked = all_neighbors(grid, points, 0.2F, grain);
     EXPECT_EQ(chunked.offsets, whole.offsets);
     EXPECT_EQ(chunked.indices, whole.indices);
   }
 }
 
-TEST(RadiusNeighbours, AllocatesNothing) {
+TEST(RadiusNeighbors, AllocatesNothing) {
   const Points points = Random().surface(500);
   const VoxelHash grid(points, 0.2F);
-  Neighbourhoods rows = all_neighbours(grid, points, 0.2F, 500);
+  Neighborhoods rows = all_neighbors(grid, points, 0.2F, 500);
   Column<std::uint32_t> counts(points.size());
   EXPECT_EQ(test::allocations_in([&] {
-              count_radius_neighbours(grid, points, 0.2F, counts);
-              fill_radius_neighbours(grid, points, 0.2F, rows.offsets, rows.indices);
+              count_radius_neighbors(grid, points, 0.2F, counts);
+              fill_radius_neighbors(grid, points, 0.2F, rows.offsets, rows.indices);
               for (std::size_t i = 0; i < points.size(); ++i) {
                 (void)grid.nearest(points[i], 0.2F);
               }

@@ -66,7 +66,7 @@ void expect_delaunay(const Delaunay& delaunay, PointsView points) {
       if (next == Tetrahedron::kNone) continue;
       const Tetrahedron& other = delaunay.tetrahedra[next];
       const auto back = std::ranges::find(other.across, t) - other.across.begin();
-      ASSERT_LT(back, 4) << "neighbours know each other";
+      ASSERT_LT(back, 4) << "neighbors know each other";
       std::set<std::uint32_t> mine(tetrahedron.corner.begin(), tetrahedron.corner.end()),
           theirs(other.corner.begin(), other.corner.end());
       mine.erase(tetrahedron.corner[k]);

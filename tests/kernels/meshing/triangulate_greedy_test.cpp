@@ -388,7 +388,7 @@ TEST(TriangulateGreedy, KeepsItsLimits) {
   EXPECT_LE(longest_edge(cloud, triangulate(cloud, {.radius = 1.5F * cloud.spacing})),
             1.5F * cloud.spacing);
   EXPECT_LT(triangulate(cloud, {.mu = 1.5F}).size(), triangulate(cloud).size());
-  EXPECT_GT(triangulate(cloud, {.max_neighbours = 8}).size(), triangulate(cloud).size() / 2);
+  EXPECT_GT(triangulate(cloud, {.max_neighbors = 8}).size(), triangulate(cloud).size() / 2);
 
   // Two faces that meet at a right angle stay apart, as the normals of the corners say.
   Oriented edge;

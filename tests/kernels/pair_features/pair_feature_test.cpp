@@ -167,21 +167,21 @@ struct Keys {
   std::vector<std::uint16_t> rotations;
 };
 
-Keys quantised(const PpfQuantisation& quantisation, Features& features) {
+Keys quantized(const PpfQuantization& quantization, Features& features) {
   Keys keys{std::vector<std::uint32_t>(features.distance.size()),
             std::vector<std::uint16_t>(features.distance.size())};
-  quantise_pair_features(quantisation, features.span(), keys.cells, keys.rotations);
+  quantize_pair_features(quantization, features.span(), keys.cells, keys.rotations);
   return keys;
 }
 
 TEST(PairKey, AgreesWithTheDefinitionAwayFromBorders) {
   std::size_t judged = 0, inside = 0;
-  for (const PpfQuantisation& q : {PpfQuantisation{0.1F, 20, 15}, PpfQuantisation{0.25F, 8, 30}}) {
+  for (const PpfQuantization& q : {PpfQuantization{0.1F, 20, 15}, PpfQuantization{0.25F, 8, 30}}) {
     Random random(q.num_angle_bins);
     const OrientedCloud cloud = test::random_oriented(random, 400);
     for (std::size_t r = 0; r < 20; ++r) {
       Features features = features_of(cloud, r);
-      const Keys found = quantised(q, features);
+      const Keys found = quantized(q, features);
       const Pose T = frame_pose(reference_frame(cloud.points[r], cloud.normals[r]));
       for (std::size_t i = 0; i < cloud.points.size(); ++i) {
         const auto f = reference::pair_feature(cloud.points[r], cloud.normals[r], cloud.points[i],
@@ -210,34 +210,34 @@ TEST(PairKey, PutsHalfATurnInTheLastBinAndTheLimitOutside) {
   f.distance = {1.75F, 2.0F, 0.0F, 1e30F};
   const float pi = static_cast<float>(reference::kPi);
   for (auto* angle : {&f.a1, &f.a2, &f.a3}) angle->assign(4, pi);
-  const PpfQuantisation q{0.25F, 8, 15};
-  EXPECT_EQ(quantised(q, f).cells,
+  const PpfQuantization q{0.25F, 8, 15};
+  EXPECT_EQ(quantized(q, f).cells,
             (std::vector<std::uint32_t>{q.num_cells() - 1, kNoCell, kNoCell, kNoCell}));
 }
 
-// A scene is quantised once for models of several sizes.
+// A scene is quantized once for models of several sizes.
 TEST(PairKey, IsThatOfALargerTable) {
   Random random;
   const OrientedCloud cloud = test::random_oriented(random, 200);
   Features features = features_of(cloud, 0);
-  const PpfQuantisation small{0.1F, 10, 15}, large{0.1F, 40, 15};
-  const Keys a = quantised(small, features), b = quantised(large, features);
+  const PpfQuantization small{0.1F, 10, 15}, large{0.1F, 40, 15};
+  const Keys a = quantized(small, features), b = quantized(large, features);
   for (std::size_t i = 0; i < 200; ++i) {
     EXPECT_EQ(a.cells[i], b.cells[i] < small.num_cells() ? b.cells[i] : kNoCell);
   }
 }
 
-TEST(QuantiseRotation, RoundsAndWrapsInSixteenBits) {
+TEST(QuantizeRotation, RoundsAndWrapsInSixteenBits) {
   const float pi = static_cast<float>(reference::kPi);
-  EXPECT_EQ(quantise_rotation(0), 0);
-  EXPECT_EQ(quantise_rotation(pi / 2), 1U << 14);
-  EXPECT_EQ(quantise_rotation(-pi / 2), 3U << 14);
-  EXPECT_EQ(quantise_rotation(pi), quantise_rotation(-pi));
+  EXPECT_EQ(quantize_rotation(0), 0);
+  EXPECT_EQ(quantize_rotation(pi / 2), 1U << 14);
+  EXPECT_EQ(quantize_rotation(-pi / 2), 3U << 14);
+  EXPECT_EQ(quantize_rotation(pi), quantize_rotation(-pi));
   Random random;
   for (int i = 0; i < 1000; ++i) {
     const float a = random.uniform(-pi, pi), b = random.uniform(-pi, pi);
-    EXPECT_LE(reference::units_between(quantise_rotation(a), reference::turn_units(a)), 0.52);
-    const auto difference = static_cast<std::uint16_t>(quantise_rotation(a) - quantise_rotation(b));
+    EXPECT_LE(reference::units_between(quantize_rotation(a), reference::turn_units(a)), 0.52);
+    const auto difference = static_cast<std::uint16_t>(quantize_rotation(a) - quantize_rotation(b));
     EXPECT_LE(
         reference::units_between(difference, reference::turn_units(static_cast<double>(a) - b)),
         1.04);
@@ -252,7 +252,7 @@ TEST(PairFeature, AllocatesNothing) {
   EXPECT_EQ(test::allocations_in([&] {
               compute_pair_features(reference_frame(cloud.points[0], cloud.normals[0]),
                                     cloud.points, cloud.normals, features.span());
-              quantise_pair_features({0.1F, 20, 15}, features.span(), keys.cells, keys.rotations);
+              quantize_pair_features({0.1F, 20, 15}, features.span(), keys.cells, keys.rotations);
             }),
             0U);
 }

@@ -17,7 +17,7 @@ using Eigen::Vector3f;
 using test::OrientedCloud;
 using test::Random;
 
-const PpfQuantisation kQuantisation{0.3F, 9, 6};  // pairs of up to 2.7; the clouds reach 3.4
+const PpfQuantization kQuantization{0.3F, 9, 6};  // pairs of up to 2.7; the clouds reach 3.4
 
 struct Table {
   std::vector<std::uint32_t> offsets;
@@ -27,7 +27,7 @@ struct Table {
 
 /// The table of pairs that start at the first num_references points.
 Table build(const PpfPoints& model, std::size_t num_references, std::size_t num_chunks) {
-  const std::size_t num_cells = kQuantisation.num_cells();
+  const std::size_t num_cells = kQuantization.num_cells();
   const auto chunk_first = [&](std::size_t chunk) { return num_references * chunk / num_chunks; };
   PairScratch scratch(model.points.size());
   std::vector<std::uint32_t> counts(num_chunks * num_cells, 0);
@@ -35,14 +35,14 @@ Table build(const PpfPoints& model, std::size_t num_references, std::size_t num_
     return std::span(counts).subspan(chunk * num_cells, num_cells);
   };
   for (std::size_t c = 0; c < num_chunks; ++c) {
-    count_ppf_pairs(model, kQuantisation, chunk_first(c), chunk_first(c + 1) - chunk_first(c),
+    count_ppf_pairs(model, kQuantization, chunk_first(c), chunk_first(c + 1) - chunk_first(c),
                     scratch, row(c));
   }
   Table table;
   table.offsets.resize(num_cells + 1);
   table.entries.resize(scan_ppf_counts(counts, num_chunks, table.offsets));
   for (std::size_t c = num_chunks; c-- > 0;) {  // chunks may be filled in any order
-    fill_ppf_entries(model, kQuantisation, chunk_first(c), chunk_first(c + 1) - chunk_first(c),
+    fill_ppf_entries(model, kQuantization, chunk_first(c), chunk_first(c + 1) - chunk_first(c),
                      scratch, row(c), table.entries);
   }
   sort_ppf_cells(table.offsets, 0, num_cells, table.entries);
@@ -60,8 +60,8 @@ OrientedCloud clear_cloud(Random& random, std::size_t n) {
       const Vector3f q = cloud.points[i], k = cloud.normals[i];
       const Pose any = Pose::Identity();
       clear = clear &&
-              !reference::near_border(reference::pair_feature(p, m, q, k, any), kQuantisation) &&
-              !reference::near_border(reference::pair_feature(q, k, p, m, any), kQuantisation);
+              !reference::near_border(reference::pair_feature(p, m, q, k, any), kQuantization) &&
+              !reference::near_border(reference::pair_feature(q, k, p, m, any), kQuantization);
     }
     if (!clear) continue;
     cloud.points.push_back(p);
@@ -85,7 +85,7 @@ NaiveTable naive_table(const OrientedCloud& model, Keep&& keep) {
       if (i == r || !keep(r, i)) continue;
       const auto f = reference::pair_feature(model.points[r], model.normals[r], model.points[i],
                                              model.normals[i], T);
-      const auto cell = reference::cell_of(f, kQuantisation);
+      const auto cell = reference::cell_of(f, kQuantization);
       if (cell) table[*cell].push_back({r, reference::turn_units(f.rotation)});
     }
   }
@@ -96,7 +96,7 @@ NaiveTable naive_table(const OrientedCloud& model, Keep&& keep) {
 void expect_equal(const Table& table, NaiveTable naive) {
   ASSERT_EQ(table.offsets.front(), 0U);
   ASSERT_EQ(table.offsets.back(), table.entries.size());
-  for (std::uint32_t cell = 0; cell < kQuantisation.num_cells(); ++cell) {
+  for (std::uint32_t cell = 0; cell < kQuantization.num_cells(); ++cell) {
     std::vector<NaiveEntry>& expected = naive[cell];
     ASSERT_EQ(table.offsets[cell + 1] - table.offsets[cell], expected.size()) << cell;
     for (std::uint32_t e = table.offsets[cell]; e < table.offsets[cell + 1]; ++e) {
@@ -131,7 +131,7 @@ TEST(PpfTable, IsSortedByCellReferenceAndAngle) {
   }
   const Table table = build({model.points, model.normals, {}}, 120, 3);
   std::size_t runs = 0;
-  for (std::size_t cell = 0; cell < kQuantisation.num_cells(); ++cell) {
+  for (std::size_t cell = 0; cell < kQuantization.num_cells(); ++cell) {
     ASSERT_LE(table.offsets[cell], table.offsets[cell + 1]);
     for (std::size_t e = table.offsets[cell] + 1; e < table.offsets[cell + 1]; ++e) {
       const PpfEntry a = table.entries[e - 1], b = table.entries[e];
@@ -197,18 +197,18 @@ TEST(PpfTable, CountingFillingAndSortingAllocateNothing) {
   const OrientedCloud model = test::random_oriented(random, 50);
   const PpfPoints points{model.points, model.normals, {}};
   PairScratch scratch(50);
-  std::vector<std::uint32_t> counts(kQuantisation.num_cells(), 0), offsets(counts.size() + 1);
+  std::vector<std::uint32_t> counts(kQuantization.num_cells(), 0), offsets(counts.size() + 1);
   std::vector<PpfEntry> entries(50 * 49);
   EXPECT_EQ(test::allocations_in([&] {
-              count_ppf_pairs(points, kQuantisation, 0, 50, scratch, counts);
+              count_ppf_pairs(points, kQuantization, 0, 50, scratch, counts);
               scan_ppf_counts(counts, 1, offsets);
-              fill_ppf_entries(points, kQuantisation, 0, 50, scratch, counts, entries);
+              fill_ppf_entries(points, kQuantization, 0, 50, scratch, counts, entries);
               sort_ppf_cells(offsets, 0, counts.size(), entries);
             }),
             0U);
 }
 
-const Vector3f kCentre(1, 2, 3);  // of the symmetric models
+const Vector3f kCenter(1, 2, 3);  // of the symmetric models
 
 /// Random points and all their images: orbit k is points [k * size, (k + 1) * size).
 struct Orbits {
@@ -219,7 +219,7 @@ struct Orbits {
 Orbits orbits_of(Random& random, const std::vector<Pose>& symmetries, std::size_t count) {
   Orbits orbits{{}, symmetries.size() + 1};
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector3f p = kCentre + random.uniform(0.5F, 2) * random.direction();
+    const Vector3f p = kCenter + random.uniform(0.5F, 2) * random.direction();
     orbits.points.push_back(p);
     for (const Pose& S : symmetries) orbits.points.push_back(S * p);
   }
@@ -246,7 +246,7 @@ TEST(ChooseReferences, KeepsOneOfEachOrbitOfABox) {
   Symmetry box;
   for (int axis = 0; axis < 3; ++axis) {
     box.poses.push_back(
-        test::turn_about(Vector3f::Unit(axis), static_cast<float>(reference::kPi), kCentre));
+        test::turn_about(Vector3f::Unit(axis), static_cast<float>(reference::kPi), kCenter));
   }
   expect_one_of_each_orbit(orbits_of(random, box.poses, 300), box);
 }
@@ -254,7 +254,7 @@ TEST(ChooseReferences, KeepsOneOfEachOrbitOfABox) {
 TEST(ChooseReferences, KeepsOneOfEachOrbitOfATwelvefoldAxis) {
   Random random;
   Symmetry gear;
-  gear.poses = test::turns(12, random.direction(), kCentre);
+  gear.poses = test::turns(12, random.direction(), kCenter);
   expect_one_of_each_orbit(orbits_of(random, gear.poses, 300), gear);
 }
 
@@ -272,10 +272,10 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
     Random random(flips);
     const Vector3f direction = random.direction();
     Symmetry can;
-    can.axis = Symmetry::Axis{direction, kCentre};
+    can.axis = Symmetry::Axis{direction, kCenter};
     const Vector3f side = direction.unitOrthogonal();
     if (flips) {
-      can.poses.push_back(test::turn_about(side, static_cast<float>(reference::kPi), kCentre));
+      can.poses.push_back(test::turn_about(side, static_cast<float>(reference::kPi), kCenter));
     }
     constexpr float kMargin = 0.05F;
     Points points;
@@ -283,7 +283,7 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
          ++i) {  // a cone's wall when it does not flip, a cylinder's when it does
       const float h = random.uniform(-1, 1), turn = random.uniform(0, 6.2831853F);
       const float radius = flips ? 1 : 1 + 0.3F * h;
-      points.push_back(kCentre + h * direction +
+      points.push_back(kCenter + h * direction +
                        Eigen::AngleAxisf(turn, direction) * (radius * side));
     }
     std::vector<std::uint8_t> chosen(points.size(), 2);
@@ -291,7 +291,7 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
 
     std::vector<float> heights;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (chosen[i] != 0) heights.push_back((points[i] - kCentre).dot(direction));
+      if (chosen[i] != 0) heights.push_back((points[i] - kCenter).dot(direction));
     }
     // The strip is 2 margins wide of a circle of 2 pi; flips leave half of it.
     const double expected = 8000 * static_cast<double>(kMargin) / reference::kPi / (flips ? 2 : 1);

@@ -15,7 +15,7 @@ using Eigen::Vector3f;
 using test::OrientedCloud;
 using test::Random;
 
-const PpfQuantisation kQuantisation{0.3F, 9, 6};
+const PpfQuantization kQuantization{0.3F, 9, 6};
 
 struct Scratch {
   explicit Scratch(std::size_t n) : pairs(n) {}
@@ -28,7 +28,7 @@ struct Scratch {
 std::vector<SceneVote> collect(const OrientedCloud& cloud, float share) {
   Scratch scratch(cloud.points.size());
   collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]), cloud.points,
-                      cloud.normals, kQuantisation, share, scratch.pairs, scratch.keys,
+                      cloud.normals, kQuantization, share, scratch.pairs, scratch.keys,
                       scratch.votes);
   return scratch.votes;
 }
@@ -52,7 +52,7 @@ OrientedCloud clear_cloud(Random& random, std::size_t n, float share) {
     cloud.normals.push_back(one.normals[0]);
     const auto f = feature_to(cloud, cloud.points.size() - 1);
     const double turn = rotation_bin_fraction(reference::turn_units(f.rotation));
-    if (!reference::near_border(f, kQuantisation, {0, 1, share, 1 - share}) &&
+    if (!reference::near_border(f, kQuantization, {0, 1, share, 1 - share}) &&
         std::abs(turn - 0.5) < 0.499) {
       continue;
     }
@@ -79,15 +79,15 @@ Flags naive_votes(const OrientedCloud& cloud, double share) {
   Flags flags;
   for (std::size_t i = 1; i < cloud.points.size(); ++i) {
     const auto f = feature_to(cloud, i);
-    if (!reference::cell_of(f, kQuantisation)) continue;
-    const auto bins = reference::bins_of(f, kQuantisation);
+    if (!reference::cell_of(f, kQuantization)) continue;
+    const auto bins = reference::bins_of(f, kQuantization);
     const double turn = reference::turn_units(f.rotation);
     const std::int64_t turn_bin = reference::bin_of(turn, 65536.0 / kRotationBins).index;
-    for (const auto b0 : looked_up(bins[0], share, kQuantisation.num_distance_bins)) {
-      for (const auto b1 : looked_up(bins[1], share, kQuantisation.num_angle_bins)) {
-        for (const auto b2 : looked_up(bins[2], share, kQuantisation.num_angle_bins)) {
-          for (const auto b3 : looked_up(bins[3], share, kQuantisation.num_angle_bins)) {
-            const auto cell = reference::cell_of_bins({b0, b1, b2, b3}, kQuantisation);
+    for (const auto b0 : looked_up(bins[0], share, kQuantization.num_distance_bins)) {
+      for (const auto b1 : looked_up(bins[1], share, kQuantization.num_angle_bins)) {
+        for (const auto b2 : looked_up(bins[2], share, kQuantization.num_angle_bins)) {
+          for (const auto b3 : looked_up(bins[3], share, kQuantization.num_angle_bins)) {
+            const auto cell = reference::cell_of_bins({b0, b1, b2, b3}, kQuantization);
             const auto [at, fresh] = flags.try_emplace({*cell, turn_bin}, turn);
             if (!fresh) at->second = std::min(at->second, turn);
           }
@@ -98,7 +98,7 @@ Flags naive_votes(const OrientedCloud& cloud, double share) {
   return flags;
 }
 
-TEST(SceneVotes, AreTheNeighbourCellsOfTheNaiveEnumeration) {
+TEST(SceneVotes, AreTheNeighborCellsOfTheNaiveEnumeration) {
   for (const float share : {0.0F, 0.1F, 0.3F, 0.5F}) {
     for (const std::size_t n : {1U, 2U, 7U, 65U, 600U}) {
       Random random(n);
@@ -150,7 +150,7 @@ TEST(SceneVotes, HoldEachCellAndRotationBinOnce) {
   }
 }
 
-TEST(SceneVotes, DoNotDependOnTheOrderOfTheNeighbours) {
+TEST(SceneVotes, DoNotDependOnTheOrderOfTheNeighbors) {
   Random random;
   const OrientedCloud cloud = test::random_oriented(random, 300);
   std::vector<std::uint32_t> order = random.permutation(300);
@@ -171,7 +171,7 @@ TEST(SceneVotes, AllocateNothingOnceWarm) {
   Scratch scratch(300);
   const auto run = [&] {
     collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]), cloud.points,
-                        cloud.normals, kQuantisation, 0.3F, scratch.pairs, scratch.keys,
+                        cloud.normals, kQuantization, 0.3F, scratch.pairs, scratch.keys,
                         scratch.votes);
   };
   run();

@@ -21,14 +21,14 @@ constexpr double kBinRad = 2 * reference::kPi / kRotationBins;
 
 /// A table of 54 cells with some empty ones and sizes up to 40, and 200 look-ups, sorted.
 struct Votes {
-  PpfQuantisation quantisation{1, 2, 3};
+  PpfQuantization quantization{1, 2, 3};
   std::size_t num_points = 20;
   std::vector<std::uint32_t> offsets{0};
   std::vector<PpfEntry> entries;
   std::vector<SceneVote> votes;
 
   explicit Votes(Random& random) {
-    for (std::uint32_t cell = 0; cell < quantisation.num_cells(); ++cell) {
+    for (std::uint32_t cell = 0; cell < quantization.num_cells(); ++cell) {
       const std::uint32_t size = random.below(3) == 0 ? 0 : random.below(1 + random.below(40));
       for (std::uint32_t e = 0; e < size; ++e) {
         entries.push_back({static_cast<std::uint16_t>(random.below(20)),
@@ -37,14 +37,14 @@ struct Votes {
       offsets.push_back(static_cast<std::uint32_t>(entries.size()));
     }
     for (int k = 0; k < 200; ++k) {
-      votes.push_back({random.below(quantisation.num_cells()),
+      votes.push_back({random.below(quantization.num_cells()),
                        static_cast<std::uint16_t>(random.below(65536))});
     }
     sort();
   }
   void sort() { std::ranges::stable_sort(votes, {}, &SceneVote::cell); }
   PpfTableView table() const {
-    return {.quantisation = quantisation, .offsets = offsets, .entries = entries};
+    return {.quantization = quantization, .offsets = offsets, .entries = entries};
   }
   std::uint32_t cell_size(std::uint32_t cell) const { return offsets[cell + 1] - offsets[cell]; }
 };
@@ -56,7 +56,7 @@ template <class Keep>
 Accumulator naive_accumulator(const Votes& v, Keep&& keep) {
   Accumulator accumulator(v.num_points * kRotationBins, 0);
   for (const SceneVote& vote : v.votes) {
-    if (vote.cell >= v.quantisation.num_cells() || !keep(vote.cell)) continue;
+    if (vote.cell >= v.quantization.num_cells() || !keep(vote.cell)) continue;
     for (std::uint32_t e = v.offsets[vote.cell]; e < v.offsets[vote.cell + 1]; ++e) {
       double alpha = (static_cast<double>(v.entries[e].angle) - vote.rotation) / 65536;
       if (alpha < 0) alpha += 1;
@@ -87,7 +87,7 @@ TEST(CastVotes, AgreesWithANaiveAccumulator) {
 TEST(CastVotes, SkipsCellsBeyondTheTable) {
   Random random;
   Votes v(random);
-  for (std::size_t k = 0; k < 50; ++k) v.votes[k].cell += v.quantisation.num_cells();
+  for (std::size_t k = 0; k < 50; ++k) v.votes[k].cell += v.quantization.num_cells();
   v.sort();
   v.votes.push_back({0xFFFFFFFEU, 0});
   const Accumulator expected = naive_accumulator(v, [](auto) { return true; });
@@ -212,19 +212,19 @@ TEST(Voting, AllocatesNothing) {
 
 /// A model's table of all pairs.
 struct Table {
-  explicit Table(const OrientedCloud& model) : offsets(quantisation.num_cells() + 1) {
+  explicit Table(const OrientedCloud& model) : offsets(quantization.num_cells() + 1) {
     const std::size_t n = model.points.size();
     const PpfPoints points{model.points, model.normals, {}};
     PairScratch scratch(n);
-    std::vector<std::uint32_t> counts(quantisation.num_cells(), 0);
-    count_ppf_pairs(points, quantisation, 0, n, scratch, counts);
+    std::vector<std::uint32_t> counts(quantization.num_cells(), 0);
+    count_ppf_pairs(points, quantization, 0, n, scratch, counts);
     entries.resize(scan_ppf_counts(counts, 1, offsets));
-    fill_ppf_entries(points, quantisation, 0, n, scratch, counts, entries);
+    fill_ppf_entries(points, quantization, 0, n, scratch, counts, entries);
   }
   PpfTableView view() const {
-    return {.quantisation = quantisation, .offsets = offsets, .entries = entries};
+    return {.quantization = quantization, .offsets = offsets, .entries = entries};
   }
-  PpfQuantisation quantisation{0.2F, 18, 12};
+  PpfQuantization quantization{0.2F, 18, 12};
   std::vector<std::uint32_t> offsets;
   std::vector<PpfEntry> entries;
 };
@@ -243,7 +243,7 @@ TEST(Voting, FindsTheMotionOfACopy) {
     Accumulator accumulator(100 * kRotationBins, 0);
     for (std::uint32_t r = 0; r < 100; r += 10) {
       const ReferenceFrame frame = reference_frame(scene.points[r], scene.normals[r]);
-      collect_scene_votes(frame, scene.points, scene.normals, table.quantisation, 0.2F, scratch,
+      collect_scene_votes(frame, scene.points, scene.normals, table.quantization, 0.2F, scratch,
                           keys, votes);
       cast_votes(votes, table.view(), kNoLimit, accumulator);
       const VotePeak peak = take_peaks(accumulator, 1, 0.5F).peak[0];

@@ -60,10 +60,10 @@ Reference reference_normal(const DepthScan& scan, int u, int v, const GridNormal
     if (at == PixelGrid::kNone) return std::nullopt;
     return scan.points[static_cast<std::size_t>(at)].cast<double>();
   };
-  const Eigen::Vector3d centre = *point(u, v);
+  const Eigen::Vector3d center = *point(u, v);
   const auto distance = [&](int i, int j) {
     const auto p = point(i, j);
-    return p ? (*p - centre).norm() : std::numeric_limits<double>::infinity();
+    return p ? (*p - center).norm() : std::numeric_limits<double>::infinity();
   };
   const double h = std::min(distance(u - 1, v), distance(u + 1, v));
   const double w = std::min(distance(u, v - 1), distance(u, v + 1));
@@ -83,7 +83,7 @@ Reference reference_normal(const DepthScan& scan, int u, int v, const GridNormal
   if (used.size() < options.min_points) return out;
   out.plane = reference::fit_plane(used);
   if (!out.plane) return out;
-  const double cosine = out.plane->normal.dot(-centre.normalized());
+  const double cosine = out.plane->normal.dot(-center.normalized());
   const double limit = std::cos(options.max_obliquity_rad);
   if (std::abs(std::abs(cosine) - limit) < 1e-3) out.near_a_limit = true;
   if (cosine < 0) out.plane->normal *= -1;
@@ -193,13 +193,13 @@ TEST(EstimateNormalsGrid, GivesNaNForPixelsAlone) {
 
 TEST(EstimateNormalsGrid, GrowsWithTheUnit) {
   DepthScan s = rough_scan(40, 30);
-  const Estimate metres = estimate(s);
+  const Estimate meters = estimate(s);
   s.points = test::transformed(s.points, 1024 * Eigen::Matrix3f::Identity(), {0, 0, 0});
   const Estimate larger = estimate(s);
-  EXPECT_TRUE(test::same_bits(larger.normals, metres.normals));
+  EXPECT_TRUE(test::same_bits(larger.normals, meters.normals));
   for (std::size_t i = 0; i < s.points.size(); ++i) {
-    if (!std::isnan(metres.residuals[i])) {
-      ASSERT_EQ(larger.residuals[i], 1024 * metres.residuals[i]);
+    if (!std::isnan(meters.residuals[i])) {
+      ASSERT_EQ(larger.residuals[i], 1024 * meters.residuals[i]);
     }
   }
 }

@@ -12,10 +12,10 @@ using Eigen::Vector3d;
 constexpr std::uint32_t kWidth = 64, kHeight = 48;
 const Camera kCamera{60, 55, 30.5, 25.25, 1};
 
-bool touches(std::uint32_t u, std::uint32_t v, const Vector3d& centre, double radius) {
+bool touches(std::uint32_t u, std::uint32_t v, const Vector3d& center, double radius) {
   const Vector3d ray =
       Vector3d((u - kCamera.cx) / kCamera.fx, (v - kCamera.cy) / kCamera.fy, 1).normalized();
-  return (centre - std::max(0.0, centre.dot(ray)) * ray).norm() <= radius;
+  return (center - std::max(0.0, center.dot(ray)) * ray).norm() <= radius;
 }
 
 TEST(WindowOfBall, HoldsEveryPixelThatSeesTheBall) {
@@ -23,15 +23,15 @@ TEST(WindowOfBall, HoldsEveryPixelThatSeesTheBall) {
   int num_seen = 0;
   for (int round = 0; round < 300; ++round) {
     const auto z = static_cast<double>(random.uniform(-1, 4));
-    const Vector3d centre(static_cast<double>(random.uniform(-3, 3)),
+    const Vector3d center(static_cast<double>(random.uniform(-3, 3)),
                           static_cast<double>(random.uniform(-3, 3)), z);
     const auto radius = static_cast<double>(random.uniform(0, 1.5F));
-    const PixelWindow window = window_of_ball(kCamera, kWidth, kHeight, centre, radius);
+    const PixelWindow window = window_of_ball(kCamera, kWidth, kHeight, center, radius);
     EXPECT_LE(window.left + window.width, kWidth);
     EXPECT_LE(window.top + window.height, kHeight);
     for (std::uint32_t v = 0; v < kHeight; ++v) {
       for (std::uint32_t u = 0; u < kWidth; ++u) {
-        if (!touches(u, v, centre, radius)) continue;
+        if (!touches(u, v, center, radius)) continue;
         ++num_seen;
         EXPECT_TRUE(window.contains(u, v)) << u << ' ' << v << ", round " << round;
       }

@@ -83,7 +83,7 @@ TEST(FitCamera, RefusesGridsThatNoPinholeMakes) {
   EXPECT_FALSE(fit_camera({}, {})) << "nothing";
 }
 
-TEST(ImageGeometry, PutsAPointInThePixelWhoseCentreIsNearest) {
+TEST(ImageGeometry, PutsAPointInThePixelWhoseCenterIsNearest) {
   Random random;
   ImageGeometry g{Pose::Identity(), 70, 75, 39.5F, 30.25F, 80, 60};
   for (std::size_t pixel = 0; pixel < 80 * 60; ++pixel) {
@@ -119,7 +119,7 @@ TEST(ChooseCamera, LeavesTwoPointsAPixelAndFewHoles) {
     EXPECT_NEAR(20'000 / occupied, 2, 0.15);
 
     // At random, 1.6 points a pixel leave exp(-1.6) empty: a fifth; they must be lone ones.
-    const PixelGrid grid = rasterise(*camera, points);
+    const PixelGrid grid = rasterize(*camera, points);
     Column<float> depth(grid.point_index.size(), 0);
     std::size_t inner = 0, empty = 0;
     for (std::size_t pixel = 0; pixel < depth.size(); ++pixel) {
@@ -164,7 +164,7 @@ TEST(ChooseCamera, NeedsThreePointsAndAViewFromOutside) {
   EXPECT_FALSE(choose_camera(same, {0, 0, 0})) << "no extent";
 }
 
-TEST(Rasterise, KeepsTheNearestPointOfEachPixel) {
+TEST(Rasterize, KeepsTheNearestPointOfEachPixel) {
   Random random;
   ImageGeometry g{random.motion(), 20, 20, 7.5F, 7.5F, 16, 16};
   Points points;
@@ -189,7 +189,7 @@ TEST(Rasterise, KeepsTheNearestPointOfEachPixel) {
       const Vector3f q = g.T_camera_scene * points[static_cast<std::size_t>(best->second)];
       if (p.z() < q.z()) best->second = i;
     }
-    const PixelGrid grid = with_normals ? rasterise(g, points, normals) : rasterise(g, points);
+    const PixelGrid grid = with_normals ? rasterize(g, points, normals) : rasterize(g, points);
     ASSERT_EQ(grid.point_index.size(), 256U);
     for (std::size_t pixel = 0; pixel < 256; ++pixel) {
       const auto found = expected.find(static_cast<std::int64_t>(pixel));
@@ -201,11 +201,11 @@ TEST(Rasterise, KeepsTheNearestPointOfEachPixel) {
 }
 
 // Ties go to the lowest index: exact copies of one point.
-TEST(Rasterise, PrefersTheFirstOfEqualPoints) {
+TEST(Rasterize, PrefersTheFirstOfEqualPoints) {
   ImageGeometry g{Pose::Identity(), 10, 10, 4.5F, 4.5F, 10, 10};
   Points points;
   for (int i = 0; i < 3; ++i) points.push_back({0.01F, 0.02F, 1});
-  const PixelGrid grid = rasterise(g, points);
+  const PixelGrid grid = rasterize(g, points);
   EXPECT_EQ(std::ranges::count(grid.point_index, 0), 1);
   EXPECT_EQ(std::ranges::count(grid.point_index, PixelGrid::kNone), 99);
 }
@@ -215,7 +215,7 @@ struct Patch {
   Column<float> depth = Column<float>(25, 2);
 };
 
-TEST(FillSmallHoles, GivesTheMeanOfLikeNeighbours) {
+TEST(FillSmallHoles, GivesTheMeanOfLikeNeighbors) {
   Patch patch;
   patch.depth[12] = 0;
   patch.depth[6] = 2.25F;
@@ -226,17 +226,17 @@ TEST(FillSmallHoles, GivesTheMeanOfLikeNeighbours) {
 }
 
 TEST(FillSmallHoles, LeavesEdgesGapsAndBordersAlone) {
-  Patch step;  // a neighbour on another surface
+  Patch step;  // a neighbor on another surface
   step.depth[12] = 0;
   step.depth[6] = 2.5F;
   EXPECT_EQ(fill_small_holes(step.geometry, 0.25F, 4, step.depth), 0U);
   EXPECT_EQ(step.depth[12], 0);
 
-  Patch gap;  // too few neighbours
+  Patch gap;  // too few neighbors
   for (const std::size_t pixel : {6U, 7U, 8U, 11U, 12U}) gap.depth[pixel] = 0;
   EXPECT_EQ(fill_small_holes(gap.geometry, 0.25F, 5, gap.depth), 3U);
-  EXPECT_EQ(gap.depth[7], 0) << "four neighbours";
-  EXPECT_EQ(gap.depth[12], 0) << "four neighbours";
+  EXPECT_EQ(gap.depth[7], 0) << "four neighbors";
+  EXPECT_EQ(gap.depth[12], 0) << "four neighbors";
 
   Patch border;
   border.depth[2] = border.depth[10] = border.depth[24] = 0;

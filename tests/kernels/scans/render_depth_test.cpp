@@ -40,9 +40,9 @@ Vector3f pixel_ray(std::size_t i) {
 }
 
 TEST(RenderDepth, AgreesWithASphere) {
-  Points centre;
-  centre.push_back({0, 0, 0});
-  const auto sphere = RayScene::from_spheres(centre, 0.5F);
+  Points center;
+  center.push_back({0, 0, 0});
+  const auto sphere = RayScene::from_spheres(center, 0.5F);
   ASSERT_TRUE(sphere);
   Pose pose = Pose::Identity();
   pose.translation() << 0.2F, -0.1F, 3;

@@ -105,7 +105,7 @@ TEST(SensorModel, TellsNoiseThatWindowsShare) {
 TEST(SensorModel, TellsMixturesByWhatIsShared) {
   test::Random random;
   float before = 0;
-  // Of 1e-3 of independent noise and so much that neighbours share.
+  // Of 1e-3 of independent noise and so much that neighbors share.
   for (const float sigma : {1e-3F, 2e-3F, 5e-3F}) {
     const Field shared = averaged(independent(random, sigma));
     const SensorModel model =
@@ -251,17 +251,17 @@ TEST(SensorModel, AgreesWithANaiveReferenceOfAPatch) {
   }
 }
 
-TEST(SensorModel, IsTheSameInMetresAndMillimetres) {
+TEST(SensorModel, IsTheSameInMetersAndMillimeters) {
   test::Random random;
   const Field errors = sum_of(independent(random, 1e-3F), averaged(independent(random, 2e-3F)));
   Field depth = sum_of(field_of(receding), errors);
-  const SensorModel metres = model_of(depth, 1.7F);
+  const SensorModel meters = model_of(depth, 1.7F);
   for (float& value : depth) value *= 1000;
-  const SensorModel millimetres = model_of(depth, 1700);
-  EXPECT_GT(metres.correlation, 0.1F);
-  EXPECT_LT(metres.correlation, 0.99F);
-  EXPECT_NEAR(millimetres.correlation, metres.correlation, 1e-3F);
-  EXPECT_NEAR(millimetres.exponent, metres.exponent, 1e-3F);
+  const SensorModel millimeters = model_of(depth, 1700);
+  EXPECT_GT(meters.correlation, 0.1F);
+  EXPECT_LT(meters.correlation, 0.99F);
+  EXPECT_NEAR(millimeters.correlation, meters.correlation, 1e-3F);
+  EXPECT_NEAR(millimeters.exponent, meters.exponent, 1e-3F);
 }
 
 TEST(SensorModel, TellsWavesByItsNoiseOnlyWhereNoPlaneDid) {

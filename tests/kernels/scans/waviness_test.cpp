@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kWindow = 5;
 constexpr float kNoise = 0.001F;
 
-/// A plane in front of a small camera, all of which is labelled.
+/// A plane in front of a small camera, all of which is labeled.
 struct Wall {
   RangeImage image;
   Plane plane;
@@ -72,9 +72,9 @@ TEST(Waviness, GrowsWithTheUnit) {
     return measure(wall(kSlanted, 0.8F * unit,
                         [&](float u, float v) { return unit * wave(u, v, kNoise, 17); }));
   };
-  const Waviness metre = bent(1), millimetre = bent(1000);
-  EXPECT_NEAR(millimetre.height, 1000 * metre.height, 1e-2F * 1000 * metre.height);
-  EXPECT_NEAR(millimetre.slope_rad, metre.slope_rad, 1e-2F * metre.slope_rad);
+  const Waviness meter = bent(1), millimeter = bent(1000);
+  EXPECT_NEAR(millimeter.height, 1000 * meter.height, 1e-2F * 1000 * meter.height);
+  EXPECT_NEAR(millimeter.slope_rad, meter.slope_rad, 1e-2F * meter.slope_rad);
 }
 
 TEST(Waviness, SparesABendThatPosesTakeUp) {

@@ -29,7 +29,7 @@ TEST(Descend, FallsFreelyWithoutContacts) {
   EXPECT_EQ(motion.turn, Vector3d(0, 0, 0));
 }
 
-TEST(Descend, RestsOnAFootUnderTheCentre) {
+TEST(Descend, RestsOnAFootUnderTheCenter) {
   const Motion motion = descend(foot({0, 0, 0}, 0), {0.2, -0.1, 0.5}, 0.4, 0.01, 0);
   EXPECT_LT(motion.shift.norm() + motion.turn.norm(), 1e-5);
 }
@@ -43,9 +43,9 @@ TEST(Descend, ClosesAGapAndNoMore) {
 TEST(Descend, SlidesDownASlopeThatIsSteeperThanFriction) {
   const double slope = 0.5;
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(slope, Vector3d::UnitY()).toRotationMatrix();
-  const Vector3d centre = 0.2 * turn.col(2);
+  const Vector3d center = 0.2 * turn.col(2);
   const auto move = [&](double friction) {
-    return descend(foot({0, 0, 0}, slope), centre, 0.4, 0.01, friction);
+    return descend(foot({0, 0, 0}, slope), center, 0.4, 0.01, friction);
   };
   EXPECT_LT(move(std::tan(slope) + 0.05).shift.norm(), 1e-4) << "it sticks";
   // Along the slope acts gravity less friction: fall (sin - friction cos).
@@ -57,7 +57,7 @@ TEST(Descend, SlidesDownASlopeThatIsSteeperThanFriction) {
   }
 }
 
-TEST(Descend, TopplesOverItsFootTowardsTheCentre) {
+TEST(Descend, TopplesOverItsFootTowardsTheCenter) {
   const Motion motion = descend(foot({0, 0, 0}, 0), {0.8, 0, 0.5}, 0.4, 0.01, 1);
   EXPECT_GT(motion.turn.y(), 0.001) << "about y, from z to x";
   EXPECT_LT(motion.shift.z(), 0);

@@ -57,15 +57,15 @@ double reference_match(const std::vector<float>& dots, int u, int v, const Windo
     }
   }
   if (seen.empty()) return 0;
-  std::vector<double> centres{sum / static_cast<double>(seen.size())};
-  for (const Dot& dot : seen) centres.push_back(dot.disparity);
+  std::vector<double> centers{sum / static_cast<double>(seen.size())};
+  for (const Dot& dot : seen) centers.push_back(dot.disparity);
   double best_weight = 0, best_mean = 0;
   std::size_t best_count = 0;
-  for (std::size_t c = 0; c < centres.size(); ++c) {
+  for (std::size_t c = 0; c < centers.size(); ++c) {
     double weight = 0, moment = 0;
     std::size_t count = 0;
     for (const Dot& dot : seen) {
-      if (std::abs(dot.disparity - centres[c]) > static_cast<double>(o.reach_pixel)) continue;
+      if (std::abs(dot.disparity - centers[c]) > static_cast<double>(o.reach_pixel)) continue;
       weight += dot.weight;
       moment += dot.weight * dot.disparity;
       ++count;

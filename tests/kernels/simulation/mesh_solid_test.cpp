@@ -97,8 +97,8 @@ TEST(MeshSolid, VerticesAndTrianglesStayNearTheSurface) {
     const Mesh mesh = mesh_solid(solid, kCell);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto c = reference::corners(mesh, t);
-      const Vector3f centre = (mesh.vertices[c[0]] + mesh.vertices[c[1]] + mesh.vertices[c[2]]) / 3;
-      ASSERT_LT(std::abs(solid.distance(centre)), kCell) << "seed " << seed;
+      const Vector3f center = (mesh.vertices[c[0]] + mesh.vertices[c[1]] + mesh.vertices[c[2]]) / 3;
+      ASSERT_LT(std::abs(solid.distance(center)), kCell) << "seed " << seed;
     }
   }
 }

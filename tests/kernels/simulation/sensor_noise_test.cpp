@@ -36,21 +36,21 @@ TEST(StereoSigma, IsTheErrorOfMatchingToFirstOrder) {
               1e-6);
 }
 
-TEST(LaserSigma, IsSomeHundredthsOfAMillimetre) {
+TEST(LaserSigma, IsSomeHundredthsOfAMillimeter) {
   EXPECT_NEAR(laser_sigma(0.5, 0.2), 0.04e-3, 0.002e-3);
   EXPECT_NEAR(laser_sigma(0.7, 0.2), 0.075e-3, 0.002e-3);
   EXPECT_LT(laser_sigma(0.7, 0.3), laser_sigma(0.7, 0.2)) << "a wider angle of triangulation";
 }
 
-TEST(QuantiseDisparity, KeepsDepthsOfWholeStepsAndRoundsOthers) {
+TEST(QuantizeDisparity, KeepsDepthsOfWholeStepsAndRoundsOthers) {
   const double f = 500, b = 0.08;  // disparity 40 / z
-  EXPECT_DOUBLE_EQ(quantise_disparity(0.8, f, b, 0.125), 0.8);
+  EXPECT_DOUBLE_EQ(quantize_disparity(0.8, f, b, 0.125), 0.8);
   for (const double z : {0.51, 0.77, 1.3, 2.9}) {
-    const double step = z * z / (f * b) * 0.125, rounded = quantise_disparity(z, f, b, 0.125);
+    const double step = z * z / (f * b) * 0.125, rounded = quantize_disparity(z, f, b, 0.125);
     EXPECT_LE(std::abs(rounded - z), 0.51 * step);
-    EXPECT_NEAR(quantise_disparity(rounded, f, b, 0.125), rounded, 1e-12);
+    EXPECT_NEAR(quantize_disparity(rounded, f, b, 0.125), rounded, 1e-12);
   }
-  EXPECT_EQ(quantise_disparity(1e6, f, b, 0.125), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(quantize_disparity(1e6, f, b, 0.125), std::numeric_limits<double>::infinity());
 }
 
 TEST(MirrorAngle, IsTwiceTheTiltOfAMirrorThatFacesLightAndSensor) {

@@ -56,7 +56,7 @@ TEST(Solid, PrimitivesHoldWhatTheyAreDefinedBy) {
   expect_holds(torus(0.7F, 0.25F), [](const Eigen::Vector3d& p) {
     return std::hypot(radius(p) - static_cast<double>(0.7F), p.z()) < 0.25;
   });
-  // The hull of two discs: discs whose centre and radius go from one to the other.
+  // The hull of two discs: discs whose center and radius go from one to the other.
   expect_holds(oblong(0.5F, 0.2F, 0.6F), [](const Eigen::Vector3d& p) {
     double least = 1;
     for (int k = 0; k <= 100'000; ++k) {
@@ -160,11 +160,11 @@ TEST(Solid, RestrictedToABallHasTheSameValuesThere) {
     const Solid solid = test::random_solid(random, 8);
     Solid near = solid;
     for (int i = 0; i < 50; ++i) {
-      const Vector3f centre = random_point(random);
+      const Vector3f center = random_point(random);
       const float ball = random.uniform(0.01F, 0.3F);
-      EXPECT_EQ(solid.restrict_to(centre, ball, near), solid.distance(centre));
+      EXPECT_EQ(solid.restrict_to(center, ball, near), solid.distance(center));
       for (int k = 0; k < 10; ++k) {
-        const Vector3f p = centre + random.uniform(0, 0.999F) * ball * random.direction();
+        const Vector3f p = center + random.uniform(0, 0.999F) * ball * random.direction();
         // Turned by a matrix in place of an angle: equal up to rounding.
         EXPECT_NEAR(near.distance(p), solid.distance(p), 1e-6F) << "seed " << seed;
       }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 
@@ -15,12 +15,12 @@ namespace {
 /// Vectors in clusters, as features are.
 std::vector<float> clustered(test::Random& random, std::size_t n, std::size_t dimension,
                              std::size_t num_clusters = 40) {
-  std::vector<float> centres(num_clusters * dimension), vectors;
-  for (float& value : centres) value = random.normal(1);
+  std::vector<float> centers(num_clusters * dimension), vectors;
+  for (float& value : centers) value = random.normal(1);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t c = random.below(static_cast<std::uint32_t>(num_clusters));
     for (std::size_t k = 0; k < dimension; ++k)
-      vectors.push_back(centres[c * dimension + k] + random.normal(0.2F));
+      vectors.push_back(centers[c * dimension + k] + random.normal(0.2F));
   }
   return vectors;
 }
@@ -41,7 +41,7 @@ Found exact(std::span<const float> vectors, std::size_t dimension, std::span<con
             std::size_t k) {
   const std::size_t m = queries.size() / dimension;
   Found found{std::vector<std::uint32_t>(m * k), std::vector<float>(m * k)};
-  const auto tree = NearestNeighbours::build(vectors, dimension);
+  const auto tree = NearestNeighbors::build(vectors, dimension);
   EXPECT_TRUE(tree && tree->k_nearest(queries, k, found.indices, found.distances));
   return found;
 }
@@ -71,7 +71,7 @@ TEST(FeatureForest, IsExactWhenEveryVectorMayBeCompared) {
   }
 }
 
-TEST(FeatureForest, FindsMostNeighboursAtATinyShareOfTheComparisons) {
+TEST(FeatureForest, FindsMostNeighborsAtATinyShareOfTheComparisons) {
   test::Random random;
   const auto vectors = clustered(random, 20000, 60, 400);
   std::vector<float> queries(vectors.begin(), vectors.begin() + 200 * 60);

@@ -98,7 +98,7 @@ TEST(SalientPoints, MoveWithTheSurface) {
   std::vector<float> a(moved.size()), b(moved.size());
   const auto expect_alike = [&] {
     const float largest = *std::ranges::max_element(a);
-    std::size_t off = 0;  // a neighbour on the border may fall to the other side
+    std::size_t off = 0;  // a neighbor on the border may fall to the other side
     for (std::size_t i = 0; i < a.size(); ++i) off += std::abs(a[i] - b[i]) > 0.01F * largest;
     EXPECT_LT(off, a.size() / 100);
   };

@@ -153,7 +153,7 @@ TEST(LocalFrame, IsTheSameOfTrianglesCoarseOrFineAndOfPointsOnThem) {
 TEST(LocalFrame, GivesTrianglesOfLongEdgesNoWeight) {
   Mesh mesh(40);
   const Matrix3f clean = mesh.frame().axes;
-  mesh.vertices.push_back({0.2F, 0.1F, 5});  // a stray measurement, joined to its neighbours
+  mesh.vertices.push_back({0.2F, 0.1F, 5});  // a stray measurement, joined to its neighbors
   const auto stray = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   for (std::uint32_t k = 800; k < 840; ++k) {
     mesh.all.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));

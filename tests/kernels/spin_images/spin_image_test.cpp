@@ -88,11 +88,11 @@ TEST(SpinImage, IsTheSameAfterMotionsTurnsAboutTheAxisAndScaling) {
   EXPECT_GT(distance(here, image_of(support_of(points, kRadius, keypoint), other)), 10);
 }
 
-TEST(SpinImage, NormalisedDoesNotDependOnTheDensity) {
+TEST(SpinImage, NormalizedDoesNotDependOnTheDensity) {
   test::Random random;
   const auto image = [&](std::size_t n) {
     Image out = image_of(support_of(random.surface(n), kRadius), {0, 0, 1});
-    normalise_spin_image(out);
+    normalize_spin_image(out);
     double squares = 0;
     for (const float value : out)
       squares += static_cast<double>(value) * static_cast<double>(value);
@@ -101,7 +101,7 @@ TEST(SpinImage, NormalisedDoesNotDependOnTheDensity) {
   };
   EXPECT_LT(distance(image(40000), image(10000)), 0.08);
   Image empty{};
-  normalise_spin_image(empty);
+  normalize_spin_image(empty);
   EXPECT_EQ(distance(empty, Image{}), 0);
 }
 

@@ -36,7 +36,7 @@ TEST(FindDiameter, AgreesWithReferenceOnSpheres) {
   }
 }
 
-// Bodies of constant width: every boundary point is an end, and no centre halves the diameters.
+// Bodies of constant width: every boundary point is an end, and no center halves the diameters.
 TEST(FindDiameter, AgreesWithReferenceOnAReuleauxTriangle) {
   Points points;
   for (int i = 0; i < 1500; ++i) {

@@ -13,8 +13,8 @@ namespace {
 
 using test::Random;
 
-Neighbourhoods neighbours_within(PointsView points, double radius) {
-  Neighbourhoods rows;
+Neighborhoods neighbors_within(PointsView points, double radius) {
+  Neighborhoods rows;
   rows.offsets.push_back(0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (const std::uint32_t j : reference::within(points, points[i], radius)) {
@@ -25,8 +25,8 @@ Neighbourhoods neighbours_within(PointsView points, double radius) {
   return rows;
 }
 
-Neighbourhoods one_row_of_all(std::size_t n) {
-  Neighbourhoods row;
+Neighborhoods one_row_of_all(std::size_t n) {
+  Neighborhoods row;
   row.offsets = {0, static_cast<std::uint32_t>(n)};
   for (std::uint32_t i = 0; i < n; ++i) row.indices.push_back(i);
   return row;
@@ -37,7 +37,7 @@ struct Estimate {
   Column<float> residuals;
 };
 
-Estimate estimate(PointsView points, const Neighbourhoods& rows) {
+Estimate estimate(PointsView points, const Neighborhoods& rows) {
   const std::size_t n = rows.view().size();
   Estimate out{Normals(n), Column<float>(n)};
   estimate_normals(points, rows, out.normals, out.residuals);
@@ -52,7 +52,7 @@ double angle_between_lines(const Eigen::Vector3f& a, const Eigen::Vector3d& b) {
 TEST(EstimateNormals, AgreesWithReferenceOnRandomSurfaces) {
   for (const std::size_t n : test::kSmallSizes) {
     const Points points = Random(n).surface(n, 0.01F);
-    const Neighbourhoods rows = neighbours_within(points, 0.3);
+    const Neighborhoods rows = neighbors_within(points, 0.3);
     const Estimate found = estimate(points, rows);
     for (std::size_t i = 0; i < n; ++i) {
       std::vector<Eigen::Vector3d> row;
@@ -72,12 +72,12 @@ TEST(EstimateNormals, AgreesWithReferenceOnRandomSurfaces) {
 TEST(EstimateNormals, TurnsWithTheCloudUnderARigidMotion) {
   Random random;
   const Points points = random.surface(300);
-  const Neighbourhoods rows = neighbours_within(points, 0.3);
+  const Neighborhoods rows = neighbors_within(points, 0.3);
   const Pose motion = random.motion();
   const Points moved = test::transformed(points, motion.linear(), motion.translation());
   const Estimate before = estimate(points, rows), after = estimate(moved, rows);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // Moved coordinates are rounded by 1e-7, over neighbourhoods of about 0.3.
+    // Moved coordinates are rounded by 1e-7, over neighborhoods of about 0.3.
     const Eigen::Vector3f turned = motion.linear() * before.normals[i];
     ASSERT_LT(angle_between_lines(after.normals[i], turned.cast<double>()), 1e-5);
     ASSERT_NEAR(after.residuals[i], before.residuals[i], 1e-6);
@@ -87,7 +87,7 @@ TEST(EstimateNormals, TurnsWithTheCloudUnderARigidMotion) {
 TEST(EstimateNormals, GivesTheSameBitsFarFromTheOriginAndAtAnotherScale) {
   Random random;
   const Points points = random.dyadic_cloud(100);
-  const Neighbourhoods rows = neighbours_within(points, 1.5);
+  const Neighborhoods rows = neighbors_within(points, 1.5);
   const Estimate expected = estimate(points, rows);
   const Eigen::Matrix3f unit = Eigen::Matrix3f::Identity();
   const Estimate far = estimate(test::transformed(points, unit, {8192, -4096, 1000}), rows);
@@ -114,7 +114,7 @@ TEST(EstimateNormals, GivesNaNForPointsThatSpanNoPlane) {
   Points points;
   for (int i = 0; i < 10; ++i) points.push_back(static_cast<float>(i) * Eigen::Vector3f(1, 2, -3));
   for (int i = 0; i < 10; ++i) points.push_back({5, 5, 5});
-  Neighbourhoods rows;
+  Neighborhoods rows;
   rows.offsets = {0, 0, 1, 3, 14, 17};
   rows.indices = {0, 0, 13, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 11, 12};
   const Estimate found = estimate(points, rows);
@@ -130,7 +130,7 @@ TEST(EstimateNormals, GivesNaNForPointsThatSpanNoPlane) {
 
 TEST(EstimateNormals, GivesTheSameBitsForAnyChunking) {
   const Points points = Random().surface(300);
-  const Neighbourhoods rows = neighbours_within(points, 0.3);
+  const Neighborhoods rows = neighbors_within(points, 0.3);
   const Estimate whole = estimate(points, rows);
   for (const std::size_t grain : {1U, 7U, 64U}) {
     Estimate chunked{Normals(300), Column<float>(300)};
@@ -146,7 +146,7 @@ TEST(EstimateNormals, GivesTheSameBitsForAnyChunking) {
 
 TEST(EstimateNormals, AllocatesNothing) {
   const Points points = Random().surface(300);
-  const Neighbourhoods rows = neighbours_within(points, 0.3);
+  const Neighborhoods rows = neighbors_within(points, 0.3);
   Normals normals(300);
   EXPECT_EQ(test::allocations_in([&] {
               estimate_normals(points, rows, normals);

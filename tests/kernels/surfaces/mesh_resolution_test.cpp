@@ -11,7 +11,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// A sheet of 3 x 2 unit squares, each of two triangles, of which neighbours share edges.
+/// A sheet of 3 x 2 unit squares, each of two triangles, of which neighbors share edges.
 test::Shape sheet() {
   test::Shape shape;
   for (int y = 0; y < 3; ++y)
@@ -55,17 +55,17 @@ TEST(MeanEdgeLength, AgreesWithReferenceOnRandomTriangles) {
   EXPECT_NEAR(mean_edge_length(vertices, triangles), expected, 1e-12 * expected);
 }
 
-TEST(MeanNeighbourDistance, IsTheSpacingOfALattice) {
+TEST(MeanNeighborDistance, IsTheSpacingOfALattice) {
   Points points;
   for (int i = 0; i < 125; ++i) {
     points.push_back(0.25F * Eigen::Vector3f(static_cast<float>(i % 5),
                                              static_cast<float>(i / 5 % 5),
                                              static_cast<float>(i / 25)));
   }
-  EXPECT_EQ(*mean_neighbour_distance(points), 0.25);
+  EXPECT_EQ(*mean_neighbor_distance(points), 0.25);
 }
 
-TEST(MeanNeighbourDistance, AgreesWithReferenceOnRandomPoints) {
+TEST(MeanNeighborDistance, AgreesWithReferenceOnRandomPoints) {
   for (const std::size_t n : {2U, 3U, 64U, 500U}) {
     const Points points = test::Random(n).surface(n);
     double sum = 0;
@@ -78,17 +78,17 @@ TEST(MeanNeighbourDistance, AgreesWithReferenceOnRandomPoints) {
     }
     // The tree's squared distances are float: half of 2^-23 each of a few operations.
     const double expected = sum / static_cast<double>(n);
-    EXPECT_NEAR(*mean_neighbour_distance(points), expected, 1e-6 * expected);
+    EXPECT_NEAR(*mean_neighbor_distance(points), expected, 1e-6 * expected);
   }
 }
 
-TEST(MeanNeighbourDistance, TakesFewAndRefusesBrokenPoints) {
-  EXPECT_EQ(*mean_neighbour_distance(Points()), 0);
-  EXPECT_EQ(*mean_neighbour_distance(Points(1)), 0);
-  EXPECT_EQ(*mean_neighbour_distance(Points(2)), 0) << "in one place";
+TEST(MeanNeighborDistance, TakesFewAndRefusesBrokenPoints) {
+  EXPECT_EQ(*mean_neighbor_distance(Points()), 0);
+  EXPECT_EQ(*mean_neighbor_distance(Points(1)), 0);
+  EXPECT_EQ(*mean_neighbor_distance(Points(2)), 0) << "in one place";
   Points points(2);
   points.set(1, {0, std::numeric_limits<float>::quiet_NaN(), 0});
-  EXPECT_FALSE(mean_neighbour_distance(points));
+  EXPECT_FALSE(mean_neighbor_distance(points));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ struct Found {
   }
 
   PoseDistance distance(const Pose& a, const Pose& b) const {
-    return pose_distance(a, b, symmetry, surface.view().centre);
+    return pose_distance(a, b, symmetry, surface.view().center);
   }
   bool has(const Pose& motion, float angle = 10 * kDegree) const {
     return std::ranges::any_of(
@@ -96,7 +96,7 @@ TEST(FindNearSymmetries, TurnsABoltEndForEndAndNothingElse) {
   ASSERT_TRUE(found.symmetry.axis);
   ASSERT_EQ(found.motions.size(), 1U);
   EXPECT_LT(found.motions[0].linear()(2, 2), std::cos(175 * kDegree));
-  EXPECT_LT((found.motions[0] * found.surface.view().centre).head<2>().norm(), 0.05F);
+  EXPECT_LT((found.motions[0] * found.surface.view().center).head<2>().norm(), 0.05F);
 }
 
 TEST(FindNearSymmetries, PutsTheStubOfACubeOnAnyFace) {

@@ -159,14 +159,14 @@ TEST(FindSymmetry, CoversEveryTurnOfASphereWithin12Degrees) {
 }
 
 TEST(FindSymmetry, DoesNotDependOnTheUnit) {
-  const SampledShape metres =
+  const SampledShape meters =
       sample_shape(test::tetrahedron().vertices, test::tetrahedron().triangles);
-  SampledShape millimetres = metres;
-  for (std::size_t i = 0; i < metres.points.size(); ++i) {
-    millimetres.points.set(i, 1024 * metres.points[i]);
+  SampledShape millimeters = meters;
+  for (std::size_t i = 0; i < meters.points.size(); ++i) {
+    millimeters.points.set(i, 1024 * meters.points[i]);
   }
-  millimetres.diameter = 1024 * metres.diameter;
-  const Symmetry a = find(metres), b = find(millimetres);
+  millimeters.diameter = 1024 * meters.diameter;
+  const Symmetry a = find(meters), b = find(millimeters);
   ASSERT_EQ(a.poses.size(), b.poses.size());
   for (std::size_t k = 0; k < a.poses.size(); ++k) {
     EXPECT_TRUE(a.poses[k].linear().isApprox(b.poses[k].linear()));

@@ -45,7 +45,7 @@ Rows draw(const ScoreModel& model, std::size_t n, std::uint64_t seed) {
     if (rows.right.size() % 2 == 0) {
       for (std::size_t k = 0; k < kCorrelationPart; ++k) {
         const auto& knots = model.knots[k];
-        parts[k] = std::lerp(parts[k], kScoreParts[k].favourable ? knots.back() : knots.front(),
+        parts[k] = std::lerp(parts[k], kScoreParts[k].favorable ? knots.back() : knots.front(),
                              random.uniform(0.7F, 1));
       }
     }
@@ -97,7 +97,7 @@ TEST(AdaptScore, StaysMonotoneInEachPart) {
     const float before = pose_probability(model, parts);
     for (std::size_t k = 0; k < kCorrelationPart; ++k) {
       ScoreParts more = parts;
-      more[k] += kScoreParts[k].favourable ? 0.3F : -0.3F;
+      more[k] += kScoreParts[k].favorable ? 0.3F : -0.3F;
       EXPECT_GE(pose_probability(model, more), before) << kScoreParts[k].name;
     }
   }
@@ -126,7 +126,7 @@ TEST(FitAdaptation, ChangesLittleByLittleData) {
   for (const float weight : adaptation.weights) EXPECT_NEAR(weight, 1, 0.6F);
 }
 
-// What the scans of a cell say is learnt from as many as five give, and in full from many.
+// What the scans of a cell say is learned from as many as five give, and in full from many.
 TEST(FitAdaptation, ScoresFreshPosesOfItsCellBetter) {
   ScoreAdaptation truth;
   truth.shift = -1.5F;

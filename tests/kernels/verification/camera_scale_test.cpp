@@ -52,7 +52,7 @@ struct Brackets {
                           found.depth ? std::log(found.depth->value) : 0};
       for (std::size_t k = 0; k < at.size(); ++k) {
         at[k] = follow_scales(equations[k], {now.focal - scales.focal, now.depth - scales.depth},
-                              at[k], samples.centre);
+                              at[k], samples.center);
       }
       scales = now;
     }
@@ -96,7 +96,7 @@ TEST(EstimateScales, FindsTheDepthScaleThatIsWrittenWrong) {
   }
 }
 
-TEST(EstimateScales, TakesDepthAsItIsWhereNeighboursErrAlike) {
+TEST(EstimateScales, TakesDepthAsItIsWhereNeighborsErrAlike) {
   Brackets brackets;
   const CameraScale found = estimate_scales(brackets.settle(1));
   EXPECT_FALSE(found.depth);

@@ -87,7 +87,7 @@ TEST(ComparePoses, FindsNoDifferenceOfAPoseFromItself) {
   EXPECT_FALSE(c.significant());
 }
 
-/// A random pair of poses and what was measured: clubs, noise, holes, a labelled plane.
+/// A random pair of poses and what was measured: clubs, noise, holes, a labeled plane.
 struct Case {
   RangeImage image;
   Pose first, second;
@@ -133,8 +133,8 @@ TEST(ComparePoses, AgreesWithANaiveReference) {
     const Case c = random_case(random);
     const ImageGeometry g = camera();
     const float radius = 0.5F * ball_diameter(club().samples);
-    const RayCrop crop(project_ball(g, c.first * club().samples.centre, radius)
-                           ->joined(*project_ball(g, c.second * club().samples.centre, radius)),
+    const RayCrop crop(project_ball(g, c.first * club().samples.center, radius)
+                           ->joined(*project_ball(g, c.second * club().samples.center, radius)),
                        0);
     ASSERT_EQ(crop.stride, 1);
     const float correlation = trial % 2 == 0 ? 0 : random.uniform(0, 1);
@@ -228,7 +228,7 @@ TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
 }
 
 // Smoothed over the width of a thin part, its depth is off by many times the noise.
-TEST(ComparePoses, ForgivesBlendedDepthWhereNeighboursErrAlike) {
+TEST(ComparePoses, ForgivesBlendedDepthWhereNeighborsErrAlike) {
   RangeImage image = look({kTruth});
   const RangeImage bare = look({});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)

@@ -106,8 +106,8 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   EXPECT_GT(e.hold, 0.005F) << "three faces hold a box";
 }
 
-// Boxes before and behind the model, with noise, holes and a labelled plane; crops of every stride;
-// for scans whose neighbours err for themselves or alike.
+// Boxes before and behind the model, with noise, holes and a labeled plane; crops of every stride;
+// for scans whose neighbors err for themselves or alike.
 TEST(ExaminePose, AgreesWithANaiveReference) {
   const Body small({0.03F, 0.02F, 0.015F});
   Examination total;
@@ -308,15 +308,15 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   EXPECT_NEAR(examine(moved, brick(), motion * pose).hold, hold, 1e-2F * hold);
 
   const Body larger(Vector3f(100, 60, 40));
-  RangeImage in_millimetres = image;
-  for (float& depth : in_millimetres.depth) depth *= 1000;
+  RangeImage in_millimeters = image;
+  for (float& depth : in_millimeters.depth) depth *= 1000;
   Pose far = pose;
   far.translation() *= 1000;
   ExamineOptions options;
   options.verify.tolerance = 1000 * kTolerance;
   ExamineScratch scratch;
   Examination out;
-  examine_pose({&in_millimetres, 1}, larger.surface, larger.samples, {}, far, options, scratch,
+  examine_pose({&in_millimeters, 1}, larger.surface, larger.samples, {}, far, options, scratch,
                out);
   EXPECT_NEAR(out.hold, hold, 1e-2F * hold);
 
@@ -334,16 +334,16 @@ TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
   EXPECT_EQ(e.consistent, e.covered);
   EXPECT_EQ(e.outline_free, 0);
   EXPECT_GT(e.outline_crossed, 100);
-  RangeImage labelled = look({{&plate, flat}});
-  labelled.plane.assign(labelled.plane.size(), 1);
-  labelled.near_plane = labelled.plane;
-  const Examination table = examine(labelled, brick(), flat);
+  RangeImage labeled = look({{&plate, flat}});
+  labeled.plane.assign(labeled.plane.size(), 1);
+  labeled.near_plane = labeled.plane;
+  const Examination table = examine(labeled, brick(), flat);
   EXPECT_EQ(table.outline_crossed, 0) << "things stand on a table";
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";
 }
 
 /// A brick's face in a wall that rises from it towards the camera by `slope`, turning over so many
-/// metres: a sensor's rounded crease. A negative slope falls away.
+/// meters: a sensor's rounded crease. A negative slope falls away.
 RangeImage face_in_wall(float slope, float rounded) {
   RangeImage image = look({});
   constexpr float kFace = 0.56F;

@@ -106,7 +106,7 @@ double log_odds_in_the_middle(const ScoreModel& model, float correlation) {
 }
 
 /// Of scans whose pixels err for themselves, where violation and hold tell, and of scans whose
-/// neighbours err alike, where the outline does; some lie between.
+/// neighbors err alike, where the outline does; some lie between.
 Rows draw_of_two_sensors(std::size_t n, std::uint64_t seed) {
   test::Random random(seed);
   Rows rows;

@@ -31,24 +31,24 @@ Symmetry round_about(const Vector3f& point, const Vector3f& axis) {
   return {{}, Symmetry::Axis{axis, point}, true};
 }
 
-TEST(DiscretiseSymmetry, GivesTheIdentityAlone) {
-  const auto poses = discretise_symmetry({});
+TEST(DiscretizeSymmetry, GivesTheIdentityAlone) {
+  const auto poses = discretize_symmetry({});
   ASSERT_EQ(poses.size(), 1U);
   EXPECT_TRUE(poses[0].isApprox(Isometry3d::Identity()));
 }
 
-TEST(DiscretiseSymmetry, ListsDiscreteOnesAfterTheIdentity) {
+TEST(DiscretizeSymmetry, ListsDiscreteOnesAfterTheIdentity) {
   Symmetry symmetry;
   symmetry.poses.emplace_back(turn_about({1, 2, 3}, Vector3d::UnitX(), 180).cast<float>());
-  const auto poses = discretise_symmetry(symmetry);
+  const auto poses = discretize_symmetry(symmetry);
   ASSERT_EQ(poses.size(), 2U);
   EXPECT_TRUE(poses[0].isApprox(Isometry3d::Identity()));
   EXPECT_TRUE(poses[1].isApprox(symmetry.poses[0].cast<double>()));
 }
 
-TEST(DiscretiseSymmetry, TurnsAboutTheAxisByAtMostAHundredthOfTheDiameter) {
+TEST(DiscretizeSymmetry, TurnsAboutTheAxisByAtMostAHundredthOfTheDiameter) {
   const Vector3f point(4, 5, 6);
-  const auto poses = discretise_symmetry(round_about(point, Vector3f(1, 2, 2) / 3));
+  const auto poses = discretize_symmetry(round_about(point, Vector3f(1, 2, 2) / 3));
   ASSERT_EQ(poses.size(), 315U);
   EXPECT_TRUE(poses[0].isApprox(Isometry3d::Identity()));
   const Vector3d axis = Vector3d(1, 2, 2) / 3, far = point.cast<double>() + Vector3d(0, 0.5, -0.5);
@@ -62,10 +62,10 @@ TEST(DiscretiseSymmetry, TurnsAboutTheAxisByAtMostAHundredthOfTheDiameter) {
   }
 }
 
-TEST(DiscretiseSymmetry, LetsEveryTurnFollowEachDiscreteOne) {
+TEST(DiscretizeSymmetry, LetsEveryTurnFollowEachDiscreteOne) {
   Symmetry symmetry = round_about(Vector3f::Zero(), Vector3f::UnitZ());
   symmetry.poses.emplace_back(turn_about({0, 0, 1}, Vector3d::UnitX(), 180).cast<float>());
-  const auto poses = discretise_symmetry(symmetry);
+  const auto poses = discretize_symmetry(symmetry);
   ASSERT_EQ(poses.size(), 630U);
   EXPECT_TRUE(poses[315].isApprox(symmetry.poses[0].cast<double>()));
   // The flip puts (0, 0, 0) at (0, 0, 2), and no turn about z moves it from there.
@@ -104,7 +104,7 @@ TEST(Mssd, OfARoundModelIsAtMostHalfAStep) {
   Points rim;
   for (int i = 0; i < 100; ++i)
     rim.push_back({std::cos(static_cast<float>(i)), std::sin(static_cast<float>(i)), 1});
-  const auto symmetries = discretise_symmetry(round_about(Vector3f::Zero(), Vector3f::UnitZ()));
+  const auto symmetries = discretize_symmetry(round_about(Vector3f::Zero(), Vector3f::UnitZ()));
   test::Random random;
   for (int i = 0; i < 20; ++i) {
     const Isometry3d turned = turn_about(Vector3d::Zero(), Vector3d::UnitZ(),
@@ -140,7 +140,7 @@ TEST(MssdAndMspd, AgreeWithTheirDefinitionsOnRandomPoses) {
     const Points vertices = random.surface(n, 0.3F);
     Symmetry symmetry = round_about(Vector3f(0.1F, 0, 0), Vector3f::UnitY());
     symmetry.poses.push_back(random.motion(0.1F));
-    const auto symmetries = discretise_symmetry(symmetry);
+    const auto symmetries = discretize_symmetry(symmetry);
     for (int i = 0; i < 10; ++i) {
       Pose truth = random.motion(1);
       truth.translation().z() += 6;

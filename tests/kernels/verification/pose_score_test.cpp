@@ -73,7 +73,7 @@ TEST(PoseScore, IsMonotoneInEachPart) {
     const float before = pose_probability(model, parts);
     for (std::size_t k = 0; k < kCorrelationPart; ++k) {
       ScoreParts more = parts;
-      more[k] += kScoreParts[k].favourable ? 0.3F : -0.3F;
+      more[k] += kScoreParts[k].favorable ? 0.3F : -0.3F;
       EXPECT_GE(pose_probability(model, more), before) << kScoreParts[k].name;
     }
   }
@@ -89,7 +89,7 @@ double log_odds_of(const ScoreModel& model, const ScoreParts& parts, std::size_t
       if (high <= low) continue;
       double share = (static_cast<double>(parts[k]) - low) / (high - low);
       share = share < 0 ? 0 : share > 1 ? 1 : share;
-      if (!kScoreParts[k].favourable) share = 1 - share;
+      if (!kScoreParts[k].favorable) share = 1 - share;
       log_odds += share * static_cast<double>(model.weights[errors][k][i]);
     }
   }
@@ -105,7 +105,7 @@ TEST(PoseScore, AddsWhatItsPartsSay) {
 
 double log_odds(double probability) { return std::log(probability / (1 - probability)); }
 
-// Between scans whose pixels err for themselves and scans whose neighbours err alike.
+// Between scans whose pixels err for themselves and scans whose neighbors err alike.
 TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
   test::Random random;
   ScoreModel model;

@@ -54,7 +54,7 @@ struct BoxScene {
   Refined refine(const RangeImage& image, const Pose& start) const {
     return refine_pose({&image, 1}, model.view(), start, options);
   }
-  /// Moved off by an angle and a shift of the centre, in a random direction each.
+  /// Moved off by an angle and a shift of the center, in a random direction each.
   Pose off(Random& random, double angle, float shift) const {
     Pose pose = truth * test::placed({0, 0, 0}, static_cast<float>(angle) * random.direction());
     pose.pretranslate(shift * random.direction());

@@ -174,7 +174,7 @@ TEST(VerifyPose, IsNeutralOutsideTheImage) {
   EXPECT_EQ(behind.score(), 0);
 }
 
-// The first and the last pixel of a row are neighbours in memory only.
+// The first and the last pixel of a row are neighbors in memory only.
 TEST(VerifyPose, DoesNotLookRoundTheEdgeOfTheImage) {
   for (const float side : {-1.0F, 1.0F}) {
     std::array images{test::render(camera(), {wall(3)})};
@@ -263,7 +263,7 @@ TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
   std::size_t on_ball = 0;
   for (const std::uint32_t pixel : explained)
     on_ball += images[pixel / kPixels].depth[pixel % kPixels] > 0;
-  EXPECT_GT(on_ball, explained.size() * 49 / 50);  // at the rim, a neighbour is
+  EXPECT_GT(on_ball, explained.size() * 49 / 50);  // at the rim, a neighbor is
   for (const std::uint32_t image : {0U, 1U, 2U}) {
     EXPECT_EQ(std::ranges::count(explained, image, [](auto pixel) { return pixel / kPixels; }),
               image == 1 ? b.consistent : a.consistent);

@@ -34,7 +34,7 @@ TEST_F(ReadManifest, TakesModelsInTheOrderOfTheFile) {
       "box": {"file": "box.off", "symmetries": [], "symmetry_axis": null}},
       "models_scored": ["ant"], "scenes": []})");
   ASSERT_TRUE(manifest) << manifest.error().message;
-  EXPECT_EQ(manifest->unit, LengthUnit::millimetre);
+  EXPECT_EQ(manifest->unit, LengthUnit::millimeter);
   EXPECT_EQ(manifest->models_scored, std::vector<std::string>{"ant"});
   const auto& models = manifest->models;
   ASSERT_EQ(models.size(), 4U);

@@ -79,7 +79,7 @@ class ReadBop : public testing::Test {
 TEST_F(ReadBop, GivesTheModels) {
   const Result<Manifest> manifest = read_bop_models(root());
   ASSERT_TRUE(manifest) << manifest.error().message;
-  EXPECT_EQ(manifest->unit, LengthUnit::millimetre);
+  EXPECT_EQ(manifest->unit, LengthUnit::millimeter);
   EXPECT_TRUE(manifest->scenes.empty());
   ASSERT_EQ(manifest->models.size(), 2U);
   const ManifestModel &first = manifest->models[0], &second = manifest->models[1];

@@ -15,7 +15,7 @@ TEST(WriteManifest, ReadsBackTheSame) {
   pose.translation() << 0.1F, -20, 3e-5F;
 
   Manifest written;
-  written.unit = LengthUnit::millimetre;
+  written.unit = LengthUnit::millimeter;
   Symmetry symmetry{
       {pose}, Symmetry::Axis{Eigen::Vector3f::UnitX(), Eigen::Vector3f(1, 2, 3)}, true};
   written.models = {{"zebra", folder / "models/zebra.ply", 0.5, symmetry},

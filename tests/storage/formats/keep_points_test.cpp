@@ -8,7 +8,7 @@ namespace trivet {
 namespace {
 
 /// 5 x 4 pixels of which every third holds a point, numbered against the order of the pixels.
-Cloud organised() {
+Cloud organized() {
   Cloud cloud;
   cloud.grid = PixelGrid{5, 4, {}};
   cloud.grid->point_index.assign(20, PixelGrid::kNone);
@@ -24,7 +24,7 @@ Cloud organised() {
 }
 
 TEST(KeepPoints, KeepsTheMarkedOnesWithWhatBelongsToThem) {
-  Cloud cloud = organised();
+  Cloud cloud = organized();
   keep_points(std::vector<std::uint8_t>{0, 1, 1, 0, 1, 0, 1}, cloud);
   ASSERT_EQ(cloud.points.size(), 4U);
   ASSERT_EQ(cloud.normals.size(), 4U);
@@ -40,7 +40,7 @@ TEST(KeepPoints, KeepsTheMarkedOnesWithWhatBelongsToThem) {
 }
 
 TEST(KeepPoints, LeavesEveryPixelItsPoint) {
-  const Cloud before = organised();
+  const Cloud before = organized();
   for (unsigned marks = 0; marks < 128; ++marks) {
     std::vector<std::uint8_t> keep;
     for (unsigned i = 0; i < 7; ++i) keep.push_back((marks >> i) & 1U);

@@ -50,7 +50,7 @@ TEST_F(ReadDepthPng, SaysHowToGiveACamera) {
 
 TEST_F(ReadDepthPng, RefusesWhatHoldsNoDepths) {
   EXPECT_TRUE(is_refused(read(test::png_file(1, 1, 8, 0, std::string(2, '\1'))), "8 bits"));
-  EXPECT_TRUE(is_refused(read(test::png_file(1, 1, 16, 2, std::string(7, '\1'))), "colour type 2"));
+  EXPECT_TRUE(is_refused(read(test::png_file(1, 1, 16, 2, std::string(7, '\1'))), "color type 2"));
   EXPECT_TRUE(is_refused(read("\x89PNG, but not really a PNG file, only a text"), "signature"));
 }
 

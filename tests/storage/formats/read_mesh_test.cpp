@@ -110,7 +110,7 @@ TEST_F(ReadMesh, StlRefusesSizesThatLie) {
                          "line 2: expected three numbers"));
 }
 
-TEST_F(ReadMesh, OffTakesColoursCommentsAndGluedCounts) {
+TEST_F(ReadMesh, OffTakesColorsCommentsAndGluedCounts) {
   const std::string body =
       "0 0 0 255 0 0\n1 0 0 0.5\n\n1 1 0 # corner\n0 1 0\n4 0 1 2 3 10 20 30\n2 0 1\n";
   for (const std::string header :

@@ -31,7 +31,7 @@ std::string compressed(const std::string& header, std::uint32_t unpacked,
          little(unpacked) + stream;
 }
 
-TEST_F(ReadPcd, GivesTheSameOrganisedCloudInEveryEncoding) {
+TEST_F(ReadPcd, GivesTheSameOrganizedCloudInEveryEncoding) {
   for (const auto& file : test::sample_files()) {
     if (!file.name.ends_with(".pcd")) continue;
     SCOPED_TRACE(file.name);
@@ -63,15 +63,15 @@ TEST_F(ReadPcd, TakesAnyFieldOrderTypeAndCount) {
   EXPECT_FALSE(binary->grid);
 }
 
-TEST_F(ReadPcd, TakesAZeroViewpointOnlyFromAnOrganisedCloud) {
+TEST_F(ReadPcd, TakesAZeroViewpointOnlyFromAnOrganizedCloud) {
   const std::string row = "VIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n0 0 1\n1 0 1\n";
   const auto plain = read(kFields + "WIDTH 2\nHEIGHT 1\n" + row),
-             organised = read(kFields + "WIDTH 1\nHEIGHT 2\n" + row);
+             organized = read(kFields + "WIDTH 1\nHEIGHT 2\n" + row);
   const auto placed =
       read(kFields + "WIDTH 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 2\nDATA ascii\n0 0 1\n1 0 1\n");
-  ASSERT_TRUE(plain && organised && placed);
+  ASSERT_TRUE(plain && organized && placed);
   EXPECT_FALSE(plain->viewpoint);
-  EXPECT_EQ(organised->viewpoint, Vector(0, 0, 0));
+  EXPECT_EQ(organized->viewpoint, Vector(0, 0, 0));
   EXPECT_EQ(placed->viewpoint, Vector(1, 2, 3));
 }
 

@@ -31,13 +31,13 @@ TEST_F(ReadXyz, TakesEverySeparatorCommentsAndAHeaderLine) {
   }
 }
 
-TEST_F(ReadXyz, TakesSixColumnsAsNormalsUnlessTheyAreColours) {
+TEST_F(ReadXyz, TakesSixColumnsAsNormalsUnlessTheyAreColors) {
   const auto normals = read("0 0 0 0 0.6 0.8 99\n1 0 0 0 0 0 99\n"),
-             colours = read("0 0 0 255 0 0\n1 0 0 0 1 0\n");
-  ASSERT_TRUE(normals && colours);
+             colors = read("0 0 0 255 0 0\n1 0 0 0 1 0\n");
+  ASSERT_TRUE(normals && colors);
   ASSERT_EQ(normals->normals.size(), 2U);
   EXPECT_EQ(normals->normals[0], Vector(0, 0.6F, 0.8F));
-  EXPECT_TRUE(colours->normals.empty());
+  EXPECT_TRUE(colors->normals.empty());
 }
 
 TEST_F(ReadXyz, NamesTheLineThatIsWrong) {

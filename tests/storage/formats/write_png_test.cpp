@@ -35,7 +35,7 @@ TEST(WriteDepthPng, NamesAFolderThatIsNotThere) {
   EXPECT_NE(written.error().message.find("/nowhere/at/all"), std::string::npos);
 }
 
-TEST(EncodePng, KeepsEveryColour) {
+TEST(EncodePng, KeepsEveryColor) {
   const Picture picture{2, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 1, 2, 3}};
   const auto bytes = encode_png(picture);
   ASSERT_TRUE(bytes) << bytes.error().message;

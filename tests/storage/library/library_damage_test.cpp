@@ -35,7 +35,7 @@ constexpr hsize_t kVerticesShape[] = {3, 50};
 class LibraryDamageTest : public test::LibraryTest {
  protected:
   LibraryDamageTest() {
-    auto writer = LibraryWriter::create(file(), {LengthUnit::metre, "trivet test", "{}"});
+    auto writer = LibraryWriter::create(file(), {LengthUnit::meter, "trivet test", "{}"});
     if (!writer || !writer->add(basis_) || !writer->add(models_[0]) || !writer->add(models_[1]) ||
         !writer->publish()) {
       throw std::runtime_error("cannot write the library");
@@ -56,7 +56,7 @@ class LibraryDamageTest : public test::LibraryTest {
     const auto library = open_library(file());
     if (!library) return;
     ASSERT_EQ(library->models.size(), models_.size()) << what;
-    EXPECT_EQ(library->header.unit, LengthUnit::metre) << what;
+    EXPECT_EQ(library->header.unit, LengthUnit::meter) << what;
     EXPECT_EQ(library->header.producer, "trivet test") << what;
     EXPECT_EQ(library->header.parameters, "{}") << what;
     for (std::size_t i = 0; i < models_.size(); ++i) {

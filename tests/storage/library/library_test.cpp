@@ -24,7 +24,7 @@ using test::random_basis;
 using test::random_model;
 using test::read_bytes;
 
-const LibraryHeader kHeader{LengthUnit::millimetre, "trivet test", R"({"step": 0.05})"};
+const LibraryHeader kHeader{LengthUnit::millimeter, "trivet test", R"({"step": 0.05})"};
 
 void write(const fs::path& file, std::span<const Model> models) {
   auto writer = LibraryWriter::create(file, kHeader);
@@ -275,7 +275,7 @@ TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
   };
   const float nan = std::numeric_limits<float>::quiet_NaN();
   refuses("diameter", [&](Model& m) { m.diameter = nan; });
-  refuses("centre", [&](Model& m) { m.centre.x() = nan; });
+  refuses("centre", [&](Model& m) { m.center.x() = nan; });
   refuses("vertices[3]", [&](Model& m) { m.vertices.set(3, {0, nan, 0}); });
   refuses("triangles[2]", [](Model& m) { m.triangles.c[2] = 50; });
   refuses("sample_normals", [](Model& m) { m.sample_normals.resize(3); });
@@ -287,9 +287,9 @@ TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
   refuses("near_symmetries: expected at most 16",
           [](Model& m) { m.near_symmetries.resize(kMaxNearSymmetries + 1, Pose::Identity()); });
   refuses("ppf/normals", [](Model& m) { m.ppf_normals.resize(3); });
-  refuses("ppf@distance_step", [](Model& m) { m.ppf.quantisation.distance_step = 0; });
-  refuses("ppf@num_angle_bins", [](Model& m) { m.ppf.quantisation.num_angle_bins = 65536; });
-  refuses("ppf/offsets", [](Model& m) { m.ppf.quantisation.num_angle_bins = 4; });
+  refuses("ppf@distance_step", [](Model& m) { m.ppf.quantization.distance_step = 0; });
+  refuses("ppf@num_angle_bins", [](Model& m) { m.ppf.quantization.num_angle_bins = 65536; });
+  refuses("ppf/offsets", [](Model& m) { m.ppf.quantization.num_angle_bins = 4; });
   refuses("ppf/entries", [](Model& m) { m.ppf.entries = m.ppf.entries.first(3); });
   refuses("trisi@resolution", [&](Model& m) { m.features.resolution = nan; });
   refuses("trisi/keypoints[2]", [&](Model& m) { m.features.keypoints.set(2, {nan, 0, 0}); });

@@ -16,7 +16,7 @@ class SplitLibrary : public test::LibraryTest {
   /// Models a, b, c ... with pair tables of these sizes, all of one step.
   Library library_of(const std::vector<std::size_t>& num_entries, bool has_features) const {
     Result<LibraryWriter> writer =
-        LibraryWriter::create(file(), {LengthUnit::millimetre, "test", "{}"});
+        LibraryWriter::create(file(), {LengthUnit::millimeter, "test", "{}"});
     EXPECT_TRUE(writer);
     if (has_features) {
       EXPECT_TRUE(writer->add(test::random_basis(1, test::kRandomComponents)));

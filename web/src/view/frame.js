@@ -19,7 +19,7 @@ function quantile(values, share) {
 }
 
 /**
- * Say how a scan or a model is shown: centred, upright, with a radius of about 1.
+ * Say how a scan or a model is shown: centered, upright, with a radius of about 1.
  *
  * positions  x, y, z of each point in its own frame, at least one
  * viewpoint  of the sensor in that frame; null: nobody looked
@@ -27,8 +27,8 @@ function quantile(values, share) {
  * Up is that of the usual frames: cameras look along +z with y down (OpenCV) or along -z with y up
  * (OpenGL); whatever looks elsewhere stands on a floor with z up (ROS, REP 103), as models do.
  *
- * Returns { centre, radius: both in its own frame; toWorld; sample: some of the points, in the
- * world; direction: from the centre to where it is best seen from, in the world }.
+ * Returns { center, radius: both in its own frame; toWorld; sample: some of the points, in the
+ * world; direction: from the center to where it is best seen from, in the world }.
  */
 export function frameOf(positions, viewpoint) {
   const sample = sampleOf(positions);
@@ -36,11 +36,11 @@ export function frameOf(positions, viewpoint) {
     const values = sample.map((point) => point[axis]);
     return (quantile(values, kStray) + quantile(values, 1 - kStray)) / 2;
   };
-  const centre = new Vector3(middle("x"), middle("y"), middle("z"));
-  const distances = sample.map((point) => point.distanceTo(centre));
+  const center = new Vector3(middle("x"), middle("y"), middle("z"));
+  const distances = sample.map((point) => point.distanceTo(center));
   const radius = quantile(distances, 1 - kStray) || 1;
 
-  const toSensor = new Vector3(...(viewpoint ?? centre)).sub(centre);
+  const toSensor = new Vector3(...(viewpoint ?? center)).sub(center);
   const isSeen = toSensor.length() > radius; // else the sensor is within: there was none
   const along = (axis) => Math.abs(toSensor[axis]);
   const isCamera = isSeen && along("z") >= Math.max(along("x"), along("y"));
@@ -55,12 +55,12 @@ export function frameOf(positions, viewpoint) {
   const toWorld = rotation
     .clone()
     .scale(new Vector3().setScalar(1 / radius))
-    .multiply(new Matrix4().makeTranslation(centre.clone().negate()));
+    .multiply(new Matrix4().makeTranslation(center.clone().negate()));
   for (const point of sample) point.applyMatrix4(toWorld);
   const direction = isSeen
     ? toSensor.transformDirection(rotation)
     : new Vector3(0, 0.55, 1).normalize();
-  return { centre, radius, toWorld, sample, direction };
+  return { center, radius, toWorld, sample, direction };
 }
 
 /**

@@ -19,7 +19,7 @@ const kVertexShader = `
   }`;
 
 const kFragmentShader = `
-  uniform sampler2D colours, depths, outlines;
+  uniform sampler2D colors, depths, outlines;
   uniform vec2 texel;
   uniform float near, far, pixelRatio, pixelsPerUnit, spacing;
   varying vec2 place;
@@ -34,7 +34,7 @@ const kFragmentShader = `
   }
 
   // Light on points, which have no normals: the slope of the depth around, as wide as points are
-  // apart, stands in for one. Pairs of neighbours across a step in depth tell nothing.
+  // apart, stands in for one. Pairs of neighbors across a step in depth tell nothing.
   float lightOnPoints(float here) {
     float perPixel = here / pixelsPerUnit;
     float reach = max(2.0 * pixelRatio, spacing / perPixel);
@@ -53,7 +53,7 @@ const kFragmentShader = `
     return 0.25 + 0.85 * max(dot(normal, normalize(vec3(-0.4, 0.6, 1.0))), 0.0);
   }
 
-  // Eye-dome lighting: what lies behind its neighbours in the picture is darker, which sets things
+  // Eye-dome lighting: what lies behind its neighbors in the picture is darker, which sets things
   // off. Source: Boucheny, thesis, Univ. Joseph Fourier, 2009.
   float lightInTheDome(float here) {
     float behind = 0.0;
@@ -65,10 +65,10 @@ const kFragmentShader = `
   }
 
   void main() {
-    vec4 colour = texture2D(colours, place);
+    vec4 color = texture2D(colors, place);
     if (texture2D(depths, place).x < 1.0) {
       float here = depthAt(place);
-      colour.rgb *= lightInTheDome(here) * mix(lightOnPoints(here), 1.0, colour.a);
+      color.rgb *= lightInTheDome(here) * mix(lightOnPoints(here), 1.0, color.a);
     }
 
     // An outline is where the drawn thing changes; the topmost of the two gives the ink.
@@ -80,23 +80,23 @@ const kFragmentShader = `
       edge += 1.0;
       if (other.a > ink.a) ink = other;
     }
-    if (mine.a > 0.006) colour.rgb = mix(colour.rgb, mine.rgb, 0.1);
-    colour.rgb = mix(colour.rgb, ink.rgb, smoothstep(0.0, 5.0, edge));
+    if (mine.a > 0.006) color.rgb = mix(color.rgb, mine.rgb, 0.1);
+    color.rgb = mix(color.rgb, ink.rgb, smoothstep(0.0, 5.0, edge));
 
-    gl_FragColor = vec4(colour.rgb, 1.0);
+    gl_FragColor = vec4(color.rgb, 1.0);
     #include <colorspace_fragment>
   }`;
 
 /** Thing `id` in the picture of outlines: 1 has an empty inside, others a tinted one. */
-export const outlineMaterial = (id, colour) =>
+export const outlineMaterial = (id, color) =>
   new ShaderMaterial({
-    uniforms: { colour: { value: colour }, id: { value: (1 + ((id - 1) % 255)) / 255 } },
+    uniforms: { color: { value: color }, id: { value: (1 + ((id - 1) % 255)) / 255 } },
     vertexShader: `
       void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
     fragmentShader: `
-      uniform vec3 colour;
+      uniform vec3 color;
       uniform float id;
-      void main() { gl_FragColor = vec4(colour, id); }`,
+      void main() { gl_FragColor = vec4(color, id); }`,
     side: 2,
   });
 
@@ -111,7 +111,7 @@ export class Picture {
   #outlines = new WebGLRenderTarget(1, 1, { minFilter: NearestFilter, magFilter: NearestFilter });
   #material = new ShaderMaterial({
     uniforms: {
-      colours: { value: this.#solid.texture },
+      colors: { value: this.#solid.texture },
       depths: { value: this.#solid.depthTexture },
       outlines: { value: this.#outlines.texture },
       texel: { value: new Vector2() },

@@ -28,7 +28,7 @@ import { makeScanPoints } from "./scan_points.js";
 const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
 const kStray = 0.005; // share of a scan's points that need not be seen when all of it is
-const kRoom = 1.6; // radii of a thing that are seen around its centre when it is looked at
+const kRoom = 1.6; // radii of a thing that are seen around its center when it is looked at
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
@@ -78,7 +78,7 @@ export class SceneView {
   #points = null;
   #found = new Group();
   #model = null; // shown by itself
-  #things = []; // { id, kind, mesh, outline, mark, centre, radius, colour, axes, rivals }
+  #things = []; // { id, kind, mesh, outline, mark, center, radius, color, axes, rivals }
   #layers = { scan: true, found: true, rejected: false };
   #selected = null;
   #saved = null; // the camera of the scan while a model is shown
@@ -104,26 +104,26 @@ export class SceneView {
     this.#camera.add(this.#lamp);
     this.#solid.add(this.#axes);
     this.#camera.position.set(0, 0.5, 3);
-    this.readColours();
+    this.readColors();
 
     new ResizeObserver(() => this.#resize()).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColours());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColors());
     canvas.addEventListener("webglcontextrestored", () => this.#draw());
     canvas.addEventListener("keydown", (event) => this.#onKey(event));
     this.#listenForPicks();
   }
 
-  /** Take the colours of the scene from the style sheet. */
-  readColours() {
+  /** Take the colors of the scene from the style sheet. */
+  readColors() {
     const style = getComputedStyle(this.#canvas);
-    const colour = (name) => new Color(style.getPropertyValue(name).trim());
-    this.colours = {
-      scan: colour("--scan"),
-      selected: colour("--selected"),
-      rejected: colour("--rejected"),
+    const color = (name) => new Color(style.getPropertyValue(name).trim());
+    this.colors = {
+      scan: color("--scan"),
+      selected: color("--selected"),
+      rejected: color("--rejected"),
     };
-    this.#solid.background = colour("--view");
-    if (this.#points) this.#points.material.uniforms.colour.value = this.colours.scan;
+    this.#solid.background = color("--view");
+    if (this.#points) this.#points.material.uniforms.color.value = this.colors.scan;
     for (const thing of this.#things) this.#paint(thing);
     this.#draw();
   }
@@ -134,7 +134,7 @@ export class SceneView {
     if (!positions.length) return;
     this.#frame = frameOf(positions, viewpoint);
     this.#points = makeScanPoints(positions, this.#frame);
-    this.#points.material.uniforms.colour.value = this.colours.scan;
+    this.#points.material.uniforms.color.value = this.colors.scan;
     this.#solid.add(this.#points);
     this.#arrange();
     this.fit(false);
@@ -156,7 +156,7 @@ export class SceneView {
    * Pose models in the scan.
    *
    * things  [{ id, kind: "found" or "rejected", geometry, pose: Matrix4 of the geometry's points in
-   *         the scan's frame, colour, label, rivals: other such poses }]
+   *         the scan's frame, color, label, rivals: other such poses }]
    */
   setThings(things) {
     this.#selected = null;
@@ -194,7 +194,7 @@ export class SceneView {
     }
     const sphere = new Sphere().copy(thing.geometry.boundingSphere).applyMatrix4(matrix);
     const mark = element("span", { className: `mark ${thing.kind}` }, thing.label);
-    mark.style.setProperty("--ink", thing.colour ?? "");
+    mark.style.setProperty("--ink", thing.color ?? "");
     this.#marks.append(mark);
     const { min, max } = thing.geometry.boundingBox;
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
@@ -209,7 +209,7 @@ export class SceneView {
       outline,
       mesh,
       mark,
-      centre: sphere.center,
+      center: sphere.center,
       radius: sphere.radius,
     };
     this.#paint(made);
@@ -218,10 +218,10 @@ export class SceneView {
 
   #paint(thing) {
     const fades = this.#selected !== null && thing.id !== this.#selected;
-    thing.mesh?.material.color.set(thing.colour ?? 0).lerp(this.colours.scan, fades ? 0.6 : 0);
-    const ink = thing.id === this.#selected ? this.colours.selected : this.colours.rejected;
+    thing.mesh?.material.color.set(thing.color ?? 0).lerp(this.colors.scan, fades ? 0.6 : 0);
+    const ink = thing.id === this.#selected ? this.colors.selected : this.colors.rejected;
     for (const { material } of thing.outline.children) {
-      material.uniforms.colour.value.copy(ink).lerp(this.colours.scan, fades ? 0.5 : 0);
+      material.uniforms.color.value.copy(ink).lerp(this.colors.scan, fades ? 0.5 : 0);
     }
   }
 
@@ -264,15 +264,15 @@ export class SceneView {
     const half = Math.atan(
       Math.tan((kFieldOfView * Math.PI) / 360) * Math.min(1, this.#camera.aspect),
     );
-    this.#flyTo(thing.centre, back, (kRoom * thing.radius) / Math.sin(half));
+    this.#flyTo(thing.center, back, (kRoom * thing.radius) / Math.sin(half));
   }
 
   /** Show one model by itself, until closeModel(). */
-  showModel(geometry, colour) {
+  showModel(geometry, color) {
     this.closeModel(false);
     this.#saved ??= [this.#camera.position.clone(), this.#controls.target.clone()];
     const material = new MeshLambertMaterial({
-      color: colour,
+      color: color,
       flatShading: true,
       side: DoubleSide,
     });
@@ -435,7 +435,7 @@ export class SceneView {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     for (const thing of this.#things) {
       if (thing.mark.hidden) continue;
-      const seen = thing.centre.clone().project(this.#camera);
+      const seen = thing.center.clone().project(this.#camera);
       const x = (((seen.x + 1) / 2) * width).toFixed(1);
       const y = (((1 - seen.y) / 2) * height).toFixed(1);
       const { style } = thing.mark;

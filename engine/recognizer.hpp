@@ -1,4 +1,4 @@
-/// A library made ready to recognise with.
+/// A library made ready to recognize with.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ struct FeatureLevel;
 
 /// A library, and the surfaces of its models that rays can be shot at. One serves any number of
 /// scenes and threads at the same time.
-class Recogniser {
+class Recognizer {
  public:
-  explicit Recogniser(Library library, const kernels::ScoreModel& score = kernels::default_score());
-  Recogniser(Recogniser&&) noexcept;
-  Recogniser& operator=(Recogniser&&) noexcept;
-  ~Recogniser();
+  explicit Recognizer(Library library, const kernels::ScoreModel& score = kernels::default_score());
+  Recognizer(Recognizer&&) noexcept;
+  Recognizer& operator=(Recognizer&&) noexcept;
+  ~Recognizer();
 
   const Library& library() const noexcept { return library_; }
   const kernels::ScoreModel& score() const noexcept { return score_; }

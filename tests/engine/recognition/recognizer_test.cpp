@@ -1,4 +1,4 @@
-#include "engine/recogniser.hpp"
+#include "engine/recognizer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,21 +18,21 @@ Library one_model(Cloud cloud) {
   return library;
 }
 
-TEST(Recogniser, BuildsASurfaceOnceForAllThreads) {
-  const Recogniser recogniser(one_model(test::cloud_of(test::bracket())));
+TEST(Recognizer, BuildsASurfaceOnceForAllThreads) {
+  const Recognizer recognizer(one_model(test::cloud_of(test::bracket())));
   std::vector<const void*> surfaces(64);
   engine::for_each_index(surfaces.size(),
-                         [&](std::size_t i) { surfaces[i] = &*recogniser.surface(0); });
+                         [&](std::size_t i) { surfaces[i] = &*recognizer.surface(0); });
   EXPECT_EQ(std::set(surfaces.begin(), surfaces.end()).size(), 1U);
 }
 
 // Seen from everywhere, the discs of a model without faces lie where its faces would.
-TEST(Recogniser, StandsDiscsOnSamplesWhereThereAreNoFaces) {
+TEST(Recognizer, StandsDiscsOnSamplesWhereThereAreNoFaces) {
   Library library = one_model(test::cloud_of(test::bracket()));
   const float spacing = library.models[0].sample_spacing;
   Library faceless = library;
   faceless.models[0].triangles = {};
-  const Recogniser faces(std::move(library)), discs(std::move(faceless));
+  const Recognizer faces(std::move(library)), discs(std::move(faceless));
   const Model& model = faces.library().models[0];
   std::size_t met = 0, close = 0;
   for (std::size_t i = 0; i < model.samples.size(); i += 7) {

@@ -9,7 +9,7 @@
 
 #include "engine/evaluation/degrade_scene.hpp"
 #include "engine/progress.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
@@ -20,17 +20,17 @@ struct RecognitionCell {
   SceneInput scene;
   DegradeOptions degrade{};
   std::uint64_t degrade_seed = 0;
-  RecogniseOptions options{};
+  RecognizeOptions options{};
 };
 
-/// Read, degrade and recognise scenes. Each cell runs on one thread, as many side by side as there
+/// Read, degrade and recognize scenes. Each cell runs on one thread, as many side by side as there
 /// are threads, so that seconds are those of one core and no cell waits within itself. A library is
 /// open from its first cell to its last: cells of one should stand together.
 ///
 /// emit  gets each result as soon as it is there, in any order, one at a time; its error ends the
 ///       run
-/// Errors: of opening, reading and recognising; resumable when stopped.
-Result<void> recognise_cells(
+/// Errors: of opening, reading and recognizing; resumable when stopped.
+Result<void> recognize_cells(
     std::span<const std::filesystem::path> libraries, std::span<const RecognitionCell> cells,
     const Progress& progress,
     const std::function<Result<void>(std::size_t cell, const SceneResult&)>& emit);

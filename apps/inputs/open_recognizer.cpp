@@ -1,4 +1,4 @@
-#include "apps/inputs/open_recogniser.hpp"
+#include "apps/inputs/open_recognizer.hpp"
 
 #include <utility>
 
@@ -12,7 +12,7 @@ void add_calibration_option(CLI::App& command, std::string& file) {
                      "Score as `trivet calibrate` adapted it to these scans, from this file");
 }
 
-Result<Recogniser> open_recogniser(const std::string& library, const std::string& calibration) {
+Result<Recognizer> open_recognizer(const std::string& library, const std::string& calibration) {
   kernels::ScoreModel score = kernels::default_score();
   if (!calibration.empty()) {
     const Result<ScoreCalibration> read = read_calibration(calibration);
@@ -21,11 +21,11 @@ Result<Recogniser> open_recogniser(const std::string& library, const std::string
   }
   Result<Library> opened = open_library(library);
   if (!opened) return opened.error();
-  return Recogniser(std::move(*opened), score);
+  return Recognizer(std::move(*opened), score);
 }
 
-nlohmann::ordered_json calibration_json(const Recogniser& recogniser) {
-  const std::string name = score_name(recogniser.score());
+nlohmann::ordered_json calibration_json(const Recognizer& recognizer) {
+  const std::string name = score_name(recognizer.score());
   if (name == score_name(kernels::default_score())) return nullptr;
   return name;
 }

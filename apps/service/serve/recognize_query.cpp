@@ -1,4 +1,4 @@
-#include "apps/service/serve/recognise_query.hpp"
+#include "apps/service/serve/recognize_query.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/options/recognise_arguments.hpp"
+#include "apps/options/recognize_arguments.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -16,7 +16,7 @@ constexpr std::uint32_t kMaxRejected = 100;
 constexpr std::uint64_t kMaxPoints = 16'000'000;  ///< a small body may hold a large image
 
 struct QueryArguments {
-  RecogniseArguments recognise;
+  RecognizeArguments recognize;
   std::vector<double> camera;
   std::vector<float> viewpoint;
   std::string unit;
@@ -26,7 +26,7 @@ struct QueryArguments {
 
 void add_query_options(CLI::App& app, QueryArguments& arguments) {
   app.set_help_flag();
-  add_recognise_options(app, arguments.recognise);
+  add_recognize_options(app, arguments.recognize);
   app.remove_option(app.get_option("--expected"));  // names a file of this machine
   app.add_option("--camera", arguments.camera)->delimiter(',')->expected(4, 5);
   app.add_option("--viewpoint", arguments.viewpoint)->delimiter(',')->expected(3);
@@ -44,7 +44,7 @@ SceneInput ServedScene::input(LengthUnit library_unit) const {
   return out;
 }
 
-Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters) {
+Result<RecognizeQuery> parse_recognize_query(const Parameters& parameters) {
   QueryArguments arguments;
   CLI::App app;
   add_query_options(app, arguments);
@@ -62,13 +62,13 @@ Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters) {
   } catch (const CLI::ParseError& error) {
     return Error{ErrorCode::usage, error.what()};
   }
-  Result<RecogniseOptions> options = options_of(arguments.recognise);
+  Result<RecognizeOptions> options = options_of(arguments.recognize);
   if (!options) return options.error();
   options->max_rejected = arguments.rejected;
   options->tell_claims = arguments.claims;
   if (const Result<void> valid = validate(*options); !valid) return valid.error();
 
-  RecogniseQuery query{std::move(*options), {}};
+  RecognizeQuery query{std::move(*options), {}};
   if (const std::vector<double>& c = arguments.camera; !c.empty())
     query.scene.camera = Camera{c[0], c[1], c[2], c[3], c.size() > 4 ? c[4] : 1};
   if (const std::vector<float>& v = arguments.viewpoint; !v.empty())
@@ -77,7 +77,7 @@ Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters) {
   return query;
 }
 
-std::vector<std::string> recognise_parameter_names() {
+std::vector<std::string> recognize_parameter_names() {
   QueryArguments arguments;
   CLI::App app;
   add_query_options(app, arguments);

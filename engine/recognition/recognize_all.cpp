@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "engine/common/parallel.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
@@ -13,7 +13,7 @@ namespace {
 
 namespace flow = tbb::flow;
 
-/// Scenes in memory at once: one is read while another is recognised; more would only cost latency.
+/// Scenes in memory at once: one is read while another is recognized; more would only cost latency.
 constexpr std::size_t kScenesInFlight = 2;
 
 struct Finished {
@@ -21,8 +21,8 @@ struct Finished {
   std::shared_ptr<Result<SceneResult>> result;
 };
 
-Result<SceneResult> read_and_recognise(const Recogniser& recogniser, const SceneInput& input,
-                                       const RecogniseOptions& options, std::stop_token stop) {
+Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
+                                       const RecognizeOptions& options, std::stop_token stop) {
   const auto start = std::chrono::steady_clock::now();
   ReadOptions read_options;
   read_options.camera = input.camera;
@@ -30,7 +30,7 @@ Result<SceneResult> read_and_recognise(const Recogniser& recogniser, const Scene
   if (!cloud) return cloud.error();
   const double read_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  Result<SceneResult> result = recognise(recogniser, *cloud, input, options, stop);
+  Result<SceneResult> result = recognize(recognizer, *cloud, input, options, stop);
   if (result) {
     StageTimes times;
     times.add("read", read_seconds);
@@ -44,8 +44,8 @@ Result<SceneResult> read_and_recognise(const Recogniser& recogniser, const Scene
 
 }  // namespace
 
-Result<void> recognise_all(const Recogniser& recogniser, std::span<const SceneInput> scenes,
-                           const RecogniseOptions& options, const Progress& progress,
+Result<void> recognize_all(const Recognizer& recognizer, std::span<const SceneInput> scenes,
+                           const RecognizeOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit) {
   if (const Result<void> valid = validate(options); !valid) return valid;
   std::optional<Error> failure;
@@ -61,7 +61,7 @@ Result<void> recognise_all(const Recogniser& recogniser, std::span<const SceneIn
   flow::limiter_node<std::size_t> gate(graph, kScenesInFlight);
   flow::function_node<std::size_t, Finished> work(graph, flow::unlimited, [&](std::size_t id) {
     return Finished{id, std::make_shared<Result<SceneResult>>(
-                            read_and_recognise(recogniser, scenes[id], options, progress.stop))};
+                            read_and_recognize(recognizer, scenes[id], options, progress.stop))};
   });
   flow::sequencer_node<Finished> in_order(graph,
                                           [](const Finished& finished) { return finished.id; });

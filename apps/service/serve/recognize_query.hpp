@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/service/http/query.hpp"
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 #include "storage/library.hpp"
 #include "storage/result.hpp"
 
@@ -23,8 +23,8 @@ struct ServedScene {
   SceneInput input(LengthUnit library_unit) const;
 };
 
-struct RecogniseQuery {
-  RecogniseOptions options;
+struct RecognizeQuery {
+  RecognizeOptions options;
   ServedScene scene;
 };
 
@@ -32,10 +32,10 @@ struct RecogniseQuery {
 /// camera (fx,fy,cx,cy and the depth scale, 1 if absent), viewpoint (x,y,z), unit (m or mm),
 /// rejected (poses per model that are told with the reason, 0 to 100) and claims (tell what a
 /// router merges by). Errors: usage.
-Result<RecogniseQuery> parse_recognise_query(const Parameters& parameters);
+Result<RecognizeQuery> parse_recognize_query(const Parameters& parameters);
 
-/// The names that parse_recognise_query knows, sorted.
-std::vector<std::string> recognise_parameter_names();
+/// The names that parse_recognize_query knows, sorted.
+std::vector<std::string> recognize_parameter_names();
 
 /// Read a scan of at most 16 million points or pixels. `name` stands for it in messages and tells
 /// the format by its extension. Errors: those of read_cloud.

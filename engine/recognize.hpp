@@ -1,4 +1,4 @@
-/// Recognise the models of a library in a scene.
+/// Recognize the models of a library in a scene.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include "engine/method.hpp"
 #include "engine/pose_limits.hpp"
 #include "engine/progress.hpp"
-#include "engine/recogniser.hpp"
+#include "engine/recognizer.hpp"
 #include "kernels/scans/sensor_model.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
 #include "kernels/verification/examine_pose.hpp"
@@ -32,7 +32,7 @@ struct VoteOptions {
   float reference_share =
       0.1F;  ///< share of the sampled scene points that vote as references, 0..1
   std::uint32_t max_references = 4000;  ///< per size of models; fewer is faster in large scenes
-  float neighbour_share =
+  float neighbor_share =
       0;  ///< outer share of a bin in which the adjoining cell votes too, 0..0.5; slower
   std::uint32_t max_votes =
       40000;  ///< per reference point and model; the fullest cells are left out; fewer is faster
@@ -55,14 +55,14 @@ enum class Grouping : std::uint8_t {
   ransac,       ///< so do those that a pose of three takes to their places
 };
 
-/// Of Tri-Spin-Images. The defaults match by nearest neighbours; a threshold on their distance or
+/// Of Tri-Spin-Images. The defaults match by nearest neighbors; a threshold on their distance or
 /// on their ratio to the second nearest are the other strategies of the thesis.
 struct MatchOptions {
   Detector detector = Detector::uniform;
   float spacing = 3;  ///< of a scene's keypoints [resolutions of the models], 1 to 20
   std::uint32_t max_keypoints = 10000;  ///< of more, so many spread over all are described
   kernels::FrameLimits limits{};        ///< keypoints below are left out: flat, at a border, unsure
-  std::uint32_t num_neighbours = 3;     ///< features of models that each is matched with, 1 to 10
+  std::uint32_t num_neighbors = 3;      ///< features of models that each is matched with, 1 to 10
   std::uint32_t max_checks = 256;       ///< features that it is compared with; more are more exact
   /// Largest distance of matched features, above 0.
   float max_distance = std::numeric_limits<float>::infinity();
@@ -96,7 +96,7 @@ struct VerifyStageOptions {
   bool operator==(const VerifyStageOptions&) const = default;
 };
 
-struct RecogniseOptions {
+struct RecognizeOptions {
   Method method = Method::fused;
   /// Radius of the windows that normals are fitted to, in mean spacings of the scan's points, 1 to
   /// 20; absent: as wide as the scene's noise asks for, 2 to 7.
@@ -122,11 +122,11 @@ struct RecogniseOptions {
   /// Tested before any voting, which is then for what they leave unexplained.
   std::vector<ExpectedPose> expected{};
   ImprovementSet without{};  ///< left out, to measure what they are worth
-  bool operator==(const RecogniseOptions&) const = default;
+  bool operator==(const RecognizeOptions&) const = default;
 };
 
 /// Errors: usage (names the option, its range and its value).
-Result<void> validate(const RecogniseOptions& options);
+Result<void> validate(const RecognizeOptions& options);
 
 /// What the sensor was.
 struct SceneInput {
@@ -231,15 +231,15 @@ struct SceneResult {
 /// Find the models in one scene that is already in memory. Same input, same bytes for any number of
 /// threads. With fewer than 50 measurements nothing is found. Errors: bad_data (sizes that cannot
 /// match the library's unit), usage (unknown model name), internal (no memory for ray tracing).
-Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& scene,
-                              const SceneInput& input, const RecogniseOptions& options,
+Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& scene,
+                              const SceneInput& input, const RecognizeOptions& options,
                               std::stop_token stop = {});
 
-/// Read and recognise many scenes, a few in flight at a time. `emit` gets each result once, in the
+/// Read and recognize many scenes, a few in flight at a time. `emit` gets each result once, in the
 /// order of the inputs, from one thread at a time. Errors: the first one met, in the order of the
 /// inputs; resumable when stopped.
-Result<void> recognise_all(const Recogniser& recogniser, std::span<const SceneInput> scenes,
-                           const RecogniseOptions& options, const Progress& progress,
+Result<void> recognize_all(const Recognizer& recognizer, std::span<const SceneInput> scenes,
+                           const RecognizeOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit);
 
 }  // namespace trivet

@@ -1,22 +1,22 @@
 /**
- * Colours that the common forms of colour blindness keep apart.
- * Source: Okabe, Ito, Color Universal Design, 2008; those that stand out from a grey scan first.
+ * Colors that the common forms of color blindness keep apart.
+ * Source: Okabe, Ito, Color Universal Design, 2008; those that stand out from a gray scan first.
  */
 const kHues = ["#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#d55e00", "#0072b2", "#f0e442"];
 
 /** Of instances of one model beside each other: the hue itself, lighter, darker. */
 const kTones = [null, ["#ffffff", 0.3], ["#000000", 0.25]];
 
-function mix(colour, other, share) {
+function mix(color, other, share) {
   const channel = (text, k) => parseInt(text.slice(1 + 2 * k, 3 + 2 * k), 16);
   const mixed = [0, 1, 2].map((k) =>
-    Math.round(channel(colour, k) * (1 - share) + channel(other, k) * share),
+    Math.round(channel(color, k) * (1 - share) + channel(other, k) * share),
   );
   return `#${mixed.map((value) => value.toString(16).padStart(2, "0")).join("")}`;
 }
 
-/** A colour for each detection: a hue for each model that was found, a tone for each instance. */
-export function detectionColours(detections) {
+/** A color for each detection: a hue for each model that was found, a tone for each instance. */
+export function detectionColors(detections) {
   const seen = new Map();
   return detections.map(({ model }) => {
     if (!seen.has(model)) seen.set(model, { hue: kHues[seen.size % kHues.length], count: 0 });

@@ -1,4 +1,4 @@
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 
 #include <fmt/format.h>
 
@@ -26,10 +26,10 @@ class NearestSet final : public flann::ResultSet<float> {
  public:
   NearestSet(std::span<std::uint32_t> indices, std::span<float> distances)
       : indices_(indices), distances_(distances) {
-    std::ranges::fill(indices, NearestNeighbours::kNone);
+    std::ranges::fill(indices, NearestNeighbors::kNone);
     std::ranges::fill(distances, kInfinity);
   }
-  bool full() const override { return indices_.back() != NearestNeighbours::kNone; }
+  bool full() const override { return indices_.back() != NearestNeighbors::kNone; }
   float worstDist() const override { return a_little_more(distances_.back()); }
   void addPoint(float distance, std::size_t found) override {
     const auto index = static_cast<std::uint32_t>(found);
@@ -85,13 +85,12 @@ Column<float> interleave(PointsView points) {
 }
 
 Error out_of_memory(std::string_view task, const std::exception& reason) {
-  return {ErrorCode::internal,
-          fmt::format("cannot {} nearest neighbours: {}", task, reason.what())};
+  return {ErrorCode::internal, fmt::format("cannot {} nearest neighbors: {}", task, reason.what())};
 }
 
 }  // namespace
 
-struct NearestNeighbours::Index {
+struct NearestNeighbors::Index {
   Column<float> vectors;
   std::size_t dimension = 0, size = 0;
   std::optional<Tree> tree;  // none over no vectors
@@ -103,20 +102,20 @@ struct NearestNeighbours::Index {
   }
 };
 
-NearestNeighbours::NearestNeighbours(std::unique_ptr<Index> index) noexcept
+NearestNeighbors::NearestNeighbors(std::unique_ptr<Index> index) noexcept
     : index_(std::move(index)) {}
-NearestNeighbours::NearestNeighbours(NearestNeighbours&&) noexcept = default;
-NearestNeighbours& NearestNeighbours::operator=(NearestNeighbours&&) noexcept = default;
-NearestNeighbours::~NearestNeighbours() = default;
+NearestNeighbors::NearestNeighbors(NearestNeighbors&&) noexcept = default;
+NearestNeighbors& NearestNeighbors::operator=(NearestNeighbors&&) noexcept = default;
+NearestNeighbors::~NearestNeighbors() = default;
 
-std::size_t NearestNeighbours::size() const noexcept { return index_->size; }
-std::size_t NearestNeighbours::dimension() const noexcept { return index_->dimension; }
+std::size_t NearestNeighbors::size() const noexcept { return index_->size; }
+std::size_t NearestNeighbors::dimension() const noexcept { return index_->dimension; }
 
-Result<NearestNeighbours> NearestNeighbours::build(std::span<const float> vectors,
-                                                   std::size_t dimension) {
+Result<NearestNeighbors> NearestNeighbors::build(std::span<const float> vectors,
+                                                 std::size_t dimension) {
   if (dimension == 0 || vectors.size() % dimension != 0) {
     return Error{ErrorCode::bad_data,
-                 fmt::format("nearest neighbours: expected vectors of {} values each, found {} "
+                 fmt::format("nearest neighbors: expected vectors of {} values each, found {} "
                              "values in all; pass whole vectors",
                              dimension, vectors.size())};
   }
@@ -124,7 +123,7 @@ Result<NearestNeighbours> NearestNeighbours::build(std::span<const float> vector
   if (bad != vectors.end()) {
     const auto at = static_cast<std::size_t>(bad - vectors.begin());
     return Error{ErrorCode::bad_data,
-                 fmt::format("nearest neighbours: expected finite values, found {} in vector {}, "
+                 fmt::format("nearest neighbors: expected finite values, found {} in vector {}, "
                              "component {}; remove it first",
                              *bad, at / dimension, at % dimension)};
   }
@@ -138,19 +137,19 @@ Result<NearestNeighbours> NearestNeighbours::build(std::span<const float> vector
       index->tree.emplace(matrix, flann::KDTreeSingleIndexParams());
       index->tree->buildIndex();
     }
-    return NearestNeighbours(std::move(index));
+    return NearestNeighbors(std::move(index));
   } catch (const std::exception& reason) {
     return out_of_memory("index", reason);
   }
 }
 
-Result<NearestNeighbours> NearestNeighbours::build(PointsView points) {
+Result<NearestNeighbors> NearestNeighbors::build(PointsView points) {
   return build(interleave(points), 3);
 }
 
-Result<void> NearestNeighbours::k_nearest(std::span<const float> queries, std::size_t k,
-                                          std::span<std::uint32_t> indices,
-                                          std::span<float> squared_distances) const {
+Result<void> NearestNeighbors::k_nearest(std::span<const float> queries, std::size_t k,
+                                         std::span<std::uint32_t> indices,
+                                         std::span<float> squared_distances) const {
   const std::size_t num_queries = queries.size() / dimension();
   assert(indices.size() == num_queries * k && "k indices per query");
   assert(squared_distances.size() == num_queries * k && "k distances per query");
@@ -166,15 +165,15 @@ Result<void> NearestNeighbours::k_nearest(std::span<const float> queries, std::s
   }
 }
 
-Result<void> NearestNeighbours::k_nearest(PointsView queries, std::size_t k,
-                                          std::span<std::uint32_t> indices,
-                                          std::span<float> squared_distances) const {
+Result<void> NearestNeighbors::k_nearest(PointsView queries, std::size_t k,
+                                         std::span<std::uint32_t> indices,
+                                         std::span<float> squared_distances) const {
   assert(dimension() == 3 && "points have three coordinates");
   return k_nearest(interleave(queries), k, indices, squared_distances);
 }
 
-Result<void> NearestNeighbours::count_within(std::span<const float> queries, float radius,
-                                             std::span<std::uint32_t> counts) const {
+Result<void> NearestNeighbors::count_within(std::span<const float> queries, float radius,
+                                            std::span<std::uint32_t> counts) const {
   assert(counts.size() == queries.size() / dimension() && "one count per query");
   try {
     for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -188,9 +187,9 @@ Result<void> NearestNeighbours::count_within(std::span<const float> queries, flo
   }
 }
 
-Result<void> NearestNeighbours::fill_within(std::span<const float> queries, float radius,
-                                            std::span<const std::uint32_t> offsets,
-                                            std::span<std::uint32_t> indices) const {
+Result<void> NearestNeighbors::fill_within(std::span<const float> queries, float radius,
+                                           std::span<const std::uint32_t> offsets,
+                                           std::span<std::uint32_t> indices) const {
   assert(offsets.size() == queries.size() / dimension() + 1 && "one row per query");
   try {
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {

@@ -1,4 +1,4 @@
-#include "engine/recogniser.hpp"
+#include "engine/recognizer.hpp"
 
 #include <tbb/collaborative_call_once.h>
 
@@ -10,26 +10,26 @@
 
 namespace trivet {
 
-struct Recogniser::Surface {
+struct Recognizer::Surface {
   tbb::collaborative_once_flag once;
   std::optional<Result<kernels::RayScene>> rays;
 };
 
-struct Recogniser::Features {
+struct Recognizer::Features {
   tbb::collaborative_once_flag once;
   std::vector<engine::FeatureLevel> levels;
 };
 
-Recogniser::Recogniser(Library library, const kernels::ScoreModel& score)
+Recognizer::Recognizer(Library library, const kernels::ScoreModel& score)
     : library_(std::move(library)),
       score_(score),
       surfaces_(new Surface[library_.models.size()]),
       features_(new Features) {}
-Recogniser::Recogniser(Recogniser&&) noexcept = default;
-Recogniser& Recogniser::operator=(Recogniser&&) noexcept = default;
-Recogniser::~Recogniser() = default;
+Recognizer::Recognizer(Recognizer&&) noexcept = default;
+Recognizer& Recognizer::operator=(Recognizer&&) noexcept = default;
+Recognizer::~Recognizer() = default;
 
-const Result<kernels::RayScene>& Recogniser::surface(std::uint32_t model) const {
+const Result<kernels::RayScene>& Recognizer::surface(std::uint32_t model) const {
   Surface& surface = surfaces_[model];
   // Embree builds with TBB: a waiting thread may take up another scene that asks for this model,
   // which std::call_once would never come back from.
@@ -43,13 +43,13 @@ const Result<kernels::RayScene>& Recogniser::surface(std::uint32_t model) const 
   return *surface.rays;
 }
 
-const std::vector<engine::FeatureLevel>& Recogniser::features() const {
+const std::vector<engine::FeatureLevel>& Recognizer::features() const {
   tbb::collaborative_call_once(features_->once,
                                [&] { features_->levels = engine::index_features(library_); });
   return features_->levels;
 }
 
-void Recogniser::build_all() const {
+void Recognizer::build_all() const {
   for (std::uint32_t model = 0; model < library_.models.size(); ++model) (void)surface(model);
   (void)features();
 }

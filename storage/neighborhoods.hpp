@@ -10,7 +10,7 @@
 namespace trivet {
 
 /// m rows of indices; valid while the owner lives and keeps its size.
-struct NeighbourhoodsView {
+struct NeighborhoodsView {
   std::span<const std::uint32_t> offsets;  ///< m + 1, non-decreasing
   std::span<const std::uint32_t> indices;  ///< row i is indices[offsets[i] .. offsets[i + 1])
 
@@ -18,16 +18,16 @@ struct NeighbourhoodsView {
   std::span<const std::uint32_t> row(std::size_t i) const noexcept {
     return indices.subspan(offsets[i], offsets[i + 1] - offsets[i]);
   }
-  NeighbourhoodsView rows(std::size_t first, std::size_t count) const noexcept {
+  NeighborhoodsView rows(std::size_t first, std::size_t count) const noexcept {
     return {offsets.subspan(first, count + 1), indices};
   }
 };
 
-struct Neighbourhoods {
+struct Neighborhoods {
   Column<std::uint32_t> offsets, indices;
 
-  NeighbourhoodsView view() const noexcept { return {offsets, indices}; }
-  operator NeighbourhoodsView() const noexcept {
+  NeighborhoodsView view() const noexcept { return {offsets, indices}; }
+  operator NeighborhoodsView() const noexcept {
     return view();
   }  // NOLINT: an owner reads as its view
 };

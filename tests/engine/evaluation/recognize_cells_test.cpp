@@ -1,5 +1,5 @@
 /// Cells of a study: what they give is what recognition alone gives.
-#include "engine/evaluation/recognise_cells.hpp"
+#include "engine/evaluation/recognize_cells.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace trivet {
 namespace {
 
 /// Two parts, three scenes of them and two libraries.
-class RecogniseCells : public testing::Test {
+class RecognizeCells : public testing::Test {
  protected:
   void SetUp() override {
     ScanOptions options;
@@ -23,16 +23,16 @@ class RecogniseCells : public testing::Test {
     options.num_instances = 2;
     options.sensor.sensor = Sensor::laser;
     const Result<Manifest> rendered =
-        render_scenes(make_scan_models(2, 3), LengthUnit::metre, options, folder_ / "scenes", {});
+        render_scenes(make_scan_models(2, 3), LengthUnit::meter, options, folder_ / "scenes", {});
     ASSERT_TRUE(rendered) << rendered.error().message;
-    scenes_ = scenes_of(*rendered, LengthUnit::metre);
+    scenes_ = scenes_of(*rendered, LengthUnit::meter);
     for (const float step : {0.05F, 0.07F}) {
       TrainOptions train;
       train.relative_step = step;
       train.tri_spin_images = false;
       files_.push_back(folder_ / fmt::format("{}.h5", step));
       const Result<LibraryStats> trained =
-          train_library(models_of(*rendered), LengthUnit::metre, train, files_.back(), {});
+          train_library(models_of(*rendered), LengthUnit::meter, train, files_.back(), {});
       ASSERT_TRUE(trained) << trained.error().message;
     }
   }
@@ -40,7 +40,7 @@ class RecogniseCells : public testing::Test {
   /// Every scene by both libraries, plain and with noise.
   std::vector<RecognitionCell> all_cells() const {
     std::vector<RecognitionCell> cells;
-    RecogniseOptions options;
+    RecognizeOptions options;
     options.method = Method::ppf;
     for (std::size_t library = 0; library < files_.size(); ++library) {
       for (const float noise : {0.0F, 0.5F}) {
@@ -65,11 +65,11 @@ void expect_same(const SceneResult& a, const SceneResult& b) {
   }
 }
 
-TEST_F(RecogniseCells, GivesWhatEachRecognitionGivesByItself) {
+TEST_F(RecognizeCells, GivesWhatEachRecognitionGivesByItself) {
   const std::vector<RecognitionCell> cells = all_cells();
   std::vector<std::optional<SceneResult>> results(cells.size());
   const Result<void> done =
-      recognise_cells(files_, cells, {}, [&](std::size_t i, const SceneResult& result) {
+      recognize_cells(files_, cells, {}, [&](std::size_t i, const SceneResult& result) {
         EXPECT_FALSE(results[i].has_value()) << "cell " << i << " came twice";
         results[i] = result;
         return Result<void>();
@@ -80,14 +80,14 @@ TEST_F(RecogniseCells, GivesWhatEachRecognitionGivesByItself) {
     ASSERT_TRUE(results[i].has_value()) << "cell " << i;
     Result<Library> library = open_library(files_[cells[i].library]);
     ASSERT_TRUE(library);
-    const Recogniser recogniser(std::move(*library));
+    const Recognizer recognizer(std::move(*library));
     float diameter = 0;
-    for (const Model& model : recogniser.library().models) diameter += model.diameter / 2;
+    for (const Model& model : recognizer.library().models) diameter += model.diameter / 2;
     Result<Cloud> cloud = read_cloud(cells[i].scene.file, {.camera = cells[i].scene.camera});
     ASSERT_TRUE(cloud);
     ASSERT_TRUE(degrade_scene(*cloud, cells[i].degrade, diameter, cells[i].degrade_seed));
     const Result<SceneResult> alone =
-        recognise(recogniser, *cloud, cells[i].scene, cells[i].options);
+        recognize(recognizer, *cloud, cells[i].scene, cells[i].options);
     ASSERT_TRUE(alone) << alone.error().message;
     expect_same(*results[i], *alone);
     num_found += alone->detections.size();
@@ -95,11 +95,11 @@ TEST_F(RecogniseCells, GivesWhatEachRecognitionGivesByItself) {
   EXPECT_GT(num_found, cells.size());
 }
 
-TEST_F(RecogniseCells, EndsWithTheFirstError) {
+TEST_F(RecognizeCells, EndsWithTheFirstError) {
   std::vector<RecognitionCell> cells = all_cells();
   cells[2].scene.file = folder_ / "absent.png";
   std::size_t num_emitted = 0;
-  const Result<void> done = recognise_cells(files_, cells, {}, [&](std::size_t, const auto&) {
+  const Result<void> done = recognize_cells(files_, cells, {}, [&](std::size_t, const auto&) {
     ++num_emitted;
     return Result<void>();
   });
@@ -108,19 +108,19 @@ TEST_F(RecogniseCells, EndsWithTheFirstError) {
   EXPECT_LT(num_emitted, cells.size());
 
   cells = all_cells();
-  const Result<void> full = recognise_cells(files_, cells, {}, [&](std::size_t, const auto&) {
+  const Result<void> full = recognize_cells(files_, cells, {}, [&](std::size_t, const auto&) {
     return Result<void>(Error{ErrorCode::io, "disk full"});
   });
   ASSERT_FALSE(full);
   EXPECT_EQ(full.error().message, "disk full");
 }
 
-TEST_F(RecogniseCells, CanBeStoppedBetweenCells) {
+TEST_F(RecognizeCells, CanBeStoppedBetweenCells) {
   const std::vector<RecognitionCell> cells = all_cells();
   std::stop_source stop;
   std::size_t num_emitted = 0;
   const Result<void> done =
-      recognise_cells(files_, cells, {{}, stop.get_token()}, [&](std::size_t, const auto&) {
+      recognize_cells(files_, cells, {{}, stop.get_token()}, [&](std::size_t, const auto&) {
         ++num_emitted;
         stop.request_stop();
         return Result<void>();

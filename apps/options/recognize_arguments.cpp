@@ -1,4 +1,4 @@
-#include "apps/options/recognise_arguments.hpp"
+#include "apps/options/recognize_arguments.hpp"
 
 #include <fmt/format.h>
 
@@ -33,7 +33,7 @@ std::string describe_improvements() {
 
 }  // namespace
 
-void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
+void add_recognize_options(CLI::App& command, RecognizeArguments& arguments) {
   command.add_option("--method", arguments.method, describe_methods())
       ->check(CLI::IsMember(option_names<Method>()).description(""))
       ->capture_default_str();
@@ -54,7 +54,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       "--reference-share", arguments.reference_share,
       "Share of the sampled scene points that vote, above 0 to 1; overrides the preset");
   command.add_option(
-      "--neighbour-share", arguments.neighbour_share,
+      "--neighbor-share", arguments.neighbor_share,
       "Outer share of a feature bin in which the adjoining cell votes too, 0 to 0.5");
   command.add_option("--max-votes", arguments.max_votes,
                      "Votes of a reference point for a model; fewer is faster (default 40000)");
@@ -71,7 +71,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       "--max-lean", arguments.max_lean,
       "trisi: how far the surface around a keypoint may lie to one side, in radii of "
       "what is described: 0.15 leaves borders out (default 1)");
-  command.add_option("--neighbours", arguments.neighbours,
+  command.add_option("--neighbors", arguments.neighbors,
                      "trisi: features of models that each feature is matched with, 1 to 10 "
                      "(default 3)");
   command.add_option("--max-distance", arguments.max_distance,
@@ -97,7 +97,7 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
   command.add_option("--models", arguments.models, "Only these models, as a,b,c");
   command
       .add_option("--region", arguments.region,
-                  "Box x0,y0,z0,x1,y1,z1 in the scene's frame and unit that the models' centres "
+                  "Box x0,y0,z0,x1,y1,z1 in the scene's frame and unit that the models' centers "
                   "lie in; the rest is not searched")
       ->delimiter(',')
       ->expected(6);
@@ -116,21 +116,21 @@ void add_recognise_options(CLI::App& command, RecogniseArguments& arguments) {
       ->check(CLI::IsMember(improvement_names()).description(""));
 }
 
-Result<RecogniseOptions> options_of(const RecogniseArguments& arguments) {
-  RecogniseOptions options = recognise_presets().at(arguments.preset);
+Result<RecognizeOptions> options_of(const RecognizeArguments& arguments) {
+  RecognizeOptions options = recognize_presets().at(arguments.preset);
   options.method = option_names<Method>().at(arguments.method);
   if (arguments.min_score) options.min_score = *arguments.min_score;
   options.require_pose = arguments.require_pose;
   options.normal_window = arguments.normal_window;
   if (arguments.reference_share) options.vote.reference_share = *arguments.reference_share;
-  if (arguments.neighbour_share) options.vote.neighbour_share = *arguments.neighbour_share;
+  if (arguments.neighbor_share) options.vote.neighbor_share = *arguments.neighbor_share;
   if (arguments.max_votes) options.vote.max_votes = *arguments.max_votes;
   options.match.detector = option_names<Detector>().at(arguments.keypoints);
   options.match.grouping = option_names<Grouping>().at(arguments.grouping);
   options.match.weigh_by_ratio = arguments.weigh_by_ratio;
   if (arguments.keypoint_spacing) options.match.spacing = *arguments.keypoint_spacing;
   if (arguments.max_lean) options.match.limits.max_lean = *arguments.max_lean;
-  if (arguments.neighbours) options.match.num_neighbours = *arguments.neighbours;
+  if (arguments.neighbors) options.match.num_neighbors = *arguments.neighbors;
   if (arguments.max_distance) options.match.max_distance = *arguments.max_distance;
   if (arguments.max_ratio) options.match.max_ratio = *arguments.max_ratio;
   if (arguments.min_cluster_share) options.pose.min_cluster_share = *arguments.min_cluster_share;

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/recogniser.hpp"
+#include "engine/recognizer.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {
@@ -15,9 +15,9 @@ void add_calibration_option(CLI::App& command, std::string& file);
 
 /// Open a library with the score of a calibration, or with the default one where there is no file.
 /// Errors: of open_library and read_calibration.
-Result<Recogniser> open_recogniser(const std::string& library, const std::string& calibration);
+Result<Recognizer> open_recognizer(const std::string& library, const std::string& calibration);
 
 /// What results tell of a score: the name of a calibrated one, else null.
-nlohmann::ordered_json calibration_json(const Recogniser& recogniser);
+nlohmann::ordered_json calibration_json(const Recognizer& recognizer);
 
 }  // namespace trivet::apps

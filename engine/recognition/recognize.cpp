@@ -1,4 +1,4 @@
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ Result<ModelGroups> group_models(const Library& library, const std::vector<std::
   ModelGroups groups;
   if (wanted.empty()) {
     for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-      groups[library.models[m].ppf.quantisation.distance_step].push_back(m);
+      groups[library.models[m].ppf.quantization.distance_step].push_back(m);
     }
   }
   for (const std::string& name : wanted) {
@@ -41,7 +41,7 @@ Result<ModelGroups> group_models(const Library& library, const std::vector<std::
                                "shows the names",
                                library.file.string(), name)};
     }
-    groups[found->ppf.quantisation.distance_step].push_back(
+    groups[found->ppf.quantization.distance_step].push_back(
         static_cast<std::uint32_t>(found - library.models.begin()));
   }
   return groups;
@@ -62,8 +62,8 @@ Result<void> validate(const VoteOptions& options) {
        static_cast<double>(options.max_votes)},
       {options.peak_share > 0 && options.peak_share <= 1, "peak share", "above 0 to 1",
        options.peak_share},
-      {options.neighbour_share >= 0 && options.neighbour_share <= 0.5F, "neighbour share",
-       "0 to 0.5", options.neighbour_share},
+      {options.neighbor_share >= 0 && options.neighbor_share <= 0.5F, "neighbor share", "0 to 0.5",
+       options.neighbor_share},
       {options.max_peaks >= 1 && options.max_peaks <= kernels::kMaxPeaks, "peaks per reference",
        "1 to 8", static_cast<double>(options.max_peaks)},
   });
@@ -74,7 +74,7 @@ Result<void> check_methods(const Library& library, Method method) {
   const auto refuse = [&](const char* what, const char* name) {
     return Error{ErrorCode::usage,
                  fmt::format("{}: expected a library with {}, found none; train it with --methods "
-                             "{}, or recognise with --method fused",
+                             "{}, or recognize with --method fused",
                              library.file.string(), what, name)};
   };
   const bool pairs = std::ranges::any_of(
@@ -106,7 +106,7 @@ Result<void> check_sizes(const Library& library, const PreparedScene& scene,
                            "{:.4g} {}), found "
                            "an extent of {:.4g}; if the scene's unit differs, give --unit",
                            input.file.string(), smallest, largest,
-                           library.header.unit == LengthUnit::metre ? "m" : "mm", extent)};
+                           library.header.unit == LengthUnit::meter ? "m" : "mm", extent)};
 }
 
 Pose in_file_unit(Pose pose, double scene_scale) {
@@ -186,7 +186,7 @@ std::vector<std::uint32_t> taken_of(const engine::Selection& selection) {
 
 SceneClaims report_claims(const Library& library, const PreparedScene& scene,
                           const SceneSearch& search, std::span<const std::uint32_t> taken,
-                          const RecogniseOptions& options) {
+                          const RecognizeOptions& options) {
   SceneClaims claims{engine::sizes_of(scene), {}};
   for (const std::uint32_t c : taken) {
     const engine::Candidate& candidate = search.candidates()[c];
@@ -200,14 +200,14 @@ SceneClaims report_claims(const Library& library, const PreparedScene& scene,
 
 }  // namespace
 
-Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
-                              const SceneInput& input, const RecogniseOptions& asked,
+Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
+                              const SceneInput& input, const RecognizeOptions& asked,
                               std::stop_token stop) {
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e9"};
-  const RecogniseOptions options = engine::leave_out(asked);
-  const Library& library = recogniser.library();
+  const RecognizeOptions options = engine::leave_out(asked);
+  const Library& library = recognizer.library();
   if (const Result<void> trained = check_methods(library, options.method); !trained)
     return trained.error();
   Result<ModelGroups> groups = group_models(library, options.models);
@@ -224,7 +224,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   if (!scene) return scene.error();
   if (const Result<void> sizes = check_sizes(library, *scene, input); !sizes) return sizes.error();
 
-  SceneSearch search(recogniser, *scene, *groups, options, stop, stats);
+  SceneSearch search(recognizer, *scene, *groups, options, stop, stats);
   if (!options.expected.empty()) {
     if (const Result<void> tested = search.test_expected(); !tested) return tested.error();
   }
@@ -254,7 +254,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   }
   if (cloud.camera && scene->images.size() == 1) {
     const StageTimer timer(stats.times, "check camera");
-    stats.camera_check = engine::check_camera(recogniser, *scene, *cloud.camera, *chosen);
+    stats.camera_check = engine::check_camera(recognizer, *scene, *cloud.camera, *chosen);
   }
   stats.noise = scene->sensor.noise;
   if (scene->images.size() == 1) stats.sensor = in_file_unit(scene->sensor, input.scale);
@@ -263,7 +263,7 @@ Result<SceneResult> recognise(const Recogniser& recogniser, const Cloud& cloud,
   return result;
 }
 
-Result<void> validate(const RecogniseOptions& options) {
+Result<void> validate(const RecognizeOptions& options) {
   for (const VoteOptions& vote : {options.vote, options.later}) {
     if (const Result<void> valid = validate(vote); !valid) return valid;
   }
@@ -272,8 +272,8 @@ Result<void> validate(const RecogniseOptions& options) {
       {window >= 1 && window <= 20, "normal window [spacings]", "1 to 20", window},
       {options.match.spacing >= 1 && options.match.spacing <= 20,
        "spacing of keypoints [resolutions]", "1 to 20", options.match.spacing},
-      {options.match.num_neighbours >= 1 && options.match.num_neighbours <= 10, "neighbours",
-       "1 to 10", static_cast<double>(options.match.num_neighbours)},
+      {options.match.num_neighbors >= 1 && options.match.num_neighbors <= 10, "neighbors",
+       "1 to 10", static_cast<double>(options.match.num_neighbors)},
       {options.match.limits.max_lean >= 0, "maximum lean [radii]", "at least 0",
        options.match.limits.max_lean},
       {options.match.max_distance > 0, "maximum distance of features", "above 0",

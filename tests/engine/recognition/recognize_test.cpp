@@ -1,4 +1,4 @@
-#include "engine/recognise.hpp"
+#include "engine/recognize.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,12 +19,12 @@ namespace trivet {
 namespace {
 
 /// One library of two parts, trained once for all tests here.
-class Recognise : public testing::Test {
+class Recognize : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     bracket_ = test::bracket();
     lever_ = test::lever();
-    recogniser_ = Recogniser(test::trained_library({{"bracket", &bracket_}, {"lever", &lever_}}));
+    recognizer_ = Recognizer(test::trained_library({{"bracket", &bracket_}, {"lever", &lever_}}));
   }
 
   /// Two parts in front of a wall, the lever partly behind the bracket.
@@ -33,7 +33,7 @@ class Recognise : public testing::Test {
     return test::render_scan(
         {{&wall, Pose::Identity()}, {&bracket_, bracket_pose()}, {&lever_, lever_pose()}});
   }
-  static Cloud in_millimetres(Cloud scene) {
+  static Cloud in_millimeters(Cloud scene) {
     const PointsSpan span = scene.points;
     for (const std::span<float> column : {span.x, span.y, span.z}) {
       for (float& value : column) value *= 1000;
@@ -58,11 +58,11 @@ class Recognise : public testing::Test {
   }
 
   static inline test::Shape bracket_, lever_;
-  static inline Recogniser recogniser_{Library{}};
+  static inline Recognizer recognizer_{Library{}};
 };
 
-TEST_F(Recognise, FindsOccludedPartsInClutterAndNothingElse) {
-  const auto result = recognise(recogniser_, clutter(), {}, {});
+TEST_F(Recognize, FindsOccludedPartsInClutterAndNothingElse) {
+  const auto result = recognize(recognizer_, clutter(), {}, {});
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->detections.size(), 2U);
   expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
@@ -72,8 +72,8 @@ TEST_F(Recognise, FindsOccludedPartsInClutterAndNothingElse) {
   }
 }
 
-TEST_F(Recognise, FindsTheSamePartsByTriSpinImages) {
-  const auto result = recognise(recogniser_, clutter(), {}, {.method = Method::trisi});
+TEST_F(Recognize, FindsTheSamePartsByTriSpinImages) {
+  const auto result = recognize(recognizer_, clutter(), {}, {.method = Method::trisi});
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->detections.size(), 2U);
   expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
@@ -81,24 +81,24 @@ TEST_F(Recognise, FindsTheSamePartsByTriSpinImages) {
   for (const Detection& detection : result->detections) EXPECT_EQ(detection.source, Source::trisi);
   EXPECT_EQ(result->stats.num_votes, 0U);
   const auto one =
-      recognise(recogniser_, clutter(), {}, {.method = Method::trisi, .models = {"lever"}});
+      recognize(recognizer_, clutter(), {}, {.method = Method::trisi, .models = {"lever"}});
   ASSERT_TRUE(one);
   ASSERT_EQ(one->detections.size(), 1U);
   EXPECT_EQ(one->detections[0].model, "lever");
 }
 
-TEST_F(Recognise, SearchesByWhatTheLibraryWasTrainedFor) {
-  const auto recognise_with = [&](bool pairs, bool images, Method method) {
-    const Recogniser recogniser(test::trained_library(
+TEST_F(Recognize, SearchesByWhatTheLibraryWasTrainedFor) {
+  const auto recognize_with = [&](bool pairs, bool images, Method method) {
+    const Recognizer recognizer(test::trained_library(
         {{"bracket", &bracket_}}, {.point_pairs = pairs, .tri_spin_images = images}));
-    return recognise(recogniser, clutter(), {}, {.method = method});
+    return recognize(recognizer, clutter(), {}, {.method = method});
   };
   for (const auto& [pairs, images] : {std::pair{true, false}, std::pair{false, true}}) {
-    const auto fused = recognise_with(pairs, images, Method::fused);
+    const auto fused = recognize_with(pairs, images, Method::fused);
     ASSERT_TRUE(fused) << fused.error().message;
     expect_pose(find(*fused, "bracket"), bracket_pose(), 0.2F);
     EXPECT_EQ(fused->detections[0].source, pairs ? Source::ppf : Source::trisi);
-    const auto other = recognise_with(pairs, images, pairs ? Method::trisi : Method::ppf);
+    const auto other = recognize_with(pairs, images, pairs ? Method::trisi : Method::ppf);
     ASSERT_FALSE(other);
     EXPECT_EQ(other.error().code, ErrorCode::usage);
     EXPECT_NE(other.error().message.find(pairs ? "--methods trisi" : "--methods ppf"),
@@ -107,32 +107,32 @@ TEST_F(Recognise, SearchesByWhatTheLibraryWasTrainedFor) {
   }
 }
 
-TEST_F(Recognise, FindsEachOfSeveralInstances) {
+TEST_F(Recognize, FindsEachOfSeveralInstances) {
   const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-0.18F, 0, 0.9F});
   const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {0.18F, 0.02F, 0.95F});
   const Cloud scene = test::render_scan({{&bracket_, left}, {&bracket_, right}});
-  const auto result = recognise(recogniser_, scene, {}, {});
+  const auto result = recognize(recognizer_, scene, {}, {});
   ASSERT_TRUE(result);
   EXPECT_EQ(result->detections.size(), 2U);
-  RecogniseOptions one;
+  RecognizeOptions one;
   one.max_instances = 1;
-  const auto limited = recognise(recogniser_, scene, {}, one);
+  const auto limited = recognize(recognizer_, scene, {}, one);
   ASSERT_TRUE(limited);
   EXPECT_EQ(limited->detections.size(), 1U);
 }
 
 // What is scored is where the pose settles, not where it started.
-TEST_F(Recognise, SettlesToOneResultFromADozenStarts) {
+TEST_F(Recognize, SettlesToOneResultFromADozenStarts) {
   test::Random random;
   Cloud scan = clutter();
   for (float& coordinate : scan.points.span().z) coordinate += random.normal(0.0005F);
   std::vector<Detection> settled;
   for (int start = 0; start < 12; ++start) {
     const Pose off = test::pose_of(0.05F * random.direction(), 0.004F * random.direction());
-    RecogniseOptions options{.min_score = 0};
+    RecognizeOptions options{.min_score = 0};
     options.expected = {{"bracket", bracket_pose() * off}};
     options.pose.rounds = 0;
-    const auto result = recognise(recogniser_, scan, {}, options);
+    const auto result = recognize(recognizer_, scan, {}, options);
     ASSERT_TRUE(result) << result.error().message;
     ASSERT_EQ(result->detections.size(), 1U) << start;
     settled.push_back(result->detections[0]);
@@ -144,7 +144,7 @@ TEST_F(Recognise, SettlesToOneResultFromADozenStarts) {
 }
 
 // A block with a knob at one end, which something hides: it may as well lie the other way round.
-TEST_F(Recognise, NamesThePosesThatFitAlike) {
+TEST_F(Recognize, NamesThePosesThatFitAlike) {
   test::Shape key = test::box({-0.1F, -0.03F, -0.02F}, {0.1F, 0.03F, 0.02F});
   key.join(test::box({0.07F, -0.02F, 0.02F}, {0.09F, 0.02F, 0.04F}));
   auto trained = train_model(test::cloud_of(key), {"key", "key.ply", 1, {}}, {});
@@ -152,11 +152,11 @@ TEST_F(Recognise, NamesThePosesThatFitAlike) {
   ASSERT_FALSE(trained->model.near_symmetries.empty());
   Library library;
   library.models.push_back(std::move(trained->model));
-  const Recogniser recogniser(std::move(library));
+  const Recognizer recognizer(std::move(library));
   const Pose pose = test::pose_of({2.6F, 0.2F, 0.1F}, {0, 0, 0.8F});
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
   const auto open =
-      recognise(recogniser, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}}), {}, {});
+      recognize(recognizer, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}}), {}, {});
   ASSERT_TRUE(open);
   ASSERT_EQ(open->detections.size(), 1U);
   EXPECT_TRUE(open->detections[0].rivals.empty()) << "the knob is seen";
@@ -165,21 +165,21 @@ TEST_F(Recognise, NamesThePosesThatFitAlike) {
   const Eigen::Vector3f knob = pose * Eigen::Vector3f(0.08F, 0, 0.03F);
   const test::Shape cover = test::box({-0.05F, -0.1F, -0.005F}, {0.05F, 0.1F, 0.005F});
   const Pose before = test::pose_of({0, 0, 0}, 0.8F * knob);
-  const auto hidden = recognise(
-      recogniser, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}, {&cover, before}}),
+  const auto hidden = recognize(
+      recognizer, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}, {&cover, before}}),
       {}, {.min_score = 0.05F, .max_rejected = 2});
   ASSERT_TRUE(hidden);
   ASSERT_GE(hidden->detections.size(), 1U);
   const Detection& found = hidden->detections[0];
   EXPECT_FALSE(found.rivals.empty());
-  EXPECT_EQ(found.score, kernels::pose_probability(recogniser.score(), found.parts))
+  EXPECT_EQ(found.score, kernels::pose_probability(recognizer.score(), found.parts))
       << "that the key is there is as sure as it looks";
 }
 
 // A plank whose ends are hidden may lie farther on: no symmetry of it says so.
-TEST_F(Recognise, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
+TEST_F(Recognize, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
   const test::Shape plank = test::box({-0.15F, -0.03F, -0.02F}, {0.15F, 0.03F, 0.02F});
-  const Recogniser recogniser(test::trained_library({{"plank", &plank}}));
+  const Recognizer recognizer(test::trained_library({{"plank", &plank}}));
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
   const test::Shape left = test::box({-0.25F, -0.08F, 0.7F}, {-0.085F, 0.08F, 0.71F});
   const test::Shape right = test::box({0.085F, -0.08F, 0.7F}, {0.25F, 0.08F, 0.71F});
@@ -189,27 +189,27 @@ TEST_F(Recognise, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
                                          {&left, Pose::Identity()},
                                          {&right, Pose::Identity()}});
   const auto found_of = [&](std::vector<ExpectedPose> expected) {
-    RecogniseOptions options{.min_score = 0};
+    RecognizeOptions options{.min_score = 0};
     options.pose.rounds = 0;
     options.expected = std::move(expected);
-    const auto result = recognise(recogniser, scene, {}, options);
+    const auto result = recognize(recognizer, scene, {}, options);
     EXPECT_TRUE(result && result->detections.size() == 1);
     return result->detections.at(0);
   };
   const Pose farther = test::pose_of({0, 0, 0}, {0.04F, 0, 0}) * pose;
   const Detection alone = found_of({{"plank", pose}});
   EXPECT_TRUE(alone.rivals.empty());
-  EXPECT_EQ(alone.score, kernels::pose_probability(recogniser.score(), alone.parts));
+  EXPECT_EQ(alone.score, kernels::pose_probability(recognizer.score(), alone.parts));
   const Detection rivalled = found_of({{"plank", pose}, {"plank", farther}});
   EXPECT_EQ(rivalled.rivals.size(), 1U);
   EXPECT_LT(rivalled.pose_share, 0.9F);
   EXPECT_EQ(
       rivalled.score,
-      engine::scale_odds(kernels::pose_probability(recogniser.score(), rivalled.parts), 0.4F));
+      engine::scale_odds(kernels::pose_probability(recognizer.score(), rivalled.parts), 0.4F));
 }
 
 // A mug looks alike under any turn but for its handle.
-TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
+TEST_F(Recognize, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   test::Shape mug = test::prism(60, test::circle(0.04), -0.05, 0.05, 0.035, 0.9);
   mug.join(test::box({0.036F, -0.006F, -0.025F}, {0.065F, 0.006F, 0.025F}));
   auto trained = train_model(test::cloud_of(mug), {"mug", "mug.ply", 1, {}}, {});
@@ -217,7 +217,7 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   ASSERT_TRUE(trained->model.near_axis);
   Library library;
   library.models.push_back(std::move(trained->model));
-  const Recogniser recogniser(std::move(library));
+  const Recognizer recognizer(std::move(library));
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
   const auto pose_of = [](float turn) {
     return test::pose_of({1.9F, 0, 0}, {0, 0, 0.6F}) * test::pose_of({0, 0, turn}, {0, 0, 0});
@@ -227,7 +227,7 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   };
   const auto look_at = [&](float turn, ImprovementSet without = {}) {
     const auto result =
-        recognise(recogniser, scan_of(turn), {}, {.min_score = 0, .without = without});
+        recognize(recognizer, scan_of(turn), {}, {.min_score = 0, .without = without});
     EXPECT_TRUE(result && !result->detections.empty());
     return std::pair{pose_of(turn), result->detections.at(0)};
   };
@@ -242,7 +242,7 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   constexpr float kBehind = 1.57F;
   const Detection hidden = look_at(kBehind).second;
   EXPECT_GT(hidden.score, 0.8F) << "it is a mug";
-  EXPECT_EQ(hidden.score, kernels::pose_probability(recogniser.score(), hidden.parts));
+  EXPECT_EQ(hidden.score, kernels::pose_probability(recognizer.score(), hidden.parts));
   EXPECT_LT(hidden.pose_share, 0.5F) << "its turn is open";
   EXPECT_FALSE(hidden.rivals.empty());
   ASSERT_TRUE(hidden.turns);
@@ -251,13 +251,13 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   EXPECT_GE(hidden.turns->high, 0);
   EXPECT_GT(hidden.turns->high - hidden.turns->low, 0.5F);
   const auto scaled =
-      recognise(recogniser, in_millimetres(scan_of(kBehind)), {.scale = 1e-3}, {.min_score = 0});
+      recognize(recognizer, in_millimeters(scan_of(kBehind)), {.scale = 1e-3}, {.min_score = 0});
   ASSERT_TRUE(scaled && !scaled->detections.empty() && scaled->detections[0].turns);
   EXPECT_LT((scaled->detections[0].turns->axis.point - 1000 * hidden.turns->axis.point).norm(),
             0.01F * hidden.turns->axis.point.norm() * 1000)
       << "in the scene's unit, as the pose is";
   const Detection unrivalled = look_at(kBehind, {Improvement::rivals}).second;
-  EXPECT_EQ(unrivalled.score, kernels::pose_probability(recogniser.score(), unrivalled.parts));
+  EXPECT_EQ(unrivalled.score, kernels::pose_probability(recognizer.score(), unrivalled.parts));
   EXPECT_TRUE(unrivalled.rivals.empty());
   EXPECT_EQ(unrivalled.pose_share, 1);
   EXPECT_FALSE(unrivalled.turns);
@@ -265,7 +265,7 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   // Whoever needs the very pose is not given it; the mug alone is there.
   const auto with = [&](float turn, bool require_pose) {
     const auto result =
-        recognise(recogniser, scan_of(turn), {},
+        recognize(recognizer, scan_of(turn), {},
                   {.min_score = 0.7F, .max_rejected = 1, .require_pose = require_pose});
     EXPECT_TRUE(result);
     return *result;
@@ -279,14 +279,14 @@ TEST_F(Recognise, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   EXPECT_EQ(refused.rejected[0].score, hidden.score) << "of the object";
 }
 
-TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
+TEST_F(Recognize, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud scene = clutter();
   for (const Method method : {Method::fused, Method::ppf, Method::trisi}) {
     std::vector<SceneResult> results;
     for (const unsigned threads : {1U, 2U, 3U}) {
       const ThreadLimit limit(threads);
-      const Recogniser fresh(recogniser_.library());
-      auto result = recognise(fresh, scene, {}, {.method = method, .min_score = 0});
+      const Recognizer fresh(recognizer_.library());
+      auto result = recognize(fresh, scene, {}, {.method = method, .min_score = 0});
       ASSERT_TRUE(result);
       results.push_back(std::move(*result));
     }
@@ -302,24 +302,24 @@ TEST_F(Recognise, GivesTheSameBytesForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(Recognise, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
+TEST_F(Recognize, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
   const Cloud scene = clutter();
-  const auto all = recognise(recogniser_, scene, {}, {.min_score = 0});
+  const auto all = recognize(recognizer_, scene, {}, {.min_score = 0});
   ASSERT_TRUE(all);
   ASSERT_GE(all->detections.size(), 2U);
   const float best = all->detections[0].score, second = all->detections[1].score;
-  const auto sure = recognise(recogniser_, scene, {}, {.min_score = best});
+  const auto sure = recognize(recognizer_, scene, {}, {.min_score = best});
   const auto more =
-      recognise(recogniser_, scene, {}, {.min_score = best, .doubtful_score = second});
+      recognize(recognizer_, scene, {}, {.min_score = best, .doubtful_score = second});
   ASSERT_TRUE(sure && more);
   EXPECT_EQ(sure->detections.size(), 1U);
   ASSERT_EQ(more->detections.size(), 2U);
   EXPECT_EQ(more->detections[1].score, second);
 }
 
-TEST_F(Recognise, TellsWhatItRejectedWhereItIsAsked) {
-  const auto silent = recognise(recogniser_, clutter(), {}, {});
-  const auto result = recognise(recogniser_, clutter(), {}, {.max_rejected = 3});
+TEST_F(Recognize, TellsWhatItRejectedWhereItIsAsked) {
+  const auto silent = recognize(recognizer_, clutter(), {}, {});
+  const auto result = recognize(recognizer_, clutter(), {}, {.max_rejected = 3});
   ASSERT_TRUE(silent && result);
   EXPECT_TRUE(silent->rejected.empty());
   ASSERT_EQ(result->detections.size(), silent->detections.size());
@@ -336,7 +336,7 @@ TEST_F(Recognise, TellsWhatItRejectedWhereItIsAsked) {
     }
     EXPECT_EQ(rejected.reason == Rejection::too_low, rejected.score < 0.5F);
     if (rejected.score > 0) {  // else the sensor looked through too much of it
-      EXPECT_EQ(rejected.score, kernels::pose_probability(recogniser_.score(), rejected.parts));
+      EXPECT_EQ(rejected.score, kernels::pose_probability(recognizer_.score(), rejected.parts));
     }
     if (rejected.explained_by) {
       EXPECT_LT(*rejected.explained_by, result->detections.size());
@@ -346,7 +346,7 @@ TEST_F(Recognise, TellsWhatItRejectedWhereItIsAsked) {
 }
 
 // With a limit of one instance the second one is what was rejected, in the file's unit.
-TEST_F(Recognise, TellsTheInstanceThatIsOneTooMany) {
+TEST_F(Recognize, TellsTheInstanceThatIsOneTooMany) {
   const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-180, 0, 900});
   const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {180, 20, 950});
   test::Shape large = bracket_;
@@ -355,7 +355,7 @@ TEST_F(Recognise, TellsTheInstanceThatIsOneTooMany) {
     for (float& value : column) value *= 1000;
   }
   const Cloud scene = test::render_scan({{&large, left}, {&large, right}});
-  const auto result = recognise(recogniser_, scene, {.scale = 0.001},
+  const auto result = recognize(recognizer_, scene, {.scale = 0.001},
                                 {.max_instances = 1, .max_rejected = 1, .models = {"bracket"}});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ(result->detections.size(), 1U);
@@ -365,9 +365,9 @@ TEST_F(Recognise, TellsTheInstanceThatIsOneTooMany) {
   EXPECT_NEAR(result->rejected[0].T_scene_model.translation().x(), -x, 3);
 }
 
-TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
+TEST_F(Recognize, FindsNothingInAnEmptyRoomOrInNoise) {
   const test::Shape room = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
-  const auto wall = recognise(recogniser_, test::render_scan({{&room, Pose::Identity()}}), {}, {});
+  const auto wall = recognize(recognizer_, test::render_scan({{&room, Pose::Identity()}}), {}, {});
   ASSERT_TRUE(wall) << wall.error().message;
   EXPECT_TRUE(wall->detections.empty());
 
@@ -378,19 +378,19 @@ TEST_F(Recognise, FindsNothingInAnEmptyRoomOrInNoise) {
       noise.points.push_back(
           {random.uniform(-0.4F, 0.4F), random.uniform(-0.4F, 0.4F), random.uniform(0.8F, 1.2F)});
     }
-    const auto result = recognise(recogniser_, noise, {}, {});
+    const auto result = recognize(recognizer_, noise, {}, {});
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_TRUE(result->detections.empty()) << "seed " << seed;
   }
 }
 
-TEST_F(Recognise, FindsNothingAmongUnknownObjects) {
+TEST_F(Recognize, FindsNothingAmongUnknownObjects) {
   const test::Shape room = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
   const test::Shape block = test::box({-0.06F, -0.05F, -0.03F}, {0.06F, 0.05F, 0.03F});
   const test::Shape rod = test::prism(40, test::circle(0.03), -0.1, 0.1);
   const test::Shape hexagon = test::prism(6, test::circle(0.06), -0.02, 0.02);
-  const auto result = recognise(
-      recogniser_,
+  const auto result = recognize(
+      recognizer_,
       test::render_scan({{&room, Pose::Identity()},
                          {&block, test::pose_of({0.4F, 0.9F, 0.2F}, {-0.1F, 0.02F, 0.9F})},
                          {&rod, test::pose_of({1.2F, 0.3F, 0.1F}, {0.1F, 0, 0.95F})},
@@ -400,12 +400,12 @@ TEST_F(Recognise, FindsNothingAmongUnknownObjects) {
   EXPECT_TRUE(result->detections.empty());
 }
 
-TEST_F(Recognise, FindsNothingWhereNothingWasMeasured) {
+TEST_F(Recognize, FindsNothingWhereNothingWasMeasured) {
   Cloud few;
   for (const int n : {0, 1, 10}) {
     while (few.points.size() < static_cast<std::size_t>(n))
       few.points.push_back({static_cast<float>(few.points.size()), 0, 1});
-    const auto result = recognise(recogniser_, few, {}, {});
+    const auto result = recognize(recognizer_, few, {}, {});
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_TRUE(result->detections.empty());
     EXPECT_EQ(result->stats.num_points, static_cast<std::size_t>(n));
@@ -437,92 +437,92 @@ Cloud left_part(const Cloud& scan, double share) {
   return out;
 }
 
-TEST_F(Recognise, ConfirmsNoPoseThatWasMostlyNotMeasured) {
+TEST_F(Recognize, ConfirmsNoPoseThatWasMostlyNotMeasured) {
   const Cloud scan = test::render_scan({{&bracket_, bracket_pose()}});
-  RecogniseOptions options;
+  RecognizeOptions options;
   options.pose.rounds = 0;
   options.expected = {{"bracket", bracket_pose()}};
-  const auto more = recognise(recogniser_, left_part(scan, 0.6), {}, options);
+  const auto more = recognize(recognizer_, left_part(scan, 0.6), {}, options);
   ASSERT_TRUE(more) << more.error().message;
   EXPECT_EQ(more->detections.size(), 1U);
-  const auto less = recognise(recogniser_, left_part(scan, 0.4), {}, options);
+  const auto less = recognize(recognizer_, left_part(scan, 0.4), {}, options);
   ASSERT_TRUE(less) << less.error().message;
   EXPECT_TRUE(less->detections.empty());
 }
 
-TEST_F(Recognise, TakesAMovedMeshAsAClosedSurface) {
+TEST_F(Recognize, TakesAMovedMeshAsAClosedSurface) {
   const Pose motion = test::pose_of({0.4F, -1.2F, 2.0F}, {3, -2, 5});
   const Cloud scene = test::cloud_of(test::Shape(lever_).moved(motion));
-  const auto result = recognise(recogniser_, scene, {.closed_surface = true}, {});
+  const auto result = recognize(recognizer_, scene, {.closed_surface = true}, {});
   ASSERT_TRUE(result) << result.error().message;
   expect_pose(find(*result, "lever"), motion, 0.2F);
 }
 
-TEST_F(Recognise, SearchesWithinTheLimitsOnly) {
+TEST_F(Recognize, SearchesWithinTheLimitsOnly) {
   const auto in_box = [](const Eigen::Vector3f& middle) {
-    RecogniseOptions options;
+    RecognizeOptions options;
     options.pose.rounds = 1;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(0.1F);
     options.limits.region = PoseLimits::Region{middle - reach, middle + reach};
     return options;
   };
-  const auto all = recognise(recogniser_, clutter(), {}, {.pose = {.rounds = 1}});
-  const Eigen::Vector3f centre = bracket_pose() * recogniser_.library().models[0].centre;
-  const auto near_bracket = recognise(recogniser_, clutter(), {}, in_box(centre));
+  const auto all = recognize(recognizer_, clutter(), {}, {.pose = {.rounds = 1}});
+  const Eigen::Vector3f center = bracket_pose() * recognizer_.library().models[0].center;
+  const auto near_bracket = recognize(recognizer_, clutter(), {}, in_box(center));
   ASSERT_TRUE(all && near_bracket);
   EXPECT_NE(find(*near_bracket, "bracket"), nullptr);
-  EXPECT_EQ(find(*near_bracket, "lever"), nullptr) << "its centre is 0.14 away";
-  const auto aside = recognise(recogniser_, clutter(), {}, in_box({0.5F, 0.5F, 1}));
+  EXPECT_EQ(find(*near_bracket, "lever"), nullptr) << "its center is 0.14 away";
+  const auto aside = recognize(recognizer_, clutter(), {}, in_box({0.5F, 0.5F, 1}));
   ASSERT_TRUE(aside);
   EXPECT_TRUE(aside->detections.empty());
   EXPECT_LT(aside->stats.num_votes, all->stats.num_votes) << "the rest is not searched";
 }
 
-TEST_F(Recognise, TestsExpectedPosesWithoutVoting) {
-  RecogniseOptions options;
+TEST_F(Recognize, TestsExpectedPosesWithoutVoting) {
+  RecognizeOptions options;
   options.pose.rounds = 0;
   Pose off = lever_pose();
   off.translation() += Eigen::Vector3f(0.003F, -0.002F, 0.004F);
   options.expected = {{"lever", off}, {"bracket", test::pose_of({1, 1, 1}, {0, 0, 0.9F})}};
-  const auto result = recognise(recogniser_, clutter(), {}, options);
+  const auto result = recognize(recognizer_, clutter(), {}, options);
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->stats.num_votes, 0U);
   ASSERT_EQ(result->detections.size(), 1U) << "no bracket is where one was expected";
   expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
 
   options.pose.rounds = 1;
-  const auto both = recognise(recogniser_, clutter(), {}, options);
+  const auto both = recognize(recognizer_, clutter(), {}, options);
   ASSERT_TRUE(both);
   EXPECT_EQ(both->detections.size(), 2U) << "voting finds what was not expected";
 }
 
-TEST_F(Recognise, ConvertsTheScenesUnit) {
-  const Cloud scene = in_millimetres(clutter());
-  const auto refused = recognise(recogniser_, scene, {}, {});
+TEST_F(Recognize, ConvertsTheScenesUnit) {
+  const Cloud scene = in_millimeters(clutter());
+  const auto refused = recognize(recognizer_, scene, {}, {});
   ASSERT_FALSE(refused) << "a scene in mm against a library in m";
   EXPECT_EQ(refused.error().code, ErrorCode::bad_data);
   EXPECT_NE(refused.error().message.find("--unit"), std::string::npos);
 
-  const auto converted = recognise(recogniser_, scene, {.scale = 0.001}, {});
+  const auto converted = recognize(recognizer_, scene, {.scale = 0.001}, {});
   ASSERT_TRUE(converted);
   const Detection* const bracket = find(*converted, "bracket");
   ASSERT_NE(bracket, nullptr);
   EXPECT_NEAR(bracket->T_scene_model.translation().z(), 850, 3) << "poses are in the scene's unit";
 }
 
-TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
-  const auto unknown = recognise(recogniser_, clutter(), {}, {.models = {"spoon"}});
+TEST_F(Recognize, RefusesUnusableScenesAndOptions) {
+  const auto unknown = recognize(recognizer_, clutter(), {}, {.models = {"spoon"}});
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::usage);
   EXPECT_NE(unknown.error().message.find("spoon"), std::string::npos);
 
-  const auto wrong = recognise(recogniser_, clutter(), {}, {.min_score = std::nanf("")});
+  const auto wrong = recognize(recognizer_, clutter(), {}, {.min_score = std::nanf("")});
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
-  EXPECT_FALSE(validate(RecogniseOptions{.doubtful_score = 0.5F, .tell_claims = true}));
+  EXPECT_FALSE(validate(RecognizeOptions{.doubtful_score = 0.5F, .tell_claims = true}));
 
   for (const float window : {0.9F, 20.1F, std::nanf("")}) {
-    const Result<void> valid = validate(RecogniseOptions{.normal_window = window});
+    const Result<void> valid = validate(RecognizeOptions{.normal_window = window});
     ASSERT_FALSE(valid);
     EXPECT_NE(valid.error().message.find("normal window [spacings]: expected 1 to 20"),
               std::string::npos)
@@ -530,7 +530,7 @@ TEST_F(Recognise, RefusesUnusableScenesAndOptions) {
   }
 }
 
-TEST_F(Recognise, SurvivesDegenerateScenes) {
+TEST_F(Recognize, SurvivesDegenerateScenes) {
   for (const auto& make : std::vector<std::function<Eigen::Vector3f(int)>>{
            [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },  // one place
            [](int i) { return Eigen::Vector3f(0.001F * static_cast<float>(i), 0, 1); },  // a line
@@ -540,22 +540,22 @@ TEST_F(Recognise, SurvivesDegenerateScenes) {
            }}) {  // one ray
     Cloud cloud;
     for (int i = 0; i < 500; ++i) cloud.points.push_back(make(i));
-    const auto result = recognise(recogniser_, cloud, {}, {});
+    const auto result = recognize(recognizer_, cloud, {}, {});
     if (result) {
       EXPECT_TRUE(result->detections.empty());
     }
   }
 }
 
-TEST_F(Recognise, StopsOnRequest) {
+TEST_F(Recognize, StopsOnRequest) {
   std::stop_source stop;
   stop.request_stop();
-  const auto result = recognise(recogniser_, clutter(), {}, {}, stop.get_token());
+  const auto result = recognize(recognizer_, clutter(), {}, {}, stop.get_token());
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::resumable);
 }
 
-TEST_F(Recognise, TakesManyScenesInOrder) {
+TEST_F(Recognize, TakesManyScenesInOrder) {
   const test::TempDir folder;
   std::vector<SceneInput> inputs;
   for (int i = 0; i < 4; ++i) {
@@ -567,7 +567,7 @@ TEST_F(Recognise, TakesManyScenesInOrder) {
   }
   std::vector<std::size_t> order;
   const auto done =
-      recognise_all(recogniser_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
+      recognize_all(recognizer_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
         order.push_back(index);
         EXPECT_NE(find(result, "bracket"), nullptr) << index;
       });
@@ -576,7 +576,7 @@ TEST_F(Recognise, TakesManyScenesInOrder) {
 
   inputs[2].file = folder / "absent.ply";
   const auto failed =
-      recognise_all(recogniser_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
+      recognize_all(recognizer_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::missing_input);
 }

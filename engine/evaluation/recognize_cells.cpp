@@ -1,4 +1,4 @@
-#include "engine/evaluation/recognise_cells.hpp"
+#include "engine/evaluation/recognize_cells.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -19,14 +19,14 @@ namespace fs = std::filesystem;
 
 /// A library with everything built that the first scene would have to wait for.
 struct OpenLibrary {
-  Recogniser recogniser;
+  Recognizer recognizer;
   float mean_diameter = 0;
 
-  explicit OpenLibrary(Library&& library) : recogniser(std::move(library)) {
-    const std::vector<Model>& models = recogniser.library().models;
+  explicit OpenLibrary(Library&& library) : recognizer(std::move(library)) {
+    const std::vector<Model>& models = recognizer.library().models;
     for (const Model& model : models)
       mean_diameter += model.diameter / static_cast<float>(models.size());
-    recogniser.build_all();
+    recognizer.build_all();
   }
 };
 
@@ -60,7 +60,7 @@ class Shelf {
   std::vector<std::size_t> num_left_;
 };
 
-Result<SceneResult> recognise_cell(const OpenLibrary& library, const RecognitionCell& cell,
+Result<SceneResult> recognize_cell(const OpenLibrary& library, const RecognitionCell& cell,
                                    const std::stop_token& stop) {
   ReadOptions read_options;
   read_options.camera = cell.scene.camera;
@@ -72,12 +72,12 @@ Result<SceneResult> recognise_cell(const OpenLibrary& library, const Recognition
       !done) {
     return done.error();
   }
-  return recognise(library.recogniser, *cloud, cell.scene, cell.options, stop);
+  return recognize(library.recognizer, *cloud, cell.scene, cell.options, stop);
 }
 
 }  // namespace
 
-Result<void> recognise_cells(
+Result<void> recognize_cells(
     std::span<const fs::path> libraries, std::span<const RecognitionCell> cells,
     const Progress& progress,
     const std::function<Result<void>(std::size_t cell, const SceneResult&)>& emit) {
@@ -96,7 +96,7 @@ Result<void> recognise_cells(
       const RecognitionCell& cell = cells[i];
       Result<std::shared_ptr<const OpenLibrary>> library = shelf.take(cell.library);
       if (!library) return fail(library.error());
-      const Result<SceneResult> result = recognise_cell(**library, cell, progress.stop);
+      const Result<SceneResult> result = recognize_cell(**library, cell, progress.stop);
       if (!result) return fail(result.error());
       library->reset();
       shelf.give_back(cell.library);

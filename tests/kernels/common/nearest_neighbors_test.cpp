@@ -1,4 +1,4 @@
-#include "kernels/common/nearest_neighbours.hpp"
+#include "kernels/common/nearest_neighbors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 using test::Random;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-NearestNeighbours build(PointsView points) {
-  auto built = NearestNeighbours::build(points);
+NearestNeighbors build(PointsView points) {
+  auto built = NearestNeighbors::build(points);
   EXPECT_TRUE(built.has_value());
   return std::move(built).value();
 }
@@ -25,55 +25,55 @@ struct Found {
   std::vector<float> squared_distances;
 };
 
-Found k_nearest(const NearestNeighbours& tree, PointsView queries, std::size_t k) {
+Found k_nearest(const NearestNeighbors& tree, PointsView queries, std::size_t k) {
   Found out{std::vector<std::uint32_t>(queries.size() * k), std::vector<float>(queries.size() * k)};
   EXPECT_TRUE(tree.k_nearest(queries, k, out.indices, out.squared_distances).has_value());
   return out;
 }
 
-void expect_reference_neighbours(PointsView points, PointsView queries, std::size_t k) {
+void expect_reference_neighbors(PointsView points, PointsView queries, std::size_t k) {
   const Found found = k_nearest(build(points), queries, k);
   for (std::size_t q = 0; q < queries.size(); ++q) {
     auto expected = reference::nearest(points, queries[q], k);
     for (std::size_t j = 0; j < k; ++j) {
       const bool exists = j < expected.size();
-      ASSERT_EQ(found.indices[q * k + j], exists ? expected[j] : NearestNeighbours::kNone)
-          << "query " << q << " neighbour " << j;
+      ASSERT_EQ(found.indices[q * k + j], exists ? expected[j] : NearestNeighbors::kNone)
+          << "query " << q << " neighbor " << j;
       ASSERT_EQ(found.squared_distances[q * k + j],
                 exists ? reference::squared_distance(points[expected[j]], queries[q]) : kInfinity);
     }
   }
 }
 
-TEST(NearestNeighbours, AgreesWithReferenceOnRandomClouds) {
+TEST(NearestNeighbors, AgreesWithReferenceOnRandomClouds) {
   for (const std::size_t n : test::kSmallSizes) {
     Random random(n);
     const Points points = random.dyadic_cloud(n), queries = random.dyadic_cloud(50, 4);
-    for (const std::size_t k : {1U, 5U, 40U}) expect_reference_neighbours(points, queries, k);
+    for (const std::size_t k : {1U, 5U, 40U}) expect_reference_neighbors(points, queries, k);
   }
 }
 
-TEST(NearestNeighbours, BreaksTiesOnALatticeByTheLowestIndex) {
-  Points lattice, centres;
+TEST(NearestNeighbors, BreaksTiesOnALatticeByTheLowestIndex) {
+  Points lattice, centers;
   for (const std::uint32_t i : Random().permutation(216)) {
     const Eigen::Vector3f p(static_cast<float>(i % 6), static_cast<float>(i / 6 % 6),
                             static_cast<float>(i / 36));
     lattice.push_back(p);
     lattice.push_back(p);  // every point twice
-    centres.push_back(p + Eigen::Vector3f::Constant(0.5F));
+    centers.push_back(p + Eigen::Vector3f::Constant(0.5F));
   }
   for (const std::size_t k : {1U, 3U, 10U}) {
-    expect_reference_neighbours(lattice, centres, k);
-    expect_reference_neighbours(lattice, lattice, k);
+    expect_reference_neighbors(lattice, centers, k);
+    expect_reference_neighbors(lattice, lattice, k);
   }
 }
 
-TEST(NearestNeighbours, SearchesFeatureVectorsOfAnyDimension) {
+TEST(NearestNeighbors, SearchesFeatureVectorsOfAnyDimension) {
   Random random;
   constexpr std::size_t kDimension = 30, kNumVectors = 300;
   std::vector<float> vectors(kDimension * kNumVectors);
   for (float& v : vectors) v = static_cast<float>(random.below(16));  // whole: exact distances
-  const auto tree = NearestNeighbours::build(vectors, kDimension);
+  const auto tree = NearestNeighbors::build(vectors, kDimension);
   ASSERT_TRUE(tree.has_value());
   EXPECT_EQ(tree->size(), kNumVectors);
   EXPECT_EQ(tree->dimension(), kDimension);
@@ -97,10 +97,10 @@ TEST(NearestNeighbours, SearchesFeatureVectorsOfAnyDimension) {
   }
 }
 
-TEST(NearestNeighbours, CountsAndFillsWhatLiesWithinARadius) {
+TEST(NearestNeighbors, CountsAndFillsWhatLiesWithinARadius) {
   Random random;
   const Points points = random.dyadic_cloud(300);
-  const NearestNeighbours tree = build(points);
+  const NearestNeighbors tree = build(points);
   std::vector<float> queries;
   for (std::size_t i = 0; i < points.size(); ++i) {
     queries.insert(queries.end(), {points[i].x(), points[i].y(), points[i].z()});
@@ -123,10 +123,10 @@ TEST(NearestNeighbours, CountsAndFillsWhatLiesWithinARadius) {
   }
 }
 
-TEST(NearestNeighbours, GivesTheSameBitsForAnyChunking) {
+TEST(NearestNeighbors, GivesTheSameBitsForAnyChunking) {
   Random random;
   const Points points = random.surface(300), queries = random.surface(100);
-  const NearestNeighbours tree = build(points);
+  const NearestNeighbors tree = build(points);
   const Found whole = k_nearest(tree, queries, 3);
   for (const std::size_t grain : {1U, 7U, 64U}) {
     test::for_chunks(100, grain, [&](std::size_t first, std::size_t count) {
@@ -137,28 +137,28 @@ TEST(NearestNeighbours, GivesTheSameBitsForAnyChunking) {
   }
 }
 
-TEST(NearestNeighbours, FindsNothingForAQueryThatIsNotFinite) {
+TEST(NearestNeighbors, FindsNothingForAQueryThatIsNotFinite) {
   Points points(3), queries;
   queries.push_back({0, std::nanf(""), 0});
   queries.push_back({kInfinity, 0, 0});
   const Found found = k_nearest(build(points), queries, 1);
-  EXPECT_EQ(found.indices, std::vector(2, NearestNeighbours::kNone));
+  EXPECT_EQ(found.indices, std::vector(2, NearestNeighbors::kNone));
 }
 
-TEST(NearestNeighbours, RefusesDataThatIsNotFiniteAndSaysWhere) {
+TEST(NearestNeighbors, RefusesDataThatIsNotFiniteAndSaysWhere) {
   Points points(3);
   points.set(2, {0, 0, std::nanf("")});
-  const auto built = NearestNeighbours::build(points);
+  const auto built = NearestNeighbors::build(points);
   ASSERT_FALSE(built.has_value());
   EXPECT_EQ(built.error().code, ErrorCode::bad_data);
   EXPECT_NE(built.error().message.find("vector 2, component 2"), std::string::npos)
       << built.error().message;
 }
 
-TEST(NearestNeighbours, RefusesPartsOfVectors) {
+TEST(NearestNeighbors, RefusesPartsOfVectors) {
   const std::vector<float> values(7);
-  EXPECT_FALSE(NearestNeighbours::build(values, 3).has_value());
-  EXPECT_FALSE(NearestNeighbours::build(values, 0).has_value());
+  EXPECT_FALSE(NearestNeighbors::build(values, 3).has_value());
+  EXPECT_FALSE(NearestNeighbors::build(values, 0).has_value());
 }
 
 }  // namespace

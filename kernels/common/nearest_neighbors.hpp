@@ -1,4 +1,4 @@
-/// Exact nearest neighbours among vectors of any dimension.
+/// Exact nearest neighbors among vectors of any dimension.
 #pragma once
 
 #include <cstdint>
@@ -19,28 +19,28 @@ namespace trivet::kernels {
 /// d floats of heap for each query. For points in space and a radius known beforehand, VoxelHash is
 /// faster. Source: Friedman, Bentley, Finkel, ACM TOMS 1977 (k-d tree); Muja and Lowe, VISAPP 2009
 /// (FLANN).
-class NearestNeighbours {
+class NearestNeighbors {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
 
   /// Build over n vectors, n < 2^31. Keeps a copy of them.
   /// Errors: bad_data (a value is not finite, or the length is not a multiple of the dimension),
   /// internal (out of memory).
-  static Result<NearestNeighbours> build(std::span<const float> vectors, std::size_t dimension);
-  static Result<NearestNeighbours> build(PointsView points);
+  static Result<NearestNeighbors> build(std::span<const float> vectors, std::size_t dimension);
+  static Result<NearestNeighbors> build(PointsView points);
 
-  NearestNeighbours(NearestNeighbours&&) noexcept;
-  NearestNeighbours& operator=(NearestNeighbours&&) noexcept;
-  ~NearestNeighbours();
+  NearestNeighbors(NearestNeighbors&&) noexcept;
+  NearestNeighbors& operator=(NearestNeighbors&&) noexcept;
+  ~NearestNeighbors();
 
   std::size_t size() const noexcept;
   std::size_t dimension() const noexcept;
 
   /// Write the k nearest vectors of each query, the nearest first.
   ///
-  /// queries            m vectors; one that is not finite has no neighbours
-  /// indices            m * k; kNone past the last neighbour
-  /// squared_distances  m * k; infinite past the last neighbour
+  /// queries            m vectors; one that is not finite has no neighbors
+  /// indices            m * k; kNone past the last neighbor
+  /// squared_distances  m * k; infinite past the last neighbor
   /// Errors: internal (out of memory).
   Result<void> k_nearest(std::span<const float> queries, std::size_t k,
                          std::span<std::uint32_t> indices,
@@ -62,7 +62,7 @@ class NearestNeighbours {
 
  private:
   struct Index;
-  explicit NearestNeighbours(std::unique_ptr<Index> index) noexcept;
+  explicit NearestNeighbors(std::unique_ptr<Index> index) noexcept;
   std::unique_ptr<Index> index_;
 };
 
