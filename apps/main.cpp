@@ -120,6 +120,11 @@ int main(int argc, char** argv) {
   apps::add_load(app, context);
   apps::add_library(app, context);
 
+  if (argc > 1 && std::string_view(argv[1]) == "recognise") {
+    fmt::print(stderr, "trivet recognise is trivet recognize\n");
+    static std::string recognize = "recognize";
+    argv[1] = recognize.data();
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

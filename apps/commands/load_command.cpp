@@ -25,6 +25,8 @@
 namespace trivet::apps {
 namespace {
 
+using namespace service;
+
 namespace asio = boost::asio;
 using tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;

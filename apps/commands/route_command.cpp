@@ -14,6 +14,8 @@
 namespace trivet::apps {
 namespace {
 
+using namespace service;
+
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPollInterval{100};

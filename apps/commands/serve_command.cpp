@@ -21,6 +21,8 @@
 namespace trivet::apps {
 namespace {
 
+using namespace service;
+
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPollInterval{50};

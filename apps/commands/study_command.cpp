@@ -15,6 +15,8 @@
 namespace trivet::apps {
 namespace {
 
+using namespace study;
+
 struct StudyArguments {
   std::string config, output;
 };

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstddef>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::uint32_t kHourMs = 3'600'000;
@@ -81,4 +81,4 @@ SettingFaults faults_of(const ListenSettings& settings, std::string_view bound,
   return faults;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -9,7 +9,7 @@
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/settings_file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct ListenSettings {
   std::string address = "127.0.0.1", log = "info";
@@ -34,4 +34,4 @@ std::vector<Setting> settings_of(ListenSettings& settings);
 SettingFaults faults_of(const ListenSettings& settings, std::string_view bound,
                         std::uint32_t max_arriving_mb);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -11,7 +11,7 @@
 
 #include "storage/file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::uint64_t kMaxFileBytes = 1 << 20;
@@ -151,4 +151,4 @@ Result<void> without_faults(const SettingFaults& faults) {
   return Error{ErrorCode::usage, fmt::format("{}", fmt::join(faults, "\nerror: "))};
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -16,7 +16,7 @@ namespace CLI {
 class App;
 }
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct Setting {
   std::string_view name;  ///< the key in the file, and the flag without its dashes
@@ -73,4 +73,4 @@ Result<void> read_settings(Settings& settings, const SettingArguments& arguments
   return without_faults(*faults);
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -10,7 +10,7 @@
 #include "apps/options/option_names.hpp"
 #include "apps/report/html.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 // In the units of the drawing.
@@ -271,4 +271,4 @@ std::string chart_key(const Panel& panel) {
   return out + "</p>\n";
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

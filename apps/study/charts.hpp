@@ -5,7 +5,7 @@
 
 #include "apps/study/results.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// The share found, with Wilson intervals: a curve over a quantity, else a row for each name.
 std::string rate_chart(const Panel& panel);
@@ -16,4 +16,4 @@ std::string time_chart(const Panel& panel);
 /// What the colors mean.
 std::string chart_key(const Panel& panel);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

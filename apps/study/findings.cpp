@@ -9,7 +9,7 @@
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 constexpr double kHeld = 0.9;  // of what is found under the first condition
@@ -224,4 +224,4 @@ std::vector<std::string> findings(const Experiment& experiment, const Experiment
   return out;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

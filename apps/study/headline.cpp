@@ -6,7 +6,7 @@
 #include "apps/study/phrases.hpp"
 #include "apps/study/words.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 std::string on_parameter(const Panel& panel, std::size_t m) {
@@ -118,4 +118,4 @@ std::string headline(const Experiment& experiment, const ExperimentResults& resu
   return fmt::format("{}", fmt::join(parts, " "));
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

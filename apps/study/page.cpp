@@ -14,7 +14,7 @@
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 std::string anchor(const Experiment& experiment) {
@@ -218,4 +218,4 @@ Result<void> write_study_page(const Study& study, const StudyResults& results,
   return publish_file(folder.path() / "index.html", std::as_bytes(std::span(page)));
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -7,7 +7,7 @@
 #include "apps/study/run.hpp"
 #include "apps/study/study.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// Write FOLDER/index.html: what was found in words, then each experiment with curves and tables,
 /// pictures of scenes, and what leads to the same numbers again. The page appears whole or not at
@@ -17,4 +17,4 @@ namespace trivet::apps {
 Result<void> write_study_page(const Study& study, const StudyResults& results,
                               const StudyFolder& folder, const std::string& command);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -8,7 +8,7 @@
 
 #include "apps/report/html.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 constexpr double kMaxP = 0.05;
@@ -97,4 +97,4 @@ std::optional<Rate> found_below_84(const Panel& panel, std::size_t method) {
   return sum_found({cells.begin(), cells.begin() + (strong - panel.rows.begin())});
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

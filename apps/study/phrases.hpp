@@ -9,7 +9,7 @@
 #include "apps/study/results.hpp"
 #include "apps/study/study.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// "97.2 % (94.1 to 98.7)".
 std::string rate_text(const Rate& rate);
@@ -51,4 +51,4 @@ std::size_t sum_false(const std::vector<PanelCell>& cells);
 /// of those that are more.
 std::optional<Rate> found_below_84(const Panel& panel, std::size_t method);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

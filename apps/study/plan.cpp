@@ -9,7 +9,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "storage/file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -204,4 +204,4 @@ class Planner {
 
 Result<StudyPlan> plan_study(const Study& study) { return Planner(study).plan(); }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -9,7 +9,7 @@
 #include "apps/study/study.hpp"
 #include "engine/train.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// A set of scenes: scanned, or those of a manifest.
 struct SceneSet {
@@ -60,4 +60,4 @@ inline constexpr float kLowestKeptScore = 0.1F;
 /// and manifests.
 Result<StudyPlan> plan_study(const Study& study);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -13,7 +13,7 @@
 #include "engine/simulation/make_parts.hpp"
 #include "storage/file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -452,4 +452,4 @@ Result<Study> read_study(const fs::path& file) {
   return study;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

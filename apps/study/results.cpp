@@ -7,7 +7,7 @@
 #include <set>
 
 #include "apps/options/option_names.hpp"
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 /// A point of the plan, judged.
@@ -411,4 +411,4 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
   return out;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

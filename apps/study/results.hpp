@@ -13,7 +13,7 @@
 #include "engine/evaluation/compare_paired.hpp"
 #include "engine/evaluation/evaluate.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// Successes of some trials, with what Wilson's interval says of their rate.
 struct Rate {
@@ -86,4 +86,4 @@ struct StudyResults {
 Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
                                     const StudyFolder& folder);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -13,7 +13,7 @@
 #include "engine/evaluation/recognize_cells.hpp"
 #include "storage/file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -181,4 +181,4 @@ Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan
   return results;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -11,7 +11,7 @@
 #include "engine/evaluation/evaluate.hpp"
 #include "storage/manifest.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// Where a study keeps what it has computed: FOLDER/scenes/KEY/manifest.json, libraries/KEY.h5 and
 /// cells/KEY.json, each whole or not there.
@@ -51,4 +51,4 @@ Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan
                                                            const std::vector<Manifest>& sets,
                                                            const StudyPoint& point);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

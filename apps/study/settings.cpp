@@ -12,7 +12,7 @@
 
 #include "apps/options/option_names.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 Error wrong_kind(std::string_view expected, const SettingValue& found) {
@@ -233,4 +233,4 @@ std::string value_text(const SettingValue& value) {
   return list.empty() ? "none" : fmt::format("{}", fmt::join(list, ", "));
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

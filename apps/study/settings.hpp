@@ -14,7 +14,7 @@
 #include "engine/train.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// What one scene of a study is made, trained for and recognized by.
 struct StudySettings {
@@ -58,4 +58,4 @@ nlohmann::ordered_json stage_json(std::string_view stage, const StudySettings& s
 /// As a person would write it: "0.04", "yes", "a, b", "none".
 std::string value_text(const SettingValue& value);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -11,7 +11,7 @@
 #include "apps/study/settings.hpp"
 #include "engine/method.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// Models of one kind: files, or parts made to order.
 struct ModelGroup {
@@ -84,4 +84,4 @@ Result<StudySettings> settings_of(const Study& study, const Experiment& experime
 /// Errors: missing_input, io, bad_data: every fault with its line, what was expected and found.
 Result<Study> read_study(const std::filesystem::path& file);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

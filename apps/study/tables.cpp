@@ -3,7 +3,7 @@
 #include "apps/options/option_names.hpp"
 #include "apps/results/csv_table.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 namespace {
 
 void add_comparison(const std::optional<PairedComparison>& comparison, CsvTable& table) {
@@ -57,4 +57,4 @@ Result<void> write_study_table(const Study& study, const StudyResults& results,
   return table.write(folder.path() / "results.csv");
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

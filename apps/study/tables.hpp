@@ -5,7 +5,7 @@
 #include "apps/study/run.hpp"
 #include "apps/study/study.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// Write FOLDER/results.csv, one row a method under one condition: what was found, with Wilson's
 /// interval; the difference from the panel's reference row (change) and from its first method
@@ -14,4 +14,4 @@ namespace trivet::apps {
 Result<void> write_study_table(const Study& study, const StudyResults& results,
                                const StudyFolder& folder);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -7,7 +7,7 @@
 #include "apps/study/results.hpp"
 #include "apps/study/study.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::study {
 
 /// In short, for the top of the report.
 std::string headline(const Experiment& experiment, const ExperimentResults& results);
@@ -15,4 +15,4 @@ std::string headline(const Experiment& experiment, const ExperimentResults& resu
 /// With intervals, false alarms and times, a paragraph each.
 std::vector<std::string> findings(const Experiment& experiment, const ExperimentResults& results);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::study

@@ -156,7 +156,7 @@ std::vector<RejectedPose> report_rejected(const Library& library, const SceneSea
                                           std::uint32_t max_rejected, double scene_scale) {
   const std::vector<std::uint32_t>& taken = search.selection().chosen;
   std::vector<RejectedPose> out;
-  for (const engine::Refusal& refusal : engine::best_refused(
+  for (const engine::RejectedCandidate& refusal : engine::best_refused(
            library, search.candidates(), search.selection().refused, chosen, max_rejected)) {
     const engine::Candidate& candidate = search.candidates()[refusal.candidate];
     RejectedPose rejected;
@@ -178,7 +178,7 @@ std::vector<RejectedPose> report_rejected(const Library& library, const SceneSea
 /// Candidates that were taken: chosen, or one too many of their model.
 std::vector<std::uint32_t> taken_of(const engine::Selection& selection) {
   std::vector<std::uint32_t> taken = selection.chosen;
-  for (const engine::Refusal& refusal : selection.refused) {
+  for (const engine::RejectedCandidate& refusal : selection.refused) {
     if (refusal.reason == Rejection::too_many) taken.push_back(refusal.candidate);
   }
   return taken;

@@ -160,18 +160,16 @@ Result<ModelSurface> survey_model(const Cloud& cloud, const ModelSource& source,
       areas.empty() ? 0 : kernels::sum_areas(model.vertices, model.triangles, areas);
   if (!(area > 1e-9 * std::pow(static_cast<double>(model.diameter), 2))) areas.clear();
   const bool has_faces = !areas.empty();
-  Result<kernels::RayScene> rays = Error{ErrorCode::internal, ""};
   SpreadPoints spread;
-  {
+  Result<kernels::RayScene> rays = [&] {
     const StageTimer timer(stats.times, "sample");
     if (has_faces) {
       spread = spread_over(model, areas, 1, options.num_samples);
-      rays = kernels::RayScene::from_mesh(model.vertices, model.triangles);
-    } else {
-      spread = thin_cloud(model.vertices, model.diameter / 40);
-      rays = kernels::RayScene::from_spheres(spread.points, kernels::kCloudRadius * spread.spacing);
+      return kernels::RayScene::from_mesh(model.vertices, model.triangles);
     }
-  }
+    spread = thin_cloud(model.vertices, model.diameter / 40);
+    return kernels::RayScene::from_spheres(spread.points, kernels::kCloudRadius * spread.spacing);
+  }();
   if (!rays) return rays.error();
   const float offset = has_faces ? 1e-4F * model.diameter : kernels::kCloudOffset * spread.spacing;
   ModelSurface surface{std::move(spread), {}, std::move(areas), std::move(*rays), offset};

@@ -34,15 +34,14 @@ struct Finished {
 Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOptions& options,
                                     const TriSpinBasis& basis) {
   StageTimes times;
-  Result<Cloud> surface = Error{ErrorCode::internal, ""};
   std::string hash;
-  {
+  const Result<Cloud> surface = [&]() -> Result<Cloud> {
     const StageTimer timer(times, "read");
     Result<MappedFile> bytes = MappedFile::open(source.file, ReadOptions{}.max_file_bytes);
     if (!bytes) return bytes.error();
     hash = xxh3_hex(bytes->bytes());
-    surface = read_cloud(source.file);
-  }
+    return read_cloud(source.file);
+  }();
   if (!surface) return surface.error();
   Result<TrainedModel> trained = train_model(*surface, source, options, basis);
   if (!trained) return trained;

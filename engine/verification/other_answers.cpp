@@ -70,7 +70,7 @@ Result<void> OtherAnswers::weigh(std::uint32_t index, Candidate& candidate) cons
 Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& candidate) const {
   const std::vector<Model>& models = recognizer_.library().models;
   std::map<std::uint32_t, std::vector<std::uint32_t>> siblings;  // candidates by model
-  for (const Refusal& refusal : selection_.refused) {
+  for (const RejectedCandidate& refusal : selection_.refused) {
     const Candidate& other = candidates_[refusal.candidate];
     if (refusal.explained_by != index || other.model == candidate.model ||
         other.score < kSiblingScore * candidates_[index].score)

@@ -120,7 +120,7 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
     const bool explained =
         repeats ? repeats(selection.chosen, c) : cover.share > options.verify.max_overlap;
     const auto refuse = [&](Rejection reason) {
-      Refusal refusal{c, reason};
+      RejectedCandidate refusal{c, reason};
       if (explained && !repeats) {
         refusal.explained_by = cover.most_by;
         refusal.explained_share = cover.most_share;
@@ -181,18 +181,24 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
   return select_claims(sizes_of(scene), claims, options, repeats);
 }
 
-std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,
-                                  std::span<const Refusal> refused,
-                                  std::span<const Candidate> detections, std::uint32_t limit) {
-  const auto score = [&](const Refusal& refusal) { return candidates[refusal.candidate].score; };
-  const auto beneath_its_like = [&](const Refusal& refusal) {
+std::vector<RejectedCandidate> best_refused(const Library& library,
+                                            std::span<const Candidate> candidates,
+                                            std::span<const RejectedCandidate> refused,
+                                            std::span<const Candidate> detections,
+                                            std::uint32_t limit) {
+  const auto score = [&](const RejectedCandidate& refusal) {
+    return candidates[refusal.candidate].score;
+  };
+  const auto beneath_its_like = [&](const RejectedCandidate& refusal) {
     return refusal.explained_by &&
            candidates[*refusal.explained_by].model == candidates[refusal.candidate].model;
   };
-  std::vector<Refusal> order(refused.begin(), refused.end());
-  std::stable_sort(order.begin(), order.end(), [&](const Refusal& a, const Refusal& b) {
-    return beneath_its_like(a) != beneath_its_like(b) ? beneath_its_like(b) : score(a) > score(b);
-  });
+  std::vector<RejectedCandidate> order(refused.begin(), refused.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const RejectedCandidate& a, const RejectedCandidate& b) {
+                     return beneath_its_like(a) != beneath_its_like(b) ? beneath_its_like(b)
+                                                                       : score(a) > score(b);
+                   });
   std::vector<std::vector<Pose>> known(library.models.size());
   for (const Candidate& detection : detections) {
     std::vector<Pose>& poses = known[detection.model];
@@ -200,8 +206,8 @@ std::vector<Refusal> best_refused(const Library& library, std::span<const Candid
     poses.insert(poses.end(), detection.rivals.begin(), detection.rivals.end());
   }
   std::vector<std::uint32_t> taken(library.models.size(), 0);
-  std::vector<Refusal> out;
-  for (const Refusal& refusal : order) {
+  std::vector<RejectedCandidate> out;
+  for (const RejectedCandidate& refusal : order) {
     const Candidate& candidate = candidates[refusal.candidate];
     if (taken[candidate.model] == limit) continue;
     std::vector<Pose>& poses = known[candidate.model];
@@ -213,8 +219,9 @@ std::vector<Refusal> best_refused(const Library& library, std::span<const Candid
     ++taken[candidate.model];
     out.push_back(refusal);
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const Refusal& a, const Refusal& b) { return score(a) > score(b); });
+  std::stable_sort(
+      out.begin(), out.end(),
+      [&](const RejectedCandidate& a, const RejectedCandidate& b) { return score(a) > score(b); });
   return out;
 }
 

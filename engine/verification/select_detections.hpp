@@ -22,7 +22,7 @@ struct Claim {
 };
 
 /// A candidate that was not taken.
-struct Refusal {
+struct RejectedCandidate {
   std::uint32_t candidate = 0;
   Rejection reason = Rejection::too_low;
   /// The better candidate that explains most of its pixels, where better ones explain more than
@@ -35,7 +35,7 @@ struct Selection {
   std::vector<std::uint32_t> chosen;  ///< indices of the candidates taken, in the order of taking
   std::vector<std::uint8_t>
       explained;  ///< one a pixel over all images: 1 where a quite sure one explains it
-  std::vector<Refusal> refused;  ///< all others, from the best to the worst
+  std::vector<RejectedCandidate> refused;  ///< all others, from the best to the worst
 };
 
 /// Whether a claim is one of those that are taken again.
@@ -63,8 +63,10 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
 /// repeat the placement of one taken, or of a detection or its rivals, are left out.
 /// detections  the chosen candidates as they are reported
 /// Returns them by falling score, ties in the order of refusal.
-std::vector<Refusal> best_refused(const Library& library, std::span<const Candidate> candidates,
-                                  std::span<const Refusal> refused,
-                                  std::span<const Candidate> detections, std::uint32_t limit);
+std::vector<RejectedCandidate> best_refused(const Library& library,
+                                            std::span<const Candidate> candidates,
+                                            std::span<const RejectedCandidate> refused,
+                                            std::span<const Candidate> detections,
+                                            std::uint32_t limit);
 
 }  // namespace trivet::engine

@@ -12,7 +12,8 @@ void parse_inference(std::string_view input) {
     header_size = zero;
     body.erase(zero, 1);
   }
-  const Result<apps::InferenceRequest> request = apps::parse_inference(body, header_size);
+  const Result<apps::service::InferenceRequest> request =
+      apps::service::parse_inference(body, header_size);
   if (!request) {
     require(request.error().code == ErrorCode::bad_data, "faults are the client's");
     require(!request.error().message.ends_with("needs more memory than there is"),
@@ -20,7 +21,8 @@ void parse_inference(std::string_view input) {
     return;
   }
   require(request->points.size() <= body.size() / 6, "each number takes a byte and a comma");
-  const apps::InferenceResponse response = apps::write_inference(*request, {}, "library", 1);
+  const apps::service::InferenceResponse response =
+      apps::service::write_inference(*request, {}, "library", 1);
   require(nlohmann::json::accept(response.body.substr(0, response.header_size)),
           "whatever was asked, the answer is JSON");
 }

@@ -6,18 +6,19 @@
 namespace trivet::fuzz {
 
 void parse_query(std::string_view input) {
-  apps::Parameters parameters;
+  apps::service::Parameters parameters;
   if (input.starts_with('{')) {
-    const Result<void> read =
-        with_json(std::as_bytes(std::span(input)), "options",
-                  [&](const JsonNode& root) { parameters = apps::parameters_of(root.object()); });
+    const Result<void> read = with_json(
+        std::as_bytes(std::span(input)), "options",
+        [&](const JsonNode& root) { parameters = apps::service::parameters_of(root.object()); });
     if (!read) return require(read.error().code == ErrorCode::bad_data, "faults are the client's");
   } else {
-    Result<apps::Target> target = apps::parse_target("/?" + std::string(input));
+    Result<apps::service::Target> target = apps::service::parse_target("/?" + std::string(input));
     if (!target) return;
     parameters = std::move(target->parameters);
   }
-  const Result<apps::RecognizeQuery> query = apps::parse_recognize_query(parameters);
+  const Result<apps::service::RecognizeQuery> query =
+      apps::service::parse_recognize_query(parameters);
   if (!query) {
     require(query.error().code == ErrorCode::usage, "faults are the client's");
     return require(!query.error().message.empty(), "there is a reason");

@@ -5,11 +5,12 @@
 namespace trivet::fuzz {
 
 void parse_target(std::string_view input) {
-  const Result<apps::Target> target = apps::parse_target(input);
+  const Result<apps::service::Target> target = apps::service::parse_target(input);
   if (!target) return require(target.error().code == ErrorCode::usage, "faults are the client's");
   for (const auto& [name, value] : target->parameters)
     require(target->parameter(name).has_value(), "a parameter is found by its name");
-  const Result<apps::Target> again = apps::parse_target(apps::write_target(*target));
+  const Result<apps::service::Target> again =
+      apps::service::parse_target(apps::service::write_target(*target));
   require(
       again.has_value() && again->path == target->path && again->parameters == target->parameters,
       "what was read can be written");

@@ -8,11 +8,12 @@ void split_form(std::string_view input) {
   const std::size_t line = std::min(input.find('\n'), input.size());
   const std::string_view content_type = input.substr(0, line);
   const std::string_view body = input.substr(std::min(line + 1, input.size()));
-  if (!apps::is_form(content_type)) return;
-  const Result<std::vector<apps::FormPart>> parts = apps::split_form(content_type, body);
+  if (!apps::service::is_form(content_type)) return;
+  const Result<std::vector<apps::service::FormPart>> parts =
+      apps::service::split_form(content_type, body);
   if (!parts) return require(parts.error().code == ErrorCode::bad_data, "faults are the client's");
   const char* last = body.data();
-  for (const apps::FormPart& part : *parts) {
+  for (const apps::service::FormPart& part : *parts) {
     require(part.content.data() >= last &&
                 part.content.data() + part.content.size() <= body.data() + body.size(),
             "parts lie in the body, one behind the other");

@@ -10,7 +10,7 @@
 #include <map>
 #include <optional>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 namespace asio = boost::asio;
@@ -134,4 +134,4 @@ asio::awaitable<HttpOutcome> HttpClient::ask(tcp::endpoint to, const HttpCall& c
   co_return std::move(exchange->outcome);
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -19,7 +19,7 @@
 
 #include "apps/service/http/http_server.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct HttpClientLimits {
   std::size_t max_answer_bytes = 256 << 20;
@@ -67,4 +67,4 @@ class HttpClient {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <random>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr double kMaxDeadlineMs = 3.6e6;
@@ -129,4 +129,4 @@ Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& req
   return std::chrono::steady_clock::now() + deadline;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -10,7 +10,7 @@
 #include "engine/recognition_service.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json);
 /// {"error": reason}; bytes of the reason that are no UTF-8 are replaced.
@@ -36,4 +36,4 @@ std::string trace_parent(const HttpRequest& request);
 Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,
                                                           std::chrono::milliseconds otherwise);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -21,7 +21,7 @@
 #include <map>
 #include <thread>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 namespace asio = boost::asio;
@@ -415,4 +415,4 @@ bool HttpServer::wait_until_idle(std::chrono::steady_clock::time_point deadline)
   return true;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -14,7 +14,7 @@
 
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct HttpLimits {
   std::size_t max_header_bytes = 8192;
@@ -83,4 +83,4 @@ class HttpServer {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

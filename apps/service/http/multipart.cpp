@@ -6,7 +6,7 @@
 #include <cctype>
 #include <optional>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::string_view kForm = "multipart/form-data";
@@ -109,4 +109,4 @@ Result<std::vector<FormPart>> split_form(std::string_view content_type, std::str
   return parts;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

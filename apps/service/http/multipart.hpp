@@ -9,7 +9,7 @@
 
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct FormPart {
   std::string name, file_name;  ///< file_name: empty where there is none
@@ -21,4 +21,4 @@ bool is_form(std::string_view content_type);
 /// Errors: bad_data (what was expected, and the byte).
 Result<std::vector<FormPart>> split_form(std::string_view content_type, std::string_view body);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

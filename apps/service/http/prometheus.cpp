@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 void describe_metric(std::string_view name, std::string_view kind, std::string_view help,
                      std::string& out) {
@@ -33,4 +33,4 @@ void Histogram::write(const std::string& name, const std::string& labels, std::s
                  comma, all, braces, sum);
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

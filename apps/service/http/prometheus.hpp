@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// The lines HELP and TYPE of a metric.
 void describe_metric(std::string_view name, std::string_view kind, std::string_view help,
@@ -29,4 +29,4 @@ struct Histogram {
   void write(const std::string& name, const std::string& labels, std::string& out) const;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <sstream>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 Result<std::string> decode(std::string_view text) {
@@ -79,4 +79,4 @@ std::string write_target(const Target& target) {
   return out;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

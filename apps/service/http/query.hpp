@@ -9,7 +9,7 @@
 
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// Names with values as texts, in their order.
 using Parameters = std::vector<std::pair<std::string, std::string>>;
@@ -26,4 +26,4 @@ Result<Target> parse_target(std::string_view target);
 /// The reverse.
 std::string write_target(const Target& target);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <climits>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::size_t kMaxLines = 4096;
@@ -83,4 +83,4 @@ bool RequestLog::write_line(const std::string& line) const {
   return true;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

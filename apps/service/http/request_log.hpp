@@ -11,7 +11,7 @@
 #include <string_view>
 #include <thread>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// A thread of its own writes, so that a reader that has stopped reading holds up no request: lines
 /// that it has no room for are dropped and counted. Any member may be called from any thread.
@@ -40,4 +40,4 @@ class RequestLog {
   std::thread thread_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

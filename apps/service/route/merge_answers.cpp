@@ -6,7 +6,7 @@
 #include "engine/merge_claims.hpp"
 #include "storage/files/json_file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 using Json = nlohmann::json;
@@ -136,4 +136,4 @@ nlohmann::ordered_json merge_answers(std::span<const ShardAnswer> answers) {
           {"scenes", std::move(scenes)}};
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -9,7 +9,7 @@
 #include "engine/recognize.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// What a shard found in one scene.
 struct ShardScene {
@@ -36,4 +36,4 @@ bool is_of_same_scenes(const ShardAnswer& a, const ShardAnswer& b);
 /// slowest shard, counts those of all. answers  at least one, of the same scenes
 nlohmann::ordered_json merge_answers(std::span<const ShardAnswer> answers);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

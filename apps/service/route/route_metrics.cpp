@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 void RouteMetrics::count_request(const std::string& route, unsigned code) {
   ++requests_[{route, code}];
@@ -51,4 +51,4 @@ std::string RouteMetrics::text(const Gauges& gauges, std::span<const Shard> shar
   return out;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -10,7 +10,7 @@
 #include "apps/service/http/prometheus.hpp"
 #include "apps/service/route/shard.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 class RouteMetrics {
  public:
@@ -32,4 +32,4 @@ class RouteMetrics {
   Histogram request_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

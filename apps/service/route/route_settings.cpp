@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 Setting shards_setting(std::vector<ShardAddress>& shards) {
@@ -53,4 +53,4 @@ SettingFaults faults_of(const RouteSettings& settings) {
   return faults;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -7,7 +7,7 @@
 #include "apps/service/listen_settings.hpp"
 #include "apps/service/route/router.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct RouteSettings {
   std::vector<ShardAddress> shards;
@@ -23,4 +23,4 @@ std::vector<Setting> settings_of(RouteSettings& settings);
 /// What is missing or contradicts itself.
 SettingFaults faults_of(const RouteSettings& settings);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -24,7 +24,7 @@
 #include "apps/service/route/route_metrics.hpp"
 #include "storage/files/json_file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 namespace asio = boost::asio;
@@ -455,4 +455,4 @@ std::optional<HttpResponse> Router::admit(std::string_view target, std::size_t b
 
 void Router::set_closing() { state_->is_closing = true; }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

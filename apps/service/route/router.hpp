@@ -12,7 +12,7 @@
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/route/shard.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct RouterOptions {
   std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
@@ -42,4 +42,4 @@ class Router {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

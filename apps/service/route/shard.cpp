@@ -11,7 +11,7 @@
 
 #include "storage/files/json_file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 namespace asio = boost::asio;
@@ -129,4 +129,4 @@ std::optional<std::string> conflict_of(std::span<const Shard> shards) {
   return std::nullopt;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

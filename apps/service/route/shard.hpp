@@ -13,7 +13,7 @@
 #include "apps/service/http/http_client.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct ShardAddress {
   std::string name;  ///< as it was given: host:port
@@ -63,4 +63,4 @@ class ShardLook {
 /// Why shards cannot answer as one: a model that two hold, or units that differ; none: they can.
 std::optional<std::string> conflict_of(std::span<const Shard> shards);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -4,7 +4,7 @@
 
 #include "apps/inputs/inputs.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 Result<std::vector<Example>> list_examples(const std::string& listing) {
   const Result<Manifest> manifest = read_listing(listing);
@@ -27,4 +27,4 @@ Result<std::vector<Example>> list_examples(const std::string& listing) {
   return examples;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

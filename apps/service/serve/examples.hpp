@@ -7,7 +7,7 @@
 
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct Example {
   std::string name;
@@ -18,4 +18,4 @@ struct Example {
 /// The scenes of a manifest or a BOP data set. Errors: those of read_listing.
 Result<std::vector<Example>> list_examples(const std::string& listing);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -10,7 +10,7 @@
 
 #include "apps/service/serve/json_parameters.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -224,4 +224,4 @@ Json inference_metadata(const std::string& model, std::uint64_t version) {
                                    tensor("models", "BYTES", Json::array({-1}))})}};
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -16,7 +16,7 @@
 #include "storage/points.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// An inference as it was asked for.
 struct InferenceRequest {
@@ -49,4 +49,4 @@ InferenceResponse write_inference(const InferenceRequest& request, const SceneRe
 /// What a client may send and gets.
 nlohmann::ordered_json inference_metadata(const std::string& model, std::uint64_t version);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 std::string text_of(const JsonNode& value) {
@@ -40,4 +40,4 @@ Parameters parameters_of(const JsonNode& object, std::string_view without) {
   return parameters;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

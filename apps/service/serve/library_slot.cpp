@@ -4,7 +4,7 @@
 
 #include "apps/inputs/open_recognizer.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number) {
@@ -55,4 +55,4 @@ void LibrarySlot::work() {
   }
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -13,7 +13,7 @@
 #include "apps/service/serve/metrics.hpp"
 #include "engine/recognition_service.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// What a service answers with.
 struct LibraryFiles {
@@ -51,4 +51,4 @@ class LibrarySlot {
   std::thread thread_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

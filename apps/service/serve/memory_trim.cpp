@@ -2,7 +2,7 @@
 
 #include <malloc.h>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 // It takes a few milliseconds, and the next scene takes pages anew.
@@ -29,4 +29,4 @@ void MemoryTrim::look(bool is_busy) {
   last_ = now;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

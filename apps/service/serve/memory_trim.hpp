@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// The allocator keeps what each thread has freed, as much as its largest scene took and as old
 /// libraries did. One lives as long as the process has work, and is asked a few times a second.
@@ -20,4 +20,4 @@ class MemoryTrim {
   Clock::time_point last_ = Clock::now(), last_busy_ = last_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

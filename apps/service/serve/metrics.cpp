@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 void Metrics::count_request(const std::string& route, unsigned code) {
   const std::lock_guard lock(mutex_);
   ++requests_[{route, code}];
@@ -69,4 +69,4 @@ std::string Metrics::text(const Gauges& gauges) const {
   return out;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

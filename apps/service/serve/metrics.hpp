@@ -9,7 +9,7 @@
 
 #include "apps/service/http/prometheus.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// All members may be called from any thread.
 class Metrics {
@@ -38,4 +38,4 @@ class Metrics {
   Histogram request_, queue_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -5,7 +5,7 @@
 #include "engine/pictures/draw_model.hpp"
 #include "storage/read_cloud.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::uint32_t kWidth = 160;
@@ -49,4 +49,4 @@ Result<std::string> Thumbnails::of(const LibraryGeneration& generation, const Mo
   return bytes;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -11,7 +11,7 @@
 #include "storage/model.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 const Model* find_model(const Library& library, std::string_view name);
 
@@ -31,4 +31,4 @@ class Thumbnails {
   std::map<std::string, std::string> pictures_;
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

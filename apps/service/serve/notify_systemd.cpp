@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 void notify_systemd(std::string_view state) {
   const char* const given = std::getenv("NOTIFY_SOCKET");
@@ -38,4 +38,4 @@ std::optional<std::chrono::microseconds> watchdog_interval() {
   return std::chrono::microseconds(number);
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

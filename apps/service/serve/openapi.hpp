@@ -3,8 +3,8 @@
 
 #include <string_view>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 std::string_view openapi_document();
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// Defined by what cmake/embed.cmake writes.
 std::span<const std::pair<std::string_view, std::string_view>> embedded_page();
@@ -44,4 +44,4 @@ const PageFile* find_page_file(std::string_view path) {
   return found == page_files().end() ? nullptr : &*found;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct PageFile {
   std::string_view path;  ///< within the page, as assets/page.js
@@ -13,4 +13,4 @@ struct PageFile {
 /// Null where there is none; everywhere, where the program was built without the page.
 const PageFile* find_page_file(std::string_view path);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

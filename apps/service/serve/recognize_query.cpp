@@ -9,7 +9,7 @@
 #include "apps/options/recognize_arguments.hpp"
 #include "storage/read_cloud.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::uint32_t kMaxRejected = 100;
@@ -94,4 +94,4 @@ Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& nam
                     {.camera = scene.camera, .max_points = kMaxPoints, .max_pixels = kMaxPoints});
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

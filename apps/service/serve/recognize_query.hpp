@@ -12,7 +12,7 @@
 #include "storage/library.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 /// How a scan is to be read.
 struct ServedScene {
@@ -42,4 +42,4 @@ std::vector<std::string> recognize_parameter_names();
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
                         const ServedScene& scene);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

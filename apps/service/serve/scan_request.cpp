@@ -9,7 +9,7 @@
 #include "apps/service/http/multipart.hpp"
 #include "apps/service/serve/json_parameters.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 constexpr std::size_t kMaxOptionsBytes = 1 << 20;
@@ -141,4 +141,4 @@ Result<ScanRequest> parse_scan_request(HttpRequest& request, Target target) {
   return out;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -11,7 +11,7 @@
 #include "apps/service/serve/recognize_query.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct ScanPart {
   std::string name;        ///< that the client gave the file; its extension tells the format
@@ -34,4 +34,4 @@ struct ScanRequest {
 /// target  the request's, without what is not for the recognition
 Result<ScanRequest> parse_scan_request(HttpRequest& request, Target target);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 ServiceOptions ServeSettings::service() const {
   return {max_waiting, std::size_t{max_waiting_mb} << 20, parallel};
@@ -50,4 +50,4 @@ SettingFaults faults_of(const ServeSettings& settings) {
   return faults;
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

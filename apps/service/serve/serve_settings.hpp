@@ -9,7 +9,7 @@
 #include "apps/service/serve/library_slot.hpp"
 #include "engine/recognition_service.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct ServeSettings {
   std::string library, calibration, examples;
@@ -26,4 +26,4 @@ std::vector<Setting> settings_of(ServeSettings& settings);
 /// What is missing or contradicts itself.
 SettingFaults faults_of(const ServeSettings& settings);
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

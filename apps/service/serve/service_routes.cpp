@@ -20,7 +20,7 @@
 #include "apps/service/serve/scan_request.hpp"
 #include "storage/file.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -508,4 +508,4 @@ void ServiceRoutes::infer(const CallPtr& call, std::string_view rest) {
   });
 }
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

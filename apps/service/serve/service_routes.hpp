@@ -20,7 +20,7 @@
 #include "engine/recognize.hpp"
 #include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 
 struct RouteOptions {
   std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
@@ -94,4 +94,4 @@ class ServiceRoutes {
   std::atomic<bool> is_ready_{false};
 };
 
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

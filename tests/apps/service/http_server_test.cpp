@@ -11,7 +11,7 @@
 
 #include "apps/service/http_client.hpp"
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 using std::chrono::seconds, std::chrono::steady_clock;
@@ -81,4 +81,4 @@ TEST(HttpServer, TellsWhoHasGone) {
 }
 
 }  // namespace
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

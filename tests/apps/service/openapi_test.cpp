@@ -22,7 +22,7 @@ TEST(OpenApi, NamesTheParametersThatAreTaken) {
     EXPECT_EQ(full["name"], name);
     if (full["in"] == "query") described.insert(name);
   }
-  const std::vector<std::string> names = apps::recognize_parameter_names();
+  const std::vector<std::string> names = apps::service::recognize_parameter_names();
   std::set<std::string> taken(names.begin(), names.end());
   taken.insert("format");
   EXPECT_EQ(described, taken);
@@ -30,12 +30,12 @@ TEST(OpenApi, NamesTheParametersThatAreTaken) {
 
 TEST(RecognizeQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
   for (const auto& [value, required] : {std::pair{"", true}, {"true", true}, {"false", false}}) {
-    const auto query = apps::parse_recognize_query({{"require-pose", value}});
+    const auto query = apps::service::parse_recognize_query({{"require-pose", value}});
     ASSERT_TRUE(query) << query.error().message;
     EXPECT_EQ(query->options.require_pose, required) << value;
   }
-  EXPECT_FALSE(apps::parse_recognize_query({})->options.require_pose);
-  EXPECT_FALSE(apps::parse_recognize_query({{"require-pose", "perhaps"}}));
+  EXPECT_FALSE(apps::service::parse_recognize_query({})->options.require_pose);
+  EXPECT_FALSE(apps::service::parse_recognize_query({{"require-pose", "perhaps"}}));
 }
 
 TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
@@ -44,7 +44,7 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
   const auto text = [](const nlohmann::json& value) {
     return value.is_string() ? value.get<std::string>() : value.dump();
   };
-  for (const std::string& name : apps::recognize_parameter_names()) {
+  for (const std::string& name : apps::service::recognize_parameter_names()) {
     const nlohmann::json& schema = document["components"]["parameters"][name]["schema"];
     std::vector<nlohmann::json> good, bad;
     for (const char* const key : {"default", "minimum", "maximum"}) {
@@ -60,11 +60,12 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
     if (schema.contains("exclusiveMinimum")) bad.push_back(schema["exclusiveMinimum"]);
     if (schema.contains("enum")) bad.push_back("other");
     for (const nlohmann::json& value : good) {
-      const auto query = apps::parse_recognize_query({{name, text(value)}});
+      const auto query = apps::service::parse_recognize_query({{name, text(value)}});
       EXPECT_TRUE(query) << name << "=" << value << ": " << query.error().message;
     }
     for (const nlohmann::json& value : bad)
-      EXPECT_FALSE(apps::parse_recognize_query({{name, text(value)}})) << name << "=" << value;
+      EXPECT_FALSE(apps::service::parse_recognize_query({{name, text(value)}}))
+          << name << "=" << value;
   }
 }
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-namespace trivet::apps {
+namespace trivet::apps::service {
 namespace {
 
 TEST(RequestLog, HoldsUpNobodyWhileItsReaderSleeps) {
@@ -47,4 +47,4 @@ TEST(RequestLog, HoldsUpNobodyWhileItsReaderSleeps) {
 }
 
 }  // namespace
-}  // namespace trivet::apps
+}  // namespace trivet::apps::service

@@ -96,16 +96,16 @@ TEST_F(SelectDetections, TellsWhyACandidateIsNotTaken) {
   const engine::Selection selection = engine::select_detections(library_, scene_, all, {});
   EXPECT_EQ(selection.chosen, (std::vector<std::uint32_t>{0, 1}));
   ASSERT_EQ(selection.refused.size(), 3U);
-  const engine::Refusal& between = selection.refused[0];
+  const engine::RejectedCandidate& between = selection.refused[0];
   EXPECT_EQ(between.candidate, 2U);
   EXPECT_EQ(between.reason, Rejection::explained);
   EXPECT_EQ(between.explained_by, 0U);
   EXPECT_FLOAT_EQ(between.explained_share, 0.6F);
-  const engine::Refusal& alone = selection.refused[1];
+  const engine::RejectedCandidate& alone = selection.refused[1];
   EXPECT_EQ(alone.candidate, 3U);
   EXPECT_EQ(alone.reason, Rejection::too_low);
   EXPECT_EQ(alone.explained_by, std::nullopt);
-  const engine::Refusal& beneath = selection.refused[2];
+  const engine::RejectedCandidate& beneath = selection.refused[2];
   EXPECT_EQ(beneath.reason, Rejection::too_low) << "that alone would have refused it";
   EXPECT_EQ(beneath.explained_by, 0U);
   EXPECT_FLOAT_EQ(beneath.explained_share, 1);
@@ -144,10 +144,10 @@ class BestRefused : public SelectDetections {
   std::vector<std::uint32_t> best(const std::vector<Candidate>& candidates,
                                   const std::vector<Candidate>& detections,
                                   std::uint32_t limit) const {
-    std::vector<engine::Refusal> refused;
+    std::vector<engine::RejectedCandidate> refused;
     for (std::uint32_t c = 0; c < candidates.size(); ++c) refused.push_back({c});
     std::vector<std::uint32_t> out;
-    for (const engine::Refusal& refusal :
+    for (const engine::RejectedCandidate& refusal :
          engine::best_refused(library_, candidates, refused, detections, limit)) {
       out.push_back(refusal.candidate);
     }
@@ -167,11 +167,11 @@ TEST_F(BestRefused, LeavesTheBestOfEachModel) {
 TEST_F(BestRefused, PrefersWhatMayBeAFurtherInstance) {
   const std::vector<Candidate> candidates{aside(0, 0.9F, 0), aside(0, 0.4F, 1), aside(0, 0.3F, 2),
                                           aside(1, 0.2F, 3)};
-  const std::vector<engine::Refusal> refused{
+  const std::vector<engine::RejectedCandidate> refused{
       {1, Rejection::too_low, 0, 0.8F}, {2, Rejection::too_low}, {3, Rejection::too_low, 0, 0.8F}};
   const auto best = [&](std::uint32_t limit) {
     Indices out;
-    for (const engine::Refusal& refusal :
+    for (const engine::RejectedCandidate& refusal :
          engine::best_refused(library_, candidates, refused, {&candidates[0], 1}, limit)) {
       out.push_back(refusal.candidate);
     }
