@@ -23,9 +23,9 @@ enum class Improvement : std::uint8_t {
   background,
   explained,
   rays,
-  waves,
+  correlated_noise,
   second_round,
-  rivals,
+  alternatives,
 };
 
 struct ImprovementName {
@@ -56,12 +56,12 @@ inline constexpr std::array<ImprovementName, 15> kImprovements{{
      "a detection must explain pixels that no better one does, not just lie apart from its like"},
     {Improvement::rays, "rays",
      "the last poses are tested ray by ray, and scored by their probability of being right"},
-    {Improvement::waves, "waves",
+    {Improvement::correlated_noise, "correlated-noise",
      "errors that many pixels share are measured on the scene's planes, and count against no pose"},
     {Improvement::second_round, "second-round",
      "a second round votes on what no sure detection explains"},
-    {Improvement::rivals, "rivals",
-     "a detection is held against its near-symmetric rivals where their renderings differ"},
+    {Improvement::alternatives, "alternatives",
+     "a detection is held against its near-symmetric alternatives where their renderings differ"},
 }};
 
 class ImprovementSet {

@@ -121,7 +121,7 @@ struct RecognizeOptions {
   PoseLimits limits{};
   /// Tested before any voting, which is then for what they leave unexplained.
   std::vector<ExpectedPose> expected{};
-  ImprovementSet without{};  ///< left out, to measure what they are worth
+  ImprovementSet ablated{};  ///< left out, to measure what they are worth
   bool operator==(const RecognizeOptions&) const = default;
 };
 
@@ -158,7 +158,7 @@ struct Detection {
   kernels::ScoreParts parts{};  ///< what the score is made of
   /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
   /// detection is ambiguous.
-  std::vector<Pose> rivals{};
+  std::vector<Pose> alternatives{};
   std::vector<std::string> siblings{};  ///< other models that explain as well what is seen here
   Source source = Source::ppf;          ///< that proposed it
   float pose_share = 1;                 ///< of the score, what is this pose's, 0..1

@@ -17,7 +17,7 @@
 namespace trivet::apps {
 namespace {
 
-struct RecognizeArguments {
+struct CommandArguments {
   std::string library, calibration, unit, json, bop_csv, report;
   SceneArguments scenes;
   RecognizeArguments recognize;
@@ -60,7 +60,7 @@ Result<void> recognize_scenes(const Recognizer& recognizer, std::span<SceneInput
   return {};
 }
 
-Result<void> recognize(const RecognizeArguments& arguments, const Context& context) {
+Result<void> recognize(const CommandArguments& arguments, const Context& context) {
   const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.calibration);
   if (!opened) return opened.error();
   const Recognizer& recognizer = *opened;
@@ -120,7 +120,7 @@ Result<void> recognize(const RecognizeArguments& arguments, const Context& conte
 }  // namespace
 
 void add_recognize(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<RecognizeArguments>();
+  auto arguments = std::make_shared<CommandArguments>();
   CLI::App* command = app.add_subcommand("recognize", "Find the models of a library in scenes");
   command->add_option("LIBRARY", arguments->library, "Library file, made by `trivet train`")
       ->required();

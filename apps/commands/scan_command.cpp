@@ -79,7 +79,7 @@ void add_scan(CLI::App& app, Context& context) {
   ScanOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "scan",
-      "Scan heaps of models with a virtual depth sensor\n\n"
+      "Scan piles of models with a virtual depth sensor\n\n"
       "Objects are dropped one after the other and come to rest on one another, without entering\n"
       "each other. A camera of 640 x 480 pixels looks down on them from a random side. The output\n"
       "folder is a BOP data set (models/, camera.json, test/000001/...) and has a manifest.json\n"

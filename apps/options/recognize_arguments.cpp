@@ -110,7 +110,7 @@ void add_recognize_options(CLI::App& command, RecognizeArguments& arguments) {
   command.add_option("--expected", arguments.expected,
                      "Result of an earlier recognition (--json): its poses are tested first, and "
                      "voting is for what they leave unexplained");
-  command.add_option("--without", arguments.without, describe_improvements())
+  command.add_option("--ablate", arguments.ablated, describe_improvements())
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(improvement_names()).description(""));
@@ -147,8 +147,8 @@ Result<RecognizeOptions> options_of(const RecognizeArguments& arguments) {
     options.expected = std::move(*expected);
   }
   for (const ImprovementName& known : kImprovements) {
-    if (std::ranges::find(arguments.without, known.name) != arguments.without.end())
-      options.without.insert(known.improvement);
+    if (std::ranges::find(arguments.ablated, known.name) != arguments.ablated.end())
+      options.ablated.insert(known.improvement);
   }
   return options;
 }

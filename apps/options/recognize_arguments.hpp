@@ -14,7 +14,7 @@ namespace trivet::apps {
 struct RecognizeArguments {
   std::string method = "fused", preset = "balanced", models, expected, keypoints = "uniform",
               grouping = "frames";
-  std::vector<std::string> without;  ///< names of improvements
+  std::vector<std::string> ablated;  ///< names of improvements
   std::vector<float> region, tilt;
   std::optional<float> min_score, reference_share, neighbor_share, max_distance, max_ratio,
       keypoint_spacing, max_lean, min_cluster_share, normal_window;

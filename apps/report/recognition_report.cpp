@@ -27,7 +27,7 @@ std::string headline(const RecognitionReport& report) {
     seconds += result.stats.total_seconds;
     for (const Detection& detection : result.detections) {
       models.insert(detection.model);
-      ambiguous += detection.rivals.empty() ? 0 : 1;
+      ambiguous += detection.alternatives.empty() ? 0 : 1;
     }
   }
   std::string out =

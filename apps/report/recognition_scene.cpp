@@ -169,8 +169,8 @@ std::string table(std::string_view title, std::string_view head, const std::stri
 /// What the scan cannot tell a detection from: "2 other poses; can_1".
 std::string other_than(const Detection& detection) {
   std::string out;
-  if (!detection.rivals.empty())
-    out = counted(detection.rivals.size(), "other pose", "other poses");
+  if (!detection.alternatives.empty())
+    out = counted(detection.alternatives.size(), "other pose", "other poses");
   for (const std::string& sibling : detection.siblings)
     out += (out.empty() ? "" : "; ") + escape_html(sibling);
   return out;
@@ -299,7 +299,7 @@ std::string caption(const Subject& subject) {
   const SceneResult& result = subject.result;
   const auto ambiguous =
       std::count_if(result.detections.begin(), result.detections.end(),
-                    [](const Detection& detection) { return !detection.rivals.empty(); });
+                    [](const Detection& detection) { return !detection.alternatives.empty(); });
   std::string out =
       fmt::format("<b>{}</b><span class=\"{}\">{} found</span>",
                   escape_html(subject.input.file.filename().string()),

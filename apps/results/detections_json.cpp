@@ -66,9 +66,9 @@ nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score,
   return json;
 }
 
-nlohmann::ordered_json rivals_json(const std::vector<Pose>& rivals) {
+nlohmann::ordered_json alternatives_json(const std::vector<Pose>& alternatives) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const Pose& rival : rivals) json.push_back(matrix_json(rival));
+  for (const Pose& alternative : alternatives) json.push_back(matrix_json(alternative));
   return json;
 }
 
@@ -88,7 +88,7 @@ nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& se
   if (!sensor) return nullptr;
   return {{"range", sensor->range},
           {"noise", sensor->noise},
-          {"shared", sensor->waviness.height},
+          {"correlated_noise", sensor->correlated_noise.height},
           {"exponent", sensor->exponent},
           {"correlation", sensor->correlation},
           {"edge_pixels", sensor->edge_pixels()}};
@@ -181,10 +181,10 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"parts", parts_json(detection.parts)},
                           {"evidence", evidence_json(score, detection.parts)},
                           {"alone", kernels::pose_probability(score, detection.parts)},
-                          {"ambiguous", !detection.rivals.empty()},
+                          {"ambiguous", !detection.alternatives.empty()},
                           {"pose_share", detection.pose_share},
                           {"turns", turns_json(detection.turns)},
-                          {"rivals", rivals_json(detection.rivals)},
+                          {"alternatives", alternatives_json(detection.alternatives)},
                           {"siblings", detection.siblings},
                           {"method", name_of(detection.source)}});
   }

@@ -74,8 +74,8 @@ constexpr std::array<Entry, 17> kEntries{{
        return fmt::format("its surface is inclined by {:.0f}° to the measured one",
                           kDegreesPerRadian * std::max(0.0F, std::exp(v) - 0.02F));
      }},
-    {"hold",
-     {"hold", "how firmly the seen surface keeps the model from sliding and turning"},
+    {"stability",
+     {"stability", "how firmly the seen surface keeps the model from sliding and turning"},
      [](float) { return std::string("what is seen of it would let it slide or turn"); }},
     {"consistent",
      {"agreement", "share of its silhouette that was measured where the model says"},

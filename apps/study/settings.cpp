@@ -184,7 +184,7 @@ constexpr std::array kSettings{
     setting<FIELD(recognize.match.weigh_by_ratio)>("recognize.weigh-by-ratio",
                                                    "matches weighed by their ratio"),
     setting<FIELD(recognize.match.grouping)>("recognize.grouping", "grouping of matches"),
-    setting<FIELD(recognize.without)>("recognize.without", "left out"),
+    setting<FIELD(recognize.ablate)>("recognize.ablate", "left out"),
 };
 
 #undef FIELD

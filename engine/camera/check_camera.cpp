@@ -34,7 +34,7 @@ std::vector<SureObject> sure_objects(const Library& library, const PreparedScene
   std::vector<SureObject> objects;
   const Pose& T_camera_scene = scene.images.front().geometry.T_camera_scene;
   for (const Candidate& candidate : found) {
-    if (candidate.score < kSureScore || !candidate.rivals.empty()) continue;
+    if (candidate.score < kSureScore || !candidate.alternatives.empty()) continue;
     const Pose pose = T_camera_scene * candidate.T_scene_model;
     const float range = (pose * library.models[candidate.model].center).z();
     kernels::ScaleOptions options;

@@ -32,7 +32,7 @@ Manifest with_near_axes(Manifest manifest, const Library& library) {
 Result<void> add_outcomes(const Recognizer& recognizer, const Manifest& manifest,
                           RecognizeOptions options, const Progress& progress, Outcomes& outcomes) {
   options.doubtful_score = 0;
-  options.without.insert(Improvement::rivals);  // the score is what the poses of choice get
+  options.ablated.insert(Improvement::alternatives);  // the score is what the poses of choice get
   std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
   const Result<void> done = recognize_all(
       recognizer, scenes_of(manifest, recognizer.library().header.unit), options, progress,

@@ -164,8 +164,8 @@ void find_dominant_planes(kernels::RangeImage& image, const RecognizeOptions& op
     kernels::label_planes(at, scene.planes, scene.plane_tolerance,
                           std::span(image.near_plane).subspan(row, geometry.width));
   }
-  if (!options.without.contains(Improvement::waves))
-    scene.sensor.waviness = kernels::measure_waviness(
+  if (!options.ablated.contains(Improvement::correlated_noise))
+    scene.sensor.correlated_noise = kernels::measure_correlated_noise(
         image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
   for (kernels::Plane& plane : scene.planes) {
@@ -175,7 +175,8 @@ void find_dominant_planes(kernels::RangeImage& image, const RecognizeOptions& op
   }
 }
 
-/// How the sensor errs by range and from pixel to pixel; noise and waviness are measured already.
+/// How the sensor errs by range and from pixel to pixel; noise and correlated noise are measured
+/// already.
 void measure_sensor(const kernels::RangeImage& image, const RecognizeOptions& options,
                     kernels::SensorModel& sensor) {
   std::vector<float> ranges;
@@ -183,7 +184,7 @@ void measure_sensor(const kernels::RangeImage& image, const RecognizeOptions& op
     if (d > 0) ranges.push_back(d);
   }
   sensor.range = kernels::median(std::span(ranges));
-  if (options.without.contains(Improvement::waves)) return;
+  if (options.ablated.contains(Improvement::correlated_noise)) return;
   const std::size_t height = image.geometry.height;
   std::vector<std::vector<kernels::SmoothPatch>> rows((height + kRowGrain - 1) / kRowGrain);
   for_each_index(rows.size(), [&](std::size_t k) {
@@ -385,7 +386,7 @@ std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float di
 }
 
 SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                         ImprovementSet without) {
+                         ImprovementSet ablated) {
   SceneSample sample;
   sample.step = step;
   sample.largest_diameter = largest_diameter;
@@ -394,7 +395,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   kernels::SubsampleScratch scratch;
   kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
                                 normals, scratch);
-  if (without.contains(Improvement::planes)) {
+  if (ablated.contains(Improvement::planes)) {
     sample.points = std::move(points);
     sample.normals = std::move(normals);
     return sample;

@@ -46,7 +46,7 @@ struct SceneSample {
 
 /// Sample a scene at `step`. Points on planes larger than the largest model stay out.
 SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                         ImprovementSet without = {});
+                         ImprovementSet ablated = {});
 
 /// Whether a scene point lies on a marked pixel of some image, within `tolerance` of what that
 /// pixel measured.

@@ -11,7 +11,7 @@
 
 #include "engine/camera/check_camera.hpp"
 #include "engine/common/check_range.hpp"
-#include "engine/recognition/leave_out.hpp"
+#include "engine/recognition/ablate.hpp"
 #include "engine/recognition/scene_search.hpp"
 #include "kernels/pair_features/vote.hpp"
 
@@ -115,7 +115,7 @@ Pose in_file_unit(Pose pose, double scene_scale) {
 }
 
 kernels::SensorModel in_file_unit(kernels::SensorModel sensor, double scene_scale) {
-  for (float* const length : {&sensor.range, &sensor.noise, &sensor.waviness.height})
+  for (float* const length : {&sensor.range, &sensor.noise, &sensor.correlated_noise.height})
     *length /= static_cast<float>(scene_scale);
   return sensor;
 }
@@ -136,8 +136,8 @@ Detection report(const Library& library, const engine::Candidate& candidate, dou
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
   detection.rmse = std::sqrt(e.residual) * candidate.tolerance / static_cast<float>(scene_scale);
   detection.parts = candidate.parts;
-  for (const Pose& rival : candidate.rivals)
-    detection.rivals.push_back(in_file_unit(rival, scene_scale));
+  for (const Pose& alternative : candidate.alternatives)
+    detection.alternatives.push_back(in_file_unit(alternative, scene_scale));
   for (const std::uint32_t sibling : candidate.siblings)
     detection.siblings.push_back(library.models[sibling].name);
   detection.pose_share = candidate.pose_share;
@@ -192,7 +192,7 @@ SceneClaims report_claims(const Library& library, const PreparedScene& scene,
     const engine::Candidate& candidate = search.candidates()[c];
     const Model& model = library.models[candidate.model];
     PoseClaim claim{model.name, engine::rank_of(model, candidate, options), {}};
-    if (!options.without.contains(Improvement::explained)) claim.explained = candidate.explained;
+    if (!options.ablated.contains(Improvement::explained)) claim.explained = candidate.explained;
     claims.poses.push_back(std::move(claim));
   }
   return claims;
@@ -206,7 +206,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e9"};
-  const RecognizeOptions options = engine::leave_out(asked);
+  const RecognizeOptions options = engine::ablate(asked);
   const Library& library = recognizer.library();
   if (const Result<void> trained = check_methods(library, options.method); !trained)
     return trained.error();
@@ -231,7 +231,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
     if (const Result<void> done = search.search(round); !done) return done.error();
   }
-  // As they were chosen: rivals change scores, and move poses.
+  // As they were chosen: alternatives change scores, and move poses.
   const std::vector<std::uint32_t> taken = taken_of(search.selection());
   if (options.tell_claims) result.claims = report_claims(library, *scene, search, taken, options);
   const Result<std::vector<engine::Candidate>> chosen = search.chosen();

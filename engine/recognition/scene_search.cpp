@@ -7,7 +7,7 @@
 #include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
 #include "engine/verification/other_answers.hpp"
-#include "engine/verification/settle_rivals.hpp"
+#include "engine/verification/settle_alternatives.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -134,7 +134,7 @@ Result<void> SceneSearch::settle(const AllProposals& proposals) {
 
 Result<std::vector<Candidate>> SceneSearch::chosen() {
   const std::vector<std::uint32_t> before = std::exchange(selection_.chosen, {});
-  Result<std::vector<Candidate>> settled = settle_rivals(before);
+  Result<std::vector<Candidate>> settled = settle_alternatives(before);
   if (!settled) return settled.error();
   std::vector<Candidate> out;
   for (std::size_t k = 0; k < before.size(); ++k) {
@@ -162,20 +162,22 @@ Result<std::vector<Candidate>> SceneSearch::chosen() {
 SceneSample SceneSearch::sample(float step, std::span<const std::uint32_t> models) const {
   float largest = 0;
   for (const std::uint32_t m : models) largest = std::max(largest, library_.models[m].diameter);
-  return sample_scene(scene_, step, largest, options_.without);
+  return sample_scene(scene_, step, largest, options_.ablated);
 }
 
-Result<std::vector<Candidate>> SceneSearch::settle_rivals(std::span<const std::uint32_t> chosen) {
-  const StageTimer timer(stats_.times, "rivals");
+Result<std::vector<Candidate>> SceneSearch::settle_alternatives(
+    std::span<const std::uint32_t> chosen) {
+  const StageTimer timer(stats_.times, "alternatives");
   std::vector<Candidate> settled(chosen.size());
   for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
-  if (options_.without.contains(Improvement::rivals)) return settled;
+  if (options_.ablated.contains(Improvement::alternatives)) return settled;
   const OtherAnswers others(recognizer_, scene_, candidates_, options_);
   std::vector<Result<void>> results(chosen.size());
   for_each_index(chosen.size(), [&](std::size_t k) {
     const Model& model = library_.models[settled[k].model];
-    results[k] = engine::settle_rivals(recognizer_, scene_, model.ppf.quantization.distance_step,
-                                       candidates_, options_, settled[k]);
+    results[k] =
+        engine::settle_alternatives(recognizer_, scene_, model.ppf.quantization.distance_step,
+                                    candidates_, options_, settled[k]);
     if (results[k]) results[k] = others.weigh(chosen[k], settled[k]);
   });
   for (const Result<void>& result : results) {

@@ -34,8 +34,8 @@ class SceneSearch {
   /// (stopped).
   Result<void> search(std::uint32_t round);
 
-  /// The chosen candidates in the order of choice, held against their rivals. Those that move to
-  /// where another one lies are refused, and those below the scores that are asked for. Errors:
+  /// The chosen candidates in the order of choice, held against their alternatives. Those that move
+  /// to where another one lies are refused, and those below the scores that are asked for. Errors:
   /// internal.
   Result<std::vector<Candidate>> chosen();
 
@@ -50,7 +50,7 @@ class SceneSearch {
   void match(AllProposals& proposals);
   Result<void> settle(const AllProposals& proposals);
   SceneSample sample(float step, std::span<const std::uint32_t> models) const;
-  Result<std::vector<Candidate>> settle_rivals(std::span<const std::uint32_t> chosen);
+  Result<std::vector<Candidate>> settle_alternatives(std::span<const std::uint32_t> chosen);
   /// Whether matches propose a pose that votes had the chance to propose and did not.
   bool is_beside_votes(const Candidate& candidate) const;
   bool lies_at_one_of(std::span<const Candidate> better, const Candidate& candidate) const;

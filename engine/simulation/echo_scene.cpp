@@ -10,8 +10,8 @@
 
 #include "engine/common/parallel.hpp"
 #include "kernels/simulation/filter_image.hpp"
+#include "kernels/simulation/noise_field.hpp"
 #include "kernels/simulation/sensor_noise.hpp"
-#include "kernels/simulation/wave_field.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -32,7 +32,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 enum Item : std::uint64_t {
   kNoiseItem = 6ULL << 40,
   kBounceItem = 7ULL << 40,
-  kWaveItem = 8ULL << 40,
+  kNoiseFieldItem = 8ULL << 40,
   kPatchItem = 9ULL << 40,
   kWiggleItem = 10ULL << 40
 };
@@ -208,8 +208,8 @@ std::vector<float> echo_scene(const kernels::RayScene& rays, const Camera& camer
     });
   };
 
-  const kernels::WaveField print(image.width, image.height, flaws.patch_length_pixel, seed, stream,
-                                 kPatchItem);
+  const kernels::NoiseField print(image.width, image.height, flaws.patch_length_pixel, seed, stream,
+                                  kPatchItem);
   std::optional<BouncedLight> bounced;
   if (flaw.multipath > 0) bounced.emplace(echoes, image, seed, stream);
   for_pixels([&](std::size_t i) {
@@ -239,8 +239,8 @@ std::vector<float> echo_scene(const kernels::RayScene& rays, const Camera& camer
         [&](std::size_t i) { light[i] = blurred(next, i, i / width, height, width, weights); });
   }
 
-  const kernels::WaveField waves(image.width, image.height, flaw.wave_length_pixel, seed, stream,
-                                 kWaveItem);
+  const kernels::NoiseField waves(image.width, image.height, flaw.wave_length_pixel, seed, stream,
+                                  kNoiseFieldItem);
   const double phase = CounterRandom(seed, stream, kWiggleItem).uniform(0, kTurn),
                strength = static_cast<double>(options.noise) * flaw.noise,
                white = strength / std::sqrt(flaw.frames);

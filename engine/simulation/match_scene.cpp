@@ -8,8 +8,8 @@
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/filter_image.hpp"
 #include "kernels/simulation/match_windows.hpp"
+#include "kernels/simulation/noise_field.hpp"
 #include "kernels/simulation/sensor_noise.hpp"
-#include "kernels/simulation/wave_field.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -39,7 +39,8 @@ class Matcher {
         fb_(camera.fx * baseline(flaws.match, options.sensor)),
         light_((flaws.match.light_on_left ? -1 : 1) * baseline(flaws.match, options.sensor), 0, 0),
         min_cosine_(std::cos(flaws.match.steepest_degree * kDegree)),
-        waves_(image.width, image.height, flaws.match.wave_length_pixel, seed, stream, kWaveItem),
+        waves_(image.width, image.height, flaws.match.wave_length_pixel, seed, stream,
+               kNoiseFieldItem),
         print_(image.width, image.height, flaws.patch_length_pixel, seed, stream, kPatchItem) {
     // The frames' own part of the noise falls with their number.
     const double noise = static_cast<double>(options.noise) * match_.noise_pixel,
@@ -90,7 +91,7 @@ class Matcher {
   enum Item : std::uint64_t {
     kDotItem = 1ULL << 40,
     kWhiteItem = 2ULL << 40,
-    kWaveItem = 3ULL << 40,
+    kNoiseFieldItem = 3ULL << 40,
     kPatchItem = 4ULL << 40,
     kRippleItem = 5ULL << 40
   };
@@ -127,7 +128,7 @@ class Matcher {
   double fb_;       // focal length times baseline [pixel m]
   Vector3d light_;  // the projector or second camera
   double min_cosine_;
-  kernels::WaveField waves_, print_;
+  kernels::NoiseField waves_, print_;
   double pattern_noise_, frame_noise_, white_noise_, wave_height_, ripple_phase_, step_pixel_;
 };
 

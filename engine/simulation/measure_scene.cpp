@@ -13,8 +13,8 @@
 #include "engine/simulation/match_scene.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/scans/render_depth.hpp"
+#include "kernels/simulation/noise_field.hpp"
 #include "kernels/simulation/sensor_noise.hpp"
-#include "kernels/simulation/wave_field.hpp"
 #include "kernels/surfaces/visibility.hpp"
 
 namespace trivet {
@@ -42,7 +42,7 @@ constexpr double kEdgeJump = 5;  // of a laser's line, in its widths
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
 constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
-constexpr std::uint64_t kWaveItem = 15ULL << 40, kHoleItem = 16ULL << 40;
+constexpr std::uint64_t kNoiseFieldItem = 15ULL << 40, kHoleItem = 16ULL << 40;
 
 /// Everything that one pixel's measurement looks at.
 class Pixels {
@@ -64,7 +64,8 @@ class Pixels {
         beam_m_(line.beam_m) {
     if (line.wave > 0) {
       wave_height_ = line.wave;
-      waves_.emplace(image.width, image.height, line.wave_length_pixel, seed, stream, kWaveItem);
+      waves_.emplace(image.width, image.height, line.wave_length_pixel, seed, stream,
+                     kNoiseFieldItem);
     }
   }
 
@@ -147,7 +148,7 @@ class Pixels {
   double noise_;
   const SensorTraits& traits_;
   double disparity_step_, beam_m_, wave_height_ = 0;
-  std::optional<kernels::WaveField> waves_;
+  std::optional<kernels::NoiseField> waves_;
 };
 
 /// What becomes of measured depths on their way into the file.

@@ -8,7 +8,7 @@
 
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/descend.hpp"
-#include "kernels/simulation/heap.hpp"
+#include "kernels/simulation/pile.hpp"
 #include "kernels/surfaces/diameter.hpp"
 
 namespace trivet::engine {
@@ -17,15 +17,15 @@ namespace {
 using Eigen::Vector3d;
 using kernels::Contact;
 using kernels::CounterRandom;
-using kernels::Heap;
 using kernels::Motion;
+using kernels::Pile;
 
 constexpr int kThrows = 6;           // of which the one that lies lowest is taken
 constexpr int kShakes = 2;           // tries to come lower from where a body rests
 constexpr int kMaxSteps = 120;       // landings until a body rests
 constexpr int kDodges = 8;           // directions of sidesteps
 constexpr double kFriction = 0.4;    // of plastic and steel on one another
-constexpr double kHeapRadius = 0.3;  // in the root of the sum of squared diameters
+constexpr double kPileRadius = 0.3;  // in the root of the sum of squared diameters
 constexpr double kBinHalf = 0.28;    // the same
 constexpr double kBinAspect = 1.12;  // root of length by width
 constexpr double kCell = 1.0 / 96;   // in the largest diameter
@@ -46,10 +46,10 @@ Eigen::Quaterniond random_rotation(CounterRandom& random) {
 }
 
 /// One body on its way to rest.
-class Faller {
+class DroppedBody {
  public:
-  Faller(const Heap& heap, const Body& body, double limit)
-      : heap_(heap), body_(body), limit_(limit), vertices_(body.vertices.size()) {}
+  DroppedBody(const Pile& pile, const Body& body, double limit)
+      : pile_(pile), body_(body), limit_(limit), vertices_(body.vertices.size()) {}
 
   struct State {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -69,7 +69,7 @@ class Faller {
   void land(State& state, double reach) {
     const Pose from = pose(state);
     for (std::size_t i = 0; i < vertices_.size(); ++i) vertices_.set(i, from * body_.vertices[i]);
-    state.center += heap_.land(vertices_, *body_.triangles, reach, scratch_, state.contacts);
+    state.center += pile_.land(vertices_, *body_.triangles, reach, scratch_, state.contacts);
   }
 
   /// Move a state that has landed along gravity, with friction, until it rests.
@@ -167,11 +167,11 @@ class Faller {
     return out;
   }
 
-  const Heap& heap_;
+  const Pile& pile_;
   const Body& body_;
   double limit_;
   Points vertices_;
-  Heap::Scratch scratch_;
+  Pile::Scratch scratch_;
 };
 
 /// Root of the sum of the squared diameters.
@@ -235,17 +235,17 @@ std::vector<PlacedBody> pile_up(std::span<const Body> bodies, std::span<const st
                                 const BinSize& bin, std::uint64_t seed, std::uint64_t stream) {
   if (order.empty()) return {};
   CounterRandom random(seed, stream, 0);
-  const double largest = largest_of(bodies, order), radius = kHeapRadius * size_of(bodies, order);
+  const double largest = largest_of(bodies, order), radius = kPileRadius * size_of(bodies, order);
   const double limit = std::min(radius + 2 * largest, bin.maxCoeff() + largest);
-  Heap heap(limit + largest, kCell * largest, bin);
+  Pile pile(limit + largest, kCell * largest, bin);
 
   std::vector<PlacedBody> placed;
   for (const std::uint32_t index : order) {
     const Body& body = bodies[index];
-    Faller faller(heap, body, limit);
-    Faller::State best;
+    DroppedBody dropped(pile, body, limit);
+    DroppedBody::State best;
     for (int i = 0; i < kThrows; ++i) {
-      Faller::State state;
+      DroppedBody::State state;
       state.rotation = random_rotation(random);
       const double r = radius * std::sqrt(random.uniform()),
                    a = random.uniform(0, 2 * std::numbers::pi);
@@ -253,18 +253,18 @@ std::vector<PlacedBody> pile_up(std::span<const Body> bodies, std::span<const st
       for (int k = 0; k < 2; ++k) {
         if (std::isfinite(bin[k])) state.center[k] = random.uniform(-bin[k], bin[k]);
       }
-      faller.land(state, 0);
+      dropped.land(state, 0);
       if (i == 0 || state.center.z() < best.center.z()) std::swap(best, state);
     }
-    faller.settle(best);
-    for (int i = 0; i < kShakes; ++i) faller.shake(best, random);
-    faller.land(best, 0);  // as the pose's floats say
-    placed.push_back({index, faller.pose(best)});
+    dropped.settle(best);
+    for (int i = 0; i < kShakes; ++i) dropped.shake(best, random);
+    dropped.land(best, 0);  // as the pose's floats say
+    placed.push_back({index, dropped.pose(best)});
     Points world(body.vertices.size());
     for (std::size_t i = 0; i < world.size(); ++i) {
       world.set(i, placed.back().T_world_body * body.vertices[i]);
     }
-    heap.add(world, *body.triangles);
+    pile.add(world, *body.triangles);
   }
   return placed;
 }

@@ -1,4 +1,4 @@
-/// Throw bodies on a heap, where they come to rest.
+/// Throw bodies on a pile, where they come to rest.
 #pragma once
 
 #include <cstdint>
@@ -44,9 +44,9 @@ BinSize choose_bin(std::span<const Body> bodies, std::span<const std::uint32_t> 
 /// bodies        each at least a triangle
 /// order         which to drop, as indices
 /// bin           walls, of any height; wider than each body's diameter
-/// seed, stream  give the heap; another stream of one seed is another heap
+/// seed, stream  give the pile; another stream of one seed is another pile
 /// Returns one a drop. Nothing enters anything, and each body touches what holds it, both to the
-/// rounding of its coordinates (kernels::Heap). Bodies come from above and do not move again: none
+/// rounding of its coordinates (kernels::Pile). Bodies come from above and do not move again: none
 /// slips under another or pushes it away.
 std::vector<PlacedBody> pile_up(std::span<const Body> bodies, std::span<const std::uint32_t> order,
                                 const BinSize& bin, std::uint64_t seed, std::uint64_t stream);

@@ -1,4 +1,4 @@
-/// A virtual depth sensor above heaps of known objects: scenes of which the truth is known exactly.
+/// A virtual depth sensor above piles of known objects: scenes of which the truth is known exactly.
 #pragma once
 
 #include <cstdint>
@@ -27,13 +27,13 @@ struct ScanOptions {
   std::uint32_t num_clutter = 0;    ///< other parts among them, in no truth, 0..200
   std::uint64_t seed = 1;           ///< other seeds give other scenes
   bool bin = false;                 ///< in an open box instead of on a table
-  bool walls = false;               ///< a corner of two walls behind the heap
+  bool walls = false;               ///< a corner of two walls behind the pile
   /// The objects differ from their models by smooth deviations, root mean square of so many
   /// diameters, 0..0.05.
   double deviation = 0;
   SensorOptions sensor{};
   /// Draw for each scene how its sensor falls short of the ideal one (engine::draw_flaws), its
-  /// focal length, 1 to 2.5 times the distance that frames the heap, and what stands around; for
+  /// focal length, 1 to 2.5 times the distance that frames the pile, and what stands around; for
   /// the set the width of the image.
   bool randomize = false;
   bool operator==(const ScanOptions&) const = default;
@@ -103,7 +103,7 @@ class VirtualScanner {
   VirtualScanner& operator=(VirtualScanner&&) noexcept;
   ~VirtualScanner();
 
-  /// Scan models at rest in a heap, on the ground or in a bin (engine::pile_up), with a camera that
+  /// Scan models at rest in a pile, on the ground or in a bin (engine::pile_up), with a camera that
   /// looks down on them from a random side.
   ///
   /// index  of the scene; every scene is the same whichever others are scanned
@@ -112,7 +112,7 @@ class VirtualScanner {
   /// degrees steep, stands for the patch z^2 / (fx fy |normal . ray|) that it sees. Instances with
   /// less than 15 % or 300 pixels visible are to be ignored. Any number of threads may scan at the
   /// same time.
-  /// Errors: usage (a heap beyond the sensor's range), internal (ray tracing).
+  /// Errors: usage (a pile beyond the sensor's range), internal (ray tracing).
   Result<RenderedScene> scan(std::uint32_t index) const;
 
  private:

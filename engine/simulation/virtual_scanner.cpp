@@ -27,17 +27,17 @@ using kernels::CounterRandom;
 using kernels::RayScene;
 
 constexpr double kFocal = 572;         // [pixel], as of a Kinect or PrimeSense
-constexpr double kFilledShare = 0.85;  // of the image's width or height, by the heap
+constexpr double kFilledShare = 0.85;  // of the image's width or height, by the pile
 constexpr double kMinVisible = 0.15;   // instances of which less is seen are ignored
 constexpr int kMinVisiblePixels = 300;
-constexpr double kBinHeight = 0.5;                               // in the heap's height
+constexpr double kBinHeight = 0.5;                               // in the pile's height
 constexpr double kBinThickness = 0.005;                          // [m]
-constexpr double kWallDistance = 0.02;                           // [m] behind the heap
+constexpr double kWallDistance = 0.02;                           // [m] behind the pile
 constexpr std::size_t kClutterKinds = 12;                        // at most
 constexpr double kSmallestClutter = 0.5, kLargestClutter = 1.1;  // in the models' mean diameter
 constexpr std::uint64_t kClutterSeed = 0xC1C7;                   // other parts than the models
 enum Item : std::uint64_t {
-  kHeap,
+  kPile,
   kCamera,
   kChoice,
   kFinish,
@@ -49,8 +49,8 @@ enum Item : std::uint64_t {
 
 // What is drawn for a scene under ScanOptions::randomize.
 constexpr double kShortestFocal = 400, kLongestFocal = 1000;  // [pixel]
-constexpr double kFarthestView = 2.5;                         // in the nearest that frames the heap
-constexpr double kOfRange = 0.95;                             // the heap lies within so much of it
+constexpr double kFarthestView = 2.5;                         // in the nearest that frames the pile
+constexpr double kOfRange = 0.95;                             // the pile lies within so much of it
 constexpr std::uint32_t kWideScan = 848;                      // columns of half of the sets
 constexpr double kGlossyShare = 0.25;                         // of objects that are not of metal
 constexpr double kBlackShare = 0.15;                          // of objects
@@ -116,7 +116,7 @@ void add_ground(double half_side, Sheet& sheet) {
             {-half_side, half_side, 0});
 }
 
-/// Walls half as high as the heap, and as high as anything leans on them.
+/// Walls half as high as the pile, and as high as anything leans on them.
 double bin_height(const Points& points, const engine::BinSize& half) {
   double top = 0, leaning = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -165,7 +165,7 @@ void add_walls(const Points& points, const Pose& T_camera_world, double half_sid
   }
 }
 
-/// Everything on the heap, in the world.
+/// Everything on the pile, in the world.
 Points surface_points(std::span<const Body> bodies, std::span<const PlacedBody> placed) {
   Points points;
   for (const PlacedBody& instance : placed) {
@@ -185,7 +185,7 @@ struct Setting {
   Elevations elevations;
   double nearest, farthest;  // [m] that the sensor measures
   double retreat = 1;        // the camera stands so many times farther than it could, within range
-  double off_u = 0, off_v = 0;  // the heap is so far from the image's middle, -1..1 of what it can
+  double off_u = 0, off_v = 0;  // the pile is so far from the image's middle, -1..1 of what it can
 };
 
 /// A camera that looks down on the points from a random side, as near as it sees them all with some
@@ -208,7 +208,7 @@ Pose place_camera(const Points& points, const Camera& camera, const Setting& set
   const double width = kFilledShare * camera.cx / camera.fx,
                height = kFilledShare * camera.cy / camera.fy;
   double distance = 0;  // from the camera to the middle
-  double depth = 0;     // of the heap beyond the middle
+  double depth = 0;     // of the pile beyond the middle
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d p = axes * points[i].cast<double>() - middle;
     distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(),
@@ -227,7 +227,7 @@ Pose place_camera(const Points& points, const Camera& camera, const Setting& set
   return T_camera_world;
 }
 
-/// A table that ends a little beyond the heap, on a floor, before a wall.
+/// A table that ends a little beyond the pile, on a floor, before a wall.
 void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& random,
               Sheet& sheet) {
   Eigen::AlignedBox3d box;
@@ -441,7 +441,7 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   const auto range = static_cast<double>(farthest);
   if (range > sensor.farthest) {
     return Error{ErrorCode::usage,
-                 fmt::format("scene {}: expected a heap that the sensor sees from within {} m, "
+                 fmt::format("scene {}: expected a pile that the sensor sees from within {} m, "
                              "found one that it takes {:.3g} m to see; give the models' unit with "
                              "--unit, a size with --diameter, or another --sensor",
                              index, sensor.farthest, range)};

@@ -24,8 +24,8 @@ struct Candidate {
   float score = 0;                     ///< probability of being right, 0..1
   kernels::ExplainedPixels explained;  ///< over all images
   // What the scan cannot tell from this pose.
-  std::vector<Pose> rivals;
-  float pose_share = 1;  ///< of the score that is this pose's, the rest its rivals', 0..1
+  std::vector<Pose> alternatives;
+  float pose_share = 1;  ///< of the score that is this pose's, the rest its alternatives', 0..1
   std::vector<std::uint32_t> siblings;  ///< models that it may be as well
   std::optional<TurnExtent> turns;  ///< about the model's near axis, if more than one is as likely
 };

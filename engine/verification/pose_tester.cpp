@@ -13,9 +13,9 @@ constexpr std::size_t kRefineSamples = 500;
 constexpr float kMostViolation = 0.15F;
 // Of the diameter: what is thinner than twice it must not be all edge.
 constexpr float kMostEdge = 0.06F;
-// Of the noise: waves of real depth cameras are higher than it, what windows leave of independent
-// noise is a twentieth.
-constexpr float kWavy = 0.25F;
+// Of the noise: correlated noise of real depth cameras is higher than it, what windows leave of
+// independent noise is a twentieth.
+constexpr float kCorrelated = 0.25F;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ kernels::ModelSamples samples_of(const Model& model) noexcept {
 PoseTester::PoseTester(const Model& model, const PreparedScene& scene, float step,
                        const RecognizeOptions& options)
     : model_(model), scene_(scene), step_(step), options_(options), samples_(samples_of(model)) {
-  if (!left_out(Improvement::background)) background_ = background_planes(scene, model.diameter);
+  if (!is_ablated(Improvement::background)) background_ = background_planes(scene, model.diameter);
 }
 
 float PoseTester::range_of(const Pose& pose) const {
@@ -43,10 +43,10 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
 }
 
 kernels::MeasurementErrors PoseTester::errors_of(const Pose& pose) const {
-  // In waves, half a patch of the windows that they are measured in errs alike.
+  // In correlated noise, half a patch of the windows that they are measured in errs alike.
   const int window = 2 * static_cast<int>(std::lround(scene_.window)) + 1;
-  const bool wavy = scene_.sensor.waviness.height > kWavy * scene_.sensor.noise;
-  return {error_at(pose), wavy ? static_cast<int>(kernels::kPatch / 2) * window : 3,
+  const bool correlated = scene_.sensor.correlated_noise.height > kCorrelated * scene_.sensor.noise;
+  return {error_at(pose), correlated ? static_cast<int>(kernels::kPatch / 2) * window : 3,
           scene_.sensor.correlation};
 }
 
@@ -83,7 +83,7 @@ Pose PoseTester::polished(const Pose& pose) const {
 }
 
 Pose PoseTester::refined(const Pose& pose, const kernels::RefineOptions& options) const {
-  if (left_out(Improvement::refinement)) return pose;
+  if (is_ablated(Improvement::refinement)) return pose;
   return kernels::refine_pose(scene_.images, samples_, pose, options).T_scene_model;
 }
 
@@ -92,7 +92,7 @@ Candidate PoseTester::examine(const kernels::RayScene& surface, const kernels::S
   kernels::ExamineOptions options;
   options.verify = strict(pose);
   options.window = std::round(scene_.window);
-  options.waviness = scene_.sensor.waviness_at(range_of(pose));
+  options.correlated_noise = scene_.sensor.correlated_noise_at(range_of(pose));
   options.correlation = scene_.sensor.correlation;
   options.edge_pixels = edge_pixels(pose);
   Candidate candidate;

@@ -42,7 +42,7 @@ class PoseTester {
   /// By which this pose's outline may be seen beside its place [pixel].
   int edge_pixels(const Pose& pose) const;
 
-  bool left_out(Improvement improvement) const { return options_.without.contains(improvement); }
+  bool is_ablated(Improvement improvement) const { return options_.ablated.contains(improvement); }
   bool allowed(const Pose& pose) const {
     return options_.limits.allow(pose, model_.center, 1 / scene_.scale);
   }

@@ -146,7 +146,7 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
 }
 
 float rank_of(const Model& model, const Candidate& candidate, const RecognizeOptions& options) {
-  if (options.without.contains(Improvement::explained)) return candidate.score;
+  if (options.ablated.contains(Improvement::explained)) return candidate.score;
   const float area = candidate.examination.area * model.diameter * model.diameter;
   return candidate.score * std::pow(area, 0.25F);
 }
@@ -168,7 +168,7 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
                       &candidate.explained});
   }
   Repeats repeats;
-  if (options.without.contains(Improvement::explained)) {
+  if (options.ablated.contains(Improvement::explained)) {
     repeats = [&](std::span<const std::uint32_t> taken, std::uint32_t c) {
       const Candidate& candidate = candidates[c];
       return std::ranges::any_of(taken, [&](std::uint32_t other) {
@@ -203,7 +203,7 @@ std::vector<RejectedCandidate> best_refused(const Library& library,
   for (const Candidate& detection : detections) {
     std::vector<Pose>& poses = known[detection.model];
     poses.push_back(detection.T_scene_model);
-    poses.insert(poses.end(), detection.rivals.begin(), detection.rivals.end());
+    poses.insert(poses.end(), detection.alternatives.begin(), detection.alternatives.end());
   }
   std::vector<std::uint32_t> taken(library.models.size(), 0);
   std::vector<RejectedCandidate> out;

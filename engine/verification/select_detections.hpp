@@ -60,7 +60,7 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
 
 /// Of each model the best refused candidates by score, at most `limit`; first of all those whose
 /// pixels no better one of their own model explains, which may be further instances. Those that
-/// repeat the placement of one taken, or of a detection or its rivals, are left out.
+/// repeat the placement of one taken, or of a detection or its alternatives, are left out.
 /// detections  the chosen candidates as they are reported
 /// Returns them by falling score, ties in the order of refusal.
 std::vector<RejectedCandidate> best_refused(const Library& library,

@@ -12,8 +12,7 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
-constexpr std::size_t kFirstLookSamples =
-    300;  // samples of the cheap verification before refinement
+constexpr std::size_t kCoarseSamples = 300;  // samples of the cheap verification before refinement
 constexpr std::size_t kContourSamples = 700;
 constexpr std::size_t kContourShare = 3;  // contours judged per candidate refined
 constexpr float kPlace = 0.2F;            // in diameters
@@ -24,8 +23,8 @@ constexpr std::uint32_t kRefinedAPlace = 4, kExaminedAPlace = 2;
 constexpr float kHopeless = 0.05F;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
-/// A pose that was looked at by samples of the surface.
-struct Look {
+/// A pose after coarse verification: by samples of the surface.
+struct CoarsePose {
   Source source = Source::ppf;
   Pose T_scene_model = Pose::Identity();
   float votes = 0;  // share of the source's votes for the model
@@ -33,31 +32,33 @@ struct Look {
   float score = 0;
 };
 
-/// Indices by falling value of a look, ties by index.
-std::vector<std::uint32_t> by(float Look::*value, std::span<const Look> looks) {
-  std::vector<std::uint32_t> order(looks.size());
+/// Indices by falling value of a pose, ties by index.
+std::vector<std::uint32_t> by(float CoarsePose::*value, std::span<const CoarsePose> poses) {
+  std::vector<std::uint32_t> order(poses.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return looks[a].*value > looks[b].*value;
+    return poses[a].*value > poses[b].*value;
   });
   return order;
 }
 
-std::vector<std::uint32_t> by_score(std::span<const Look> looks) { return by(&Look::score, looks); }
+std::vector<std::uint32_t> by_score(std::span<const CoarsePose> poses) {
+  return by(&CoarsePose::score, poses);
+}
 
-/// Looks chosen from the first on, so that no place takes more than its part of the budget.
+/// Poses chosen from the first on, so that no place takes more than its part of the budget.
 class Spread {
  public:
-  Spread(std::span<const Look> looks, const Model& model, std::uint32_t limit_a_place)
-      : looks_(looks), model_(model), limit_a_place_(limit_a_place) {}
+  Spread(std::span<const CoarsePose> poses, const Model& model, std::uint32_t limit_a_place)
+      : poses_(poses), model_(model), limit_a_place_(limit_a_place) {}
 
   /// Take those above a score in this order, until there are `limit` in all.
   void take(std::span<const std::uint32_t> order, float least_score, std::size_t limit) {
     for (const std::uint32_t c : order) {
       if (chosen_.size() == limit) return;
-      if (!(looks_[c].score > least_score) || std::ranges::find(chosen_, c) != chosen_.end())
+      if (!(poses_[c].score > least_score) || std::ranges::find(chosen_, c) != chosen_.end())
         continue;
-      const Eigen::Vector3f center = looks_[c].T_scene_model * model_.center;
+      const Eigen::Vector3f center = poses_[c].T_scene_model * model_.center;
       const auto near = std::ranges::count_if(centers_, [&](const Eigen::Vector3f& other) {
         return (other - center).norm() < kPlace * model_.diameter;
       });
@@ -67,14 +68,14 @@ class Spread {
     }
   }
 
-  std::vector<Look> chosen() const {
-    std::vector<Look> out;
-    for (const std::uint32_t c : chosen_) out.push_back(looks_[c]);
+  std::vector<CoarsePose> chosen() const {
+    std::vector<CoarsePose> out;
+    for (const std::uint32_t c : chosen_) out.push_back(poses_[c]);
     return out;
   }
 
  private:
-  std::span<const Look> looks_;
+  std::span<const CoarsePose> poses_;
   const Model& model_;
   std::uint32_t limit_a_place_;
   std::vector<std::uint32_t> chosen_;
@@ -82,25 +83,25 @@ class Spread {
 };
 
 /// Leave the best of poses that refinement led to one place; its source is the first of theirs.
-std::vector<Look> without_repetitions(std::span<const Look> looks, const Model& model) {
-  std::vector<Look> kept;
-  for (const std::uint32_t c : by_score(looks)) {
-    const auto known = std::find_if(kept.begin(), kept.end(), [&](const Look& other) {
+std::vector<CoarsePose> without_repetitions(std::span<const CoarsePose> poses, const Model& model) {
+  std::vector<CoarsePose> kept;
+  for (const std::uint32_t c : by_score(poses)) {
+    const auto known = std::find_if(kept.begin(), kept.end(), [&](const CoarsePose& other) {
       const kernels::PoseDistance distance = kernels::pose_distance(
-          other.T_scene_model, looks[c].T_scene_model, model.symmetry, model.center);
+          other.T_scene_model, poses[c].T_scene_model, model.symmetry, model.center);
       return distance.translation < kSameTranslation * model.diameter &&
              distance.rotation_rad < kSameRotationRad;
     });
     if (known == kept.end()) {
-      kept.push_back(looks[c]);
+      kept.push_back(poses[c]);
     } else {
-      known->source = std::min(known->source, looks[c].source);
+      known->source = std::min(known->source, poses[c].source);
     }
   }
   return kept;
 }
 
-/// One model in one scene: what all its stages look at.
+/// One model in one scene: what all its stages share.
 class Settling {
  public:
   Settling(const PoseTester& tester, const RecognizeOptions& options, SceneStats& stats)
@@ -111,13 +112,13 @@ class Settling {
         options_(options),
         stats_(stats) {}
 
-  /// The clusters of all proposals, not looked at yet.
-  std::vector<Look> cluster(std::span<const Proposals> proposals) const {
+  /// The clusters of all proposals, not verified yet.
+  std::vector<CoarsePose> cluster(std::span<const Proposals> proposals) const {
     const StageTimer timer(stats_.times, "cluster");
     const kernels::ClusterOptions limits{options_.pose.cluster_translation * model_.diameter,
                                          options_.pose.cluster_rotation_deg * kRadiansPerDegree,
                                          options_.pose.max_clusters};
-    std::vector<Look> looks;
+    std::vector<CoarsePose> poses;
     for (const Proposals& from : proposals) {
       float num_votes = 0, most = 0;
       for (const kernels::Hypothesis& hypothesis : from.hypotheses) num_votes += hypothesis.votes;
@@ -126,48 +127,48 @@ class Settling {
         most = std::max(most, cluster.votes);  // the first one's
         if (cluster.votes < options_.pose.min_cluster_share * most) break;
         if (!tester_.allowed(cluster.T_scene_model)) continue;
-        looks.push_back({from.source, cluster.T_scene_model, cluster.votes / num_votes, {}, 0});
+        poses.push_back({from.source, cluster.T_scene_model, cluster.votes / num_votes, {}, 0});
       }
     }
-    return looks;
+    return poses;
   }
 
-  /// A first look with the tolerance of an unrefined pose chooses which ones to refine.
-  std::vector<Look> preselect(std::vector<Look> looks) const {
+  /// Coarse verification with the tolerance of an unrefined pose chooses which ones to refine.
+  std::vector<CoarsePose> preselect(std::vector<CoarsePose> poses) const {
     const StageTimer timer(stats_.times, "preselect");
-    for_each_index(looks.size(), [&](std::size_t c) {
-      look_at(kFirstLookSamples, tester_.loose(looks[c].T_scene_model), looks[c]);
+    for_each_index(poses.size(), [&](std::size_t c) {
+      verify_coarsely(kCoarseSamples, tester_.loose(poses[c].T_scene_model), poses[c]);
     });
     // The contour only lowers a score, and costs more: it is judged for those that are in the
     // running.
     const std::size_t limit = options_.pose.max_refined;
-    Spread first(looks, model_, kContourShare * kRefinedAPlace);
-    first.take(by(&Look::votes, looks), 0, limit / 2);
-    first.take(by_score(looks), 0, kContourShare * limit);
-    std::vector<Look> running = first.chosen();
+    Spread first(poses, model_, kContourShare * kRefinedAPlace);
+    first.take(by(&CoarsePose::votes, poses), 0, limit / 2);
+    first.take(by_score(poses), 0, kContourShare * limit);
+    std::vector<CoarsePose> running = first.chosen();
     judge_contours(running, [&](const Pose& pose) { return tester_.loose(pose); });
     // Half by what is seen, half by votes: what lies end-on or deep looks worse than it is.
     Spread best(running, model_, kRefinedAPlace);
     best.take(by_score(running), 0, limit - limit / 2);
-    best.take(by(&Look::votes, running), 0, limit);
+    best.take(by(&CoarsePose::votes, running), 0, limit);
     return best.chosen();
   }
 
-  std::vector<Look> refine(std::vector<Look> looks) const {
+  std::vector<CoarsePose> refine(std::vector<CoarsePose> poses) const {
     {
       const StageTimer timer(stats_.times, "refine");
-      for_each_index(looks.size(), [&](std::size_t k) {
-        looks[k].T_scene_model = tester_.refined(looks[k].T_scene_model);
+      for_each_index(poses.size(), [&](std::size_t k) {
+        poses[k].T_scene_model = tester_.refined(poses[k].T_scene_model);
       });
     }
     const StageTimer timer(stats_.times, "verify");
-    for_each_index(looks.size(), [&](std::size_t k) {
-      look_at(samples_.points.size(), tester_.strict(looks[k].T_scene_model), looks[k]);
+    for_each_index(poses.size(), [&](std::size_t k) {
+      verify_coarsely(samples_.points.size(), tester_.strict(poses[k].T_scene_model), poses[k]);
     });
-    judge_contours(looks, [&](const Pose& pose) { return tester_.strict(pose); });
-    looks = without_repetitions(looks, model_);
-    Spread best(looks, model_, kExaminedAPlace);
-    best.take(by_score(looks), tester_.left_out(Improvement::visibility) ? 0 : kHopeless,
+    judge_contours(poses, [&](const Pose& pose) { return tester_.strict(pose); });
+    poses = without_repetitions(poses, model_);
+    Spread best(poses, model_, kExaminedAPlace);
+    best.take(by_score(poses), tester_.is_ablated(Improvement::visibility) ? 0 : kHopeless,
               options_.pose.max_examined);
     return best.chosen();
   }
@@ -175,17 +176,17 @@ class Settling {
   /// Refine once more with all samples, and test by rays.
   std::vector<Candidate> examine_all(const kernels::RayScene& surface,
                                      const kernels::ScoreModel& score,
-                                     std::span<const Look> looks) const {
+                                     std::span<const CoarsePose> poses) const {
     const StageTimer timer(stats_.times, "examine");
-    std::vector<Candidate> candidates(looks.size());
+    std::vector<Candidate> candidates(poses.size());
     PerThread<kernels::ExamineScratch> scratch;
-    for_each_index(looks.size(), [&](std::size_t k) {
+    for_each_index(poses.size(), [&](std::size_t k) {
       candidates[k] =
-          tester_.left_out(Improvement::rays)
-              ? judged_by_samples(looks[k])
-              : tester_.examine(surface, score, tester_.polished(looks[k].T_scene_model),
+          tester_.is_ablated(Improvement::rays)
+              ? judged_by_samples(poses[k])
+              : tester_.examine(surface, score, tester_.polished(poses[k].T_scene_model),
                                 scratch.local());
-      candidates[k].source = looks[k].source;
+      candidates[k].source = poses[k].source;
     });
     std::erase_if(candidates, [&](const Candidate& candidate) {
       return !tester_.allowed(candidate.T_scene_model);
@@ -195,15 +196,15 @@ class Settling {
 
  private:
   /// What stands for the test by rays where that is left out: the samples that meet the scene.
-  Candidate judged_by_samples(const Look& look) const {
+  Candidate judged_by_samples(const CoarsePose& pose) const {
     Candidate candidate;
-    candidate.T_scene_model = look.T_scene_model;
-    const kernels::VerifyOptions strict = tester_.strict(look.T_scene_model);
+    candidate.T_scene_model = pose.T_scene_model;
+    const kernels::VerifyOptions strict = tester_.strict(pose.T_scene_model);
     candidate.tolerance = strict.tolerance;
-    candidate.score = look.score;
+    candidate.score = pose.score;
     std::vector<std::uint32_t>& pixels = candidate.explained.pixels;
     const kernels::Evidence e = kernels::verify_pose(
-        scene_.images, samples_, samples_.points.size(), look.T_scene_model, strict, &pixels);
+        scene_.images, samples_, samples_.points.size(), pose.T_scene_model, strict, &pixels);
     kernels::Examination& examination = candidate.examination;
     examination.covered = static_cast<float>(e.visible);
     examination.consistent = static_cast<float>(e.consistent);
@@ -218,7 +219,7 @@ class Settling {
     std::sort(pixels.begin(), pixels.end());
     pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
     const kernels::ImageGeometry& camera = scene_.images.front().geometry;
-    const float depth = (camera.T_camera_scene * (look.T_scene_model * model_.center)).z();
+    const float depth = (camera.T_camera_scene * (pose.T_scene_model * model_.center)).z();
     if (depth > 0) {
       const float square = std::round(model_.sample_spacing * camera.fx / depth);
       candidate.explained.square = static_cast<std::uint32_t>(std::clamp(square, 1.0F, 32.0F));
@@ -226,26 +227,27 @@ class Settling {
     return candidate;
   }
 
-  /// Score a look by what the first samples that the camera should see meet.
-  void look_at(std::size_t num_samples, const kernels::VerifyOptions& options, Look& look) const {
-    if (tester_.left_out(Improvement::visibility)) {
-      look.score = look.votes;
+  /// Score a pose by what the first samples that the camera should see meet.
+  void verify_coarsely(std::size_t num_samples, const kernels::VerifyOptions& options,
+                       CoarsePose& pose) const {
+    if (tester_.is_ablated(Improvement::visibility)) {
+      pose.score = pose.votes;
       return;
     }
-    look.evidence =
-        kernels::verify_pose(scene_.images, samples_, num_samples, look.T_scene_model, options);
-    look.score = look.evidence.score();
+    pose.evidence =
+        kernels::verify_pose(scene_.images, samples_, num_samples, pose.T_scene_model, options);
+    pose.score = pose.evidence.score();
   }
 
   /// options(pose)  as of PoseTester
   template <class Options>
-  void judge_contours(std::span<Look> looks, Options&& options) const {
-    if (tester_.left_out(Improvement::contour)) return;
+  void judge_contours(std::span<CoarsePose> poses, Options&& options) const {
+    if (tester_.is_ablated(Improvement::contour)) return;
     PerThread<kernels::ContourScratch> scratch;
-    for_each_index(looks.size(), [&](std::size_t k) {
-      kernels::judge_contour(scene_.images, samples_, kContourSamples, looks[k].T_scene_model,
-                             options(looks[k].T_scene_model), scratch.local(), looks[k].evidence);
-      looks[k].score = looks[k].evidence.score();
+    for_each_index(poses.size(), [&](std::size_t k) {
+      kernels::judge_contour(scene_.images, samples_, kContourSamples, poses[k].T_scene_model,
+                             options(poses[k].T_scene_model), scratch.local(), poses[k].evidence);
+      poses[k].score = poses[k].evidence.score();
     });
   }
 
@@ -265,16 +267,16 @@ Result<std::vector<Candidate>> settle_model(const Recognizer& recognizer, std::u
                                             const RecognizeOptions& options, SceneStats& stats) {
   const PoseTester tester(recognizer.library().models[model_index], scene, step, options);
   const Settling settling(tester, options, stats);
-  std::vector<Look> looks = settling.cluster(proposals);
-  stats.num_hypotheses += looks.size();
-  looks = settling.preselect(std::move(looks));
-  stats.num_refined += looks.size();
-  looks = settling.refine(std::move(looks));
-  stats.num_examined += looks.size();
-  if (looks.empty()) return std::vector<Candidate>{};
+  std::vector<CoarsePose> poses = settling.cluster(proposals);
+  stats.num_hypotheses += poses.size();
+  poses = settling.preselect(std::move(poses));
+  stats.num_refined += poses.size();
+  poses = settling.refine(std::move(poses));
+  stats.num_examined += poses.size();
+  if (poses.empty()) return std::vector<Candidate>{};
   const Result<kernels::RayScene>& surface = recognizer.surface(model_index);
   if (!surface) return surface.error();
-  std::vector<Candidate> candidates = settling.examine_all(*surface, recognizer.score(), looks);
+  std::vector<Candidate> candidates = settling.examine_all(*surface, recognizer.score(), poses);
   for (Candidate& candidate : candidates) candidate.model = model_index;
   return candidates;
 }

@@ -26,8 +26,8 @@ constexpr std::size_t kRangeBins = 8;
 constexpr std::size_t kFewestInBin = 15;
 // Of the cameras at hand 1.3 to 2, and the weight of a bin's spread in log range.
 constexpr double kPriorExponent = 1.5, kPriorWeight = 5, kMostExponent = 2;
-// Of waves over noise, where the scan has no planes: the median of ten real scans.
-constexpr float kPriorWave = 1.3F;
+// Of correlated noise over noise, where the scan has no planes: the median of ten real scans.
+constexpr float kPriorCorrelated = 1.3F;
 constexpr float kPriorSlopeRad = 0.17F;
 
 /// Orthonormal quadratics over a patch.
@@ -104,7 +104,7 @@ float SensorModel::growth(float at_range) const noexcept {
 }
 
 float SensorModel::error_at(float at_range) const noexcept {
-  return growth(at_range) * std::hypot(noise, waviness.height);
+  return growth(at_range) * std::hypot(noise, correlated_noise.height);
 }
 
 void measure_patches(const RangeImage& image, std::size_t first_row, std::size_t num_rows,
@@ -168,9 +168,9 @@ void fit_sensor_model(std::span<const SmoothPatch> patches, SensorModel& model) 
   model.correlation = static_cast<float>(
       std::clamp((correlation - kIndependent) / (kDependent - kIndependent), 0.0, 1.0) *
       std::clamp((relative - kFinest) / kFinest, 0.0, 1.0));
-  if (!(model.waviness.height > 0) && model.correlation > 0) {
-    model.waviness.height = kPriorWave * model.correlation * model.noise;
-    model.waviness.slope_rad = kPriorSlopeRad * model.correlation;
+  if (!(model.correlated_noise.height > 0) && model.correlation > 0) {
+    model.correlated_noise.height = kPriorCorrelated * model.correlation * model.noise;
+    model.correlated_noise.slope_rad = kPriorSlopeRad * model.correlation;
   }
 }
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "kernels/scans/correlated_noise.hpp"
 #include "kernels/scans/range_image.hpp"
-#include "kernels/scans/waviness.hpp"
 
 namespace trivet::kernels {
 
@@ -16,18 +16,18 @@ namespace trivet::kernels {
 /// they look, and move the outlines of what they see by up to half a window. Sensors that measure
 /// each pixel for itself do neither.
 struct SensorModel {
-  float range = 1;  ///< of which noise and waviness are told [scene unit], > 0
+  float range = 1;  ///< of which noise and correlated noise are told [scene unit], > 0
   /// Standard deviation across surfaces of what is independent from pixel to pixel, nearly
   /// [scene unit].
   float noise = 0;
-  Waviness waviness{};    ///< of what neighbors share
-  float exponent = 0;     ///< of range: both heights grow with it to this power, 0..2
+  CorrelatedNoise correlated_noise{};  ///< of what neighbors share
+  float exponent = 0;                  ///< of range: both heights grow with it to this power, 0..2
   float correlation = 0;  ///< 0..1: 0, pixels err for themselves; 1, neighbors err alike
 
   /// The same at a range [scene unit] > 0.
   float noise_at(float at_range) const noexcept { return noise * growth(at_range); }
-  Waviness waviness_at(float at_range) const noexcept {
-    return {waviness.height * growth(at_range), waviness.slope_rad};
+  CorrelatedNoise correlated_noise_at(float at_range) const noexcept {
+    return {correlated_noise.height * growth(at_range), correlated_noise.slope_rad};
   }
   /// Both together.
   float error_at(float at_range) const noexcept;
@@ -58,8 +58,8 @@ inline constexpr std::size_t kPatchSide = 11;  ///< [pixel]
 void measure_patches(const RangeImage& image, std::size_t first_row, std::size_t num_rows,
                      std::vector<SmoothPatch>& out);
 
-/// Tell exponent, correlation and, where no plane told it, waviness from patches; noise and
-/// waviness are those at the median range of the measured pixels.
+/// Tell exponent, correlation and, where no plane told it, correlated noise from patches; noise and
+/// correlated noise are those at the median range of the measured pixels.
 ///
 /// Scans at one range keep the prior of an active-light camera, an exponent of 1.5; with fewer than
 /// eight patches errors are taken for independent, and the same at all ranges. Shape looks like

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "kernels/simulation/heap.hpp"
+#include "kernels/simulation/pile.hpp"
 
 namespace trivet::kernels {
 

@@ -78,7 +78,7 @@ class Search {
 
   /// All that are no turn about `axis`.
   std::vector<Pose> motions(const std::optional<Symmetry::Axis>& axis) {
-    std::vector<Rated> rivals;
+    std::vector<Rated> alternatives;
     std::vector<Pose> seen;
     for (const Pose& start : starts()) {
       Pose motion = surface_.refine(start, 120, 4);
@@ -92,15 +92,15 @@ class Search {
       seen.push_back(reached);
       if (alike(motion, kQuickQueries) < kMinAlike - 0.1F) continue;
       motion = surface_.refine(motion, 200, 3);
-      const Pose rival = surface_.to_model(motion);
+      const Pose alternative = surface_.to_model(motion);
       const float rating = alike(motion, kQueries);
-      if (rating >= kMinAlike && !is_identity(rival) && is_best_around(motion))
-        rivals.push_back({rating, rival});
+      if (rating >= kMinAlike && !is_identity(alternative) && is_best_around(motion))
+        alternatives.push_back({rating, alternative});
     }
-    best_first(rivals);
+    best_first(alternatives);
     std::vector<Pose> chosen;
     for (float apart = kTurned;; apart *= 1.1F) {
-      chosen = choose(rivals, apart);
+      chosen = choose(alternatives, apart);
       if (chosen.size() <= kMaxFound) return chosen;
     }
   }
@@ -256,7 +256,7 @@ class Search {
   }
 
   /// The best that are apart from each other, each with its inverse.
-  std::vector<Pose> choose(const std::vector<Rated>& rivals, float apart) const {
+  std::vector<Pose> choose(const std::vector<Rated>& alternatives, float apart) const {
     std::vector<Pose> chosen;
     const auto add = [&](const Pose& motion) {
       const auto near = [&](const Pose& other) { return turn_between(motion, other) < apart; };
@@ -264,8 +264,8 @@ class Search {
       chosen.push_back(motion);
       return true;
     };
-    for (const Rated& rival : rivals) {
-      if (add(rival.motion)) add(rival.motion.inverse());
+    for (const Rated& alternative : alternatives) {
+      if (add(alternative.motion)) add(alternative.motion.inverse());
     }
     return chosen;
   }

@@ -21,11 +21,11 @@ struct NearSymmetries {
 /// symmetry  of the model; motions count as one where they place the model alike
 /// Of motions there are at most 8, turned by 20 degrees and more from the identity and from each
 /// other. With each comes its inverse, unless that is the same placement: where pose P has the
-/// rival P * N, the pose P * N has the rival P. Where there are too many, they are spread farther
-/// apart. None is a turn about the axis; there is no axis beside one of the symmetry.
-/// Deterministic; of a surface in another frame, the same up to rounding, except for shifts that
-/// hardly matter, as of a rod along itself. Pure shifts, as along a thread, are not looked for.
-/// Cost: 70 to 150 ms on one core.
+/// alternative P * N, the pose P * N has the alternative P. Where there are too many, they are
+/// spread farther apart. None is a turn about the axis; there is no axis beside one of the
+/// symmetry. Deterministic; of a surface in another frame, the same up to rounding, except for
+/// shifts that hardly matter, as of a rod along itself. Pure shifts, as along a thread, are not
+/// looked for. Cost: 70 to 150 ms on one core.
 ///
 /// Method: rotations spread evenly over all (Alexa, Super-Fibonacci spirals, CVPR 2022) are rated
 /// about the centroid on a coarse distance field; the best of each bundle are shifted, then refined

@@ -25,12 +25,12 @@ struct Rendered {
   float scale = 0;  // perpendicular distance per depth; 0 where the surface is grazing
 };
 
-Rendered render(const CompareScratch::Look& look, std::size_t at, const Eigen::Matrix3f& R,
-                const Eigen::Vector3f& ray) noexcept {
-  const float z = look.depth[at];
+Rendered render(const CompareScratch::Rendering& rendering, std::size_t at,
+                const Eigen::Matrix3f& R, const Eigen::Vector3f& ray) noexcept {
+  const float z = rendering.depth[at];
   if (!std::isfinite(z)) return {};
   const float length = ray.norm();
-  const float facing = std::abs((R * look.normals[at]).dot(ray)) / length;
+  const float facing = std::abs((R * rendering.normals[at]).dot(ray)) / length;
   return {true, z, facing > kGrazing ? facing * length : 0};
 }
 

@@ -16,7 +16,7 @@ namespace trivet::kernels {
 /// How much better a first pose explains the scan than a second one.
 struct PoseComparison {
   /// 0.6 % of a normal distribution lie beyond it on one side, and as few of the decisions between
-  /// near-symmetric poses on rendered scans were wrong (docs/architecture.md, "Rivals").
+  /// near-symmetric poses on rendered scans were wrong (docs/architecture.md, "Alternatives").
   static constexpr double kSignificant = 2.5;
 
   double log_ratio = 0;  ///< of the likelihoods of the votes; above 0: the first pose is better
@@ -42,12 +42,12 @@ struct MeasurementErrors {
 
 /// Working memory of compare_poses.
 struct CompareScratch {
-  struct Look {
+  struct Rendering {
     Column<float> depth;
     Normals normals;
   };
   Points directions;
-  Look first, second;
+  Rendering first, second;
   std::vector<double> votes;
 };
 

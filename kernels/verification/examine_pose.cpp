@@ -449,21 +449,21 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
     first_pixel += static_cast<std::uint32_t>(image.depth.size());
   }
   if (sums.count == 0) return;
-  const float wave = options.waviness.height / options.verify.tolerance;
+  const float shared = options.correlated_noise.height / options.verify.tolerance;
   const auto beyond = [](double squares, float expected) {
     return std::max(0.0F, static_cast<float>(squares) - expected * expected);
   };
-  out.residual = beyond(sums.squares / sums.count, wave);
-  out.smooth = beyond(sums.smooth / sums.count, wave);
+  out.residual = beyond(sums.squares / sums.count, shared);
+  out.smooth = beyond(sums.smooth / sums.count, shared);
   const double slope = sums.slope / std::max(1.0, sums.num_slopes);
-  out.slope = std::sqrt(beyond(slope * slope, options.waviness.slope_rad));
+  out.slope = std::sqrt(beyond(slope * slope, options.correlated_noise.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
   out.relief = off_plane(sums) / options.verify.tolerance;
   const Vector6 turn = free_turn(samples, free_axis, T_scene_model);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
   if (sums.outline > 0) held += kOutlineShare / sums.outline * sums.outline_covariance;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(held, Eigen::EigenvaluesOnly);
-  out.hold = static_cast<float>(std::max(0.0, solver.eigenvalues()(0)));
+  out.stability = static_cast<float>(std::max(0.0, solver.eigenvalues()(0)));
 }
 
 }  // namespace trivet::kernels

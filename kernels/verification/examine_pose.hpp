@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "kernels/common/ray_scene.hpp"
+#include "kernels/scans/correlated_noise.hpp"
 #include "kernels/scans/range_image.hpp"
-#include "kernels/scans/waviness.hpp"
 #include "kernels/verification/verify_pose.hpp"
 #include "storage/model.hpp"
 
@@ -35,7 +35,8 @@ struct Examination {
   /// model, it is buried in what is seen.
   float buried = 0;
 
-  // Of the consistent pixels, less what the waves of the scan make of them; 0 without any.
+  // Of the consistent pixels, less what the correlated noise of the scan makes of them; 0 without
+  // any.
   float residual = 0;  ///< mean of (r / tolerance)^2, 0..1
   float smooth = 0;    ///< the same of residuals that were averaged over their window
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
@@ -45,15 +46,15 @@ struct Examination {
   /// surface, J = (arm x n, n), arms in half diameters, and a quarter of the same over the outline,
   /// whose n points across it, square to the ray. There only places count up to which the model was
   /// seen and beyond which something farther was. A turn about the symmetry axis is not asked for.
-  float hold = 0;
+  float stability = 0;
 };
 
 struct ExamineOptions {
   VerifyOptions verify{};
-  float window = 2;       ///< half-width of the window that residuals are averaged over [pixel]
-  Waviness waviness{};    ///< of the scan, which counts against no pose
-  float correlation = 0;  ///< of the scan's errors from pixel to pixel, 0..1
-  int edge_pixels = 0;    ///< by which the scan may show an outline beside its place
+  float window = 2;  ///< half-width of the window that residuals are averaged over [pixel]
+  CorrelatedNoise correlated_noise{};  ///< of the scan, which counts against no pose
+  float correlation = 0;               ///< of the scan's errors from pixel to pixel, 0..1
+  int edge_pixels = 0;                 ///< by which the scan may show an outline beside its place
 };
 
 /// Working memory of examine_pose.

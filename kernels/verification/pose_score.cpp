@@ -25,7 +25,7 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
           e.residual,
           std::log(e.smooth + 0.005F),
           std::log(e.slope + 0.02F),
-          std::log(e.hold + 0.0003F),
+          std::log(e.stability + 0.0003F),
           std::log(e.consistent / (silhouette + 1) + 0.02F),
           e.unknown / (e.covered + 1),
           std::log(std::min(e.consistent, kEnoughPixels) + 1),

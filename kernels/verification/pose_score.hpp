@@ -25,7 +25,7 @@ inline constexpr std::array<ScorePart, 17> kScoreParts{{
     {"residual", false},     // mean squared residual in squared tolerances
     {"smooth", false},       // log of the same, averaged over windows first
     {"slope", false},        // log of the mean angle between both surfaces
-    {"hold", true},          // log of how well the seen surface holds the pose
+    {"stability", true},     // log of how well the seen surface holds the pose
     {"consistent", true},    // log share of the silhouette that agrees
     {"unknown", false},      // share of the silhouette without measurement
     {"pixels", true},        // log of the number of pixels that agree, up to 200

@@ -253,7 +253,7 @@ async function pose(things, signal) {
       color: thing.color,
       geometry: await meshes.get(thing.pose.model),
       pose: poseMatrix(thing.pose.T_scene_model),
-      rivals: (thing.pose.rivals ?? []).map(poseMatrix),
+      alternatives: (thing.pose.alternatives ?? []).map(poseMatrix),
     })),
   );
   if (signal.aborted) return;

@@ -45,13 +45,13 @@ function detailsOf({ kind, pose }, unit, scoreParts) {
       found && ["proposed by", methodWords(pose.method)],
       pose.ambiguous && [
         "ambiguous",
-        `the scan cannot tell it from ${numbered(pose.rivals.length, "other pose", "other poses")},` +
+        `the scan cannot tell it from ${numbered(pose.alternatives.length, "other pose", "other poses")},` +
           " drawn as outlines",
       ],
       pose.siblings?.length > 0 && ["may as well be", pose.siblings.join(", ")],
       pose.alone > pose.score / HARDLY_LOWER && [
         "by itself",
-        `${percentWords(pose.alone)}; rivals, look-alikes or doubtful answers beside it lower that`,
+        `${percentWords(pose.alone)}; alternatives, look-alikes or doubtful answers beside it lower that`,
       ],
     ]),
     pose.evidence && scoreParts && scoreBars(pose, scoreParts),

@@ -60,8 +60,8 @@ TEST_F(CommandLine, GivesTwoForWrongUsage) {
   EXPECT_TRUE(fails({"train", "a.ply", "b/a.ply", "-o", "l.h5"}, 2, "'a'"));
   EXPECT_TRUE(fails({"recognize", "l.h5"}, 2, "SCENE"));
   EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--preset", "best"}, 2, "best"));
-  EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--without", "ball,luck"}, 2, "luck"));
-  EXPECT_TRUE(fails({"evaluate", "l.h5", "s.json", "--without", "luck"}, 2, "second-round"))
+  EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--ablate", "ball,luck"}, 2, "luck"));
+  EXPECT_TRUE(fails({"evaluate", "l.h5", "s.json", "--ablate", "luck"}, 2, "second-round"))
       << "names what there is";
   EXPECT_TRUE(fails({"library", "list"}, 2, "LIBRARY"));
 }

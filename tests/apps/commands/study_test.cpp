@@ -30,8 +30,8 @@ parts = 2
 parts = 2
 families = ["washer"]
 
-[scenes.heaps]
-title = "Heaps"
+[scenes.piles]
+title = "Piles"
 models = ["parts"]
 others = ["others"]
 set = { scan.scenes = 3, scan.instances = 2, scan.sensor = "laser" }
@@ -39,7 +39,7 @@ set = { scan.scenes = 3, scan.instances = 2, scan.sensor = "laser" }
 [[experiments]]
 name = "noise"
 title = "Noise"
-scenes = ["heaps"]
+scenes = ["piles"]
 methods = ["ppf", "trisi"]
 vary = "degrade.noise"
 values = [0, 4]
@@ -47,32 +47,32 @@ set = { degrade.scattered = true }
 
 [[experiments]]
 name = "rotation"
-scenes = ["heaps"]
+scenes = ["piles"]
 methods = ["ppf"]
 vary = "recognize.cluster-rotation"
 values = [8, 15]
 
 [[experiments]]
 name = "steps"
-scenes = ["heaps"]
+scenes = ["piles"]
 methods = ["ppf"]
 threshold = "best-f1"
 [[experiments.variants]]
 name = "without rays"
-set = { recognize.without = ["rays", "waves", "second-round", "rivals"], recognize.min-score = 0 }
+set = { recognize.ablate = ["rays", "correlated-noise", "second-round", "alternatives"], recognize.min-score = 0 }
 [[experiments.variants]]
 name = "all"
 
 [[experiments]]
 name = "library"
-scenes = ["heaps"]
+scenes = ["piles"]
 methods = ["ppf"]
 vary = "train.others"
 values = [0, 2]
 
 [[experiments]]
 name = "occlusion"
-scenes = ["heaps"]
+scenes = ["piles"]
 methods = ["ppf", "trisi"]
 curve = "occlusion"
 )toml";
@@ -186,8 +186,8 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   };
   constexpr std::size_t kFound = 6, kInstances = 7, kShare = 8, kLow = 9, kHigh = 10, kChange = 17;
   const std::string axis = "Gaussian noise [resolution of the scan]",
-                    clean = "noise,Heaps,ppf," + axis + ",0,",
-                    noisy = "noise,Heaps,ppf," + axis + ",4,";
+                    clean = "noise,Piles,ppf," + axis + ",0,",
+                    noisy = "noise,Piles,ppf," + axis + ",4,";
   EXPECT_GT(number(clean, kInstances), 3);
   EXPECT_GT(number(clean, kFound), number(noisy, kFound));
   EXPECT_NEAR(number(clean, kShare), number(clean, kFound) / number(clean, kInstances), 1e-6);
@@ -195,8 +195,8 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   EXPECT_LE(number(clean, kShare), number(clean, kHigh));
   EXPECT_NEAR(number(noisy, kChange), number(noisy, kShare) - number(clean, kShare), 1e-6);
   // One cell counts alike wherever it stands.
-  const std::string usual = "rotation,Heaps,ppf,rotation threshold of clustering [°],15,";
-  const std::string all = "occlusion,Heaps,ppf,occlusion,all,";
+  const std::string usual = "rotation,Piles,ppf,rotation threshold of clustering [°],15,";
+  const std::string all = "occlusion,Piles,ppf,occlusion,all,";
   EXPECT_EQ(number(usual, kFound), number(all, kFound));
   EXPECT_EQ(number(usual, kInstances), number(all, kInstances));
 
@@ -222,12 +222,12 @@ titel = "x"
 [models.parts]
 parts = 2
 families = ["spoon"]
-[scenes.heaps]
+[scenes.piles]
 models = ["partz"]
 set = { scan.sensor = "sonar", scan.nose = 1 }
 [[experiments]]
 name = "a"
-scenes = ["heaps"]
+scenes = ["piles"]
 methods = ["icp"]
 vary = "train.relative-step"
 values = [0.04, "fine"]
@@ -249,18 +249,18 @@ TEST_F(Study, RefusesWhatItCannotRun) {
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.error;
     EXPECT_NE(outcome.error.find(reason), std::string::npos) << outcome.error;
   };
-  const std::string base = "[models.parts]\nparts = 2\n[scenes.heaps]\nmodels = [\"parts\"]\n";
+  const std::string base = "[models.parts]\nparts = 2\n[scenes.piles]\nmodels = [\"parts\"]\n";
   fails("title = ", 65, "bad.toml:1");
   fails(base, 65, "[[experiments]]");
   fails(base +
-            "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nvary = \"scan.instances\"\n"
+            "[[experiments]]\nname = \"a\"\nscenes = [\"piles\"]\nvary = \"scan.instances\"\n"
             "values = [500]\n",
         65, "1 to 200");
-  fails(base + "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\nset = { recognize = 3 }\n", 65,
+  fails(base + "[[experiments]]\nname = \"a\"\nscenes = [\"piles\"]\nset = { recognize = 3 }\n", 65,
         "recognize");
   fails(
-      "[models.files]\nfiles = [\"absent.ply\"]\n[scenes.heaps]\nmodels = [\"files\"]\n"
-      "[[experiments]]\nname = \"a\"\nscenes = [\"heaps\"]\n",
+      "[models.files]\nfiles = [\"absent.ply\"]\n[scenes.piles]\nmodels = [\"files\"]\n"
+      "[[experiments]]\nname = \"a\"\nscenes = [\"piles\"]\n",
       66, "absent.ply");
   fails(
       "[scenes.real]\nmanifest = \"absent.json\"\n[[experiments]]\nname = \"a\"\n"

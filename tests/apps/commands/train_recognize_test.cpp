@@ -161,7 +161,7 @@ TEST_F(TrainRecognize, TellsHowTheScanErrs) {
   const auto near = [](const nlohmann::json& value, double expected) {
     EXPECT_NEAR(value.get<double>(), expected, 0.01 * expected + 0.001);
   };
-  for (const char* const length : {"range", "noise", "shared"})
+  for (const char* const length : {"range", "noise", "correlated_noise"})
     near(millimeters.at(length), 1000 * meters.at(length).get<double>());
   for (const char* const number : {"exponent", "correlation", "edge_pixels"})
     near(millimeters.at(number), meters.at(number));

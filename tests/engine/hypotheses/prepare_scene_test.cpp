@@ -127,7 +127,7 @@ TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   EXPECT_NEAR(scene.sensor.noise, 0.001F, 3e-4F);
   EXPECT_LT(scene.sensor.correlation, 0.3F);
   const engine::PreparedScene left_out =
-      prepare(noisy_parts(), {}, {.without = {Improvement::waves}});
+      prepare(noisy_parts(), {}, {.ablated = {Improvement::correlated_noise}});
   EXPECT_EQ(left_out.sensor.range, scene.sensor.range);
   EXPECT_EQ(left_out.sensor.exponent, 0);
   EXPECT_EQ(left_out.sensor.correlation, 0);

@@ -159,7 +159,7 @@ TEST_F(Recognize, NamesThePosesThatFitAlike) {
       recognize(recognizer, test::render_scan({{&wall, Pose::Identity()}, {&key, pose}}), {}, {});
   ASSERT_TRUE(open);
   ASSERT_EQ(open->detections.size(), 1U);
-  EXPECT_TRUE(open->detections[0].rivals.empty()) << "the knob is seen";
+  EXPECT_TRUE(open->detections[0].alternatives.empty()) << "the knob is seen";
   EXPECT_GT(open->detections[0].pose_share, 0.95F);
 
   const Eigen::Vector3f knob = pose * Eigen::Vector3f(0.08F, 0, 0.03F);
@@ -171,7 +171,7 @@ TEST_F(Recognize, NamesThePosesThatFitAlike) {
   ASSERT_TRUE(hidden);
   ASSERT_GE(hidden->detections.size(), 1U);
   const Detection& found = hidden->detections[0];
-  EXPECT_FALSE(found.rivals.empty());
+  EXPECT_FALSE(found.alternatives.empty());
   EXPECT_EQ(found.score, kernels::pose_probability(recognizer.score(), found.parts))
       << "that the key is there is as sure as it looks";
 }
@@ -198,14 +198,14 @@ TEST_F(Recognize, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
   };
   const Pose farther = test::pose_of({0, 0, 0}, {0.04F, 0, 0}) * pose;
   const Detection alone = found_of({{"plank", pose}});
-  EXPECT_TRUE(alone.rivals.empty());
+  EXPECT_TRUE(alone.alternatives.empty());
   EXPECT_EQ(alone.score, kernels::pose_probability(recognizer.score(), alone.parts));
-  const Detection rivalled = found_of({{"plank", pose}, {"plank", farther}});
-  EXPECT_EQ(rivalled.rivals.size(), 1U);
-  EXPECT_LT(rivalled.pose_share, 0.9F);
+  const Detection ambiguous = found_of({{"plank", pose}, {"plank", farther}});
+  EXPECT_EQ(ambiguous.alternatives.size(), 1U);
+  EXPECT_LT(ambiguous.pose_share, 0.9F);
   EXPECT_EQ(
-      rivalled.score,
-      engine::scale_odds(kernels::pose_probability(recognizer.score(), rivalled.parts), 0.4F));
+      ambiguous.score,
+      engine::scale_odds(kernels::pose_probability(recognizer.score(), ambiguous.parts), 0.4F));
 }
 
 // A mug looks alike under any turn but for its handle.
@@ -225,9 +225,9 @@ TEST_F(Recognize, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   const auto scan_of = [&](float turn) {
     return test::render_scan({{&wall, Pose::Identity()}, {&mug, pose_of(turn)}});
   };
-  const auto look_at = [&](float turn, ImprovementSet without = {}) {
+  const auto look_at = [&](float turn, ImprovementSet ablated = {}) {
     const auto result =
-        recognize(recognizer, scan_of(turn), {}, {.min_score = 0, .without = without});
+        recognize(recognizer, scan_of(turn), {}, {.min_score = 0, .ablated = ablated});
     EXPECT_TRUE(result && !result->detections.empty());
     return std::pair{pose_of(turn), result->detections.at(0)};
   };
@@ -235,7 +235,7 @@ TEST_F(Recognize, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
     const auto [pose, found] = look_at(turn);
     EXPECT_LT(kernels::rotation_angle(pose.linear(), found.T_scene_model.linear()), 0.04F) << turn;
     EXPECT_GT(found.score, 0.8F) << turn;
-    EXPECT_TRUE(found.rivals.empty()) << turn;
+    EXPECT_TRUE(found.alternatives.empty()) << turn;
     EXPECT_GT(found.pose_share, 0.95F) << turn;
     EXPECT_FALSE(found.turns) << turn;
   }
@@ -244,7 +244,7 @@ TEST_F(Recognize, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   EXPECT_GT(hidden.score, 0.8F) << "it is a mug";
   EXPECT_EQ(hidden.score, kernels::pose_probability(recognizer.score(), hidden.parts));
   EXPECT_LT(hidden.pose_share, 0.5F) << "its turn is open";
-  EXPECT_FALSE(hidden.rivals.empty());
+  EXPECT_FALSE(hidden.alternatives.empty());
   ASSERT_TRUE(hidden.turns);
   EXPECT_GT(std::abs(hidden.turns->axis.direction.z()), 0.99F);
   EXPECT_LE(hidden.turns->low, 0) << "from the pose on";
@@ -256,11 +256,11 @@ TEST_F(Recognize, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   EXPECT_LT((scaled->detections[0].turns->axis.point - 1000 * hidden.turns->axis.point).norm(),
             0.01F * hidden.turns->axis.point.norm() * 1000)
       << "in the scene's unit, as the pose is";
-  const Detection unrivalled = look_at(kBehind, {Improvement::rivals}).second;
-  EXPECT_EQ(unrivalled.score, kernels::pose_probability(recognizer.score(), unrivalled.parts));
-  EXPECT_TRUE(unrivalled.rivals.empty());
-  EXPECT_EQ(unrivalled.pose_share, 1);
-  EXPECT_FALSE(unrivalled.turns);
+  const Detection unambiguous = look_at(kBehind, {Improvement::alternatives}).second;
+  EXPECT_EQ(unambiguous.score, kernels::pose_probability(recognizer.score(), unambiguous.parts));
+  EXPECT_TRUE(unambiguous.alternatives.empty());
+  EXPECT_EQ(unambiguous.pose_share, 1);
+  EXPECT_FALSE(unambiguous.turns);
 
   // Whoever needs the very pose is not given it; the mug alone is there.
   const auto with = [&](float turn, bool require_pose) {

@@ -150,12 +150,12 @@ TEST_P(PileUp, LeavesBodiesWhereGravityHoldsThem) {
   EXPECT_LE(steep, 3) << "of " << placed.size();
 }
 
-INSTANTIATE_TEST_SUITE_P(Heaps, PileUp,
+INSTANTIATE_TEST_SUITE_P(Piles, PileUp,
                          testing::Values(Case{false, 1}, Case{false, 2}, Case{false, 3},
                                          Case{true, 1}, Case{true, 2}, Case{true, 3}),
-                         [](const auto& heap) {
-                           return std::string(heap.param.bin ? "Bin" : "Table") +
-                                  std::to_string(heap.param.seed);
+                         [](const auto& pile) {
+                           return std::string(pile.param.bin ? "Bin" : "Table") +
+                                  std::to_string(pile.param.seed);
                          });
 
 TEST(PileUpOne, LaysABoxOnAFace) {

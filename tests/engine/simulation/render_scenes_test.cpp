@@ -246,7 +246,7 @@ TEST(VirtualScanner, PutsUnknownPartsAmongTheModels) {
   for (std::size_t t = 0; t < 3; ++t) EXPECT_EQ(scene->bop.instances[t].px_count_visib, pixels[t]);
 }
 
-TEST(VirtualScanner, RefusesHeapsBeyondTheSensorsRange) {
+TEST(VirtualScanner, RefusesPilesBeyondTheSensorsRange) {
   test::Shape large = test::box({0, 0, 0}, {8, 8, 8});
   const Result<RenderedScene> refused = scan({model_of("house", large)}, {}, 0);
   ASSERT_FALSE(refused);

@@ -76,7 +76,7 @@ TEST_F(SelectDetections, LetsNoDoubtfulCandidateHideAnother) {
 TEST_F(SelectDetections, TellsCopiesByTheirPosesWhereExplainedPixelsAreLeftOut) {
   std::vector<Candidate> three{candidate(0, 0.55F, 0, 80), candidate(1, 0.6F, 0, 8),
                                candidate(0, 0.52F, 90, 5)};
-  const RecognizeOptions options{.without = {Improvement::explained}};
+  const RecognizeOptions options{.ablated = {Improvement::explained}};
   EXPECT_EQ(names(three, options), (Names{"small", "large"}));
   three[2].T_scene_model.translation().x() = 0.3F;  // of a diameter of 1
   EXPECT_EQ(names(three, options), (Names{"small", "large", "large"}));
@@ -187,8 +187,8 @@ TEST_F(BestRefused, TellsNoPlacementTwice) {
   EXPECT_EQ(best(candidates, {}, 9), (Indices{0, 2, 3}));
   EXPECT_EQ(best(candidates, {aside(0, 0.9F, 0)}, 9), (Indices{2, 3})) << "a detection of it";
   Candidate ambiguous = aside(0, 0.9F, 5);
-  ambiguous.rivals.push_back(candidates[1].T_scene_model);
-  EXPECT_EQ(best(candidates, {ambiguous}, 9), (Indices{3})) << "a rival of one";
+  ambiguous.alternatives.push_back(candidates[1].T_scene_model);
+  EXPECT_EQ(best(candidates, {ambiguous}, 9), (Indices{3})) << "an alternative of one";
 }
 
 }  // namespace

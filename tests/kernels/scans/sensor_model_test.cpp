@@ -88,7 +88,7 @@ TEST(SensorModel, TakesIndependentNoiseForThatOnPlanesAndOnCurvedSurfaces) {
     // 800 correlations with a spread of 1 / sqrt(220): their median errs by 0.003, and 0.2 is 1.
     EXPECT_LT(model.correlation, 0.05F);
     EXPECT_LT(model.edge_pixels(), 0.25F);
-    EXPECT_LT(model.waviness.height, 0.1F * 1e-3F);
+    EXPECT_LT(model.correlated_noise.height, 0.1F * 1e-3F);
   }
 }
 
@@ -148,7 +148,7 @@ TEST(SensorModel, TakesErrorsForIndependentAndAlikeWhereItSeesTooLittle) {
   fit_sensor_model(std::span(patches).first(7), model);
   EXPECT_EQ(model.exponent, 0);
   EXPECT_EQ(model.correlation, 0);
-  EXPECT_EQ(model.waviness.height, 0);
+  EXPECT_EQ(model.correlated_noise.height, 0);
   EXPECT_EQ(model.error_at(5), model.noise) << "at any range";
   fit_sensor_model(patches, model);
   EXPECT_GT(model.exponent, 0);
@@ -268,27 +268,27 @@ TEST(SensorModel, TellsWavesByItsNoiseOnlyWhereNoPlaneDid) {
   const std::vector<SmoothPatch> patches(20, {0.8F, 1e-3F, 0.6F});
   SensorModel told;
   told.noise = 1e-3F;
-  told.waviness = {5e-4F, 0.05F};
+  told.correlated_noise = {5e-4F, 0.05F};
   SensorModel untold = told;
-  untold.waviness = {};
+  untold.correlated_noise = {};
   fit_sensor_model(patches, told);
   fit_sensor_model(patches, untold);
-  EXPECT_EQ(told.waviness.height, 5e-4F);
-  EXPECT_EQ(told.waviness.slope_rad, 0.05F);
-  EXPECT_GT(untold.waviness.height, untold.noise);
-  EXPECT_GT(untold.waviness.slope_rad, 0);
+  EXPECT_EQ(told.correlated_noise.height, 5e-4F);
+  EXPECT_EQ(told.correlated_noise.slope_rad, 0.05F);
+  EXPECT_GT(untold.correlated_noise.height, untold.noise);
+  EXPECT_GT(untold.correlated_noise.slope_rad, 0);
 }
 
 TEST(SensorModel, GrowsWithItsPowerOfRange) {
   SensorModel model;
   model.range = 0.5F;
   model.noise = 3e-3F;
-  model.waviness = {4e-3F, 0.1F};
+  model.correlated_noise = {4e-3F, 0.1F};
   model.exponent = 2;
   EXPECT_FLOAT_EQ(model.noise_at(0.5F), 3e-3F);
   EXPECT_FLOAT_EQ(model.noise_at(1), 4 * 3e-3F);
-  EXPECT_FLOAT_EQ(model.waviness_at(1).height, 4 * 4e-3F);
-  EXPECT_FLOAT_EQ(model.waviness_at(1).slope_rad, 0.1F);
+  EXPECT_FLOAT_EQ(model.correlated_noise_at(1).height, 4 * 4e-3F);
+  EXPECT_FLOAT_EQ(model.correlated_noise_at(1).slope_rad, 0.1F);
   EXPECT_FLOAT_EQ(model.error_at(1), 4 * 5e-3F);
   EXPECT_FLOAT_EQ(model.error_at(-1), 5e-3F) << "nothing is seen there";
 }

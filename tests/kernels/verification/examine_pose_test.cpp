@@ -103,7 +103,7 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   EXPECT_LT(e.slope, 1e-3F);
   EXPECT_GT(e.outline_free, 100);
   EXPECT_EQ(e.outline_crossed, 0);
-  EXPECT_GT(e.hold, 0.005F) << "three faces hold a box";
+  EXPECT_GT(e.stability, 0.005F) << "three faces hold a box";
 }
 
 // Boxes before and behind the model, with noise, holes and a labeled plane; crops of every stride;
@@ -159,7 +159,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
       near(e.slope, naive.slope, 0.05);
       near(e.area, naive.area, 0.03);
       EXPECT_NEAR(static_cast<double>(e.relief), naive.relief, 0.02 * naive.relief + 0.01);
-      near(e.hold, naive.hold, 0.05);
+      near(e.stability, naive.stability, 0.05);
     }
     EXPECT_EQ(explained.pixels.size() * explained.square * explained.square, e.consistent);
     total.consistent += e.consistent;
@@ -222,17 +222,17 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Body plate({0.3F, 0.3F, 0.04F});
   const Examination face = examine(look({{&plate, flat}}), brick(), flat);
-  EXPECT_LT(face.hold, 1e-4F) << "one face slides";
+  EXPECT_LT(face.stability, 1e-4F) << "one face slides";
   const Examination corner = examine(look({{&brick(), kCorner}}), brick(), kCorner);
-  EXPECT_GT(corner.hold, 50 * face.hold + 1e-3F);
+  EXPECT_GT(corner.stability, 50 * face.stability + 1e-3F);
 
   // A rod's turn is not asked for where it is a symmetry.
   const Body rod = rod_of(0.03F, 0.08F);
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
   const Pose tilted = test::pose_of({0.2F, 0.9F, 0}, {0.01F, 0.02F, 0.5F});
   const RangeImage image = look({{&rod, tilted}});
-  const float asked = examine(image, rod, tilted).hold,
-              open = examine(image, rod, tilted, axis).hold;
+  const float asked = examine(image, rod, tilted).stability,
+              open = examine(image, rod, tilted, axis).stability;
   EXPECT_LT(asked, 2e-3F);
   EXPECT_GT(open, 5 * asked);
 }
@@ -241,23 +241,24 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
 TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasSeen) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
-  EXPECT_GT(examine(image, brick(), flat).hold, 0.005F);
+  EXPECT_GT(examine(image, brick(), flat).stability, 0.005F);
 
   RangeImage unmeasured = image;
   for (float& depth : unmeasured.depth)
     if (depth == kFar) depth = 0;
   const Examination alone = examine(unmeasured, brick(), flat);
   EXPECT_GT(alone.outline_free, 100);
-  EXPECT_LT(alone.hold, 1e-4F) << "what was not measured shows no edge";
+  EXPECT_LT(alone.stability, 1e-4F) << "what was not measured shows no edge";
 
   const Body frame({0.3F, 0.3F, 0.01F});  // nearer, with the face in its window
   RangeImage framed = look({{&frame, test::pose_of({0, 0, 0}, {0, 0, 0.4F})}});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
     if (image.depth[pixel] < kFar) framed.depth[pixel] = image.depth[pixel];
-  EXPECT_LT(examine(framed, brick(), flat).hold, 1e-4F) << "nor does what something nearer cuts";
+  EXPECT_LT(examine(framed, brick(), flat).stability, 1e-4F)
+      << "nor does what something nearer cuts";
 
   const Pose nearer = test::pose_of({0, 0, 0}, {0, 0, 0.5F});
-  EXPECT_EQ(examine(image, brick(), nearer).hold, 0) << "nor what does not agree within";
+  EXPECT_EQ(examine(image, brick(), nearer).stability, 0) << "nor what does not agree within";
 }
 
 // The side of a rod does not fix it along itself, whichever way it lies.
@@ -268,15 +269,15 @@ TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreSeen) {
     SCOPED_TRACE(angle);
     const Pose pose = test::pose_of({0, 0, angle}, {0, 0, 0.5F});
     const auto along = [&](float x, float z) { return pose * test::pose_of({0, 0, 0}, {x, 0, z}); };
-    const auto hold = [&](const RangeImage& image, const Pose& at) {
-      return examine(image, rod, at, axis).hold;
+    const auto stability = [&](const RangeImage& image, const Pose& at) {
+      return examine(image, rod, at, axis).stability;
     };
-    const float open = hold(look({{&rod, pose}}), pose);
-    const float hidden = hold(
+    const float open = stability(look({{&rod, pose}}), pose);
+    const float hidden = stability(
         look({{&rod, pose}, {&screen, along(-0.1F, -0.1F)}, {&screen, along(0.1F, -0.1F)}}), pose);
-    const float half_hidden = hold(look({{&rod, pose}, {&screen, along(0.1F, -0.1F)}}), pose);
-    const float running_on = hold(look({{&longer, pose}}), pose);
-    const float slid = hold(look({{&longer, along(-0.2F, 0)}}), pose);
+    const float half_hidden = stability(look({{&rod, pose}, {&screen, along(0.1F, -0.1F)}}), pose);
+    const float running_on = stability(look({{&longer, pose}}), pose);
+    const float slid = stability(look({{&longer, along(-0.2F, 0)}}), pose);
     EXPECT_GT(open, 0.01F);
     EXPECT_LT(hidden, 0.05F * open);
     EXPECT_GT(half_hidden, 0.3F * open) << "one end is enough";
@@ -288,8 +289,8 @@ TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreSeen) {
 TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   const Pose pose = test::pose_of({0.02F, 0.3F, 0.4F}, {0.02F, -0.01F, 0.6F});
   const RangeImage image = look({{&brick(), pose}});
-  const float hold = examine(image, brick(), pose).hold;
-  EXPECT_GT(hold, 0.001F);
+  const float stability = examine(image, brick(), pose).stability;
+  EXPECT_GT(stability, 0.001F);
 
   for (const float finer : {2.0F, 3.0F, 4.0F}) {
     ImageGeometry fine = camera();
@@ -297,15 +298,15 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
     for (float* c : {&fine.cx, &fine.cy}) *c = finer * (*c + 0.5F) - 0.5F;
     fine.width *= static_cast<std::uint32_t>(finer);
     fine.height *= static_cast<std::uint32_t>(finer);
-    EXPECT_NEAR(examine(look({{&brick(), pose}}, kFar, fine), brick(), pose).hold, hold,
-                0.2F * hold);
+    EXPECT_NEAR(examine(look({{&brick(), pose}}, kFar, fine), brick(), pose).stability, stability,
+                0.2F * stability);
   }
 
   test::Random random;
   const Pose motion = random.motion();
   RangeImage moved = image;
   moved.geometry.T_camera_scene = motion.inverse();
-  EXPECT_NEAR(examine(moved, brick(), motion * pose).hold, hold, 1e-2F * hold);
+  EXPECT_NEAR(examine(moved, brick(), motion * pose).stability, stability, 1e-2F * stability);
 
   const Body larger(Vector3f(100, 60, 40));
   RangeImage in_millimeters = image;
@@ -318,12 +319,12 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   Examination out;
   examine_pose({&in_millimeters, 1}, larger.surface, larger.samples, {}, far, options, scratch,
                out);
-  EXPECT_NEAR(out.hold, hold, 1e-2F * hold);
+  EXPECT_NEAR(out.stability, stability, 1e-2F * stability);
 
   options.verify.tolerance = kTolerance;
   const std::array<RangeImage, 2> twice{image, image};
   examine_pose(twice, brick().surface, brick().samples, {}, pose, options, scratch, out);
-  EXPECT_NEAR(out.hold, hold, 1e-4F * hold) << "means, over all images";
+  EXPECT_NEAR(out.stability, stability, 1e-4F * stability) << "means, over all images";
 }
 
 TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
@@ -391,7 +392,7 @@ TEST(ExaminePose, SparesTheWavesOfTheScan) {
   }
   const Examination unknown = examine(image, brick(), flat);
   ExamineOptions wavy;
-  wavy.waviness = {0.5F * kHeight, 0.1F};
+  wavy.correlated_noise = {0.5F * kHeight, 0.1F};
   const Examination known = examine(image, brick(), flat, {}, nullptr, wavy);
   const float squares = 0.25F * kHeight * kHeight / (kTolerance * kTolerance);
   EXPECT_NEAR(unknown.residual, squares, 0.2F * squares);
@@ -498,7 +499,7 @@ TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
   for (const Vector3f& place : {Vector3f(0, 0, -1), Vector3f(3, 0, 0.6F)}) {
     const Examination e = examine(image, brick(), test::pose_of({0, 0, 0}, place));
     EXPECT_EQ(e.covered, 0);
-    EXPECT_EQ(e.hold, 0);
+    EXPECT_EQ(e.stability, 0);
   }
   const Examination cut = examine(image, brick(), test::pose_of({0, 0, 0}, {-0.32F, 0, 0.6F}));
   EXPECT_GT(cut.outside, 100);

@@ -19,7 +19,8 @@ constexpr std::size_t part(std::string_view name) {
   while (kScoreParts[k].name != name) ++k;
   return k;
 }
-constexpr std::size_t kViolation = part("violation"), kHold = part("hold"), kFree = part("free");
+constexpr std::size_t kViolation = part("violation"), kStability = part("stability"),
+                      kFree = part("free");
 
 struct Rows {
   std::vector<ScoreParts> parts;
@@ -34,7 +35,7 @@ Rows draw(std::size_t n, std::uint64_t seed) {
     ScoreParts parts;
     for (float& value : parts) value = random.uniform(-1, 1);
     parts[kCorrelationPart] = 0;
-    const float log_odds = -2 * parts[kViolation] + 3 * parts[kHold];
+    const float log_odds = -2 * parts[kViolation] + 3 * parts[kStability];
     rows.parts.push_back(parts);
     rows.right.push_back(random.uniform(0, 1) < 1 / (1 + std::exp(-log_odds)) ? 1 : 0);
   }
@@ -68,7 +69,7 @@ TEST(FitScore, TellsTheProbabilitiesThatTheOutcomesWereDrawnWith) {
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   double error = 0;
   for (const ScoreParts& parts : fresh.parts) {
-    const float truth = 1 / (1 + std::exp(2 * parts[kViolation] - 3 * parts[kHold]));
+    const float truth = 1 / (1 + std::exp(2 * parts[kViolation] - 3 * parts[kStability]));
     error += static_cast<double>(std::abs(pose_probability(model, parts) - truth));
   }
   EXPECT_LT(error / 2000, 0.03);
@@ -93,7 +94,7 @@ TEST(FitScore, FindsTheMinimum) {
 }
 
 float truth_of_two_sensors(const ScoreParts& parts) {
-  const float log_odds = std::lerp(-0.5F - 2 * parts[kViolation] + 3 * parts[kHold],
+  const float log_odds = std::lerp(-0.5F - 2 * parts[kViolation] + 3 * parts[kStability],
                                    1 + 3 * parts[kFree], parts[kCorrelationPart]);
   return 1 / (1 + std::exp(-log_odds));
 }
@@ -105,7 +106,7 @@ double log_odds_in_the_middle(const ScoreModel& model, float correlation) {
   return std::log(p / (1 - p));
 }
 
-/// Of scans whose pixels err for themselves, where violation and hold tell, and of scans whose
+/// Of scans whose pixels err for themselves, where violation and stability tell, and of scans whose
 /// neighbors err alike, where the outline does; some lie between.
 Rows draw_of_two_sensors(std::size_t n, std::uint64_t seed) {
   test::Random random(seed);
@@ -134,10 +135,10 @@ TEST(FitScore, RecoversTheWeightsOfBothKindsOfErrors) {
   };
   // Knots are quantiles from 3 to 97 %, over which slopes of 2 and 3 add up to 4 and 6, nearly.
   EXPECT_NEAR(sum(0, kViolation), 4, 0.9F);
-  EXPECT_NEAR(sum(0, kHold), 6, 1.2F);
+  EXPECT_NEAR(sum(0, kStability), 6, 1.2F);
   EXPECT_LT(sum(0, kFree), 0.7F);
   EXPECT_LT(sum(1, kViolation), 0.7F);
-  EXPECT_LT(sum(1, kHold), 0.7F);
+  EXPECT_LT(sum(1, kStability), 0.7F);
   EXPECT_NEAR(sum(1, kFree), 6, 1.2F);
   EXPECT_NEAR(log_odds_in_the_middle(model, 0), -0.5, 0.4);
   EXPECT_NEAR(log_odds_in_the_middle(model, 1), 1, 0.4);
@@ -148,7 +149,7 @@ TEST(FitScore, FindsTheMinimumOfBothWeights) {
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   const double least = objective(model, rows, 1);
   for (std::size_t errors = 0; errors < 2; ++errors) {
-    for (const std::size_t k : {kViolation, kHold, kFree}) {
+    for (const std::size_t k : {kViolation, kStability, kFree}) {
       for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
         ASSERT_GE(model.weights[errors][k][i], 0);
         for (const float step : {-0.02F, 0.02F}) {
@@ -170,7 +171,7 @@ TEST(FitScore, FindsTheMinimumOfBothWeights) {
 TEST(FitScore, BoundsWhatDividesAllOutcomes) {
   Rows rows = draw(400, 4);
   for (std::size_t i = 0; i < rows.parts.size(); ++i)
-    rows.right[i] = rows.parts[i][kHold] > 0 ? 1 : 0;
+    rows.right[i] = rows.parts[i][kStability] > 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   EXPECT_TRUE(std::isfinite(log_loss(model, rows.parts, rows.right)));
   for (const float weight : weights_of(model)) EXPECT_LT(weight, 50);
@@ -180,9 +181,9 @@ TEST(FitScore, BoundsWhatDividesAllOutcomes) {
 TEST(FitScore, TurnsNoPartAround) {
   Rows rows = draw(2000, 5);
   for (std::size_t i = 0; i < rows.parts.size(); ++i)
-    rows.right[i] = rows.parts[i][kHold] < 0 ? 1 : 0;
+    rows.right[i] = rows.parts[i][kStability] < 0 ? 1 : 0;
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
-  for (const float weight : model.weights[0][kHold]) EXPECT_EQ(weight, 0);
+  for (const float weight : model.weights[0][kStability]) EXPECT_EQ(weight, 0);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ Examination good() {
   e.slope = 0.05F;
   e.area = 0.4F;
   e.relief = 5;
-  e.hold = 0.02F;
+  e.stability = 0.02F;
   return e;
 }
 
@@ -54,7 +54,7 @@ TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
     EXPECT_LT(worse([](Examination& e) { e.background = 300; }), best);
     EXPECT_LT(worse([](Examination& e) { e.outline_crossed = 100; }), best);
     EXPECT_LT(worse([](Examination& e) { e.buried = 100; }), best);
-    EXPECT_LT(worse([](Examination& e) { e.hold = 0; }), best);
+    EXPECT_LT(worse([](Examination& e) { e.stability = 0; }), best);
     EXPECT_LT(worse([](Examination& e) { e.sunk = 600; }), best);
     EXPECT_LT(worse([](Examination& e) { e.relief = 0; }), best);
     EXPECT_LT(worse([](Examination& e) { e.consistent = 30; }), best);

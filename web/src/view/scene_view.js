@@ -78,7 +78,7 @@ export class SceneView {
   #points = null;
   #found = new Group();
   #model = null; // shown by itself
-  #things = []; // { id, kind, mesh, outline, mark, center, radius, color, axes, rivals }
+  #things = []; // { id, kind, mesh, outline, mark, center, radius, color, axes, alternatives }
   #layers = { scan: true, found: true, rejected: false };
   #selected = null;
   #saved = null; // the camera of the scan while a model is shown
@@ -156,7 +156,7 @@ export class SceneView {
    * Pose models in the scan.
    *
    * things  [{ id, kind: "found" or "rejected", geometry, pose: Matrix4 of the geometry's points in
-   *         the scan's frame, color, label, rivals: other such poses }]
+   *         the scan's frame, color, label, alternatives: other such poses }]
    */
   setThings(things) {
     this.#selected = null;
@@ -181,8 +181,8 @@ export class SceneView {
     const addOutline = (world, id) =>
       outline.add(pose(new Mesh(thing.geometry, outlineMaterial(id, new Color())), world));
     addOutline(matrix, thing.kind === "found" ? kSelected : index + 2);
-    for (const rival of thing.rivals ?? []) {
-      addOutline(this.#frame.toWorld.clone().multiply(rival), index + 2);
+    for (const alternative of thing.alternatives ?? []) {
+      addOutline(this.#frame.toWorld.clone().multiply(alternative), index + 2);
     }
     this.#outlined.add(outline);
     let mesh = null;

@@ -1,4 +1,4 @@
-#include "kernels/simulation/wave_field.hpp"
+#include "kernels/simulation/noise_field.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ constexpr std::uint32_t kWidth = 400, kHeight = 300;
 double correlation(double length, double apart) {
   double sum = 0, n = 0;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
-    const WaveField field(kWidth, kHeight, length, seed, 3, 9);
+    const NoiseField field(kWidth, kHeight, length, seed, 3, 9);
     for (double v = 0; v < kHeight; v += 1.7) {
       for (double u = 0; u + apart < kWidth; u += 1.7) {
         sum += field.at(u, v) * field.at(u + apart, v);
@@ -28,7 +28,7 @@ double correlation(double length, double apart) {
 
 // Interpolation by cubic B-splines of white noise has, along an axis, the autocorrelation of the
 // spline with itself, the B-spline of degree 7: 1191 / 2416 at one knot, 120 / 2416 at two.
-TEST(WaveField, HasUnitVarianceAndTheSplinesAutocorrelation) {
+TEST(NoiseField, HasUnitVarianceAndTheSplinesAutocorrelation) {
   for (const double length : {4.0, 9.0, 16.0}) {
     EXPECT_NEAR(correlation(length, 0), 1, 0.1) << length;
     EXPECT_NEAR(correlation(length, length / 2), 1191.0 / 2416, 0.1) << length;
@@ -36,14 +36,14 @@ TEST(WaveField, HasUnitVarianceAndTheSplinesAutocorrelation) {
   }
 }
 
-TEST(WaveField, DependsOnItsSeedAndThePlaceAlone) {
-  const WaveField small(50, 40, 8, 1, 2, 3), again(50, 40, 8, 1, 2, 3), other(50, 40, 8, 2, 2, 3);
+TEST(NoiseField, DependsOnItsSeedAndThePlaceAlone) {
+  const NoiseField small(50, 40, 8, 1, 2, 3), again(50, 40, 8, 1, 2, 3), other(50, 40, 8, 2, 2, 3);
   EXPECT_EQ(small.at(31, 17), again.at(31, 17));
   EXPECT_NE(small.at(31, 17), other.at(31, 17));
 }
 
-TEST(WaveField, AllocatesNothingWhenLookedAt) {
-  const WaveField field(kWidth, kHeight, 8, 1, 2, 3);
+TEST(NoiseField, AllocatesNothingWhenLookedAt) {
+  const NoiseField field(kWidth, kHeight, 8, 1, 2, 3);
   double sum = 0;
   EXPECT_EQ(test::allocations_in([&] { sum = field.at(kWidth - 1, kHeight - 1); }), 0U);
   EXPECT_TRUE(std::isfinite(sum));

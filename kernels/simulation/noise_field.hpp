@@ -12,11 +12,11 @@ namespace trivet::kernels {
 /// Independent normal numbers on a lattice of `length_pixel` / 2, interpolated by cubic B-splines:
 /// the autocorrelation falls to a half at half a length and to 0.05 at a length. Depends on
 /// (seed, stream, item) and the pixel alone. Building it allocates; looking does not.
-class WaveField {
+class NoiseField {
  public:
   /// length_pixel >= 2
-  WaveField(std::uint32_t width, std::uint32_t height, double length_pixel, std::uint64_t seed,
-            std::uint64_t stream, std::uint64_t first_item);
+  NoiseField(std::uint32_t width, std::uint32_t height, double length_pixel, std::uint64_t seed,
+             std::uint64_t stream, std::uint64_t first_item);
   double at(double u, double v) const noexcept;
 
  private:

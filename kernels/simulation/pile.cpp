@@ -1,4 +1,4 @@
-#include "kernels/simulation/heap.hpp"
+#include "kernels/simulation/pile.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -121,7 +121,7 @@ std::pair<double, double> across_strip(const Facet& facet, double south, double 
 
 }  // namespace
 
-Heap::Heap(double half_side, double cell, const Vector2d& walls)
+Pile::Pile(double half_side, double cell, const Vector2d& walls)
     : half_side_(half_side),
       cell_(cell),
       walls_(walls),
@@ -131,7 +131,7 @@ Heap::Heap(double half_side, double cell, const Vector2d& walls)
   offsets_.assign(top_.size() + 1, 0);
 }
 
-Heap::Cells Heap::cells_under(const Facet& facet) const noexcept {
+Pile::Cells Pile::cells_under(const Facet& facet) const noexcept {
   const Places places{half_side_, cell_, side_, Vector3d::Zero()};
   const Vector3d low = facet.rowwise().minCoeff(), high = facet.rowwise().maxCoeff();
   return {std::max<std::ptrdiff_t>(places.at(low.x() - kSlack), 0),
@@ -143,7 +143,7 @@ Heap::Cells Heap::cells_under(const Facet& facet) const noexcept {
 /// Call visit(cell, height) with a height that the facet does not exceed (sign 1) or does not go
 /// below (sign -1) over the cell.
 template <class Visit>
-void Heap::for_cells_under(const Facet& facet, double sign, Visit&& visit) const {
+void Pile::for_cells_under(const Facet& facet, double sign, Visit&& visit) const {
   const Cells cells = cells_under(facet);
   const double extreme = sign > 0 ? facet.row(2).maxCoeff() : facet.row(2).minCoeff();
   if (cells.u0 >= cells.u1 && cells.v0 >= cells.v1) {
@@ -176,7 +176,7 @@ void Heap::for_cells_under(const Facet& facet, double sign, Visit&& visit) const
   }
 }
 
-void Heap::add(PointsView vertices, const Triangles& triangles) {
+void Pile::add(PointsView vertices, const Triangles& triangles) {
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     facets_.push_back(corners(vertices, triangles, t));
     highest_ = std::max(highest_, facets_.back().row(2).maxCoeff());
@@ -198,7 +198,7 @@ void Heap::add(PointsView vertices, const Triangles& triangles) {
   }
 }
 
-Vector3d Heap::land(PointsView vertices, const Triangles& triangles, double reach, Scratch& scratch,
+Vector3d Pile::land(PointsView vertices, const Triangles& triangles, double reach, Scratch& scratch,
                     std::vector<Contact>& contacts) const {
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < vertices.size(); ++i) {

@@ -1,4 +1,4 @@
-#include "kernels/simulation/wave_field.hpp"
+#include "kernels/simulation/noise_field.hpp"
 
 #include <array>
 #include <cmath>
@@ -20,8 +20,8 @@ constexpr double kMeanSquare = 151.0 / 315;
 
 }  // namespace
 
-WaveField::WaveField(std::uint32_t width, std::uint32_t height, double length_pixel,
-                     std::uint64_t seed, std::uint64_t stream, std::uint64_t first_item)
+NoiseField::NoiseField(std::uint32_t width, std::uint32_t height, double length_pixel,
+                       std::uint64_t seed, std::uint64_t stream, std::uint64_t first_item)
     : spacing_(length_pixel / 2),
       columns_(static_cast<std::size_t>(width / spacing_) + 4),
       knots_(columns_ * (static_cast<std::size_t>(height / spacing_) + 4)) {
@@ -29,7 +29,7 @@ WaveField::WaveField(std::uint32_t width, std::uint32_t height, double length_pi
     knots_[i] = static_cast<float>(CounterRandom(seed, stream, first_item + i).normal());
 }
 
-double WaveField::at(double u, double v) const noexcept {
+double NoiseField::at(double u, double v) const noexcept {
   const double x = u / spacing_, y = v / spacing_;
   const auto column = static_cast<std::size_t>(x), row = static_cast<std::size_t>(y);
   const std::array<double, 4> across = spline(x - static_cast<double>(column)),

@@ -1,4 +1,4 @@
-#include "kernels/simulation/heap.hpp"
+#include "kernels/simulation/pile.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,10 +20,10 @@ struct Landing {
   std::vector<Contact> contacts;
 };
 
-Landing land(const Heap& heap, const Shape& body, double reach = 0) {
-  Heap::Scratch scratch;
+Landing land(const Pile& pile, const Shape& body, double reach = 0) {
+  Pile::Scratch scratch;
   Landing out;
-  out.shift = heap.land(body.vertices, body.triangles, reach, scratch, out.contacts);
+  out.shift = pile.land(body.vertices, body.triangles, reach, scratch, out.contacts);
   return out;
 }
 
@@ -38,34 +38,34 @@ Pose at(float x, float y, float z, const Eigen::Vector3f& rotation = {0, 0, 0}) 
 
 const Shape kCube = test::box({-0.5F, -0.5F, -0.5F}, {0.5F, 0.5F, 0.5F});
 
-TEST(Heap, BringsTheLowestPointToTheGround) {
-  const Heap heap(2, 0.1, kOpen);
-  EXPECT_EQ(land(heap, kCube.moved(at(0, 0, 3))).shift, Vector3d(0, 0, -2.5));
-  EXPECT_EQ(land(heap, kCube.moved(at(50, -3, -4))).shift, Vector3d(0, 0, 4.5)) << "off the grid";
+TEST(Pile, BringsTheLowestPointToTheGround) {
+  const Pile pile(2, 0.1, kOpen);
+  EXPECT_EQ(land(pile, kCube.moved(at(0, 0, 3))).shift, Vector3d(0, 0, -2.5));
+  EXPECT_EQ(land(pile, kCube.moved(at(50, -3, -4))).shift, Vector3d(0, 0, 4.5)) << "off the grid";
 }
 
-TEST(Heap, LaysFacesEdgesAndCornersOnBodies) {
-  Heap heap(4, 0.13, kOpen);
-  heap.add(kCube.moved(at(0, 0, 0.5F)).vertices, kCube.triangles);
-  EXPECT_NEAR(land(heap, kCube.moved(at(0.25F, 0.5F, 5))).shift.z(), 1.5 - 5, 1e-12) << "a face";
-  EXPECT_NEAR(land(heap, kCube.moved(at(1.25F, 0, 5))).shift.z(), 0.5 - 5, 1e-12) << "beside it";
+TEST(Pile, LaysFacesEdgesAndCornersOnBodies) {
+  Pile pile(4, 0.13, kOpen);
+  pile.add(kCube.moved(at(0, 0, 0.5F)).vertices, kCube.triangles);
+  EXPECT_NEAR(land(pile, kCube.moved(at(0.25F, 0.5F, 5))).shift.z(), 1.5 - 5, 1e-12) << "a face";
+  EXPECT_NEAR(land(pile, kCube.moved(at(1.25F, 0, 5))).shift.z(), 0.5 - 5, 1e-12) << "beside it";
   // Standing on the middle of an edge of its own, sqrt(1/2) below the middle.
   const float quarter = std::numbers::pi_v<float> / 4;
-  EXPECT_NEAR(land(heap, kCube.moved(at(0, 0, 5, {quarter, 0, 0}))).shift.z(),
+  EXPECT_NEAR(land(pile, kCube.moved(at(0, 0, 5, {quarter, 0, 0}))).shift.z(),
               1 + std::sqrt(0.5) - 5, 1e-6);
   // An upright cube's edge along y at x = 0.5 meets an edge along x at y = 0, with both bodies'
   // corners far away: the tilted one's height there is sqrt(1/2).
-  Heap ridge(4, 0.13, kOpen);
+  Pile ridge(4, 0.13, kOpen);
   ridge.add(kCube.moved(at(0, 0, 1, {0, quarter, 0})).vertices, kCube.triangles);
   EXPECT_NEAR(land(ridge, kCube.moved(at(0, 0, 5, {quarter, 0, 0}))).shift.z(),
               1 + 2 * std::sqrt(0.5) - 5, 1e-6)
       << "edges that cross";
 }
 
-TEST(Heap, KeepsBodiesBetweenWalls) {
-  const Heap heap(2, 0.1, {0.75, 1});
-  EXPECT_EQ(land(heap, kCube.moved(at(1, -3, 0.5F))).shift, Vector3d(-0.75, 2.5, 0));
-  const Landing inside = land(heap, kCube.moved(at(0.2F, 0, 0.5F)), 0.1);
+TEST(Pile, KeepsBodiesBetweenWalls) {
+  const Pile pile(2, 0.1, {0.75, 1});
+  EXPECT_EQ(land(pile, kCube.moved(at(1, -3, 0.5F))).shift, Vector3d(-0.75, 2.5, 0));
+  const Landing inside = land(pile, kCube.moved(at(0.2F, 0, 0.5F)), 0.1);
   EXPECT_EQ(inside.shift, Vector3d(0, 0, 0));
   bool wall = false;
   for (const Contact& contact : inside.contacts) {
@@ -78,7 +78,7 @@ TEST(Heap, KeepsBodiesBetweenWalls) {
 }
 
 // Every shape against every other, turned at random, over cells smaller and larger than a facet.
-TEST(Heap, AgreesWithTheClearanceOfAllPairsOfTriangles) {
+TEST(Pile, AgreesWithTheClearanceOfAllPairsOfTriangles) {
   const std::vector<Shape> shapes{kCube, test::ellipsoid({0.5F, 0.7F, 0.3F}, 9),
                                   test::prism(9, test::teeth(3, 0.2), -0.3, 0.3, 0.5),
                                   test::tetrahedron()};
@@ -91,13 +91,13 @@ TEST(Heap, AgreesWithTheClearanceOfAllPairsOfTriangles) {
     };
     const Shape lower = shapes[round % 4].moved(place(2)),
                 upper = shapes[round / 4 % 4].moved(place(9));
-    Heap heap(3, round % 3 == 0 ? 0.02 : round % 3 == 1 ? 0.2 : 2, kOpen);
-    heap.add(lower.vertices, lower.triangles);
+    Pile pile(3, round % 3 == 0 ? 0.02 : round % 3 == 1 ? 0.2 : 2, kOpen);
+    pile.add(lower.vertices, lower.triangles);
     double expected = reference::clearance(reference::facets_of(upper.vertices, upper.triangles),
                                            reference::facets_of(lower.vertices, lower.triangles));
     for (std::size_t i = 0; i < upper.vertices.size(); ++i)
       expected = std::min(expected, static_cast<double>(upper.vertices[i].z()));
-    const Landing found = land(heap, upper, 0.1);
+    const Landing found = land(pile, upper, 0.1);
     EXPECT_NEAR(found.shift.z(), -expected, 1e-7) << round;
     ASSERT_FALSE(found.contacts.empty());
     double least = 1;
@@ -111,10 +111,10 @@ TEST(Heap, AgreesWithTheClearanceOfAllPairsOfTriangles) {
   }
 }
 
-TEST(Heap, IsTheSameForAnyOrderOfBodies) {
+TEST(Pile, IsTheSameForAnyOrderOfBodies) {
   const Shape a = kCube.moved(at(0, 0, 0.5F, {0.3F, 0.1F, 0})),
               b = kCube.moved(at(0.5F, 0.3F, 2, {1, 2, 3})), c = kCube.moved(at(0.2F, 0, 9));
-  Heap first(3, 0.1, kOpen), second(3, 0.1, kOpen);
+  Pile first(3, 0.1, kOpen), second(3, 0.1, kOpen);
   first.add(a.vertices, a.triangles);
   first.add(b.vertices, b.triangles);
   second.add(b.vertices, b.triangles);

@@ -1,4 +1,4 @@
-#include "kernels/scans/waviness.hpp"
+#include "kernels/scans/correlated_noise.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,9 @@ Wall wall(const Eigen::Vector3f& normal, float distance, Height&& height) {
   return w;
 }
 
-Waviness measure(const Wall& w) { return measure_waviness(w.image, {&w.plane, 1}, kWindow); }
+CorrelatedNoise measure(const Wall& w) {
+  return measure_correlated_noise(w.image, {&w.plane, 1}, kWindow);
+}
 
 float wave(float u, float v, float height, float length) {
   const float turn = 2 * 3.14159265F / length;
@@ -46,20 +48,20 @@ float wave(float u, float v, float height, float length) {
 
 const Eigen::Vector3f kFacing(0, 0, -1), kSlanted(0.3F, -0.5F, -1);
 
-TEST(Waviness, IsNoneOfIndependentNoise) {
+TEST(CorrelatedNoise, IsNoneOfIndependentNoise) {
   test::Random random;
-  const Waviness w =
+  const CorrelatedNoise w =
       measure(wall(kSlanted, 0.8F, [&](float, float) { return random.normal(kNoise); }));
   EXPECT_LT(w.height, 0.07F * kNoise);
   // A window's slope errs by noise / (footprint * sqrt(sum of x^2)) = 0.053.
   EXPECT_LT(w.slope_rad, 0.01F);
 }
 
-TEST(Waviness, IsWhatIsAddedToNoise) {
+TEST(CorrelatedNoise, IsWhatIsAddedToNoise) {
   constexpr float kHeight = 0.8F * kNoise, kLength = 20;
   for (const Eigen::Vector3f& normal : {kFacing, kSlanted}) {
     test::Random random;
-    const Waviness w = measure(wall(normal, 0.8F, [&](float u, float v) {
+    const CorrelatedNoise w = measure(wall(normal, 0.8F, [&](float u, float v) {
       return random.normal(kNoise) + wave(u, v, kHeight, kLength);
     }));
     EXPECT_NEAR(w.height, kHeight, 0.2F * kHeight) << "windows of 5 pixels flatten it a little";
@@ -67,22 +69,22 @@ TEST(Waviness, IsWhatIsAddedToNoise) {
   }
 }
 
-TEST(Waviness, GrowsWithTheUnit) {
+TEST(CorrelatedNoise, GrowsWithTheUnit) {
   const auto bent = [](float unit) {
     return measure(wall(kSlanted, 0.8F * unit,
                         [&](float u, float v) { return unit * wave(u, v, kNoise, 17); }));
   };
-  const Waviness meter = bent(1), millimeter = bent(1000);
+  const CorrelatedNoise meter = bent(1), millimeter = bent(1000);
   EXPECT_NEAR(millimeter.height, 1000 * meter.height, 1e-2F * 1000 * meter.height);
   EXPECT_NEAR(millimeter.slope_rad, meter.slope_rad, 1e-2F * meter.slope_rad);
 }
 
-TEST(Waviness, SparesABendThatPosesTakeUp) {
+TEST(CorrelatedNoise, SparesABendThatPosesTakeUp) {
   const auto bow = [](float u, float) { return 4e-7F * (u - 160) * (u - 160); };  // 1 cm in all
   EXPECT_LT(measure(wall(kFacing, 0.8F, bow)).height, 1e-4F);
 }
 
-TEST(Waviness, IsNotGuessedFromAFewPatches) {
+TEST(CorrelatedNoise, IsNotGuessedFromAFewPatches) {
   Wall w = wall(kFacing, 0.8F, [](float u, float v) { return wave(u, v, kNoise, 17); });
   EXPECT_GT(measure(w).height, 0.5F * kNoise);
   for (std::size_t pixel = 0; pixel < w.image.depth.size(); ++pixel) {

@@ -1,4 +1,4 @@
-#include "kernels/scans/waviness.hpp"
+#include "kernels/scans/correlated_noise.hpp"
 
 #include <algorithm>
 #include <array>
@@ -116,8 +116,8 @@ class Patches {
 
 }  // namespace
 
-Waviness measure_waviness(const RangeImage& image, std::span<const Plane> planes,
-                          std::size_t window) {
+CorrelatedNoise measure_correlated_noise(const RangeImage& image, std::span<const Plane> planes,
+                                         std::size_t window) {
   const Patches patches(image, planes, window);
   const std::size_t side = kPatch * window;
   std::vector<double> heights, slopes;

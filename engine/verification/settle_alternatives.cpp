@@ -1,4 +1,4 @@
-#include "engine/verification/settle_rivals.hpp"
+#include "engine/verification/settle_alternatives.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,18 +15,18 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kRivalPlace = 0.3F;  // in diameters
-constexpr float kLeastRivalScore = 0.1F;
-constexpr float kRivalShare = 0.5F;  // of the score of the pose that is rivalled
-constexpr int kMaxHops = 3;          // from rival to better rival
+constexpr float kAlternativePlace = 0.3F;  // in diameters
+constexpr float kLeastAlternativeScore = 0.1F;
+constexpr float kAlternativeShare = 0.5F;  // of the score of the pose that is ambiguous
+constexpr int kMaxHops = 3;                // from alternative to better alternative
 // In standard deviations, three to one, where pixels err for themselves. Where neighbors err alike
-// edges and creases are shown beside their places: a rival must be significantly better.
+// edges and creases are shown beside their places: an alternative must be significantly better.
 constexpr double kTelling = 0.7;
 constexpr float kSameAxis = 0.99F;  // cosine
 // Of a pose that might as well lie in its place in a way that its shape does not explain. What is
 // not there often does: of detections from 0.8 on, in the drawn scenes of scripts/calibrate, 39 of
 // 670 right ones and 48 of 143 wrong ones.
-constexpr float kOddsOfStrangeRival = 0.4F;
+constexpr float kOddsOfStrangeAlternative = 0.4F;
 
 double log_odds(float probability) noexcept {
   constexpr double kLeast = 1e-6;
@@ -34,10 +34,10 @@ double log_odds(float probability) noexcept {
   return std::log(p / (1 - p));
 }
 
-class Rivalry {
+class AmbiguityTest {
  public:
-  Rivalry(const PoseTester& tester, const kernels::RayScene& surface,
-          const kernels::ScoreModel& score, std::span<const Candidate> candidates)
+  AmbiguityTest(const PoseTester& tester, const kernels::RayScene& surface,
+                const kernels::ScoreModel& score, std::span<const Candidate> candidates)
       : tester_(tester),
         model_(tester.model()),
         surface_(surface),
@@ -53,33 +53,33 @@ class Rivalry {
       alike.clear();
       std::optional<Pose> better;
       double most = 0;
-      for (const Pose& rival : rivals_of(candidate)) {
-        const kernels::PoseComparison comparison = compare(rival, candidate);
+      for (const Pose& alternative : alternatives_of(candidate)) {
+        const kernels::PoseComparison comparison = compare(alternative, candidate);
         if (comparison.log_ratio > most && comparison.z > telling) {
           most = comparison.log_ratio;
-          better = rival;
+          better = alternative;
         }
-        if (!comparison.significant()) alike.push_back({rival, comparison.log_ratio});
+        if (!comparison.significant()) alike.push_back({alternative, comparison.log_ratio});
       }
       if (!better || hop == kMaxHops) break;
       Candidate moved = examine(*better, candidate);
-      if (moved.score < kRivalShare * candidate.score) break;
+      if (moved.score < kAlternativeShare * candidate.score) break;
       candidate = std::move(moved);
       turns = settle_turn(candidate);
     }
-    double elsewhere = 0;  // likelihood of rivals over that of the pose
+    double elsewhere = 0;  // likelihood of alternatives over that of the pose
     bool strange = false;
-    for (const Alike& rival : alike) {
-      if (!is_rival(rival.T_scene_model, candidate)) continue;
-      elsewhere += std::exp(rival.log_ratio);
-      candidate.rivals.push_back(rival.T_scene_model);
-      strange = strange || !is_near_symmetric(candidate.T_scene_model, rival.T_scene_model);
+    for (const Alike& alternative : alike) {
+      if (!is_alternative(alternative.T_scene_model, candidate)) continue;
+      elsewhere += std::exp(alternative.log_ratio);
+      candidate.alternatives.push_back(alternative.T_scene_model);
+      strange = strange || !is_near_symmetric(candidate.T_scene_model, alternative.T_scene_model);
     }
     for (const float angle : turns.others) {
       const Pose turned = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
-      if (is_rival(turned, candidate)) candidate.rivals.push_back(turned);
+      if (is_alternative(turned, candidate)) candidate.alternatives.push_back(turned);
     }
-    if (strange) candidate.score = scale_odds(candidate.score, kOddsOfStrangeRival);
+    if (strange) candidate.score = scale_odds(candidate.score, kOddsOfStrangeAlternative);
     candidate.pose_share = turns.share / static_cast<float>(1 + elsewhere);
     if (turns.high - turns.low > 2 * kRightRotationRad)
       candidate.turns = TurnExtent{*model_.near_axis, turns.low, turns.high};
@@ -99,8 +99,8 @@ class Rivalry {
                                   tester_.strict(with.T_scene_model), compare_scratch_);
   }
 
-  bool is_rival(const Pose& pose, const Candidate& candidate) {
-    return examine(pose, candidate).score >= kRivalShare * candidate.score;
+  bool is_alternative(const Pose& pose, const Candidate& candidate) {
+    return examine(pose, candidate).score >= kAlternativeShare * candidate.score;
   }
 
   Candidate examine(const Pose& pose, const Candidate& instead_of) {
@@ -149,41 +149,43 @@ class Rivalry {
     return 2 * std::numbers::pi_v<float> / static_cast<float>(turns + 1);
   }
 
-  /// Whether a rival is the pose turned about the near axis.
-  bool is_turn(const Pose& pose, const Pose& rival) const {
+  /// Whether an alternative is the pose turned about the near axis.
+  bool is_turn(const Pose& pose, const Pose& alternative) const {
     if (!model_.near_axis) return false;
     const Eigen::Vector3f axis = model_.near_axis->direction;
-    const float apart = (rival * model_.center - pose * model_.center).norm();
-    return (pose.linear() * axis).dot(rival.linear() * axis) > std::cos(kRightRotationRad) &&
+    const float apart = (alternative * model_.center - pose * model_.center).norm();
+    return (pose.linear() * axis).dot(alternative.linear() * axis) > std::cos(kRightRotationRad) &&
            apart <= kRightTranslation * model_.diameter;
   }
 
-  /// Whether the model's shape explains that a rival looks like the pose.
-  bool is_near_symmetric(const Pose& pose, const Pose& rival) const {
+  /// Whether the model's shape explains that an alternative looks like the pose.
+  bool is_near_symmetric(const Pose& pose, const Pose& alternative) const {
     return std::any_of(
         model_.near_symmetries.begin(), model_.near_symmetries.end(),
-        [&](const Pose& motion) { return same_placement(model_, pose * motion, rival); });
+        [&](const Pose& motion) { return same_placement(model_, pose * motion, alternative); });
   }
 
   /// Other placements of the model that may look like this one, but turns about the near axis.
-  std::vector<Pose> rivals_of(const Candidate& candidate) const {
+  std::vector<Pose> alternatives_of(const Candidate& candidate) const {
     const Pose& pose = candidate.T_scene_model;
-    std::vector<Pose> rivals;
-    const auto add = [&](const Pose& rival) {
-      const auto differs = [&](const Pose& known) { return !same_placement(model_, known, rival); };
-      if (tester_.allowed(rival) && differs(pose) && !is_turn(pose, rival) &&
-          std::all_of(rivals.begin(), rivals.end(), differs))
-        rivals.push_back(rival);
+    std::vector<Pose> alternatives;
+    const auto add = [&](const Pose& alternative) {
+      const auto differs = [&](const Pose& known) {
+        return !same_placement(model_, known, alternative);
+      };
+      if (tester_.allowed(alternative) && differs(pose) && !is_turn(pose, alternative) &&
+          std::all_of(alternatives.begin(), alternatives.end(), differs))
+        alternatives.push_back(alternative);
     };
     for (const Candidate& other : candidates_) {
       if (other.model != candidate.model) continue;
       const float apart = (other.T_scene_model * model_.center - pose * model_.center).norm();
-      if (apart < kRivalPlace * model_.diameter && other.score >= kLeastRivalScore)
+      if (apart < kAlternativePlace * model_.diameter && other.score >= kLeastAlternativeScore)
         add(other.T_scene_model);
     }
     for (const Pose& motion : model_.near_symmetries)
       add(tester_.polished(tester_.refined(pose * motion)));
-    return rivals;
+    return alternatives;
   }
 
   const PoseTester& tester_;
@@ -197,13 +199,13 @@ class Rivalry {
 
 }  // namespace
 
-Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& scene, float step,
-                           std::span<const Candidate> candidates, const RecognizeOptions& options,
-                           Candidate& candidate) {
+Result<void> settle_alternatives(const Recognizer& recognizer, const PreparedScene& scene,
+                                 float step, std::span<const Candidate> candidates,
+                                 const RecognizeOptions& options, Candidate& candidate) {
   const Result<kernels::RayScene>& surface = recognizer.surface(candidate.model);
   if (!surface) return surface.error();
   const PoseTester tester(recognizer.library().models[candidate.model], scene, step, options);
-  Rivalry(tester, *surface, recognizer.score(), candidates).settle(candidate);
+  AmbiguityTest(tester, *surface, recognizer.score(), candidates).settle(candidate);
   return {};
 }
 

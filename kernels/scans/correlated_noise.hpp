@@ -11,7 +11,7 @@ namespace trivet::kernels {
 /// Depth from matched windows, phases or patterns errs alike in neighboring pixels: surfaces are
 /// smooth, and wavy. What is left after averaging over windows of pixels, beyond what independent
 /// noise leaves.
-struct Waviness {
+struct CorrelatedNoise {
   float height = 0;     ///< root mean square of windows' means across the surface [scene unit]
   float slope_rad = 0;  ///< mean angle that windows are tilted by
 };
@@ -24,8 +24,8 @@ struct Waviness {
 /// window  side of a window [pixel], >= 2
 /// Source: one-way analysis of variance: the component between windows is the variance of their
 /// means less the n-th part of the variance within them.
-Waviness measure_waviness(const RangeImage& image, std::span<const Plane> planes,
-                          std::size_t window);
+CorrelatedNoise measure_correlated_noise(const RangeImage& image, std::span<const Plane> planes,
+                                         std::size_t window);
 
 inline constexpr std::size_t kPatch = 6;
 inline constexpr std::size_t kFewestPatches = 5;

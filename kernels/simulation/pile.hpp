@@ -21,7 +21,7 @@ struct Contact {
 
 /// The ground z = 0, walls about it, and bodies on it as triangles. Whatever is above a body's
 /// upper side is free: no body slips under another.
-class Heap {
+class Pile {
  public:
   /// What `land` works with; it only saves taking the memory anew.
   struct Scratch;
@@ -30,16 +30,16 @@ class Heap {
   ///            ground
   /// cell       > 0 [m], edge of the grid that triangles are looked up in: changes the time only
   /// walls      walls stand at |x| = walls.x and |y| = walls.y [m], of any height; infinite: none
-  Heap(double half_side, double cell, const Eigen::Vector2d& walls);
+  Pile(double half_side, double cell, const Eigen::Vector2d& walls);
 
-  /// Let a body lie where it is. Cost: O(all triangles of the heap).
+  /// Let a body lie where it is. Cost: O(all triangles of the pile).
   void add(PointsView vertices, const Triangles& triangles);
 
-  /// Find how to shift a body so that it stands between the walls and touches the heap from above.
+  /// Find how to shift a body so that it stands between the walls and touches the pile from above.
   ///
   /// vertices, triangles  the body; its indices are < vertices.size()
   /// reach     >= 0 [m]
-  /// contacts  out: where the shifted body is within `reach` above the heap or of a wall, at most a
+  /// contacts  out: where the shifted body is within `reach` above the pile or of a wall, at most a
   ///           few hundred, spread over it; the touching ones among them
   /// Returns the shift [m]: horizontal only if a wall asks for it, then vertical. The body touches
   /// and enters nothing, but for the rounding of its coordinates: the clearance of two surfaces of
@@ -68,7 +68,7 @@ class Heap {
   std::vector<std::uint32_t> indices_;
 };
 
-struct Heap::Scratch {
+struct Pile::Scratch {
   struct Candidate {
     double bound;  // no lower clearance in this cell
     std::uint32_t triangle, cell;

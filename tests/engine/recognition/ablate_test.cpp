@@ -1,4 +1,4 @@
-#include "engine/recognition/leave_out.hpp"
+#include "engine/recognition/ablate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,10 +22,10 @@ TEST(Improvements, AreListedInTheOrderOfTheLadderEachByANameOfItsOwn) {
 }
 
 TEST(ImprovementSet, HoldsWhatWasPutIn) {
-  const ImprovementSet set{Improvement::clusters, Improvement::rivals};
+  const ImprovementSet set{Improvement::clusters, Improvement::alternatives};
   for (const ImprovementName& known : kImprovements) {
-    const bool expected =
-        known.improvement == Improvement::clusters || known.improvement == Improvement::rivals;
+    const bool expected = known.improvement == Improvement::clusters ||
+                          known.improvement == Improvement::alternatives;
     EXPECT_EQ(set.contains(known.improvement), expected) << known.name;
   }
 }
@@ -35,18 +35,18 @@ TEST(LeaveOut, ChangesNothingWhenNothingIsLeftOut) {
   options.max_instances = 7;
   options.vote.max_votes = 1234;
   options.later.radius = 0.9F;
-  EXPECT_EQ(engine::leave_out(options), options);
+  EXPECT_EQ(engine::ablate(options), options);
 }
 
 TEST(LeaveOut, NeverAddsARoundOfVoting) {
-  EXPECT_EQ(engine::leave_out({.pose = {.rounds = 0}, .without = {Improvement::second_round}})
-                .pose.rounds,
-            0U);
+  EXPECT_EQ(
+      engine::ablate({.pose = {.rounds = 0}, .ablated = {Improvement::second_round}}).pose.rounds,
+      0U);
 }
 
 TEST(LeaveOut, FitsNormalsToTheNarrowestWindowsOfTheDefault) {
-  EXPECT_EQ(engine::leave_out({.without = {Improvement::normals}}).normal_window, 2.0F);
-  EXPECT_EQ(engine::leave_out({}).normal_window, std::nullopt);
+  EXPECT_EQ(engine::ablate({.ablated = {Improvement::normals}}).normal_window, 2.0F);
+  EXPECT_EQ(engine::ablate({}).normal_window, std::nullopt);
 }
 
 /// Two brackets and a lever before a wall, the depth noisy and wavy, and what is found in all.
@@ -78,8 +78,8 @@ class WithoutImprovement : public testing::Test {
     }
     whole_ = recognized({});
   }
-  static SceneResult recognized(ImprovementSet without) {
-    auto result = recognize(recognizer_, scene_, {}, {.min_score = 0.02F, .without = without});
+  static SceneResult recognized(ImprovementSet ablated) {
+    auto result = recognize(recognizer_, scene_, {}, {.min_score = 0.02F, .ablated = ablated});
     EXPECT_TRUE(result) << result.error().message;
     return std::move(*result);
   }
@@ -103,11 +103,12 @@ class WithoutImprovement : public testing::Test {
   static inline SceneResult whole_;
 };
 
-// Where the wall does not vote, no pose leans on it, and these parts have no rivals: `background`
-// and `rivals` have their own tests.
+// Where the wall does not vote, no pose leans on it, and these parts have no alternatives:
+// `background` and `alternatives` have their own tests.
 TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
   for (const ImprovementName& known : kImprovements) {
-    if (known.improvement == Improvement::background || known.improvement == Improvement::rivals)
+    if (known.improvement == Improvement::background ||
+        known.improvement == Improvement::alternatives)
       continue;
     EXPECT_NE(fingerprint(recognized({known.improvement})), fingerprint(whole_)) << known.name;
   }
@@ -118,9 +119,9 @@ TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
   RecognizeOptions options;
   options.pose.rounds = 0;
   options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F})}};
-  options.without = {Improvement::contour};  // which the wall runs on beyond
+  options.ablated = {Improvement::contour};  // which the wall runs on beyond
   const auto known = recognize(recognizer_, scene_, {}, options);
-  options.without.insert(Improvement::background);
+  options.ablated.insert(Improvement::background);
   const auto unknown = recognize(recognizer_, scene_, {}, options);
   ASSERT_TRUE(known && unknown);
   EXPECT_EQ(known->stats.num_examined, 0U) << "a wall supports no pose";
@@ -162,7 +163,7 @@ TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
 TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
   ImprovementSet all;
   for (const ImprovementName& known : kImprovements) all.insert(known.improvement);
-  const auto result = recognize(recognizer_, scene_, {}, {.min_score = 0, .without = all});
+  const auto result = recognize(recognizer_, scene_, {}, {.min_score = 0, .ablated = all});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ(result->detections.size(), 2U) << "one a model";
   for (const Detection& detection : result->detections) {
@@ -173,7 +174,7 @@ TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
 
 // Samples stand for rays: what they meet fills the same numbers.
 TEST_F(WithoutImprovement, FindsTheSamePartsBySamplesWhereNoRaysAreShot) {
-  const auto result = recognize(recognizer_, scene_, {}, {.without = {Improvement::rays}});
+  const auto result = recognize(recognizer_, scene_, {}, {.ablated = {Improvement::rays}});
   ASSERT_TRUE(result) << result.error().message;
   ASSERT_EQ(result->detections.size(), 3U);
   for (const Detection& detection : result->detections) {
