@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <csignal>
@@ -13,6 +14,7 @@
 #include <thread>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/markdown_help.hpp"
 #include "engine/progress.hpp"
 
 namespace {
@@ -101,6 +103,11 @@ int main(int argc, char** argv) {
       "  trivet train MODELS/ -o LIBRARY.h5\n"
       "  trivet recognize LIBRARY.h5 SCENE.ply --json -\n"};
   app.set_version_flag("--version", "trivet " TRIVET_VERSION);
+  app.add_flag_callback(
+         "--help-markdown",
+         [&app] { throw CLI::CallForVersion(apps::markdown_help(app), 0); },  // which is printed
+         "Print the help of all commands as one page")
+      ->trigger_on_parse();
   app.require_subcommand(1);
   app.fallthrough();
   app.add_option("--threads", context.num_threads,

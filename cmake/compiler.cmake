@@ -22,5 +22,8 @@ function(add_layer name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/trivet>)
   target_link_libraries(trivet_${name} PRIVATE $<BUILD_INTERFACE:trivet_compiler>)
   target_compile_features(trivet_${name} PUBLIC cxx_std_20)
+  # What nearly every source takes a second and more to parse. CLI11 belongs to none: it makes code wherever it is seen.
+  target_precompile_headers(trivet_${name} PRIVATE <Eigen/Geometry> <algorithm> <cmath> <filesystem> <functional>
+    <optional> <span> <string> <vector>)
   set_target_properties(trivet_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON EXPORT_NAME ${name})
 endfunction()

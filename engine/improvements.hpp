@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <string_view>
+
+#include "engine/option.hpp"
 
 namespace trivet {
 
@@ -28,39 +29,27 @@ enum class Improvement : std::uint8_t {
   alternatives,
 };
 
-struct ImprovementName {
-  Improvement improvement;
-  std::string_view name, sentence;
-};
-
-/// In the order of the ladder, which is that of the enumeration.
-inline constexpr std::array<ImprovementName, 15> kImprovements{{
-    {Improvement::clusters, "clusters",
-     "every cluster of votes may be an instance, not each model's strongest alone"},
-    {Improvement::planes, "planes", "points on planes larger than every model do not vote"},
-    {Improvement::references, "references",
-     "a tenth of the sampled points are reference points, not a fifth"},
-    {Improvement::ball, "ball",
-     "pairs end within 0.4 diameters, in the second round 0.7, not a whole one"},
-    {Improvement::full_cells, "full-cells",
-     "the fullest cells of a pair table, which tell least, do not vote"},
-    {Improvement::normals, "normals",
-     "normals are fitted to windows as wide as the scene's noise asks for"},
-    {Improvement::refinement, "refinement", "poses are refined by point-to-plane ICP"},
-    {Improvement::visibility, "visibility",
-     "poses are scored by the surface that the sensor should see, not by votes"},
-    {Improvement::contour, "contour",
+/// In the order of the enumeration, which is that of the ladder.
+inline constexpr std::array<Choice, 15> kImprovements{{
+    {"clusters", "every cluster of votes may be an instance, not each model's strongest alone"},
+    {"planes", "points on planes larger than every model do not vote"},
+    {"references", "a tenth of the sampled points are reference points, not a fifth"},
+    {"ball", "pairs end within 0.4 diameters, in the second round 0.7, not a whole one"},
+    {"full-cells", "the fullest cells of a pair table, which tell least, do not vote"},
+    {"normals", "normals are fitted to windows as wide as the scene's noise asks for"},
+    {"refinement", "poses are refined by point-to-plane ICP"},
+    {"visibility", "poses are scored by the surface that the sensor should see, not by votes"},
+    {"contour",
      "a scene that runs on beyond the outline counts against a pose, before any ray is shot"},
-    {Improvement::background, "background", "planes larger than a model support no pose of it"},
-    {Improvement::explained, "explained",
+    {"background", "planes larger than a model support no pose of it"},
+    {"explained",
      "a detection must explain pixels that no better one does, not just lie apart from its like"},
-    {Improvement::rays, "rays",
+    {"rays",
      "the last poses are tested ray by ray, and scored by their probability of being right"},
-    {Improvement::correlated_noise, "correlated-noise",
+    {"correlated-noise",
      "errors that many pixels share are measured on the scene's planes, and count against no pose"},
-    {Improvement::second_round, "second-round",
-     "a second round votes on what no sure detection explains"},
-    {Improvement::alternatives, "alternatives",
+    {"second-round", "a second round votes on what no sure detection explains"},
+    {"alternatives",
      "a detection is held against its near-symmetric alternatives where their renderings differ"},
 }};
 

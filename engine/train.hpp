@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/progress.hpp"
+#include "engine/train_options.hpp"
 #include "storage/cloud.hpp"
 #include "storage/library.hpp"
 #include "storage/model.hpp"
@@ -17,26 +18,6 @@
 #include "storage/tri_spin_features.hpp"
 
 namespace trivet {
-
-struct TrainOptions {
-  float relative_step =
-      0.04F;  ///< tau_d: sampling step / diameter, 0.01..0.2; smaller finds more, slower
-  /// Distance between the model's points that pairs start at, in steps, 0 to 5; 0: every point.
-  /// Larger is faster and finds a little less.
-  float reference_spacing = 1.2F;
-  std::uint32_t num_angle_bins = 15;  ///< bins over 180 degrees for the angles of a pair, 6..60
-  float normal_cluster_angle_deg =
-      30;  ///< points of one voxel whose normals differ more stay apart, > 0
-  std::uint32_t num_samples = 2048;   ///< surface samples for refinement and verification, >= 256
-  bool point_pairs = true;            ///< train for Method::ppf
-  bool tri_spin_images = true;        ///< train for Method::trisi
-  std::uint32_t num_components = 60;  ///< of Tri-Spin-Images that are kept at most, 1..675
-  float component_energy = 1;  ///< fewer are kept where they have this share of the variance, 0..1
-  bool operator==(const TrainOptions&) const = default;
-};
-
-/// Errors: usage (names the option, its range and its value).
-Result<void> validate(const TrainOptions& options);
 
 /// What to train: one model.
 struct ModelSource {

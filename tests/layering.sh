@@ -1,5 +1,5 @@
 #!/bin/sh
-# Proves the layers, and the rooms within each: includes point down only, and each library stays in its layer.
+# Proves the layers, and the folders within each: includes point down only, and each library stays in its layer.
 # usage: layering.sh SOURCE_DIR
 cd "$1" || exit 2
 failed=0
@@ -19,13 +19,14 @@ for library in flann embree3; do
   [ "$headers" -le 1 ] || fail "$library belongs behind one file, found in $headers"
 done
 
-# rooms LAYER ROOM...: a room includes only itself, the layer's own headers, which include no room, and rooms before it.
-rooms() {
+# folders LAYER FOLDER...: a folder includes only itself, the layer's own headers, which include no folder, and folders
+# before it.
+folders() {
   layer=$1
   shift
   listed=" $* " below=
-  for room in $(find "$layer" -mindepth 2 -name '*.[ch]pp' -exec dirname {} + | sort -u); do
-    case "$listed" in *" ${room#"$layer"/} "*) ;; *) fail "$room: a room that tests/layering.sh does not list" ;; esac
+  for folder in $(find "$layer" -mindepth 2 -name '*.[ch]pp' -exec dirname {} + | sort -u); do
+    case "$listed" in *" ${folder#"$layer"/} "*) ;; *) fail "$folder: a folder that tests/layering.sh does not list" ;; esac
   done
   for above in . "$@"; do
     if [ "$above" = . ]; then
@@ -42,8 +43,8 @@ rooms() {
     fi
   done
 }
-rooms storage files formats library datasets
-rooms kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
-rooms engine common training hypotheses verification camera recognition evaluation pictures meshing simulation/parts simulation
-rooms apps inputs results options report study service/http service service/route service/serve commands
+folders storage files formats library datasets
+folders kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
+folders engine common options training hypotheses verification camera recognition evaluation pictures meshing simulation/parts simulation
+folders apps inputs results options report study service/http service service/route service/serve commands
 exit $failed

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -54,7 +55,7 @@ Result<void> recognize_scans(const CalibrateArguments& arguments, const Recogniz
 }
 
 Result<void> calibrate(const CalibrateArguments& arguments, const Context& context) {
-  const Result<RecognizeOptions> options = options_of(arguments.recognize);
+  const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   const float least = options->min_score;
   if (const Result<void> good = check(arguments, least); !good) return good;

@@ -1,13 +1,16 @@
 /// The subcommands. Each adds itself to the command line and runs when chosen.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <stop_token>
 #include <string>
 
 #include "apps/commands/console.hpp"
 #include "storage/result.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace trivet::apps {
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -32,8 +33,9 @@ struct EvaluateArguments {
 /// What is judged: recognized now, or stored by any program.
 struct Judged {
   std::vector<std::optional<SceneResult>> results;
-  float min_score = 0;  ///< of what counts as reported
-  std::string source;   ///< the file that it came from
+  float min_score = 0;        ///< of what counts as reported
+  bool require_pose = false;  ///< the very pose has it
+  std::string source;         ///< the file that it came from
 };
 
 std::string source_of(const std::string& library, const std::string& calibration) {
@@ -45,10 +47,13 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.calibration);
   if (!opened) return opened.error();
   const Recognizer& recognizer = *opened;
-  Result<RecognizeOptions> options = options_of(arguments.recognize);
+  Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   options->doubtful_score = std::min(kLowestScore, options->min_score);
-  Judged judged{{}, options->min_score, source_of(arguments.library, arguments.calibration)};
+  Judged judged{{},
+                options->min_score,
+                options->require_pose,
+                source_of(arguments.library, arguments.calibration)};
   judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognize_all(
       recognizer, scenes_of(manifest, recognizer.library().header.unit), *options,
@@ -78,9 +83,12 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
                     "counted",
                     arguments.detections, strangers.size(), *strangers.begin()));
   }
+  const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
+  if (!options) return options.error();
+  const bool threshold = arguments.recognize.given.at("min-score").is_given();
   return Judged{std::move(*results),
-                arguments.recognize.min_score.value_or(-std::numeric_limits<float>::infinity()),
-                arguments.detections};
+                threshold ? options->min_score : -std::numeric_limits<float>::infinity(),
+                options->require_pose, arguments.detections};
 }
 
 Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
@@ -97,8 +105,8 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
                                     ? recognize_scenes(*manifest, arguments, context)
                                     : stored_results(*manifest, arguments, context);
   if (!judged) return judged.error();
-  const Result<Evaluation> evaluation = evaluate(
-      *manifest, *meshes, judged->results, judged->min_score, arguments.recognize.require_pose);
+  const Result<Evaluation> evaluation =
+      evaluate(*manifest, *meshes, judged->results, judged->min_score, judged->require_pose);
   if (!evaluation) {
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <vector>
 
@@ -69,7 +70,7 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
   Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
-  Result<RecognizeOptions> options = options_of(arguments.recognize);
+  Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
   if (!arguments.bop_csv.empty()) {

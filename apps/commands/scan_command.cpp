@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <set>
 #include <string>
@@ -7,7 +8,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
-#include "apps/options/option_names.hpp"
+#include "apps/options/add_options.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "engine/simulation/render_scenes.hpp"
 
@@ -20,7 +21,7 @@ struct ScanArguments {
   std::uint32_t num_parts = 0;
   std::vector<std::string> families;  ///< of the parts; empty: all
   ScanModelOptions model_options;
-  ScanOptions options;
+  GivenOptions given;
 };
 
 constexpr std::uint32_t kMaxParts = 1000;
@@ -28,14 +29,14 @@ constexpr std::uint32_t kMaxParts = 1000;
 /// The models of the command line, then made parts. Errors: usage (none, two of one name), of
 /// reading.
 Result<std::vector<ScanModel>> gather_models(const ScanArguments& arguments,
-                                             const ModelInputs& inputs, LengthUnit unit) {
+                                             const ModelInputs& inputs, LengthUnit unit,
+                                             std::uint64_t seed) {
   Result<std::vector<ScanModel>> models =
       read_scan_models(inputs.sources, unit, arguments.model_options);
   if (!models) return models.error();
   std::set<std::string> names;
   for (const ScanModel& model : *models) names.insert(model.name);
-  for (ScanModel& part :
-       make_scan_models(arguments.num_parts, arguments.options.seed, arguments.families)) {
+  for (ScanModel& part : make_scan_models(arguments.num_parts, seed, arguments.families)) {
     if (!names.insert(part.name).second) {
       return Error{ErrorCode::usage,
                    fmt::format("{}: expected one model of this name, found a file and a made part; "
@@ -57,11 +58,13 @@ Result<void> scan(const ScanArguments& arguments, const Context& context) {
   if (!inputs) return inputs.error();
   const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
   if (!unit) return unit.error();
-  if (const Result<void> valid = validate(arguments.options); !valid) return valid.error();
-  const Result<std::vector<ScanModel>> models = gather_models(arguments, *inputs, *unit);
+  ScanOptions options;
+  if (const Result<void> set = set_given(arguments.given, options); !set) return set;
+  const Result<std::vector<ScanModel>> models =
+      gather_models(arguments, *inputs, *unit, options.seed);
   if (!models) return models.error();
   const Result<Manifest> manifest =
-      render_scenes(*models, *unit, arguments.options, arguments.output,
+      render_scenes(*models, *unit, options, arguments.output,
                     context.console.progress("rendered", context.stop));
   if (!manifest) return manifest.error();
   std::size_t num_instances = 0;
@@ -76,7 +79,6 @@ Result<void> scan(const ScanArguments& arguments, const Context& context) {
 
 void add_scan(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<ScanArguments>();
-  ScanOptions& options = arguments->options;
   CLI::App* command = app.add_subcommand(
       "scan",
       "Scan piles of models with a virtual depth sensor\n\n"
@@ -110,91 +112,17 @@ void add_scan(CLI::App& app, Context& context) {
       ->add_option("-o,--output", arguments->output,
                    "Folder for the models, the depth images and the truth")
       ->required();
-  const std::string what = "What is in a scene", how = "How it is measured";
-  command->add_option("--scenes", options.num_scenes, "Scenes to scan")
-      ->capture_default_str()
-      ->group(what);
-  command->add_option("--instances", options.num_instances, "Objects of a scene")
-      ->capture_default_str()
-      ->group(what);
-  command
-      ->add_option("--of-a-kind", options.of_a_kind,
-                   "So many copies of a model lie in a scene before the next model comes")
-      ->capture_default_str()
-      ->group(what);
-  command->add_option("--seed", options.seed, "Other seeds give other scenes")
-      ->capture_default_str()
-      ->group(what);
-  command
-      ->add_option("--clutter", options.num_clutter,
-                   "So many other parts lie among the objects and are in no truth")
-      ->capture_default_str()
-      ->group(what);
-  command
-      ->add_option("--deviation", options.deviation,
-                   "The objects differ from their models by smooth deviations, root mean square of "
-                   "so many diameters, as printed, cast and scanned ones do; 0.005 is usual")
-      ->capture_default_str()
-      ->group(what);
-  command
-      ->add_flag("--bin", options.bin,
-                 "Drop the objects into an open box; else onto a table. The camera then looks down "
-                 "more steeply")
-      ->group(what);
-  command
-      ->add_flag("--walls", options.walls,
-                 "A corner of two walls stands behind the objects, as large planes")
-      ->group(what);
   command
       ->add_option("--unit", arguments->unit,
                    "Unit of the models and of manifest.json: m (default) or mm; the BOP files are "
                    "always in mm")
-      ->check(CLI::IsMember({"m", "mm"}))
-      ->group(what);
-  command
-      ->add_option("--diameter", arguments->model_options.diameter,
-                   "Scale every MODEL to this diameter, for meshes of arbitrary size")
-      ->group(what);
-  command
-      ->add_flag("--metal", arguments->model_options.metal,
-                 "The MODELs are of bright metal: where they mirror the sensor's light into the "
-                 "camera, nothing is measured, and around it the noise is strong")
-      ->group(what);
-  command
-      ->add_option("--sensor", options.sensor.sensor,
-                   "structured-light: a projector 75 mm beside the camera casts shadows; noise as "
-                   "of a Kinect, 1.2 mm and more from 0.4 m on.\n"
-                   "time-of-flight: no shadows; noise grows with range, on dark and on grazing "
-                   "surfaces; pixels at depth edges float between the surfaces.\n"
-                   "stereo: a second camera 100 mm beside; noise grows with the square of depth, "
-                   "depth comes in steps of 1/16 pixel of disparity.\n"
-                   "laser: a plane of light from 200 mm beside the camera; wide shadows, noise "
-                   "below 0.1 mm at 0.7 m, steps of 0.02 mm, range up to 1.3 m")
-      ->transform(CLI::CheckedTransformer(option_names<Sensor>())
-                      .description("{structured-light,time-of-flight,stereo,laser}"))
-      ->default_str("structured-light")
-      ->group(how);
-  command
-      ->add_option("--noise", options.sensor.noise,
-                   "Noise, in that of the sensor; 0: none, but what is hidden stays hidden")
-      ->capture_default_str()
-      ->group(how);
-  command
-      ->add_option("--disparity-step", options.sensor.disparity_step_pixel,
-                   "Tell depth in such steps of disparity [pixel], as sensors that match images "
-                   "do: a Kinect 0.125. 0: not; without this option the sensor's own")
-      ->group(how);
-  command
-      ->add_flag("--randomize", options.randomize,
-                 "Draw anew for each scene how the sensor falls short of the ideal one, and where "
-                 "it stands: windows that fatten outlines and fill recesses, noise that "
-                 "neighbors share, holes on dark and bright surfaces, filters, an image that is "
-                 "shifted, a camera and a depth scale that are written wrongly; focal length, "
-                 "distance, the room behind. Each strength is drawn over what real sensors of "
-                 "the kind show, and more. For all scenes together: images 640 or 848 pixels wide, "
-                 "and objects that differ from their models in size, form and, where these have "
-                 "one, by a lid that is off")
-      ->group(how);
+      ->check(CLI::IsMember({"m", "mm"}));
+  command->add_option("--diameter", arguments->model_options.diameter,
+                      "Scale every MODEL to this diameter, for meshes of arbitrary size");
+  command->add_flag("--metal", arguments->model_options.metal,
+                    "The MODELs are of bright metal: where they mirror the sensor's light into the "
+                    "camera, nothing is measured, and around it the noise is strong");
+  add_options<ScanOptions>(*command, arguments->given);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return scan(*arguments, context); };
   });

@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
+#include "apps/options/add_options.hpp"
 #include "apps/options/presets.hpp"
 
 namespace trivet::apps {
@@ -12,10 +13,9 @@ namespace {
 
 struct TrainArguments {
   std::vector<std::string> models;
-  std::string output, unit, preset = "balanced";
-  std::vector<std::string> methods{"ppf", "trisi"};
-  std::optional<float> relative_step, component_energy;
-  std::optional<std::uint32_t> components;
+  std::string output, unit;
+  GivenOption preset;
+  GivenOptions given;
 };
 
 Result<void> train(const TrainArguments& arguments, const Context& context) {
@@ -23,15 +23,10 @@ Result<void> train(const TrainArguments& arguments, const Context& context) {
   if (!inputs) return inputs.error();
   const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
   if (!unit) return unit.error();
-  TrainOptions options = train_presets().at(arguments.preset);
-  if (arguments.relative_step) options.relative_step = *arguments.relative_step;
-  const auto wanted = [&](std::string_view method) {
-    return std::ranges::find(arguments.methods, method) != arguments.methods.end();
-  };
-  options.point_pairs = wanted("ppf");
-  options.tri_spin_images = wanted("trisi");
-  if (arguments.components) options.num_components = *arguments.components;
-  if (arguments.component_energy) options.component_energy = *arguments.component_energy;
+  const GivenOption& preset = arguments.preset;
+  TrainOptions options =
+      train_presets().find(preset.is_given() ? preset.text : kUsualPreset)->second;
+  if (const Result<void> set = set_given(arguments.given, options); !set) return set;
 
   const Result<LibraryStats> stats =
       train_library(inputs->sources, *unit, options, arguments.output,
@@ -70,26 +65,9 @@ void add_train(CLI::App& app, Context& context) {
                    "Unit of the models: m (default) or mm; manifests name their own, BOP data sets "
                    "are in mm")
       ->check(CLI::IsMember({"m", "mm"}));
-  command
-      ->add_option("--preset", arguments->preset,
-                   "fast, balanced or accurate: how finely models are sampled")
-      ->check(CLI::IsMember({"fast", "balanced", "accurate"}))
-      ->capture_default_str();
-  command->add_option(
-      "--relative-step", arguments->relative_step,
-      "Sampling step as a share of the diameter, 0.01 to 0.2; overrides the preset");
-  command
-      ->add_option("--methods", arguments->methods,
-                   "What to train for, as a,b: ppf (point pairs), trisi (Tri-Spin-Images)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"ppf", "trisi"}).description(""))
-      ->capture_default_str();
-  command->add_option("--components", arguments->components,
-                      "Principal components that are kept of Tri-Spin-Images, 1 to 675 (default "
-                      "60)");
-  command->add_option("--component-energy", arguments->component_energy,
-                      "Fewer are kept where they have this share of the variance, above 0 to 1 "
-                      "(default 1)");
+  add_option(*command, preset_option("Options", "How finely models are sampled"),
+             std::string(kUsualPreset), arguments->preset);
+  add_options<TrainOptions>(*command, arguments->given);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return train(*arguments, context); };
   });

@@ -1,5 +1,6 @@
 #include "apps/inputs/open_recognizer.hpp"
 
+#include <CLI/CLI.hpp>
 #include <utility>
 
 #include "engine/evaluation/score_calibration.hpp"

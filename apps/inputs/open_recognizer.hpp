@@ -1,12 +1,15 @@
 /// A library, and the score that a cell was calibrated to.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "engine/recognizer.hpp"
 #include "storage/result.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace trivet::apps {
 

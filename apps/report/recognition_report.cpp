@@ -99,10 +99,6 @@ std::string calibration_words(const Recognizer& recognizer) {
 /// What leads to the same result again.
 std::string origin(const RecognitionReport& report) {
   const Library& library = report.recognizer.library();
-  const RecognizeOptions& o = report.options;
-  std::string models;
-  for (const std::string& model : o.models) models += (models.empty() ? "" : ", ") + model;
-  const auto number = [](auto value) { return fmt::format("{}", value); };
   std::string rows;
   for (const auto& [name, value] : std::initializer_list<std::pair<const char*, std::string>>{
            {"program", "trivet " TRIVET_VERSION},
@@ -111,21 +107,12 @@ std::string origin(const RecognitionReport& report) {
            {"trained by", library.header.producer},
            {"training", library.header.parameters},
            {"calibration of the score", calibration_words(report.recognizer)},
-           {"unit of the library", unit_name(library.header.unit)},
-           {"models searched", models.empty() ? "all" : models},
-           {"least score", number(o.min_score) + (o.require_pose ? ", of the very pose" : "")},
-           {"instances a model", number(o.max_instances)},
-           {"radius of pairs", fmt::format("{} diameters", o.vote.radius)},
-           {"reference share", number(o.vote.reference_share)},
-           {"references", number(o.vote.max_references)},
-           {"votes", number(o.vote.max_votes)},
-           {"rounds of voting", number(o.pose.rounds)},
-           {"clusters, refined, examined", fmt::format("{}, {}, {}", o.pose.max_clusters,
-                                                       o.pose.max_refined, o.pose.max_examined)},
-           {"tolerance", fmt::format("{} sigma, at least {} diameters", o.verify.tolerance_sigmas,
-                                     o.verify.tolerance_diameters)},
-           {"overlap", number(o.verify.max_overlap)}}) {
+           {"unit of the library", unit_name(library.header.unit)}}) {
     rows += fmt::format("<tr><td>{}<td class=\"words\">{}\n", name, escape_html(value));
+  }
+  for (const Option<RecognizeOptions>& option : options_of<RecognizeOptions>()) {
+    rows += fmt::format("<tr><td>{}<td class=\"words\">{}\n", label_with_unit(option.info),
+                        escape_html(option_text(option.info, option.get(report.options))));
   }
   return fmt::format(
       "<div><h2>To repeat it</h2><div class=\"table\"><pre>{}</pre><table>{}</table></div></div>\n",

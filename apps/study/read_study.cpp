@@ -8,7 +8,6 @@
 #include <set>
 #include <string_view>
 
-#include "apps/options/option_names.hpp"
 #include "apps/study/study.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "storage/file.hpp"
@@ -140,23 +139,23 @@ class Reader {
     return out;
   }
 
-  std::optional<SettingValue> value_of(const toml::node& node) {
-    if (const auto flag = node.value_exact<bool>()) return SettingValue(*flag);
-    if (node.is_number()) return SettingValue(*node.value<double>());
-    if (const auto text = node.value_exact<std::string>()) return SettingValue(*text);
+  std::optional<OptionValue> value_of(const toml::node& node) {
+    if (const auto flag = node.value_exact<bool>()) return OptionValue(*flag);
+    if (node.is_number()) return OptionValue(*node.value<double>());
+    if (const auto text = node.value_exact<std::string>()) return OptionValue(*text);
     if (const toml::array* const array = node.as_array()) {
       std::vector<std::string> list;
       for (const toml::node& element : *array) {
         if (const auto text = element.value_exact<std::string>()) list.push_back(*text);
       }
-      if (list.size() == array->size()) return SettingValue(std::move(list));
+      if (list.size() == array->size()) return OptionValue(std::move(list));
     }
     fault(node, "expected a number, a text, true, false or a list of texts");
     return std::nullopt;
   }
 
   /// One setting, which must be there and take the value.
-  void change(const toml::node& node, const std::string& name, const SettingValue& value,
+  void change(const toml::node& node, const std::string& name, const OptionValue& value,
               std::vector<SettingChange>& out) {
     const Setting* const setting = find_setting(name);
     if (!setting) {
@@ -185,7 +184,7 @@ class Reader {
       const std::string name = prefix + std::string(key.str());
       if (const toml::table* const inner = node.as_table()) {
         changes(*inner, name + ".", out);
-      } else if (const std::optional<SettingValue> value = value_of(node)) {
+      } else if (const std::optional<OptionValue> value = value_of(node)) {
         change(node, name, *value, out);
       }
     }
@@ -281,7 +280,7 @@ void read_values(Reader& reader, const toml::table& table, Experiment& experimen
     return;
   }
   for (const toml::node& node : *values->as_array()) {
-    const std::optional<SettingValue> value = reader.value_of(node);
+    const std::optional<OptionValue> value = reader.value_of(node);
     if (!value) continue;
     Variant variant;
     variant.name = value_text(*value);
@@ -305,8 +304,9 @@ Experiment read_experiment(Reader& reader, const toml::table& table, const Study
   if (experiment.scenes.empty())
     reader.fault(table, fmt::format("experiment {}: expected scenes", experiment.name));
   for (const std::string& name : reader.texts(table, "methods")) {
-    if (option_names<Method>().contains(name)) {
-      experiment.methods.push_back(option_names<Method>().at(name));
+    const std::span<const Choice> known = choices_of<Method>();
+    if (const auto found = std::ranges::find(known, name, &Choice::name); found != known.end()) {
+      experiment.methods.push_back(static_cast<Method>(found - known.begin()));
     } else {
       reader.fault(*table.get("methods"),
                    fmt::format("methods: expected fused, ppf or trisi, found '{}'", name));

@@ -1,17 +1,18 @@
 /// Everything that an experiment may vary, by name.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "engine/evaluation/degrade_scene.hpp"
-#include "engine/recognize.hpp"
+#include "engine/option.hpp"
+#include "engine/recognize_options.hpp"
 #include "engine/simulation/render_scenes.hpp"
-#include "engine/train.hpp"
+#include "engine/train_options.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps::study {
@@ -28,14 +29,13 @@ struct StudySettings {
 /// Errors: usage (names the setting, its range and its value).
 Result<void> validate(const StudySettings& settings);
 
-using SettingValue = std::variant<bool, double, std::string, std::vector<std::string>>;
-
+/// An option of a stage.
 struct Setting {
-  std::string_view name;   ///< STAGE.NAME, the name that of the command line's option
-  std::string_view label;  ///< what it is, with its unit
-  SettingValue (*get)(const StudySettings&);
-  /// Errors: usage (what was expected instead of a value of this kind).
-  Result<void> (*set)(StudySettings&, const SettingValue&);
+  std::string name;   ///< STAGE.NAME, the name that of the option
+  std::string label;  ///< what it is, with its unit
+  std::function<OptionValue(const StudySettings&)> get;
+  /// Errors: usage (what was expected instead).
+  std::function<Result<void>(StudySettings&, const OptionValue&)> set;
 };
 
 /// By stage: scan, degrade, train, recognize.
@@ -46,7 +46,7 @@ const Setting* find_setting(std::string_view name);
 
 struct SettingChange {
   std::string name;  ///< of a setting that there is
-  SettingValue value;
+  OptionValue value;
 };
 
 /// Errors: usage.
@@ -54,8 +54,5 @@ Result<void> change_settings(std::span<const SettingChange> changes, StudySettin
 
 /// All settings of a stage with their values.
 nlohmann::ordered_json stage_json(std::string_view stage, const StudySettings& settings);
-
-/// As a person would write it: "0.04", "yes", "a, b", "none".
-std::string value_text(const SettingValue& value);
 
 }  // namespace trivet::apps::study

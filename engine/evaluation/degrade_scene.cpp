@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/common/check_range.hpp"
 #include "engine/common/parallel.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/simulation/add_noise.hpp"
@@ -117,20 +116,6 @@ Points subsample(PointsView points, Subsampler subsampler, float cell) {
 }
 
 }  // namespace
-
-Result<void> validate(const DegradeOptions& options) {
-  return engine::check_ranges({
-      {options.noise >= 0 && options.noise <= 10, "noise [resolutions]", "0 to 10", options.noise},
-      {options.noise_diameters >= 0 && options.noise_diameters <= 1, "noise [diameters]", "0 to 1",
-       options.noise_diameters},
-      {options.ray_noise >= 0 && options.ray_noise <= 10, "ray noise [resolutions]", "0 to 10",
-       options.ray_noise},
-      {options.shot_noise >= 0 && options.shot_noise <= 1, "shot noise", "0 to 1",
-       options.shot_noise},
-      {options.keep > 0 && options.keep <= 1, "keep", "above 0 to 1", options.keep},
-      {options.cell > 0 && options.cell <= 1, "cell [diameters]", "above 0 to 1", options.cell},
-  });
-}
 
 Result<void> degrade_scene(Cloud& cloud, const DegradeOptions& options, float diameter,
                            std::uint64_t seed) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "engine/option.hpp"
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
 
@@ -18,15 +19,20 @@ enum class Subsampler : std::uint8_t {
 
 struct DegradeOptions {
   bool scattered = false;     ///< take the pixel grid away even if nothing else is done
-  float noise = 0;            ///< normal, standard deviation of x, y and z each [resolution], 0..10
-  float noise_diameters = 0;  ///< the same [diameter], independent of the other and beside it, 0..1
-  float ray_noise = 0;        ///< normal, along the line of sight [resolution], 0..10
-  float shot_noise = 0;       ///< share of the points that land anywhere in the scan's box, 0..1
-  float keep = 1;             ///< share of the points that stay, above 0 to 1
+  float noise = 0;            ///< normal, standard deviation of x, y and z each [resolution]
+  float noise_diameters = 0;  ///< the same [diameter], independent of the other and beside it
+  float ray_noise = 0;        ///< normal, along the line of sight [resolution]
+  float shot_noise = 0;       ///< share of the points that land anywhere in the scan's box
+  float keep = 1;             ///< share of the points that stay
   Subsampler subsampler = Subsampler::none;
-  float cell = 0.02F;  ///< or radius of the subsampler [diameter], above 0 to 1
+  float cell = 0.02F;  ///< or radius of the subsampler [diameter]
   bool operator==(const DegradeOptions&) const = default;
 };
+
+template <>
+std::span<const Choice> choices_of<Subsampler>();
+template <>
+std::span<const Option<DegradeOptions>> options_of<DegradeOptions>();
 
 /// Errors: usage (names the option, its range and its value).
 Result<void> validate(const DegradeOptions& options);

@@ -10,10 +10,8 @@
 #include <utility>
 
 #include "engine/camera/check_camera.hpp"
-#include "engine/common/check_range.hpp"
 #include "engine/recognition/ablate.hpp"
 #include "engine/recognition/scene_search.hpp"
-#include "kernels/pair_features/vote.hpp"
 
 namespace trivet {
 namespace {
@@ -47,27 +45,7 @@ Result<ModelGroups> group_models(const Library& library, const std::vector<std::
   return groups;
 }
 
-bool is_direction(const Eigen::Vector3f& v) { return v.norm() > 0 && std::isfinite(v.norm()); }
 bool is_place(const Eigen::Vector3f& v) { return v.cwiseAbs().maxCoeff() <= 1e9F && v.allFinite(); }
-
-Result<void> validate(const VoteOptions& options) {
-  return engine::check_ranges({
-      {options.radius > 0 && options.radius <= 1, "radius of pairs [diameters]", "above 0 to 1",
-       options.radius},
-      {options.reference_share > 0 && options.reference_share <= 1, "reference share",
-       "above 0 to 1", options.reference_share},
-      {options.max_references > 0, "maximum references", "at least 1",
-       static_cast<double>(options.max_references)},
-      {options.max_votes > 0, "maximum votes", "at least 1",
-       static_cast<double>(options.max_votes)},
-      {options.peak_share > 0 && options.peak_share <= 1, "peak share", "above 0 to 1",
-       options.peak_share},
-      {options.neighbor_share >= 0 && options.neighbor_share <= 0.5F, "neighbor share", "0 to 0.5",
-       options.neighbor_share},
-      {options.max_peaks >= 1 && options.max_peaks <= kernels::kMaxPeaks, "peaks per reference",
-       "1 to 8", static_cast<double>(options.max_peaks)},
-  });
-}
 
 /// A method alone must have been trained for; both together take what there is.
 Result<void> check_methods(const Library& library, Method method) {
@@ -261,51 +239,6 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
-}
-
-Result<void> validate(const RecognizeOptions& options) {
-  for (const VoteOptions& vote : {options.vote, options.later}) {
-    if (const Result<void> valid = validate(vote); !valid) return valid;
-  }
-  const float window = options.normal_window.value_or(1);
-  return engine::check_ranges({
-      {window >= 1 && window <= 20, "normal window [spacings]", "1 to 20", window},
-      {options.match.spacing >= 1 && options.match.spacing <= 20,
-       "spacing of keypoints [resolutions]", "1 to 20", options.match.spacing},
-      {options.match.num_neighbors >= 1 && options.match.num_neighbors <= 10, "neighbors",
-       "1 to 10", static_cast<double>(options.match.num_neighbors)},
-      {options.match.limits.max_lean >= 0, "maximum lean [radii]", "at least 0",
-       options.match.limits.max_lean},
-      {options.match.max_distance > 0, "maximum distance of features", "above 0",
-       options.match.max_distance},
-      {options.match.max_ratio > 0 && options.match.max_ratio <= 1, "maximum ratio", "above 0 to 1",
-       options.match.max_ratio},
-      {options.pose.min_cluster_share >= 0 && options.pose.min_cluster_share <= 1,
-       "share of the best cluster", "0 to 1", options.pose.min_cluster_share},
-      {options.pose.rounds <= 4, "rounds of voting", "0 to 4",
-       static_cast<double>(options.pose.rounds)},
-      {!options.limits.region ||
-           (options.limits.region->low.array() <= options.limits.region->high.array()).all(),
-       "region", "a box whose low corner is below its high corner", 0},
-      {!options.limits.tilt || (is_direction(options.limits.tilt->model_direction) &&
-                                is_direction(options.limits.tilt->scene_direction) &&
-                                options.limits.tilt->max_angle_deg >= 0),
-       "tilt", "two directions of a length above 0 and an angle of at least 0", 0},
-      {options.pose.cluster_translation > 0, "cluster translation [diameters]", "above 0",
-       options.pose.cluster_translation},
-      {options.pose.cluster_rotation_deg > 0, "cluster rotation [deg]", "above 0",
-       options.pose.cluster_rotation_deg},
-      {options.verify.tolerance_diameters > 0, "tolerance [diameters]", "above 0",
-       options.verify.tolerance_diameters},
-      {options.verify.max_overlap >= 0 && options.verify.max_overlap <= 1, "maximum overlap",
-       "0 to 1", options.verify.max_overlap},
-      {options.min_score >= 0 && options.min_score <= 1, "minimum score", "0 to 1",
-       options.min_score},
-      {options.doubtful_score.value_or(0) >= 0 && options.doubtful_score.value_or(0) <= 1,
-       "doubtful score", "0 to 1", options.doubtful_score.value_or(0)},
-      {!options.tell_claims || !options.doubtful_score, "doubtful score",
-       "none where claims are told", options.doubtful_score.value_or(0)},
-  });
 }
 
 }  // namespace trivet

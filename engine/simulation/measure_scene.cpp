@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/common/check_range.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/simulation/echo_scene.hpp"
 #include "engine/simulation/match_scene.hpp"
@@ -18,15 +17,6 @@
 #include "kernels/surfaces/visibility.hpp"
 
 namespace trivet {
-
-Result<void> validate(const SensorOptions& options) {
-  const float step = options.disparity_step_pixel.value_or(0);
-  return engine::check_ranges({
-      {options.noise >= 0 && options.noise <= 10, "noise", "0 to 10",
-       static_cast<double>(options.noise)},
-      {step >= 0 && step <= 8, "disparity-step", "0 to 8 pixels", static_cast<double>(step)},
-  });
-}
 
 namespace engine {
 namespace {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/option.hpp"
 #include "engine/simulation/sensor_flaws.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "storage/cloud.hpp"
@@ -18,14 +19,14 @@ enum class Sensor { structured_light, time_of_flight, stereo, laser };
 
 struct SensorOptions {
   Sensor sensor = Sensor::structured_light;
-  float noise = 1;  ///< multiplies the law's standard deviation, 0..10; 0: none
-  std::optional<float> disparity_step_pixel{};  ///< depth is told in such steps of disparity, 0..8;
-                                                ///< 0: not; absent: the sensor's own
+  float noise = 1;  ///< multiplies the law's standard deviation; 0: none
+  /// Depth is told in such steps of disparity; 0: not; absent: the sensor's own.
+  std::optional<float> disparity_step_pixel{};
   bool operator==(const SensorOptions&) const = default;
 };
 
-/// Errors: usage (names the option, its range and its value).
-Result<void> validate(const SensorOptions& options);
+template <>
+std::span<const Choice> choices_of<Sensor>();
 
 namespace engine {
 

@@ -21,15 +21,15 @@
 namespace trivet {
 
 struct ScanOptions {
-  std::uint32_t num_scenes = 8;     ///< 1..10000
-  std::uint32_t num_instances = 8;  ///< objects of a scene, 1..200
-  std::uint32_t of_a_kind = 1;      ///< so many of a model before the next model comes, >= 1
-  std::uint32_t num_clutter = 0;    ///< other parts among them, in no truth, 0..200
+  std::uint32_t num_scenes = 8;
+  std::uint32_t num_instances = 8;  ///< objects of a scene
+  std::uint32_t of_a_kind = 1;      ///< so many of a model before the next model comes
+  std::uint32_t num_clutter = 0;    ///< other parts among them, in no truth
   std::uint64_t seed = 1;           ///< other seeds give other scenes
   bool bin = false;                 ///< in an open box instead of on a table
   bool walls = false;               ///< a corner of two walls behind the pile
   /// The objects differ from their models by smooth deviations, root mean square of so many
-  /// diameters, 0..0.05.
+  /// diameters.
   double deviation = 0;
   SensorOptions sensor{};
   /// Draw for each scene how its sensor falls short of the ideal one (engine::draw_flaws), its
@@ -38,6 +38,9 @@ struct ScanOptions {
   bool randomize = false;
   bool operator==(const ScanOptions&) const = default;
 };
+
+template <>
+std::span<const Option<ScanOptions>> options_of<ScanOptions>();
 
 /// Errors: usage (names the option, its range and its value).
 Result<void> validate(const ScanOptions& options);

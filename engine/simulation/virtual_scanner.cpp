@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/common/check_range.hpp"
 #include "engine/simulation/measure_scene.hpp"
 #include "engine/simulation/pile_up.hpp"
 #include "engine/simulation/render_scenes.hpp"
@@ -338,22 +337,6 @@ Pose scaled(Pose pose, double factor) {
 }
 
 }  // namespace
-
-Result<void> validate(const ScanOptions& options) {
-  const Result<void> valid = engine::check_ranges({
-      {options.num_scenes >= 1 && options.num_scenes <= 10000, "scenes", "1 to 10000",
-       static_cast<double>(options.num_scenes)},
-      {options.num_instances >= 1 && options.num_instances <= 200, "instances", "1 to 200",
-       static_cast<double>(options.num_instances)},
-      {options.of_a_kind >= 1 && options.of_a_kind <= 200, "of-a-kind", "1 to 200",
-       static_cast<double>(options.of_a_kind)},
-      {options.num_clutter <= 200, "clutter", "0 to 200", static_cast<double>(options.num_clutter)},
-      {options.deviation >= 0 && options.deviation <= 0.05, "deviation [diameters]", "0 to 0.05",
-       options.deviation},
-  });
-  if (!valid) return valid.error();
-  return validate(options.sensor);
-}
 
 struct VirtualScanner::State {
   std::span<const ScanModel> models;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "engine/common/check_range.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/training/describe_model.hpp"
 #include "engine/training/encode_features.hpp"
@@ -136,26 +135,6 @@ Result<void> build_table(const ModelSource& source, const TrainOptions& options,
 
 float sampling_step(float diameter, float relative_step) {
   return relative_step * std::exp2(std::round(4 * std::log2(diameter)) / 4);
-}
-
-Result<void> validate(const TrainOptions& options) {
-  return engine::check_ranges({
-      {options.relative_step >= 0.01F && options.relative_step <= 0.2F, "relative step",
-       "0.01 to 0.2", options.relative_step},
-      {options.reference_spacing >= 0 && options.reference_spacing <= 5,
-       "reference spacing [steps]", "0 to 5", options.reference_spacing},
-      {options.num_angle_bins >= 6 && options.num_angle_bins <= 60, "angle bins", "6 to 60",
-       static_cast<double>(options.num_angle_bins)},
-      {options.normal_cluster_angle_deg > 0 && options.normal_cluster_angle_deg <= 180,
-       "normal cluster angle [deg]", "above 0 to 180", options.normal_cluster_angle_deg},
-      {options.num_samples >= 256 && options.num_samples <= 1U << 20, "samples", "256 to 1048576",
-       static_cast<double>(options.num_samples)},
-      {options.point_pairs || options.tri_spin_images, "methods", "at least one", 0},
-      {options.num_components >= 1 && options.num_components <= kernels::kTriSpinSize, "components",
-       "1 to 675", static_cast<double>(options.num_components)},
-      {options.component_energy > 0 && options.component_energy <= 1, "component energy",
-       "above 0 to 1", options.component_energy},
-  });
 }
 
 Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,

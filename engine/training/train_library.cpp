@@ -52,16 +52,14 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
   return trained;
 }
 
+/// All options, whatever their values: {"methods": ["ppf", "trisi"], "relative-step": 0.04, ...}.
 std::string parameters_json(const TrainOptions& options) {
-  return nlohmann::json{{"relative_step", options.relative_step},
-                        {"num_angle_bins", options.num_angle_bins},
-                        {"normal_cluster_angle_deg", options.normal_cluster_angle_deg},
-                        {"num_samples", options.num_samples},
-                        {"point_pairs", options.point_pairs},
-                        {"tri_spin_images", options.tri_spin_images},
-                        {"num_components", options.num_components},
-                        {"component_energy", options.component_energy}}
-      .dump();
+  nlohmann::ordered_json json;
+  for (const Option<TrainOptions>& option : options_of<TrainOptions>()) {
+    std::visit([&](const auto& value) { json[std::string(option.info.name)] = value; },
+               option.get(options));
+  }
+  return json.dump();
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace trivet::kernels {
 /// How much better a first pose explains the scan than a second one.
 struct PoseComparison {
   /// 0.6 % of a normal distribution lie beyond it on one side, and as few of the decisions between
-  /// near-symmetric poses on rendered scans were wrong (docs/architecture.md, "Alternatives").
+  /// near-symmetric poses on rendered scans were wrong (docs/measurements.md, "Alternative poses").
   static constexpr double kSignificant = 2.5;
 
   double log_ratio = 0;  ///< of the likelihoods of the votes; above 0: the first pose is better

@@ -380,7 +380,7 @@ async function start() {
   try {
     await loadLibrary();
     scoreParts = await service.fetchScoreParts();
-    settings = new Settings(library.unit);
+    settings = new Settings(library.unit, await service.fetchParameters());
     settings.onSubmit(run);
     listen();
     showTab("result");

@@ -54,6 +54,14 @@ export const fetchExamples = async () => (await getJson("/v1/examples")).example
 /** { bias, parts: [{ name, label, meaning, most_evidence }] }: see scoreBars */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
 
+/** The parameters of a recognition, as OpenAPI describes them. */
+export async function fetchParameters() {
+  const { paths, components } = await getJson("/v1/openapi.json");
+  return paths["/v1/recognize"].post.parameters.map(
+    ({ $ref }) => components.parameters[$ref.split("/").pop()],
+  );
+}
+
 /** The bytes at an address of the service. */
 export async function fetchBytes(address, signal) {
   return (await ask(address, { signal })).arrayBuffer();

@@ -1,4 +1,5 @@
 import { byId } from "./dom.js";
+import { Options } from "./options.js";
 import { kCameraKeys } from "./scan.js";
 
 const kRemembered = "trivet.settings"; // of files; examples bring their own
@@ -33,9 +34,13 @@ function remember(names) {
 export class Settings {
   #query = null; // of an example
 
-  /** unit  of the library, which a scan has unless it is said otherwise */
-  constructor(unit) {
+  /**
+   * unit        of the library, which a scan has unless it is said otherwise
+   * parameters  of a recognition, as the service describes them
+   */
+  constructor(unit, parameters) {
     this.libraryUnit = unit;
+    this.options = new Options(form, byId("options"), parameters);
     field("unit").value = remembered().unit || unit;
     form.addEventListener("change", () => this.#summarize());
     this.#summarize();
@@ -116,6 +121,7 @@ export class Settings {
     parameters.set("method", field("method").value);
     parameters.set("min-score", this.minScore);
     parameters.set("rejected", kRejectedPerModel);
+    for (const [name, value] of this.options.changed()) parameters.set(name, value);
     return parameters;
   }
 

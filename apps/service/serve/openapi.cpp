@@ -1,13 +1,107 @@
 #include "apps/service/serve/openapi.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
+
+#include "apps/options/presets.hpp"
+#include "apps/service/serve/recognize_query.hpp"
 
 namespace trivet::apps::service {
 
 /// Defined by what cmake/embed.cmake writes.
 std::span<const std::pair<std::string_view, std::string_view>> embedded_api();
 
-std::string_view openapi_document() { return embedded_api().front().second; }
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json value_json(const OptionValue& value) {
+  return std::visit([](const auto& content) { return Json(content); }, value);
+}
+
+Json names_of(std::span<const Choice> choices) {
+  Json names = Json::array();
+  for (const Choice& choice : choices) names.push_back(choice.name);
+  return names;
+}
+
+Json number_schema(const OptionInfo& info) {
+  Json schema{{"type", info.kind == OptionKind::count ? "integer" : "number"}};
+  const auto bound = [&](const char* name, double at) {
+    if (!std::isfinite(at)) return;
+    schema[name] = info.kind == OptionKind::count ? Json(static_cast<std::uint64_t>(at)) : Json(at);
+  };
+  bound(info.range.above_low ? "exclusiveMinimum" : "minimum", info.range.low);
+  bound("maximum", info.range.high);
+  return schema;
+}
+
+Json schema_of(const OptionInfo& info) {
+  switch (info.kind) {
+    case OptionKind::flag:
+      return {{"type", "boolean"}};
+    case OptionKind::number:
+    case OptionKind::count:
+      return number_schema(info);
+    case OptionKind::choice:
+      return {{"enum", names_of(info.choices)}};
+    case OptionKind::numbers:
+      return {{"type", "array"},
+              {"items", {{"type", "number"}}},
+              {"minItems", info.length},
+              {"maxItems", std::max(info.length, info.max_length)}};
+    case OptionKind::names:
+      break;
+  }
+  Json items{{"type", "string"}};
+  if (!info.choices.empty()) items = {{"enum", names_of(info.choices)}};
+  return {{"type", "array"}, {"items", items}};
+}
+
+Json parameter_of(const OptionInfo& info, const OptionValue& usual) {
+  std::string text(info.help);
+  if (!info.unit.empty()) text += fmt::format(" [{}]", info.unit);
+  text += '.';
+  if (is_unset(usual) && !info.unset_help.empty())
+    text += fmt::format(" Absent: {}.", info.unset_help);
+  Json parameter{
+      {"name", info.name}, {"in", "query"}, {"description", text}, {"schema", schema_of(info)}};
+  if (info.kind == OptionKind::numbers || info.kind == OptionKind::names) {
+    parameter["style"] = "form";
+    parameter["explode"] = false;
+  } else if (info.kind == OptionKind::count) {
+    parameter["schema"]["default"] = static_cast<std::uint64_t>(std::get<double>(usual));
+  } else if (!is_unset(usual)) {
+    parameter["schema"]["default"] = value_json(usual);
+  }
+  return parameter;
+}
+
+/// The document with the parameters of a recognition, which follow from the options.
+std::string write_document() {
+  Json document = Json::parse(embedded_api().front().second);
+  Json& parameters = document["components"]["parameters"];
+  Json& of_recognize = document["paths"]["/v1/recognize"]["post"]["parameters"];
+  const auto add = [&](const OptionInfo& info, const OptionValue& usual) {
+    const std::string name(info.name);
+    parameters[name] = parameter_of(info, usual);
+    of_recognize.push_back({{"$ref", "#/components/parameters/" + name}});
+  };
+  for (const auto& option : options_of<ServedScene>()) add(option.info, option.get({}));
+  add(preset_parameter(), std::string(kUsualPreset));
+  for (const auto& option : options_of<RecognizeOptions>()) add(option.info, option.get({}));
+  return document.dump();
+}
+
+}  // namespace
+
+std::string_view openapi_document() {
+  static const std::string document = write_document();
+  return document;
+}
 
 }  // namespace trivet::apps::service

@@ -1,4 +1,5 @@
-/// The description of the service for programs: OpenAPI 3.1, apps/service/serve/api/openapi.json.
+/// The description of the service for programs: OpenAPI 3.1, apps/service/serve/api/openapi.json
+/// with the parameters of a recognition.
 #pragma once
 
 #include <string_view>

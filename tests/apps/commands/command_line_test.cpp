@@ -50,6 +50,13 @@ TEST_F(CommandLine, ExplainsEverySubcommand) {
   EXPECT_EQ(run({"--version"}).out.rfind("trivet ", 0), 0U);
 }
 
+TEST_F(CommandLine, IsDescribedByThePageOfTheDocuments) {
+  const test::Outcome outcome = run({"--help-markdown"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_TRUE(outcome.out == test::read_bytes(TRIVET_SOURCES "/docs/cli.md"))
+      << "write it anew: trivet --help-markdown > docs/cli.md";
+}
+
 TEST_F(CommandLine, GivesTwoForWrongUsage) {
   EXPECT_TRUE(fails({}, 2, "subcommand"));
   EXPECT_TRUE(fails({"trane"}, 2, "subcommand"));

@@ -60,7 +60,7 @@ TEST_F(Examples, FindWhatTheServiceFinds) {
     words.push_back("min-score=2");
     const test::Outcome refused = run(TRIVET_PYTHON, words);
     EXPECT_EQ(refused.exit_code, 1);
-    EXPECT_NE(refused.error.find("400: minimum score"), std::string::npos) << refused.error;
+    EXPECT_NE(refused.error.find("400: min-score"), std::string::npos) << refused.error;
 
     const test::Outcome compiled = run(
         TRIVET_EXAMPLE, {"127.0.0.1", std::to_string(port), depth_, "format=png&" + parameters_});

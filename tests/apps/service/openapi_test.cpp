@@ -1,4 +1,6 @@
 // The description of the service for programs is what the service does.
+#include "apps/service/serve/openapi.hpp"
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -13,8 +15,7 @@ namespace {
 const std::string kSources = TRIVET_SOURCES;
 
 TEST(OpenApi, NamesTheParametersThatAreTaken) {
-  const nlohmann::json document =
-      nlohmann::json::parse(test::read_bytes(kSources + "/apps/service/serve/api/openapi.json"));
+  const nlohmann::json document = nlohmann::json::parse(apps::service::openapi_document());
   std::set<std::string> described;
   for (const nlohmann::json& parameter : document["paths"]["/v1/recognize"]["post"]["parameters"]) {
     const std::string name = parameter["$ref"].get<std::string>().substr(24);
@@ -22,10 +23,13 @@ TEST(OpenApi, NamesTheParametersThatAreTaken) {
     EXPECT_EQ(full["name"], name);
     if (full["in"] == "query") described.insert(name);
   }
-  const std::vector<std::string> names = apps::service::recognize_parameter_names();
-  std::set<std::string> taken(names.begin(), names.end());
-  taken.insert("format");
-  EXPECT_EQ(described, taken);
+  EXPECT_TRUE(described.erase("format")) << "which chooses the reader";
+  for (const std::string& name : described) {
+    const auto query = apps::service::parse_recognize_query({{name, "?"}});
+    if (query) continue;  // a name that may be any
+    EXPECT_EQ(query.error().message.rfind(name + ": expected", 0), 0U) << query.error().message;
+  }
+  EXPECT_FALSE(apps::service::parse_recognize_query({{"expected", "file.json"}}));
 }
 
 TEST(RecognizeQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
@@ -39,13 +43,13 @@ TEST(RecognizeQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
 }
 
 TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
-  const nlohmann::json document =
-      nlohmann::json::parse(test::read_bytes(kSources + "/apps/service/serve/api/openapi.json"));
+  const nlohmann::json document = nlohmann::json::parse(apps::service::openapi_document());
   const auto text = [](const nlohmann::json& value) {
     return value.is_string() ? value.get<std::string>() : value.dump();
   };
-  for (const std::string& name : apps::service::recognize_parameter_names()) {
-    const nlohmann::json& schema = document["components"]["parameters"][name]["schema"];
+  for (const auto& [name, parameter] : document["components"]["parameters"].items()) {
+    if (parameter["in"] != "query" || name == "format" || name == "max-points") continue;
+    const nlohmann::json& schema = parameter["schema"];
     std::vector<nlohmann::json> good, bad;
     for (const char* const key : {"default", "minimum", "maximum"}) {
       if (schema.contains(key)) good.push_back(schema[key]);

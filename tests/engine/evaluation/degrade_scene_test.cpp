@@ -285,12 +285,12 @@ TEST(DegradeScene, RefusesOptionsOutOfRange) {
     EXPECT_EQ(valid.error().code, ErrorCode::usage);
     EXPECT_NE(valid.error().message.find(expected), std::string::npos) << valid.error().message;
   };
-  refuses({.noise = -0.1F}, "noise [resolutions]: expected 0 to 10");
-  refuses({.noise_diameters = 1.1F}, "noise [diameters]: expected 0 to 1");
-  refuses({.ray_noise = 11}, "ray noise [resolutions]: expected 0 to 10");
-  refuses({.shot_noise = std::nanf("")}, "shot noise: expected 0 to 1");
+  refuses({.noise = -0.1F}, "noise: expected 0 to 10 [resolution of the scan]");
+  refuses({.noise_diameters = 1.1F}, "noise-diameters: expected 0 to 1 [mean diameter]");
+  refuses({.ray_noise = 11}, "ray-noise: expected 0 to 10");
+  refuses({.shot_noise = std::nanf("")}, "shot-noise: expected 0 to 1");
   refuses({.keep = 0}, "keep: expected above 0 to 1");
-  refuses({.cell = 0}, "cell [diameters]: expected above 0 to 1");
+  refuses({.cell = 0}, "cell: expected above 0 to 1 [mean diameter]");
 }
 
 }  // namespace

@@ -524,7 +524,7 @@ TEST_F(Recognize, RefusesUnusableScenesAndOptions) {
   for (const float window : {0.9F, 20.1F, std::nanf("")}) {
     const Result<void> valid = validate(RecognizeOptions{.normal_window = window});
     ASSERT_FALSE(valid);
-    EXPECT_NE(valid.error().message.find("normal window [spacings]: expected 1 to 20"),
+    EXPECT_NE(valid.error().message.find("normal-window: expected 1 to 20 [spacing]"),
               std::string::npos)
         << valid.error().message;
   }

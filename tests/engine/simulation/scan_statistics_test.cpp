@@ -350,7 +350,7 @@ std::ostream& operator<<(std::ostream& out, const RealSets& sets) { return out <
 
 class ScanStatistics : public testing::TestWithParam<RealSets> {};
 
-// docs/architecture.md has the figures, which are properties of this test's XML output.
+// docs/measurements.md has the figures, which are properties of this test's XML output.
 TEST_P(ScanStatistics, OfRealScansLieWithinThoseOfRandomizedOnes) {
   const RealSets sets = GetParam();
   const std::filesystem::path data = TRIVET_DATA;

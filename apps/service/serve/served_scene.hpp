@@ -1,0 +1,35 @@
+/// How a client's scan is to be read.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "engine/option.hpp"
+#include "engine/recognize.hpp"
+#include "storage/cloud.hpp"
+#include "storage/library.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps::service {
+
+struct ServedScene {
+  std::optional<Camera> camera{};
+  std::optional<Eigen::Vector3f> viewpoint{};  ///< of the sensor, in the scan's frame and unit
+  std::optional<LengthUnit> unit{};            ///< absent: the library's
+
+  SceneInput input(LengthUnit library_unit) const;
+};
+
+/// Read a scan of at most 16 million points or pixels. `name` stands for it in messages and tells
+/// the format by its extension. Errors: those of read_cloud.
+Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
+                        const ServedScene& scene);
+
+}  // namespace trivet::apps::service
+
+template <>
+std::span<const trivet::Option<trivet::apps::service::ServedScene>>
+trivet::options_of<trivet::apps::service::ServedScene>();

@@ -1,0 +1,109 @@
+/// What recognition found in a scene.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/camera_check.hpp"
+#include "engine/method.hpp"
+#include "engine/progress.hpp"
+#include "kernels/scans/sensor_model.hpp"
+#include "kernels/verification/examine_pose.hpp"
+#include "kernels/verification/pose_score.hpp"
+#include "storage/model.hpp"
+
+namespace trivet {
+
+/// Turns about an axis of the model from a pose on.
+struct TurnExtent {
+  Symmetry::Axis axis;      ///< in the model's frame, in the scene file's unit
+  float low = 0, high = 0;  ///< [rad]; apart by a whole turn, or by one of its symmetry: any
+};
+
+struct Detection {
+  std::string model;
+  /// Probability that the object is here, in this pose or one that the scan cannot tell from it,
+  /// 0..1.
+  float score = 0;
+  Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
+  float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
+  float violation = 0;          ///< share of what was measured there that the sensor looked through
+  float contour = 0;            ///< share of the outline that the scene does not run on beyond
+  float rmse = 0;               ///< across the agreeing surface, in the scene file's unit
+  kernels::ScoreParts parts{};  ///< what the score is made of
+  /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
+  /// detection is ambiguous.
+  std::vector<Pose> alternatives{};
+  std::vector<std::string> siblings{};  ///< other models that explain as well what is seen here
+  Source source = Source::ppf;          ///< that proposed it
+  float pose_share = 1;                 ///< of the score, what is this pose's, 0..1
+  std::optional<TurnExtent> turns{};    ///< that the scan cannot tell apart; of a near axis
+
+  /// Probability that the object is here in this very pose.
+  float pose_score() const noexcept { return score * pose_share; }
+};
+
+enum class Rejection {
+  too_low,    ///< the score, or pose_score if that is required, is below min_score
+  explained,  ///< better poses already explain more than max_overlap of its pixels
+  too_many,   ///< max_instances of its model are better
+};
+
+/// A pose that was tested in full but not reported.
+struct RejectedPose {
+  std::string model;
+  float score = 0;              ///< as of a detection
+  Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
+  kernels::ScoreParts parts{};  ///< what the score is made of
+  Rejection reason = Rejection::too_low;
+  /// Index of the detection that explains most of its pixels, and what share of them: with the
+  /// reason `explained`, unless that one itself was one too many; and where one that is too low
+  /// lies in the place of a better one.
+  std::optional<std::size_t> explained_by{};
+  float explained_share = 0;
+};
+
+/// A pose that was taken, also if it is not reported: what decides between it and others in its
+/// place.
+struct PoseClaim {
+  std::string model;
+  float rank = 0;                      ///< higher ones choose first; depends on the library's unit
+  kernels::ExplainedPixels explained;  ///< none where Improvement::explained is left out
+  std::optional<std::size_t> detection{};  ///< index of the detection that it became
+};
+
+struct ImageSize {
+  std::uint32_t width = 0, height = 0;  ///< [pixel]
+  bool operator==(const ImageSize&) const = default;
+};
+
+/// What the poses that were taken claim of the images that the scene was looked at in.
+struct SceneClaims {
+  std::vector<ImageSize> images;
+  std::vector<PoseClaim> poses;  ///< in the order of taking
+};
+
+struct SceneStats {
+  StageTimes times;
+  double total_seconds = 0;
+  std::size_t num_points = 0;   ///< finite points of the scene
+  std::size_t num_invalid = 0;  ///< dropped when reading
+  float noise = 0;              ///< measured standard deviation of the surface [library unit]
+  /// How the scan errs, with lengths in the scene file's unit; none of closed surfaces.
+  std::optional<kernels::SensorModel> sensor{};
+  std::optional<CameraCheck> camera_check{};  ///< of depth images
+  std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0,
+                num_refined = 0, num_examined = 0;
+};
+
+struct SceneResult {
+  std::vector<Detection> detections;    ///< by falling score, then model name
+  std::vector<RejectedPose> rejected;   ///< by falling score; no two of one placement
+  std::optional<SceneClaims> claims{};  ///< if they are asked for
+  SceneStats stats;
+};
+
+}  // namespace trivet
