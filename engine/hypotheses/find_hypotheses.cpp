@@ -40,25 +40,66 @@ void gather_neighbors(const SceneLevel& level, const Eigen::Vector3f& center, fl
   }
 }
 
-}  // namespace
-
-std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& library,
-                                                              const SceneLevel& level,
-                                                              std::span<const std::uint32_t> models,
-                                                              const VoteOptions& options,
-                                                              SceneStats& stats) {
-  // The largest table's quantization serves all: keys of equal step differ only in how far they
-  // reach, which is cut to the ball.
+/// The largest table's quantization serves all: keys of equal step differ only in how far they
+/// reach, which is cut to the ball.
+PpfQuantization shared_quantization(const Library& library, std::span<const std::uint32_t> models,
+                                    float radius) {
   PpfQuantization quantization;
   for (const std::uint32_t m : models) {
     const PpfQuantization& own = library.models[m].ppf.quantization;
     if (own.num_distance_bins > quantization.num_distance_bins) quantization = own;
   }
   quantization.num_distance_bins = static_cast<std::uint32_t>(
-      std::ceil(options.radius * static_cast<float>(quantization.num_distance_bins)));
+      std::ceil(radius * static_cast<float>(quantization.num_distance_bins)));
+  return quantization;
+}
+
+/// Which pose of the model a peak stands for.
+Pose pose_of(const kernels::VotePeak& peak, const Model& model, const Pose& T_scene_frame) {
+  Pose turn = Pose::Identity();
+  turn.linear() = Eigen::AngleAxisf(peak.rotation_rad, Eigen::Vector3f::UnitX()).toRotationMatrix();
+  const Pose T_frame_model = kernels::frame_pose(kernels::reference_frame(
+      model.ppf_points[peak.model_point], model.ppf_normals[peak.model_point]));
+  return T_scene_frame * turn * T_frame_model;
+}
+
+/// Let one reference point vote for each model, and write the hypotheses of its peaks.
+///
+/// out  options.max_peaks for each model; without votes where there are fewer peaks
+void vote_from(const SceneLevel& level, std::uint32_t reference, const Library& library,
+               std::span<const std::uint32_t> models, const PpfQuantization& quantization,
+               const VoteOptions& options, VoteScratch& scratch,
+               std::span<kernels::Hypothesis> out) {
+  const kernels::ReferenceFrame frame =
+      kernels::reference_frame(level.points[reference], level.normals[reference]);
   const float radius =
       quantization.distance_step * static_cast<float>(quantization.num_distance_bins);
+  gather_neighbors(level, frame.point, radius, scratch);
+  kernels::collect_scene_votes(frame, scratch.points, scratch.normals, quantization,
+                               options.neighbor_share, scratch.pairs, scratch.keys, scratch.votes);
+  if (scratch.votes.size() > kMaxPairs) scratch.votes.resize(kMaxPairs);
+  scratch.num_pairs += scratch.points.size();
+  const Pose T_scene_frame = kernels::frame_pose(frame).inverse();
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const Model& model = library.models[models[m]];
+    if (model.ppf.entries.empty()) continue;
+    scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
+    scratch.num_votes +=
+        kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);
+    const kernels::VotePeaks peaks =
+        kernels::take_peaks(scratch.accumulator, options.max_peaks, options.peak_share);
+    for (std::size_t k = 0; k < peaks.count; ++k) {
+      out[m * options.max_peaks + k] = {pose_of(peaks.peak[k], model, T_scene_frame),
+                                        static_cast<float>(peaks.peak[k].votes)};
+    }
+  }
+}
 
+}  // namespace
+
+VotedHypotheses find_hypotheses(const Library& library, const SceneLevel& level,
+                                std::span<const std::uint32_t> models, const VoteOptions& options) {
+  const PpfQuantization quantization = shared_quantization(library, models, options.radius);
   const std::size_t slots = models.size() * options.max_peaks;
   std::vector<kernels::Hypothesis> found(level.references.size() * slots);
   PerThread<VoteScratch> per_thread(
@@ -66,48 +107,23 @@ std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& lib
   for_chunks(level.references.size(), 4, [&](std::size_t first, std::size_t count) {
     VoteScratch& scratch = per_thread.local();
     for (std::size_t r = first; r < first + count; ++r) {
-      const std::uint32_t i = level.references[r];
-      const kernels::ReferenceFrame frame =
-          kernels::reference_frame(level.points[i], level.normals[i]);
-      gather_neighbors(level, frame.point, radius, scratch);
-      kernels::collect_scene_votes(frame, scratch.points, scratch.normals, quantization,
-                                   options.neighbor_share, scratch.pairs, scratch.keys,
-                                   scratch.votes);
-      if (scratch.votes.size() > kMaxPairs) scratch.votes.resize(kMaxPairs);
-      scratch.num_pairs += scratch.points.size();
-      const Pose T_scene_frame = kernels::frame_pose(frame).inverse();
-      for (std::size_t m = 0; m < models.size(); ++m) {
-        const Model& model = library.models[models[m]];
-        if (model.ppf.entries.empty()) continue;
-        scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
-        scratch.num_votes +=
-            kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);
-        const kernels::VotePeaks peaks =
-            kernels::take_peaks(scratch.accumulator, options.max_peaks, options.peak_share);
-        for (std::size_t k = 0; k < peaks.count; ++k) {
-          const kernels::VotePeak& peak = peaks.peak[k];
-          Pose turn = Pose::Identity();
-          turn.linear() =
-              Eigen::AngleAxisf(peak.rotation_rad, Eigen::Vector3f::UnitX()).toRotationMatrix();
-          const Pose T_frame_model = kernels::frame_pose(kernels::reference_frame(
-              model.ppf_points[peak.model_point], model.ppf_normals[peak.model_point]));
-          found[r * slots + m * options.max_peaks + k] = {T_scene_frame * turn * T_frame_model,
-                                                          static_cast<float>(peak.votes)};
-        }
-      }
+      vote_from(level, level.references[r], library, models, quantization, options, scratch,
+                std::span(found).subspan(r * slots, slots));
     }
   });
-  for (const VoteScratch& scratch : per_thread) {
-    stats.num_pairs += scratch.num_pairs;
-    stats.num_votes += scratch.num_votes;
-  }
-  stats.num_references += level.references.size();
 
-  std::vector<std::vector<kernels::Hypothesis>> hypotheses(models.size());
-  for (std::size_t slot = 0; slot < found.size(); ++slot) {
-    if (found[slot].votes > 0) hypotheses[slot % slots / options.max_peaks].push_back(found[slot]);
+  VotedHypotheses voted;
+  voted.num_references = level.references.size();
+  for (const VoteScratch& scratch : per_thread) {
+    voted.num_pairs += scratch.num_pairs;
+    voted.num_votes += scratch.num_votes;
   }
-  return hypotheses;
+  voted.of_model.resize(models.size());
+  for (std::size_t slot = 0; slot < found.size(); ++slot) {
+    if (found[slot].votes > 0)
+      voted.of_model[slot % slots / options.max_peaks].push_back(found[slot]);
+  }
+  return voted;
 }
 
 }  // namespace trivet::engine

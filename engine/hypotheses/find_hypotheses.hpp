@@ -12,12 +12,14 @@
 
 namespace trivet::engine {
 
+struct VotedHypotheses {
+  std::vector<std::vector<kernels::Hypothesis>> of_model;  ///< each in the order of the references
+  std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0;
+};
+
 /// Every reference point of the level votes for every model of `models`, which share its sampling
-/// step: hypotheses per model, in the order of the references.
-std::vector<std::vector<kernels::Hypothesis>> find_hypotheses(const Library& library,
-                                                              const SceneLevel& level,
-                                                              std::span<const std::uint32_t> models,
-                                                              const VoteOptions& options,
-                                                              SceneStats& stats);
+/// step.
+VotedHypotheses find_hypotheses(const Library& library, const SceneLevel& level,
+                                std::span<const std::uint32_t> models, const VoteOptions& options);
 
 }  // namespace trivet::engine

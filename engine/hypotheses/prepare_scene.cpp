@@ -115,7 +115,7 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
 }
 
-void find_dominant_planes(kernels::RangeImage& image, const RecognizeOptions& options,
+void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& options,
                           PreparedScene& scene) {
   const kernels::ImageGeometry& geometry = image.geometry;
   std::size_t measured = 0;
@@ -164,7 +164,7 @@ void find_dominant_planes(kernels::RangeImage& image, const RecognizeOptions& op
     kernels::label_planes(at, scene.planes, scene.plane_tolerance,
                           std::span(image.near_plane).subspan(row, geometry.width));
   }
-  if (!options.ablated.contains(Improvement::correlated_noise))
+  if (options.correlated_noise)
     scene.sensor.correlated_noise = kernels::measure_correlated_noise(
         image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
   const Pose T_scene_camera = geometry.T_camera_scene.inverse();
@@ -177,14 +177,14 @@ void find_dominant_planes(kernels::RangeImage& image, const RecognizeOptions& op
 
 /// How the sensor errs by range and from pixel to pixel; noise and correlated noise are measured
 /// already.
-void measure_sensor(const kernels::RangeImage& image, const RecognizeOptions& options,
+void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& options,
                     kernels::SensorModel& sensor) {
   std::vector<float> ranges;
   for (const float d : image.depth) {
     if (d > 0) ranges.push_back(d);
   }
   sensor.range = kernels::median(std::span(ranges));
-  if (options.ablated.contains(Improvement::correlated_noise)) return;
+  if (!options.correlated_noise) return;
   const std::size_t height = image.geometry.height;
   std::vector<std::vector<kernels::SmoothPatch>> rows((height + kRowGrain - 1) / kRowGrain);
   for_each_index(rows.size(), [&](std::size_t k) {
@@ -197,7 +197,7 @@ void measure_sensor(const kernels::RangeImage& image, const RecognizeOptions& op
 }
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
-                                  const RecognizeOptions& options, PreparedScene& scene) {
+                                  const PrepareOptions& options, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
       : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
@@ -285,8 +285,7 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   return normals;
 }
 
-void prepare_closed_scene(const Cloud& cloud, const RecognizeOptions& options,
-                          PreparedScene& scene) {
+void prepare_closed_scene(const Cloud& cloud, const PrepareOptions& options, PreparedScene& scene) {
   const Normals outward = cover_surface(cloud.triangles, scene);
   const std::size_t n = scene.points.size();
   scene.normals.resize(n);
@@ -351,7 +350,7 @@ bool is_closed(const Cloud& cloud, const SceneInput& input) {
 }  // namespace
 
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
-                                    const RecognizeOptions& options) {
+                                    const PrepareOptions& options) {
   const StageTimer timer(times, "prepare");
   PreparedScene scene;
   scene.points = cloud.points;
@@ -386,7 +385,7 @@ std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float di
 }
 
 SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                         ImprovementSet ablated) {
+                         LargePlanes large_planes) {
   SceneSample sample;
   sample.step = step;
   sample.largest_diameter = largest_diameter;
@@ -395,7 +394,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   kernels::SubsampleScratch scratch;
   kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
                                 normals, scratch);
-  if (ablated.contains(Improvement::planes)) {
+  if (large_planes == LargePlanes::kept) {
     sample.points = std::move(points);
     sample.normals = std::move(normals);
     return sample;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,10 +32,17 @@ struct PreparedScene {
 
 inline constexpr float kPlaneAngleRad = 0.35F;
 
-/// Of the options, the window of normals and what is left out matter here.
+struct PrepareOptions {
+  /// Radius of the windows that normals are fitted to [spacing]; absent: as wide as the noise asks
+  /// for.
+  std::optional<float> normal_window{};
+  bool correlated_noise = true;  ///< measure what neighboring pixels err by together, else none
+  bool operator==(const PrepareOptions&) const = default;
+};
+
 /// Errors: bad_data (too few points, no surface).
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
-                                    const RecognizeOptions& options = {});
+                                    const PrepareOptions& options = {});
 
 /// The scene sampled for models of one step; the same in all rounds of voting.
 struct SceneSample {
@@ -44,9 +52,12 @@ struct SceneSample {
   Normals normals;
 };
 
-/// Sample a scene at `step`. Points on planes larger than the largest model stay out.
+/// What becomes of points on planes that are larger than the largest model.
+enum class LargePlanes : std::uint8_t { left_out, kept };
+
+/// Sample a scene at `step`.
 SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                         ImprovementSet ablated = {});
+                         LargePlanes large_planes = LargePlanes::left_out);
 
 /// Whether a scene point lies on a marked pixel of some image, within `tolerance` of what that
 /// pixel measured.

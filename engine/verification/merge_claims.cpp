@@ -27,7 +27,7 @@ Result<std::vector<DetectionPlace>> merge_claims(std::span<const SceneClaims> li
   std::vector<DetectionPlace> standing;
   if (claims.empty()) return standing;
   // Each library has bounded its instances, and taken nothing doubtful.
-  const RecognizeOptions options{.max_instances = std::numeric_limits<std::uint32_t>::max()};
+  const engine::SelectOptions options{.max_instances = std::numeric_limits<std::uint32_t>::max()};
   for (const std::uint32_t c :
        engine::select_claims(libraries.front().images, claims, options).chosen) {
     const auto [library, pose] = sources[c];

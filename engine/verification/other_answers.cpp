@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 
-#include "engine/verification/pose_tester.hpp"
 #include "kernels/verification/compare_poses.hpp"
 
 namespace trivet::engine {
@@ -24,7 +23,7 @@ constexpr double kVotesTell = 4;
 constexpr double kNoted = 0.1;              // of the candidate's share; with less, it is told apart
 constexpr std::size_t kPosesOfSibling = 2;  // best ones, compared
 
-RecognizeOptions down_to_answers(RecognizeOptions options) {
+SelectOptions down_to_answers(SelectOptions options) {
   options.min_score = kReported;
   options.doubtful_score = kAnswer;
   options.max_instances = std::numeric_limits<std::uint32_t>::max();
@@ -47,13 +46,14 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept {
 }
 
 OtherAnswers::OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
-                           std::span<const Candidate> candidates, const RecognizeOptions& options)
+                           std::span<const Candidate> candidates, const SelectOptions& select,
+                           const PoseTestOptions& test)
     : recognizer_(recognizer),
       scene_(scene),
       candidates_(candidates),
-      options_(options),
+      test_(test),
       selection_(
-          select_detections(recognizer.library(), scene, candidates, down_to_answers(options))),
+          select_detections(recognizer.library(), scene, candidates, down_to_answers(select))),
       answers_(recognizer.library().models.size()) {
   for (const std::uint32_t c : selection_.chosen) answers_[candidates[c].model].push_back(c);
 }
@@ -81,7 +81,7 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
   if (siblings.empty()) return {};
 
   const Model& model = models[candidate.model];
-  const PoseTester tester(model, scene_, model.ppf.quantization.distance_step, options_);
+  const PoseTester tester(model, scene_, model.ppf.quantization.distance_step, test_);
   const Result<kernels::RayScene>& surface = recognizer_.surface(candidate.model);
   if (!surface) return surface.error();
   kernels::CompareScratch scratch;

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
 #include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
+#include "engine/verification/pose_tester.hpp"
 #include "engine/verification/select_detections.hpp"
 #include "storage/result.hpp"
 
@@ -27,7 +27,8 @@ class OtherAnswers {
  public:
   /// All arguments are referred to.
   OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
-               std::span<const Candidate> candidates, const RecognizeOptions& options);
+               std::span<const Candidate> candidates, const SelectOptions& select,
+               const PoseTestOptions& test);
 
   /// Lower the score of a candidate by the crowd of other answers of its model, and by its
   /// siblings: other models that claim the same pixels with at least half its score. Of these the
@@ -44,7 +45,7 @@ class OtherAnswers {
   const Recognizer& recognizer_;
   const PreparedScene& scene_;
   std::span<const Candidate> candidates_;
-  const RecognizeOptions& options_;
+  const PoseTestOptions& test_;
   Selection selection_;
   std::vector<std::vector<std::uint32_t>> answers_;  // candidates taken, by model
 };

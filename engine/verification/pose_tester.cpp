@@ -25,9 +25,9 @@ kernels::ModelSamples samples_of(const Model& model) noexcept {
 }
 
 PoseTester::PoseTester(const Model& model, const PreparedScene& scene, float step,
-                       const RecognizeOptions& options)
+                       const PoseTestOptions& options)
     : model_(model), scene_(scene), step_(step), options_(options), samples_(samples_of(model)) {
-  if (!is_ablated(Improvement::background)) background_ = background_planes(scene, model.diameter);
+  if (options.background) background_ = background_planes(scene, model.diameter);
 }
 
 float PoseTester::range_of(const Pose& pose) const {
@@ -83,7 +83,7 @@ Pose PoseTester::polished(const Pose& pose) const {
 }
 
 Pose PoseTester::refined(const Pose& pose, const kernels::RefineOptions& options) const {
-  if (is_ablated(Improvement::refinement)) return pose;
+  if (!options_.refinement) return pose;
   return kernels::refine_pose(scene_.images, samples_, pose, options).T_scene_model;
 }
 

@@ -15,6 +15,14 @@
 
 namespace trivet::engine {
 
+struct PoseTestOptions {
+  VerifyStageOptions verify{};
+  PoseLimits limits{};
+  bool refinement = true;  ///< else poses stay where they are
+  bool background = true;  ///< planes larger than the model support no pose of it
+  bool operator==(const PoseTestOptions&) const = default;
+};
+
 /// A model's samples as kernels take them.
 kernels::ModelSamples samples_of(const Model& model) noexcept;
 
@@ -23,7 +31,7 @@ class PoseTester {
  public:
   /// step  of the points that voted [library unit]
   PoseTester(const Model& model, const PreparedScene& scene, float step,
-             const RecognizeOptions& options);
+             const PoseTestOptions& options);
   PoseTester(const PoseTester&) = delete;
   PoseTester& operator=(const PoseTester&) = delete;
 
@@ -42,7 +50,6 @@ class PoseTester {
   /// By which this pose's outline may be seen beside its place [pixel].
   int edge_pixels(const Pose& pose) const;
 
-  bool is_ablated(Improvement improvement) const { return options_.ablated.contains(improvement); }
   bool allowed(const Pose& pose) const {
     return options_.limits.allow(pose, model_.center, 1 / scene_.scale);
   }
@@ -63,7 +70,7 @@ class PoseTester {
   const Model& model_;
   const PreparedScene& scene_;
   float step_;
-  const RecognizeOptions& options_;
+  const PoseTestOptions& options_;
   kernels::ModelSamples samples_;
   std::vector<std::uint8_t> background_;
 };

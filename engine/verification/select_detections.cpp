@@ -98,7 +98,7 @@ class PixelMarks {
 }  // namespace
 
 Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
-                        const RecognizeOptions& options, const Repeats& repeats) {
+                        const SelectOptions& options, const Repeats& repeats) {
   std::vector<std::uint32_t> order(claims.size());
   std::iota(order.begin(), order.end(), 0U);
   const float reported = std::max(options.min_score, kReported);
@@ -118,7 +118,7 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
     const Claim& claim = claims[c];
     const Cover cover = marks.cover_of(*claim.explained);
     const bool explained =
-        repeats ? repeats(selection.chosen, c) : cover.share > options.verify.max_overlap;
+        repeats ? repeats(selection.chosen, c) : cover.share > options.max_overlap;
     const auto refuse = [&](Rejection reason) {
       RejectedCandidate refusal{c, reason};
       if (explained && !repeats) {
@@ -145,8 +145,8 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
   return selection;
 }
 
-float rank_of(const Model& model, const Candidate& candidate, const RecognizeOptions& options) {
-  if (options.ablated.contains(Improvement::explained)) return candidate.score;
+float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options) {
+  if (!options.by_pixels) return candidate.score;
   const float area = candidate.examination.area * model.diameter * model.diameter;
   return candidate.score * std::pow(area, 0.25F);
 }
@@ -159,8 +159,7 @@ std::vector<ImageSize> sizes_of(const PreparedScene& scene) {
 }
 
 Selection select_detections(const Library& library, const PreparedScene& scene,
-                            std::span<const Candidate> candidates,
-                            const RecognizeOptions& options) {
+                            std::span<const Candidate> candidates, const SelectOptions& options) {
   std::vector<Claim> claims;
   for (const Candidate& candidate : candidates) {
     claims.push_back({candidate.model, candidate.score,
@@ -168,7 +167,7 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
                       &candidate.explained});
   }
   Repeats repeats;
-  if (options.ablated.contains(Improvement::explained)) {
+  if (!options.by_pixels) {
     repeats = [&](std::span<const std::uint32_t> taken, std::uint32_t c) {
       const Candidate& candidate = candidates[c];
       return std::ranges::any_of(taken, [&](std::uint32_t other) {

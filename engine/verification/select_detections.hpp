@@ -13,6 +13,15 @@
 
 namespace trivet::engine {
 
+struct SelectOptions {
+  float min_score = 0.8F;                 ///< that detections are reported from, 0..1
+  std::optional<float> doubtful_score{};  ///< from it to min_score they are taken last
+  std::uint32_t max_instances = 100;      ///< per model
+  float max_overlap = 0.4F;               ///< share of a claim's pixels that may be explained
+  bool by_pixels = true;                  ///< else copies are told by their poses alone
+  bool operator==(const SelectOptions&) const = default;
+};
+
 /// A candidate as the selection sees it.
 struct Claim {
   std::uint32_t model = 0;
@@ -47,16 +56,16 @@ using Repeats = std::function<bool(std::span<const std::uint32_t> taken, std::ui
 /// others.
 /// repeats  if given, decides instead of the pixels
 Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
-                        const RecognizeOptions& options, const Repeats& repeats = {});
+                        const SelectOptions& options, const Repeats& repeats = {});
 
-/// The rank of a candidate, score x area^0.25: large surfaces prove more.
-float rank_of(const Model& model, const Candidate& candidate, const RecognizeOptions& options);
+/// The rank of a candidate, score x area^0.25: large surfaces prove more; by poses alone the score.
+float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options);
 
 std::vector<ImageSize> sizes_of(const PreparedScene& scene);
 
-/// Select by the pixels that candidates explain; by their poses alone where that is left out.
+/// Select by the pixels that candidates explain, or by their poses alone.
 Selection select_detections(const Library& library, const PreparedScene& scene,
-                            std::span<const Candidate> candidates, const RecognizeOptions& options);
+                            std::span<const Candidate> candidates, const SelectOptions& options);
 
 /// Of each model the best refused candidates by score, at most `limit`; first of all those whose
 /// pixels no better one of their own model explains, which may be further instances. Those that

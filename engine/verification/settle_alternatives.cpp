@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine/verification/pose_tester.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
 #include "kernels/verification/compare_poses.hpp"
 #include "kernels/verification/compare_turns.hpp"
@@ -201,7 +200,7 @@ class AmbiguityTest {
 
 Result<void> settle_alternatives(const Recognizer& recognizer, const PreparedScene& scene,
                                  float step, std::span<const Candidate> candidates,
-                                 const RecognizeOptions& options, Candidate& candidate) {
+                                 const PoseTestOptions& options, Candidate& candidate) {
   const Result<kernels::RayScene>& surface = recognizer.surface(candidate.model);
   if (!surface) return surface.error();
   const PoseTester tester(recognizer.library().models[candidate.model], scene, step, options);

@@ -4,9 +4,9 @@
 #include <span>
 
 #include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
 #include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
+#include "engine/verification/pose_tester.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::engine {
@@ -19,6 +19,6 @@ namespace trivet::engine {
 /// Errors: internal (no memory for the model's ray-tracing tree).
 Result<void> settle_alternatives(const Recognizer& recognizer, const PreparedScene& scene,
                                  float step, std::span<const Candidate> candidates,
-                                 const RecognizeOptions& options, Candidate& candidate);
+                                 const PoseTestOptions& options, Candidate& candidate);
 
 }  // namespace trivet::engine

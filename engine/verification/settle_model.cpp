@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "engine/common/parallel.hpp"
-#include "engine/verification/pose_tester.hpp"
 #include "kernels/common/pose_math.hpp"
 
 namespace trivet::engine {
@@ -104,17 +103,17 @@ std::vector<CoarsePose> without_repetitions(std::span<const CoarsePose> poses, c
 /// One model in one scene: what all its stages share.
 class Settling {
  public:
-  Settling(const PoseTester& tester, const RecognizeOptions& options, SceneStats& stats)
+  Settling(const PoseTester& tester, const SettleOptions& options, StageTimes& times)
       : tester_(tester),
         model_(tester.model()),
         scene_(tester.scene()),
         samples_(tester.samples()),
         options_(options),
-        stats_(stats) {}
+        times_(times) {}
 
   /// The clusters of all proposals, not verified yet.
   std::vector<CoarsePose> cluster(std::span<const Proposals> proposals) const {
-    const StageTimer timer(stats_.times, "cluster");
+    const StageTimer timer(times_, "cluster");
     const kernels::ClusterOptions limits{options_.pose.cluster_translation * model_.diameter,
                                          options_.pose.cluster_rotation_deg * kRadiansPerDegree,
                                          options_.pose.max_clusters};
@@ -135,7 +134,7 @@ class Settling {
 
   /// Coarse verification with the tolerance of an unrefined pose chooses which ones to refine.
   std::vector<CoarsePose> preselect(std::vector<CoarsePose> poses) const {
-    const StageTimer timer(stats_.times, "preselect");
+    const StageTimer timer(times_, "preselect");
     for_each_index(poses.size(), [&](std::size_t c) {
       verify_coarsely(kCoarseSamples, tester_.loose(poses[c].T_scene_model), poses[c]);
     });
@@ -156,20 +155,19 @@ class Settling {
 
   std::vector<CoarsePose> refine(std::vector<CoarsePose> poses) const {
     {
-      const StageTimer timer(stats_.times, "refine");
+      const StageTimer timer(times_, "refine");
       for_each_index(poses.size(), [&](std::size_t k) {
         poses[k].T_scene_model = tester_.refined(poses[k].T_scene_model);
       });
     }
-    const StageTimer timer(stats_.times, "verify");
+    const StageTimer timer(times_, "verify");
     for_each_index(poses.size(), [&](std::size_t k) {
       verify_coarsely(samples_.points.size(), tester_.strict(poses[k].T_scene_model), poses[k]);
     });
     judge_contours(poses, [&](const Pose& pose) { return tester_.strict(pose); });
     poses = without_repetitions(poses, model_);
     Spread best(poses, model_, kExaminedAPlace);
-    best.take(by_score(poses), tester_.is_ablated(Improvement::visibility) ? 0 : kHopeless,
-              options_.pose.max_examined);
+    best.take(by_score(poses), options_.visibility ? kHopeless : 0, options_.pose.max_examined);
     return best.chosen();
   }
 
@@ -177,15 +175,14 @@ class Settling {
   std::vector<Candidate> examine_all(const kernels::RayScene& surface,
                                      const kernels::ScoreModel& score,
                                      std::span<const CoarsePose> poses) const {
-    const StageTimer timer(stats_.times, "examine");
+    const StageTimer timer(times_, "examine");
     std::vector<Candidate> candidates(poses.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(poses.size(), [&](std::size_t k) {
       candidates[k] =
-          tester_.is_ablated(Improvement::rays)
-              ? judged_by_samples(poses[k])
-              : tester_.examine(surface, score, tester_.polished(poses[k].T_scene_model),
-                                scratch.local());
+          options_.rays ? tester_.examine(surface, score, tester_.polished(poses[k].T_scene_model),
+                                          scratch.local())
+                        : judged_by_samples(poses[k]);
       candidates[k].source = poses[k].source;
     });
     std::erase_if(candidates, [&](const Candidate& candidate) {
@@ -230,7 +227,7 @@ class Settling {
   /// Score a pose by what the first samples that the camera should see meet.
   void verify_coarsely(std::size_t num_samples, const kernels::VerifyOptions& options,
                        CoarsePose& pose) const {
-    if (tester_.is_ablated(Improvement::visibility)) {
+    if (!options_.visibility) {
       pose.score = pose.votes;
       return;
     }
@@ -242,7 +239,7 @@ class Settling {
   /// options(pose)  as of PoseTester
   template <class Options>
   void judge_contours(std::span<CoarsePose> poses, Options&& options) const {
-    if (tester_.is_ablated(Improvement::contour)) return;
+    if (!options_.contour) return;
     PerThread<kernels::ContourScratch> scratch;
     for_each_index(poses.size(), [&](std::size_t k) {
       kernels::judge_contour(scene_.images, samples_, kContourSamples, poses[k].T_scene_model,
@@ -255,30 +252,31 @@ class Settling {
   const Model& model_;
   const PreparedScene& scene_;
   const kernels::ModelSamples& samples_;
-  const RecognizeOptions& options_;
-  SceneStats& stats_;
+  const SettleOptions& options_;
+  StageTimes& times_;
 };
 
 }  // namespace
 
-Result<std::vector<Candidate>> settle_model(const Recognizer& recognizer, std::uint32_t model_index,
-                                            const PreparedScene& scene, float step,
-                                            std::span<const Proposals> proposals,
-                                            const RecognizeOptions& options, SceneStats& stats) {
-  const PoseTester tester(recognizer.library().models[model_index], scene, step, options);
-  const Settling settling(tester, options, stats);
+Result<SettledModel> settle_model(const Recognizer& recognizer, std::uint32_t model_index,
+                                  const PreparedScene& scene, float step,
+                                  std::span<const Proposals> proposals,
+                                  const SettleOptions& options, StageTimes& times) {
+  const PoseTester tester(recognizer.library().models[model_index], scene, step, options.test);
+  const Settling settling(tester, options, times);
+  SettledModel settled;
   std::vector<CoarsePose> poses = settling.cluster(proposals);
-  stats.num_hypotheses += poses.size();
+  settled.num_hypotheses = poses.size();
   poses = settling.preselect(std::move(poses));
-  stats.num_refined += poses.size();
+  settled.num_refined = poses.size();
   poses = settling.refine(std::move(poses));
-  stats.num_examined += poses.size();
-  if (poses.empty()) return std::vector<Candidate>{};
+  settled.num_examined = poses.size();
+  if (poses.empty()) return settled;
   const Result<kernels::RayScene>& surface = recognizer.surface(model_index);
   if (!surface) return surface.error();
-  std::vector<Candidate> candidates = settling.examine_all(*surface, recognizer.score(), poses);
-  for (Candidate& candidate : candidates) candidate.model = model_index;
-  return candidates;
+  settled.candidates = settling.examine_all(*surface, recognizer.score(), poses);
+  for (Candidate& candidate : settled.candidates) candidate.model = model_index;
+  return settled;
 }
 
 }  // namespace trivet::engine

@@ -45,8 +45,7 @@ class FindHypotheses : public testing::Test {
 
 TEST_F(FindHypotheses, HasTheTruthAmongThoseOfEachModel) {
   ASSERT_EQ(library_.models[1].ppf.quantization.distance_step, step());
-  SceneStats stats;
-  const auto found = engine::find_hypotheses(library_, level_, kModels, {}, stats);
+  const auto found = engine::find_hypotheses(library_, level_, kModels, {}).of_model;
   ASSERT_EQ(found.size(), 2U);
   for (std::size_t m = 0; m < 2; ++m) {
     const Model& model = library_.models[m];
@@ -70,15 +69,14 @@ TEST_F(FindHypotheses, TakesPairsWithinTheBallOnly) {
       for (std::size_t i = 0; i < level_.points.size(); ++i)
         expected += (level_.points[i] - level_.points[r]).squaredNorm() <= ball * ball;
     }
-    SceneStats stats;
-    engine::find_hypotheses(library_, level_, kModels, {.radius = radius}, stats);
-    EXPECT_NEAR(static_cast<double>(stats.num_pairs), static_cast<double>(expected), 3) << radius;
+    const engine::VotedHypotheses voted =
+        engine::find_hypotheses(library_, level_, kModels, {.radius = radius});
+    EXPECT_NEAR(static_cast<double>(voted.num_pairs), static_cast<double>(expected), 3) << radius;
   }
 }
 
 TEST_F(FindHypotheses, FindsNothingWithoutPoints) {
-  SceneStats stats;
-  for (const auto& found : engine::find_hypotheses(library_, {}, kModels, {}, stats))
+  for (const auto& found : engine::find_hypotheses(library_, {}, kModels, {}).of_model)
     EXPECT_TRUE(found.empty());
 }
 

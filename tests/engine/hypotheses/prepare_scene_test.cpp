@@ -25,7 +25,7 @@ Cloud two_parts() {
 }
 
 engine::PreparedScene prepare(const Cloud& cloud, const SceneInput& input,
-                              const RecognizeOptions& options = {}) {
+                              const engine::PrepareOptions& options = {}) {
   StageTimes times;
   Result<engine::PreparedScene> scene = engine::prepare_scene(cloud, input, times, options);
   EXPECT_TRUE(scene) << scene.error().message;
@@ -126,8 +126,7 @@ TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   EXPECT_EQ(scene.sensor.range, kernels::median(std::span(ranges)));
   EXPECT_NEAR(scene.sensor.noise, 0.001F, 3e-4F);
   EXPECT_LT(scene.sensor.correlation, 0.3F);
-  const engine::PreparedScene left_out =
-      prepare(noisy_parts(), {}, {.ablated = {Improvement::correlated_noise}});
+  const engine::PreparedScene left_out = prepare(noisy_parts(), {}, {.correlated_noise = false});
   EXPECT_EQ(left_out.sensor.range, scene.sensor.range);
   EXPECT_EQ(left_out.sensor.exponent, 0);
   EXPECT_EQ(left_out.sensor.correlation, 0);

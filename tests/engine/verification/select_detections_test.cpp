@@ -34,7 +34,7 @@ class SelectDetections : public testing::Test {
     return out;
   }
   std::vector<std::string> names(const std::vector<Candidate>& candidates,
-                                 const RecognizeOptions& options) const {
+                                 const engine::SelectOptions& options) const {
     std::vector<std::string> out;
     for (const std::uint32_t c :
          engine::select_detections(library_, scene_, candidates, options).chosen) {
@@ -76,7 +76,7 @@ TEST_F(SelectDetections, LetsNoDoubtfulCandidateHideAnother) {
 TEST_F(SelectDetections, TellsCopiesByTheirPosesWhereExplainedPixelsAreLeftOut) {
   std::vector<Candidate> three{candidate(0, 0.55F, 0, 80), candidate(1, 0.6F, 0, 8),
                                candidate(0, 0.52F, 90, 5)};
-  const RecognizeOptions options{.ablated = {Improvement::explained}};
+  const engine::SelectOptions options{.by_pixels = false};
   EXPECT_EQ(names(three, options), (Names{"small", "large"}));
   three[2].T_scene_model.translation().x() = 0.3F;  // of a diameter of 1
   EXPECT_EQ(names(three, options), (Names{"small", "large", "large"}));

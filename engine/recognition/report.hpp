@@ -1,0 +1,18 @@
+/// What a search found, as its user sees it.
+#pragma once
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognition/search_scene.hpp"
+#include "engine/recognize.hpp"
+#include "storage/library.hpp"
+
+namespace trivet::engine {
+
+/// Name the models, bring lengths into the scene file's unit and detections into the order of
+/// their scores.
+///
+/// stats  of the search; get what the scene's noise and sensor were
+SceneResult report(const Library& library, const PreparedScene& scene, SearchResult found,
+                   SceneStats stats);
+
+}  // namespace trivet::engine

@@ -1,0 +1,59 @@
+/// The search of one scene: rounds of proposals, and the choice among all that was verified.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognize.hpp"
+#include "engine/recognizer.hpp"
+#include "engine/verification/candidate.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::engine {
+
+/// Models of one sampling step: they share the sampled scene and its pair features.
+using ModelGroups = std::map<float, std::vector<std::uint32_t>>;
+
+/// A candidate that did not become a detection.
+struct RefusedCandidate {
+  Candidate candidate;
+  Rejection reason = Rejection::too_low;
+  /// Index of the detection that explains most of its pixels, and what share of them.
+  std::optional<std::size_t> explained_by{};
+  float explained_share = 0;
+};
+
+/// What a candidate that was taken claims, by the pose that it was taken with.
+struct TakenClaim {
+  std::uint32_t model = 0;
+  float rank = 0;                          ///< higher ones choose first
+  kernels::ExplainedPixels explained;      ///< none where poses alone choose
+  std::optional<std::size_t> detection{};  ///< index of the one that it became
+};
+
+/// Poses and lengths are in the scene's frame, in the library's unit.
+struct SearchResult {
+  std::vector<Candidate> detections;       ///< in the order of taking
+  std::vector<RefusedCandidate> rejected;  ///< the best of each model, by falling score
+  /// In the order of taking, if they are asked for; also of candidates that were one too many.
+  std::optional<std::vector<TakenClaim>> claims{};
+};
+
+/// Test the expected poses, then search round by round for what is not yet explained; of all
+/// candidates take those that explain the scene together, and hold these against their
+/// alternatives. What then lies where a better one does, or falls below the scores that are asked
+/// for, is refused.
+///
+/// options  as ablate() gives them
+/// stats    gets times and counts
+/// Errors: internal (no memory for ray tracing), resumable (stopped).
+Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
+                                  const ModelGroups& groups, const RecognizeOptions& options,
+                                  const std::stop_token& stop, SceneStats& stats);
+
+}  // namespace trivet::engine

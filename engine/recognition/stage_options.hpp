@@ -1,0 +1,17 @@
+/// The options of recognition as its stages take them: here ends what is left out by name.
+#pragma once
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognize.hpp"
+#include "engine/verification/select_detections.hpp"
+#include "engine/verification/settle_model.hpp"
+
+namespace trivet::engine {
+
+/// Each of them takes options that ablate() has seen.
+PrepareOptions prepare_options(const RecognizeOptions& options);
+LargePlanes large_planes(const RecognizeOptions& options);
+SettleOptions settle_options(const RecognizeOptions& options);
+SelectOptions select_options(const RecognizeOptions& options);
+
+}  // namespace trivet::engine
