@@ -21,26 +21,25 @@ constexpr float kLikeFrame = 0.25F;  // ... and of their frames, about [rad]
 struct Surface {
   Points points;
   Normals normals;
+  std::vector<ViewMask> views;  // of each point
 };
 
-/// The visible surface at a resolution, with outward normals and the views of each point.
-Surface visible_surface(const Model& model, const ModelSurface& surface, float resolution,
-                        const ViewMask& directions, std::vector<ViewMask>& views) {
-  Surface even, seen;
-  sample_evenly(model, surface, resolution, kNormalClusterRad, even.points, even.normals);
+/// The visible surface at a resolution, with outward normals.
+Surface visible_surface(const SurveyedModel& model, float resolution, const ViewMask& directions) {
+  const SpreadPoints even = sample_evenly(model, resolution, kNormalClusterRad);
+  Surface seen;
   std::vector<ViewMask> masks(even.points.size());
-  const float offset = std::max(surface.ray_offset, 1e-3F * model.diameter);
+  const float offset = std::max(model.ray_offset, 1e-3F * model.diameter);
   for_chunks(masks.size(), 256, [&](std::size_t first, std::size_t count) {
-    kernels::compute_views(surface.rays, even.points.view().slice(first, count),
+    kernels::compute_views(model.rays, even.points.view().slice(first, count),
                            even.normals.view().slice(first, count), offset, directions,
                            std::span(masks).subspan(first, count));
   });
-  views.clear();
   for (std::size_t i = 0; i < masks.size(); ++i) {
     if (masks[i] == ViewMask{}) continue;
     seen.points.push_back(even.points[i]);
     seen.normals.push_back(even.normals[i]);
-    views.push_back(masks[i]);
+    seen.views.push_back(masks[i]);
   }
   return seen;
 }
@@ -93,14 +92,12 @@ float resolution_for(float diameter) noexcept {
   return std::exp2(std::round(2 * std::log2(kRelativeResolution * diameter)) / 2);
 }
 
-Descriptions describe_model(const Model& model, const ModelSurface& model_surface,
-                            const DescribeOptions& options) {
+Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& options) {
   const float resolution = resolution_for(model.diameter);
   ViewMask directions{};
   for (std::size_t v = 0; v < kNumPartialViews; ++v)
     directions[partial_view(v) / 64] |= std::uint64_t{1} << (partial_view(v) % 64);
-  std::vector<ViewMask> views;
-  const Surface surface = visible_surface(model, model_surface, resolution, directions, views);
+  const Surface surface = visible_surface(model, resolution, directions);
   Column<std::uint32_t> keypoints;
   kernels::UniformScratch scratch;
   kernels::find_uniform_keypoints(surface.points, options.spacing * resolution, keypoints, scratch);
@@ -130,7 +127,8 @@ Descriptions describe_model(const Model& model, const ModelSurface& model_surfac
   };
   describe_part([](std::uint32_t) { return true; });
   for (std::size_t v = 0; v < kNumPartialViews; ++v) {
-    describe_part([&](std::uint32_t i) { return kernels::is_visible(views[i], partial_view(v)); });
+    describe_part(
+        [&](std::uint32_t i) { return kernels::is_visible(surface.views[i], partial_view(v)); });
   }
   return collection.take();
 }

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "engine/training/describe_surface.hpp"
-#include "engine/training/model_surface.hpp"
-#include "storage/model.hpp"
+#include "engine/training/survey_model.hpp"
 
 namespace trivet::engine {
 
@@ -24,7 +23,6 @@ float resolution_for(float diameter) noexcept;
 ///
 /// Descriptions of one keypoint that hardly differ are given once. Deterministic.
 /// Source: partial views instead of whole models, Guo et al., IJCV 2013, section 5, taken further.
-Descriptions describe_model(const Model& model, const ModelSurface& surface,
-                            const DescribeOptions& options);
+Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& options);
 
 }  // namespace trivet::engine

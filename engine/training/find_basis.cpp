@@ -6,7 +6,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/train.hpp"
 #include "engine/training/describe_model.hpp"
-#include "engine/training/model_surface.hpp"
+#include "engine/training/survey_model.hpp"
 #include "kernels/common/pca.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "storage/read_cloud.hpp"
@@ -26,11 +26,10 @@ namespace engine {
 
 Result<std::vector<float>> sample_images(const Cloud& cloud, const ModelSource& source,
                                          const TrainOptions& options, std::size_t wanted) {
-  Model model;
-  TrainStats stats;
-  const Result<ModelSurface> surface = survey_model(cloud, source, options, model, stats);
-  if (!surface) return surface.error();
-  const Descriptions all = describe_model(model, *surface, {.stride = kStride});
+  StageTimes times;
+  const Result<SurveyedModel> model = survey_model(cloud, source, options.num_samples, times);
+  if (!model) return model.error();
+  const Descriptions all = describe_model(*model, {.stride = kStride});
   const std::size_t n = std::min(wanted, all.size());
   std::vector<float> images;
   for (std::size_t k = 0; k < n; ++k) {

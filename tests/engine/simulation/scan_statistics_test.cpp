@@ -18,7 +18,7 @@
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "engine/simulation/render_scenes.hpp"
-#include "engine/training/model_surface.hpp"
+#include "engine/training/survey_model.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
@@ -268,9 +268,9 @@ Statistics measure_real(const std::filesystem::path& file) {
         const auto scale = static_cast<float>(model.scale * meters);
         for (std::size_t i = 0; i < cloud->points.size(); ++i)
           cloud->points.set(i, scale * cloud->points[i]);
-        Model trained;
-        TrainStats stats;
-        auto surface = engine::survey_model(*cloud, {name, model.file, 1, {}}, {}, trained, stats);
+        StageTimes times;
+        auto surface = engine::survey_model(*cloud, {name, model.file, 1, {}},
+                                            TrainOptions{}.num_samples, times);
         EXPECT_TRUE(surface) << surface.error().message;
         meshes[m].emplace(std::move(surface->rays));
       }

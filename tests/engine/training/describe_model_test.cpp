@@ -12,18 +12,13 @@
 namespace trivet::engine {
 namespace {
 
-struct Surveyed {
-  explicit Surveyed(const test::Shape& shape)
-      : surface(
-            survey_model(test::cloud_of(shape), {"part", "part.ply", 1, {}}, {}, model, stats)) {}
-  Descriptions describe(std::size_t stride = 1) const {
-    return describe_model(model, *surface, {.stride = stride});
-  }
-
-  Model model;
-  TrainStats stats;
-  Result<ModelSurface> surface;
-};
+SurveyedModel surveyed(const test::Shape& shape) {
+  StageTimes times;
+  auto model = survey_model(test::cloud_of(shape), {"part", "part.ply", 1, {}},
+                            TrainOptions{}.num_samples, times);
+  EXPECT_TRUE(model) << model.error().message;
+  return std::move(*model);
+}
 
 TEST(ResolutionFor, IsOneForModelsOfLikeSizeAndNearAnEightiethOfTheDiameter) {
   EXPECT_EQ(resolution_for(0.2F), resolution_for(0.21F));
@@ -34,27 +29,27 @@ TEST(ResolutionFor, IsOneForModelsOfLikeSizeAndNearAnEightiethOfTheDiameter) {
 }
 
 TEST(DescribeModel, DescribesTheVisibleSurfaceFromManySides) {
-  const Surveyed surveyed(test::bracket());
-  const Model& model = surveyed.model;
-  const Descriptions all = surveyed.describe();
-  const kernels::VoxelHash samples(model.samples, 0.02F);
+  const SurveyedModel model = surveyed(test::bracket());
+  const PointsView seen = model.samples.points;
+  const Descriptions all = describe_model(model, {});
+  const kernels::VoxelHash samples(seen, 0.02F);
   std::size_t near = 0;
   for (std::size_t i = 0; i < all.size(); ++i)
     near += samples.nearest(all.keypoints[i], 0.01F).has_value();
   EXPECT_GT(near, all.size() * 98 / 100) << "on the surface";
   const kernels::VoxelHash keypoints(all.keypoints, 0.02F);
   std::size_t covered = 0, most = 0;
-  for (std::size_t i = 0; i < model.samples.size(); ++i) {
-    const std::size_t around = keypoints.count_within(model.samples[i], 0.02F);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::size_t around = keypoints.count_within(seen[i], 0.02F);
     covered += around > 0;
     most = std::max(most, around);
   }
-  EXPECT_GT(covered, model.samples.size() * 95 / 100);
+  EXPECT_GT(covered, seen.size() * 95 / 100);
   EXPECT_GT(most, 100U) << "as several views show them";
 }
 
 TEST(DescribeModel, GivesEachDescriptionOfAKeypointOnce) {
-  const Descriptions all = Surveyed(test::lever()).describe();
+  const Descriptions all = describe_model(surveyed(test::lever()), {});
   const kernels::VoxelHash keypoints(all.keypoints, 0.01F);
   std::size_t pairs = 0;
   for (std::uint32_t i = 0; i < all.size(); i += 5) {
@@ -74,16 +69,16 @@ TEST(DescribeModel, GivesEachDescriptionOfAKeypointOnce) {
 }
 
 TEST(DescribeModel, DescribesOneInSoManyKeypoints) {
-  const Surveyed surveyed(test::lever());
-  const auto n = static_cast<double>(surveyed.describe().size());
-  EXPECT_NEAR(static_cast<double>(surveyed.describe(8).size()), n / 8, n / 50);
+  const SurveyedModel model = surveyed(test::lever());
+  const auto n = static_cast<double>(describe_model(model, {}).size());
+  EXPECT_NEAR(static_cast<double>(describe_model(model, {.stride = 8}).size()), n / 8, n / 50);
 }
 
 TEST(DescribeModel, GivesTheSameBytesForAnyNumberOfThreads) {
-  const Surveyed surveyed(test::lever());
+  const SurveyedModel model = surveyed(test::lever());
   const auto with_threads = [&](unsigned n) {
     const ThreadLimit limit(n);
-    return surveyed.describe();
+    return describe_model(model, {});
   };
   const Descriptions one = with_threads(1), two = with_threads(2);
   EXPECT_TRUE(test::same_bits(one.images, two.images));

@@ -40,11 +40,11 @@ TEST(BasisOf, KeepsComponentsByNumberAndByEnergy) {
 
 // A distance between codes is one between projected images, to what rounding adds.
 TEST(EncodeFeatures, KeepsDistances) {
-  Model model;
-  TrainStats stats;
-  const auto surface = survey_model(test::cloud_of(test::lever()), kLever, {}, model, stats);
-  ASSERT_TRUE(surface);
-  const Descriptions all = describe_model(model, *surface, {.stride = 4});
+  StageTimes times;
+  const auto model =
+      survey_model(test::cloud_of(test::lever()), kLever, TrainOptions{}.num_samples, times);
+  ASSERT_TRUE(model);
+  const Descriptions all = describe_model(*model, {.stride = 4});
   const TriSpinBasis basis = basis_of(all.images, {});
   const TriSpinFeatures features = encode_features(all, basis, 0.01F);
   ASSERT_EQ(features.size(), all.size());

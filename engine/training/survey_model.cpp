@@ -1,4 +1,4 @@
-#include "engine/training/model_surface.hpp"
+#include "engine/training/survey_model.hpp"
 
 #include <fmt/format.h>
 
@@ -29,13 +29,13 @@ constexpr double kDensePerVoxel = 10;         // surface samples averaged into o
 constexpr double kFewestDense = 4096, kMostDense = 400'000;
 
 /// Sample a mesh; the normals are those of the faces and as reliable as the winding.
-SpreadPoints spread_over(const Model& model, std::span<const double> areas, std::uint64_t seed,
-                         std::size_t n) {
+SpreadPoints spread_over(const Points& vertices, const Triangles& triangles,
+                         std::span<const double> areas, std::uint64_t seed, std::size_t n) {
   SpreadPoints surface;
   surface.points.resize(n);
   surface.normals.resize(n);
   for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-    kernels::sample_mesh(model.vertices, model.triangles, areas, seed, first, n,
+    kernels::sample_mesh(vertices, triangles, areas, seed, first, n,
                          surface.points.span().slice(first, count),
                          surface.normals.span().slice(first, count));
   });
@@ -104,23 +104,37 @@ std::uint64_t shuffle_key(std::uint64_t i) {
 }
 
 /// Keep the samples that some view sees, shuffled.
-std::size_t keep_visible_samples(const SpreadPoints& surface, std::span<const ViewMask> views,
-                                 Model& model) {
+void keep_visible_samples(SurveyedModel& model) {
+  const std::vector<ViewMask>& views = model.all_views;
   std::vector<std::uint32_t> kept;
   for (std::uint32_t i = 0; i < views.size(); ++i) {
     if (views[i] != ViewMask{}) kept.push_back(i);
   }
   std::sort(kept.begin(), kept.end(),
             [](std::uint32_t a, std::uint32_t b) { return shuffle_key(a) < shuffle_key(b); });
-  model.samples.resize(kept.size());
-  model.sample_normals.resize(kept.size());
+  model.samples.points.resize(kept.size());
+  model.samples.normals.resize(kept.size());
+  model.samples.spacing = model.all_samples.spacing;
   model.sample_views.resize(kept.size());
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    model.samples.set(k, surface.points[kept[k]]);
-    model.sample_normals.set(k, surface.normals[kept[k]]);
+    model.samples.points.set(k, model.all_samples.points[kept[k]]);
+    model.samples.normals.set(k, model.all_samples.normals[kept[k]]);
     model.sample_views[k] = views[kept[k]];
   }
-  return views.size() - kept.size();
+}
+
+/// Running sums of the triangles' areas; none if they have no extent.
+std::vector<double> areas_of(const Points& vertices, const Triangles& triangles, float diameter) {
+  std::vector<double> areas(triangles.size());
+  const double area = areas.empty() ? 0 : kernels::sum_areas(vertices, triangles, areas);
+  if (!(area > 1e-9 * std::pow(static_cast<double>(diameter), 2))) areas.clear();
+  return areas;
+}
+
+Eigen::Vector3f mean_of(PointsView points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) sum += points[i].cast<double>();
+  return (sum / static_cast<double>(points.size())).cast<float>();
 }
 
 }  // namespace
@@ -133,105 +147,111 @@ Error bad_surface(const ModelSource& source, const std::string& found) {
                   source.file.string(), source.name, found)};
 }
 
-Result<ModelSurface> survey_model(const Cloud& cloud, const ModelSource& source,
-                                  const TrainOptions& options, Model& model, TrainStats& stats) {
-  model.name = source.name;
-  model.source = source.file.filename().string();
-  model.vertices = scaled_points(cloud.points, source.scale);
-  model.triangles = cloud.triangles;
+Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source,
+                                   std::size_t num_samples, StageTimes& times) {
+  Points vertices = scaled_points(cloud.points, source.scale);
+  Triangles triangles = cloud.triangles;
+  float diameter = 0;
   {
-    const StageTimer timer(stats.times, "diameter");
-    model.diameter = kernels::find_diameter(model.vertices);
+    const StageTimer timer(times, "diameter");
+    diameter = kernels::find_diameter(vertices);
   }
-  if (!(model.diameter > 0) || !std::isfinite(model.diameter)) {
-    return bad_surface(source,
-                       fmt::format("{} points within {}", model.vertices.size(), model.diameter));
-  }
+  if (!(diameter > 0) || !std::isfinite(diameter))
+    return bad_surface(source, fmt::format("{} points within {}", vertices.size(), diameter));
 
-  if (model.triangles.empty()) {
-    const StageTimer timer(stats.times, "triangulate");
-    Result<Triangles> faces = faces_of_cloud(model.vertices);
+  if (triangles.empty()) {
+    const StageTimer timer(times, "triangulate");
+    Result<Triangles> faces = faces_of_cloud(vertices);
     if (!faces) return faces.error();
-    model.triangles = std::move(*faces);
+    triangles = std::move(*faces);
   }
 
-  std::vector<double> areas(model.triangles.size());
-  const double area =
-      areas.empty() ? 0 : kernels::sum_areas(model.vertices, model.triangles, areas);
-  if (!(area > 1e-9 * std::pow(static_cast<double>(model.diameter), 2))) areas.clear();
-  const bool has_faces = !areas.empty();
-  SpreadPoints spread;
+  std::vector<double> areas = areas_of(vertices, triangles, diameter);
+  SpreadPoints samples;
   Result<kernels::RayScene> rays = [&] {
-    const StageTimer timer(stats.times, "sample");
-    if (has_faces) {
-      spread = spread_over(model, areas, 1, options.num_samples);
-      return kernels::RayScene::from_mesh(model.vertices, model.triangles);
+    const StageTimer timer(times, "sample");
+    if (!areas.empty()) {
+      samples = spread_over(vertices, triangles, areas, 1, num_samples);
+      return kernels::RayScene::from_mesh(vertices, triangles);
     }
-    spread = thin_cloud(model.vertices, model.diameter / 40);
-    return kernels::RayScene::from_spheres(spread.points, kernels::kCloudRadius * spread.spacing);
+    samples = thin_cloud(vertices, diameter / 40);
+    return kernels::RayScene::from_spheres(samples.points, kernels::kCloudRadius * samples.spacing);
   }();
   if (!rays) return rays.error();
-  const float offset = has_faces ? 1e-4F * model.diameter : kernels::kCloudOffset * spread.spacing;
-  ModelSurface surface{std::move(spread), {}, std::move(areas), std::move(*rays), offset};
-  SpreadPoints& samples = surface.samples;
-  if (samples.points.size() < 20) {
+  if (samples.points.size() < 20)
     return bad_surface(source, fmt::format("only {} distinct places", samples.points.size()));
-  }
-  surface.views.resize(samples.points.size());
+  const float ray_offset =
+      areas.empty() ? kernels::kCloudOffset * samples.spacing : 1e-4F * diameter;
+
+  SurveyedModel model{.vertices = std::move(vertices),
+                      .triangles = std::move(triangles),
+                      .diameter = diameter,
+                      .samples = {},
+                      .sample_views = {},
+                      .all_samples = std::move(samples),
+                      .all_views = {},
+                      .areas = std::move(areas),
+                      .rays = std::move(*rays),
+                      .ray_offset = ray_offset};
   {
-    const StageTimer timer(stats.times, "visibility");
-    for_chunks(surface.views.size(), kViewGrain, [&](std::size_t first, std::size_t count) {
-      kernels::orient_outward(surface.rays, samples.points.view().slice(first, count),
-                              samples.normals.span().slice(first, count), surface.ray_offset,
-                              std::span(surface.views).subspan(first, count));
+    const StageTimer timer(times, "visibility");
+    SpreadPoints& all = model.all_samples;
+    model.all_views.resize(all.points.size());
+    for_chunks(model.all_views.size(), kViewGrain, [&](std::size_t first, std::size_t count) {
+      kernels::orient_outward(model.rays, all.points.view().slice(first, count),
+                              all.normals.span().slice(first, count), model.ray_offset,
+                              std::span(model.all_views).subspan(first, count));
     });
-    stats.num_hidden_samples = keep_visible_samples(samples, surface.views, model);
+    keep_visible_samples(model);
   }
-  if (model.samples.size() < 20) {
-    return bad_surface(
-        source, fmt::format("only {} places that can be seen from outside", model.samples.size()));
+  const std::size_t num_seen = model.samples.points.size();
+  if (num_seen < 20) {
+    return bad_surface(source,
+                       fmt::format("only {} places that can be seen from outside", num_seen));
   }
-  model.sample_spacing = samples.spacing;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < model.samples.size(); ++i) center += model.samples[i].cast<double>();
-  model.center = (center / static_cast<double>(model.samples.size())).cast<float>();
-  return surface;
+  model.center = mean_of(model.samples.points);
+  return model;
 }
 
-void find_symmetries(const ModelSource& source, Model& model, TrainStats& stats) {
+Symmetries find_symmetries(const SurveyedModel& model, const std::optional<Symmetry>& declared,
+                           StageTimes& times) {
+  const SpreadPoints& samples = model.samples;
+  Symmetries symmetries;
   {
-    const StageTimer timer(stats.times, "symmetry");
-    model.symmetry = source.symmetry ? *source.symmetry
-                                     : kernels::find_symmetry(model.samples, model.sample_normals,
-                                                              model.diameter);
+    const StageTimer timer(times, "symmetry");
+    symmetries.exact =
+        declared ? *declared
+                 : kernels::find_symmetry(samples.points, samples.normals, model.diameter);
   }
-  {
-    const StageTimer timer(stats.times, "near symmetry");
-    const kernels::ModelSamples surface_samples{model.samples,      model.sample_normals,
-                                                model.sample_views, model.sample_spacing,
-                                                model.diameter,     model.center};
-    kernels::NearSymmetries near = kernels::find_near_symmetries(surface_samples, model.symmetry);
-    model.near_symmetries = std::move(near.motions);
-    model.near_axis = near.axis;
-  }
+  const StageTimer timer(times, "near symmetry");
+  kernels::NearSymmetries near =
+      kernels::find_near_symmetries({samples.points, samples.normals, model.sample_views,
+                                     samples.spacing, model.diameter, model.center},
+                                    symmetries.exact);
+  symmetries.near = std::move(near.motions);
+  symmetries.near_axis = near.axis;
+  return symmetries;
 }
 
-void sample_evenly(const Model& model, const ModelSurface& surface, float step, float max_angle_rad,
-                   Points& points, Normals& normals) {
+SpreadPoints sample_evenly(const SurveyedModel& model, float step, float max_angle_rad) {
+  const SpreadPoints& known = model.all_samples;
   SpreadPoints dense;
-  if (surface.has_faces()) {
-    const double voxels = surface.areas.back() / std::pow(static_cast<double>(step), 2);
-    dense = spread_over(model, surface.areas, 2,
+  if (model.has_faces()) {
+    const double voxels = model.areas.back() / std::pow(static_cast<double>(step), 2);
+    dense = spread_over(model.vertices, model.triangles, model.areas, 2,
                         static_cast<std::size_t>(std::clamp(std::floor(voxels) * kDensePerVoxel,
                                                             kFewestDense, kMostDense)));
   } else {
-    dense = thin_cloud(model.vertices, std::min(surface.samples.spacing, 0.5F * step));
+    dense = thin_cloud(model.vertices, std::min(known.spacing, 0.5F * step));
   }
-  orient_by_samples(surface.samples.points, surface.samples.normals, surface.views,
-                    surface.samples.spacing, dense.points, dense.normals);
+  orient_by_samples(known.points, known.normals, model.all_views, known.spacing, dense.points,
+                    dense.normals);
+  SpreadPoints even;
+  even.spacing = step;
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(dense.points, dense.normals, step, max_angle_rad, points, normals,
-                                scratch);
+  kernels::subsample_by_normals(dense.points, dense.normals, step, max_angle_rad, even.points,
+                                even.normals, scratch);
+  return even;
 }
 
 }  // namespace trivet::engine

@@ -1,0 +1,41 @@
+/// The pair table of a model, and the points that it names.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "engine/progress.hpp"
+#include "engine/train.hpp"
+#include "engine/training/survey_model.hpp"
+#include "storage/points.hpp"
+#include "storage/ppf_table.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::engine {
+
+struct PairTableOptions {
+  float relative_step = 0.04F;        ///< sampling step / diameter
+  float reference_spacing = 1.2F;     ///< between points that pairs start at [steps]
+  std::uint32_t num_angle_bins = 15;  ///< over 180 degrees
+  float normal_cluster_angle_deg = 30;
+  bool operator==(const PairTableOptions&) const = default;
+};
+
+PairTableOptions pair_table_options(const TrainOptions& options);
+
+struct PairTable {
+  Points points;  ///< those that pairs start at first
+  Normals normals;
+  PpfTableView view;  ///< into the storage
+  std::shared_ptr<const void> storage;
+};
+
+/// Sample a model evenly, and write the features of its points' pairs into a table. Same bytes for
+/// any number of threads.
+///
+/// source  for errors: bad_data (too few or too many points, no pairs)
+Result<PairTable> build_pair_table(const SurveyedModel& model, const Symmetry& symmetry,
+                                   const PairTableOptions& options, const ModelSource& source,
+                                   StageTimes& times);
+
+}  // namespace trivet::engine
