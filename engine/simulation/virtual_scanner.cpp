@@ -179,19 +179,54 @@ struct Elevations {
   double low, high;  // [degree] above the ground
 };
 
-/// Where a scene is scanned.
+/// Where a scene is scanned, and through which lens.
 struct Setting {
   Elevations elevations;
   double nearest, farthest;  // [m] that the sensor measures
+  double focal = kFocal;     // [pixel]
   double retreat = 1;        // the camera stands so many times farther than it could, within range
   double off_u = 0, off_v = 0;  // the pile is so far from the image's middle, -1..1 of what it can
 };
+
+Setting draw_setting(const ScanOptions& options, const engine::SensorTraits& sensor,
+                     CounterRandom& random) {
+  Setting setting{.elevations = options.bin ? Elevations{60, 85} : Elevations{40, 75},
+                  .nearest = sensor.nearest,
+                  .farthest = sensor.farthest};
+  if (!options.randomize) return setting;
+  setting.focal = kShortestFocal * std::pow(kLongestFocal / kShortestFocal, random.uniform());
+  setting.elevations = options.bin ? Elevations{50, 88} : Elevations{25, 85};
+  setting.retreat = std::pow(kFarthestView, random.uniform());
+  setting.off_u = random.uniform(-1, 1);
+  setting.off_v = random.uniform(-1, 1);
+  return setting;
+}
+
+/// An image that nothing is in yet: how it errs, its size and its camera.
+RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double focal,
+                           std::uint32_t index) {
+  RenderedScene scene;
+  if (options.randomize) {
+    CounterRandom random(options.seed, index, kFlaws);
+    scene.flaws = engine::draw_flaws(options.sensor.sensor, random);
+    // One size for all images of a set: BOP's camera.json has one.
+    if (CounterRandom(options.seed, 0, kImageSize).uniform() < 0.5) scene.width = kWideScan;
+  }
+  const double depth_step = engine::traits_of(options.sensor.sensor).depth_step;
+  scene.true_camera = {focal, focal, 0.5 * (scene.width - 1), 0.5 * (scene.height - 1),
+                       depth_step * unit_scale(LengthUnit::meter, unit)};
+  scene.camera = engine::written_camera(scene.true_camera, scene.flaws.calibration);
+  scene.bop.id = static_cast<int>(index);
+  scene.bop.camera = scene.camera;
+  scene.bop.camera.depth_scale = depth_step * 1000;
+  return scene;
+}
 
 /// A camera that looks down on the points from a random side, as near as it sees them all with some
 /// room around them, and not nearer than the sensor measures; or farther away.
 Pose place_camera(const Points& points, const Camera& camera, const Setting& setting,
                   CounterRandom& random) {
-  const auto& [elevations, nearest, farthest, retreat, off_u, off_v] = setting;
+  const auto& [elevations, nearest, farthest, focal, retreat, off_u, off_v] = setting;
   const double elevation = random.uniform(elevations.low, elevations.high) * std::numbers::pi / 180;
   const double azimuth = random.uniform(0, 2 * std::numbers::pi);
   const Vector3d away(std::cos(elevation) * std::cos(azimuth),
@@ -226,6 +261,14 @@ Pose place_camera(const Points& points, const Camera& camera, const Setting& set
   return T_camera_world;
 }
 
+/// [m] from the camera's plane
+double farthest_depth(const Points& points, const Pose& T_camera_world) {
+  float farthest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    farthest = std::max(farthest, (T_camera_world * points[i]).z());
+  return static_cast<double>(farthest);
+}
+
 /// A table that ends a little beyond the pile, on a floor, before a wall.
 void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& random,
               Sheet& sheet) {
@@ -247,6 +290,40 @@ void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& r
   const Vector3d foot = box.center() + wall * ahead, up(0, 0, 1);
   sheet.add(foot - far * aside + floor * up, foot + far * aside + floor * up,
             foot + far * aside + far * up, foot - far * aside + far * up);
+}
+
+/// Of an object that lies in a scene. Random numbers are drawn in the order of the objects.
+Finish choose_finish(const ScanModel& model, bool randomize, CounterRandom& finish,
+                     CounterRandom& drawn) {
+  Finish out{model.metal, finish.uniform(0.15, 0.9)};
+  if (!randomize) return out;
+  const double glossy = drawn.uniform(), black = drawn.uniform();
+  out.metal = model.metal || glossy < kGlossyShare;
+  if (black < kBlackShare) out.reflectance = drawn.uniform(0.02, 0.15);
+  return out;
+}
+
+/// What is no object: the ground or a room, the bin, walls.
+struct Surroundings {
+  Sheet sheet;
+  Finish finish;
+};
+
+/// range  of the farthest point [m]
+Surroundings surround(const Points& points, const Pose& T_camera_world, double range,
+                      const engine::BinSize& bin, const ScanOptions& options,
+                      CounterRandom& random) {
+  Surroundings out;
+  const double room = random.uniform(), ground = random.uniform(0.15, 0.9);
+  if (options.randomize) out.finish.reflectance = ground;
+  if (options.randomize && room < kRoomShare) {
+    add_room(points, T_camera_world, random, out.sheet);
+  } else {
+    add_ground(20 * range, out.sheet);
+  }
+  if (options.bin) add_bin(bin, bin_height(points, bin), out.sheet);
+  if (options.walls) add_walls(points, T_camera_world, 20 * range, out.sheet);
+  return out;
 }
 
 /// Pixels of something: how many, and the rectangle about them.
@@ -317,6 +394,42 @@ Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> 
     out.area[image.instance[i]] += patch;
     out.whole_area += patch;
   }
+  return out;
+}
+
+/// An object in the image: alone, and behind what hides it.
+struct Outline {
+  Silhouette all, visible;
+  int num_valid = 0;  // pixels of all of it that are measured
+
+  double visible_fraction() const {
+    if (all.num_pixels == 0) return 0;
+    return std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
+  }
+  BopInstance in_bop(int object_id, const Pose& T_camera_model) const {
+    return {object_id,      T_camera_model, all.box(),          visible.box(),
+            all.num_pixels, num_valid,      visible.num_pixels, visible_fraction()};
+  }
+  /// What it tells of the truth: how much is seen.
+  TruthInstance truth() const {
+    TruthInstance out;
+    out.visible_fraction = visible_fraction();
+    out.ignore = out.visible_fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
+    return out;
+  }
+};
+
+Result<Outline> find_outline(const RayScene::Instance& object, PointsView vertices,
+                             const RenderedScene& scene, const Silhouette& visible) {
+  const auto width = static_cast<int>(scene.width), height = static_cast<int>(scene.height);
+  Outline out{{}, visible};
+  const Result<void> rendered =
+      for_silhouette(object, vertices, scene.true_camera, [&](int u, int v) {
+        out.all.add(u, v);
+        if (u < 0 || v < 0 || u >= width || v >= height) return;
+        out.num_valid += scene.depths[static_cast<std::size_t>(v * width + u)] != 0 ? 1 : 0;
+      });
+  if (!rendered) return rendered.error();
   return out;
 }
 
@@ -394,34 +507,13 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   std::stable_partition(placed.begin(), placed.end(),
                         [&](const PlacedBody& instance) { return instance.body < models.size(); });
 
-  RenderedScene scene;
-  Setting setting{.elevations = options.bin ? Elevations{60, 85} : Elevations{40, 75},
-                  .nearest = sensor.nearest,
-                  .farthest = sensor.farthest};
-  double focal = kFocal;
   CounterRandom drawn = random_of(kSetting);
-  if (options.randomize) {
-    CounterRandom random = random_of(kFlaws);
-    scene.flaws = engine::draw_flaws(options.sensor.sensor, random);
-    // One size for all images of a set: BOP's camera.json has one.
-    if (CounterRandom(options.seed, 0, kImageSize).uniform() < 0.5) scene.width = kWideScan;
-    focal = kShortestFocal * std::pow(kLongestFocal / kShortestFocal, drawn.uniform());
-    setting.elevations = options.bin ? Elevations{50, 88} : Elevations{25, 85};
-    setting.retreat = std::pow(kFarthestView, drawn.uniform());
-    setting.off_u = drawn.uniform(-1, 1);
-    setting.off_v = drawn.uniform(-1, 1);
-  }
-  scene.true_camera = {focal, focal, 0.5 * (scene.width - 1), 0.5 * (scene.height - 1),
-                       sensor.depth_step * unit_scale(LengthUnit::meter, unit)};
-  scene.camera = engine::written_camera(scene.true_camera, scene.flaws.calibration);
-  const Camera& camera = scene.true_camera;
+  const Setting setting = draw_setting(options, sensor, drawn);
+  RenderedScene scene = choose_image(options, unit, setting.focal, index);
   const Points points = surface_points(bodies, placed);
   CounterRandom view = random_of(kCamera);
-  const Pose T_camera_world = place_camera(points, camera, setting, view);
-  float farthest = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    farthest = std::max(farthest, (T_camera_world * points[i]).z());
-  const auto range = static_cast<double>(farthest);
+  const Pose T_camera_world = place_camera(points, scene.true_camera, setting, view);
+  const double range = farthest_depth(points, T_camera_world);
   if (range > sensor.farthest) {
     return Error{ErrorCode::usage,
                  fmt::format("scene {}: expected a pile that the sensor sees from within {} m, "
@@ -435,71 +527,37 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   std::vector<Finish> finishes;
   CounterRandom finish = random_of(kFinish);
   for (const PlacedBody& instance : placed) {
-    instances.push_back({&meshes[instance.body], T_camera_world * instance.T_world_body});
     const ScanModel& model = instance.body < models.size() ? models[instance.body]
                                                            : clutter[instance.body - models.size()];
-    finishes.push_back({model.metal, finish.uniform(0.15, 0.9)});
-    if (!options.randomize) continue;
-    const double glossy = drawn.uniform(), black = drawn.uniform();
-    finishes.back().metal = model.metal || glossy < kGlossyShare;
-    if (black < kBlackShare) finishes.back().reflectance = drawn.uniform(0.02, 0.15);
+    instances.push_back({&meshes[instance.body], T_camera_world * instance.T_world_body});
+    finishes.push_back(choose_finish(model, options.randomize, finish, drawn));
   }
-  Sheet surroundings;
-  const double room = drawn.uniform(), ground = drawn.uniform(0.15, 0.9);
-  if (options.randomize && room < kRoomShare) {
-    add_room(points, T_camera_world, drawn, surroundings);
-  } else {
-    add_ground(20 * range, surroundings);
-  }
-  if (options.bin) add_bin(bin, bin_height(points, bin), surroundings);
-  if (options.walls) add_walls(points, T_camera_world, 20 * range, surroundings);
-  const Result<RayScene> sheet = RayScene::from_mesh(surroundings.vertices, surroundings.triangles);
+  const Surroundings around = surround(points, T_camera_world, range, bin, options, drawn);
+  const Result<RayScene> sheet = RayScene::from_mesh(around.sheet.vertices, around.sheet.triangles);
   if (!sheet) return sheet.error();
   instances.push_back({&*sheet, T_camera_world});
-  finishes.push_back({});
-  if (options.randomize) finishes.back().reflectance = ground;
+  finishes.push_back(around.finish);
   const Result<RayScene> rays = RayScene::from_instances(instances);
   if (!rays) return rays.error();
-  scene.exact = engine::render_exactly(*rays, camera, scene.width, scene.height);
-  scene.depths = engine::measure_scene(*rays, camera, scene.exact, finishes, options.sensor,
-                                       options.seed, index, scene.flaws);
+  scene.exact = engine::render_exactly(*rays, scene.true_camera, scene.width, scene.height);
+  scene.depths = engine::measure_scene(*rays, scene.true_camera, scene.exact, finishes,
+                                       options.sensor, options.seed, index, scene.flaws);
 
-  const Measured measured = count_measured(scene.exact, scene.depths, camera, instances.size());
-  scene.bop.id = static_cast<int>(index);
-  scene.bop.camera = scene.camera;
-  scene.bop.camera.depth_scale = sensor.depth_step * 1000;
+  const Measured measured =
+      count_measured(scene.exact, scene.depths, scene.true_camera, instances.size());
   for (std::size_t i = 0; i < options.num_instances; ++i) {
     const std::uint32_t model = placed[i].body;
-    const Pose& T_camera_model = instances[i].T_world_scene;
-    Silhouette all;
-    int num_valid = 0;
-    const Result<void> rendered =
-        for_silhouette(instances[i], models[model].vertices, camera, [&](int u, int v) {
-          all.add(u, v);
-          if (u < 0 || v < 0 || u >= static_cast<int>(scene.width) ||
-              v >= static_cast<int>(scene.height)) {
-            return;
-          }
-          const auto pixel =
-              static_cast<std::size_t>(v) * scene.width + static_cast<std::size_t>(u);
-          num_valid += scene.depths[pixel] != 0 ? 1 : 0;
-        });
-    if (!rendered) return rendered.error();
-    const Silhouette& visible = measured.visible[i];
-    const double fraction =
-        all.num_pixels == 0
-            ? 0
-            : std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
-    const Pose T_written_model = engine::written_pose(
-        T_camera_model, bodies[model].center.cast<double>(), camera, scene.flaws.calibration);
-    scene.bop.instances.push_back({static_cast<int>(model) + 1, scaled(T_written_model, 1000),
-                                   all.box(), visible.box(), all.num_pixels, num_valid,
-                                   visible.num_pixels, fraction});
-    TruthInstance truth;
+    const Result<Outline> outline =
+        find_outline(instances[i], models[model].vertices, scene, measured.visible[i]);
+    if (!outline) return outline.error();
+    const Pose T_written_model =
+        engine::written_pose(instances[i].T_world_scene, bodies[model].center.cast<double>(),
+                             scene.true_camera, scene.flaws.calibration);
+    scene.bop.instances.push_back(
+        outline->in_bop(static_cast<int>(model) + 1, scaled(T_written_model, 1000)));
+    TruthInstance truth = outline->truth();
     truth.model = models[model].name;
     truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::meter, unit));
-    truth.ignore = fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
-    truth.visible_fraction = fraction;
     truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);
     truth.clutter = measured.whole_area > 0 ? 1 - measured.area[i] / measured.whole_area : 1;
     scene.truth.push_back(std::move(truth));

@@ -119,6 +119,52 @@ std::pair<double, double> across_strip(const Facet& facet, double south, double 
   return {west, east};
 }
 
+/// Of many contacts at one place that push the same way, the nearest tells.
+class ContactSieve {
+ public:
+  /// low, high  corners of the body's box before it is shifted
+  /// buckets    scratch
+  /// contacts   out
+  ContactSieve(const Vector3d& low, const Vector3d& high, const Vector3d& shift,
+               std::vector<std::uint32_t>& buckets, std::vector<Contact>& contacts)
+      : low_(low),
+        shift_(shift),
+        extent_((high - low).head<2>().cwiseMax(1e-9)),
+        buckets_(buckets),
+        contacts_(contacts) {
+    buckets_.assign(std::size_t{kBuckets} * kBuckets * kDirections * kDirections, kNone);
+  }
+
+  void keep(const Vector3d& point, const Vector3d& normal, double gap) {
+    const Vector2d place =
+        ((point - shift_ - low_).head<2>().array() / extent_.array() * kBuckets).matrix();
+    const auto part = [](double x, double parts) {
+      return static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, parts - 1));
+    };
+    const auto direction = [&](double x) { return part(2.5 * x + 2.5, kDirections); };
+    const std::size_t bucket =
+        ((part(place.y(), kBuckets) * kBuckets + part(place.x(), kBuckets)) * kDirections +
+         direction(normal.x())) *
+            kDirections +
+        direction(normal.y());
+    std::uint32_t& slot = buckets_[bucket];
+    if (slot == kNone) {
+      slot = static_cast<std::uint32_t>(contacts_.size());
+      contacts_.push_back({point, normal, gap});
+    } else if (gap < contacts_[slot].gap) {
+      contacts_[slot] = {point, normal, gap};
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFF'FFFFU;
+  static constexpr std::uint32_t kDirections = 5;  // of a normal along x, and along y
+  Vector3d low_, shift_;
+  Vector2d extent_;
+  std::vector<std::uint32_t>& buckets_;
+  std::vector<Contact>& contacts_;
+};
+
 }  // namespace
 
 Pile::Pile(double half_side, double cell, const Vector2d& walls)
@@ -198,35 +244,27 @@ void Pile::add(PointsView vertices, const Triangles& triangles) {
   }
 }
 
-Vector3d Pile::land(PointsView vertices, const Triangles& triangles, double reach, Scratch& scratch,
-                    std::vector<Contact>& contacts) const {
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const Vector3d p = vertices[i].cast<double>();
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+Vector3d Pile::between_walls(const Vector3d& low, const Vector3d& high) const {
   Vector3d shift(0, 0, 0);
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < 2; ++k)
     shift[k] = std::max(0.0, -walls_[k] - low[k]) + std::min(0.0, walls_[k] - high[k]);
-  }
+  return shift;
+}
 
-  // Above other bodies: cells by rising bound, until none can be lower than what was found.
-  double best = low.z();
-  auto& candidates = scratch.candidates;
-  auto& touches = scratch.touches;
-  candidates.clear();
-  touches.clear();
+void Pile::find_candidates(PointsView vertices, const Triangles& triangles, const Vector3d& shift,
+                           double limit, Scratch& scratch) const {
+  scratch.candidates.clear();
   const auto propose = [&](std::size_t t, std::size_t cell, double height) {
     const double bound = height - top_[cell] - kSlack;
-    if (offsets_[cell] == offsets_[cell + 1] || bound >= best + reach) return;
-    candidates.push_back({bound, static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(cell)});
+    if (offsets_[cell] == offsets_[cell + 1] || bound >= limit) return;
+    scratch.candidates.push_back(
+        {bound, static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(cell)});
   };
   const Places places{half_side_, cell_, side_, shift};
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const std::size_t a = triangles.a[t], b = triangles.b[t], c = triangles.c[t];
     const float lowest = std::min({vertices.z[a], vertices.z[b], vertices.z[c]});
-    if (static_cast<double>(lowest) - highest_ >= best + reach) continue;
+    if (static_cast<double>(lowest) - highest_ >= limit) continue;
     const auto [x0, x1] = std::minmax({vertices.x[a], vertices.x[b], vertices.x[c]});
     const auto [y0, y1] = std::minmax({vertices.y[a], vertices.y[b], vertices.y[c]});
     const std::ptrdiff_t u0 = places.column(x0, -kSlack), u1 = places.column(x1, kSlack),
@@ -243,6 +281,15 @@ Vector3d Pile::land(PointsView vertices, const Triangles& triangles, double reac
       }
     }
   }
+}
+
+double Pile::find_clearance(PointsView vertices, const Triangles& triangles, const Vector3d& shift,
+                            double reach, double clearance, Scratch& scratch) const {
+  auto& candidates = scratch.candidates;
+  auto& touches = scratch.touches;
+  touches.clear();
+  double best = clearance;
+  // Cells by rising bound, until none can be lower than what was found.
   const auto later = [](const Scratch::Candidate& a, const Scratch::Candidate& b) {
     return a.bound > b.bound;
   };
@@ -262,50 +309,42 @@ Vector3d Pile::land(PointsView vertices, const Triangles& triangles, double reac
         continue;
       }
       compare(upper, lower,
-              [&](const Vector3d& point, const Vector3d& normal, double clearance, double slant) {
-                if (clearance >= best + reach) return;
-                best = std::min(best, clearance);
-                touches.push_back({point, normal, clearance, slant});
+              [&](const Vector3d& point, const Vector3d& normal, double apart, double slant) {
+                if (apart >= best + reach) return;
+                best = std::min(best, apart);
+                touches.push_back({point, normal, apart, slant});
               });
     }
   }
-  shift.z() = -best;
+  return best;
+}
 
-  // Of many contacts at one place that push the same way, the nearest tells.
+Vector3d Pile::land(PointsView vertices, const Triangles& triangles, double reach, Scratch& scratch,
+                    std::vector<Contact>& contacts) const {
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vector3d p = vertices[i].cast<double>();
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  Vector3d shift = between_walls(low, high);
+  find_candidates(vertices, triangles, shift, low.z() + reach, scratch);
+  const double clearance = find_clearance(vertices, triangles, shift, reach, low.z(), scratch);
+  shift.z() = -clearance;
+
   contacts.clear();
-  const Vector2d extent = (high - low).head<2>().cwiseMax(1e-9);
-  constexpr std::uint32_t kNone = 0xFFFF'FFFFU;
-  scratch.buckets.assign(std::size_t{kBuckets} * kBuckets * 5 * 5, kNone);
-  const auto keep = [&](const Vector3d& point, const Vector3d& normal, double gap) {
-    const Vector2d place =
-        ((point - shift - low).head<2>().array() / extent.array() * kBuckets).matrix();
-    const auto part = [](double x, double parts) {
-      return static_cast<std::size_t>(std::clamp(std::floor(x), 0.0, parts - 1));
-    };
-    const std::size_t bucket =
-        ((part(place.y(), kBuckets) * kBuckets + part(place.x(), kBuckets)) * 5 +
-         part(2.5 * normal.x() + 2.5, 5)) *
-            5 +
-        part(2.5 * normal.y() + 2.5, 5);
-    std::uint32_t& slot = scratch.buckets[bucket];
-    if (slot == kNone) {
-      slot = static_cast<std::uint32_t>(contacts.size());
-      contacts.push_back({point, normal, gap});
-    } else if (gap < contacts[slot].gap) {
-      contacts[slot] = {point, normal, gap};
-    }
-  };
-  for (const Scratch::Touch& touch : touches) {
-    if (touch.clearance >= best + reach) continue;
-    keep(touch.point + Vector3d(0, 0, shift.z()), touch.normal,
-         (touch.clearance - best) * touch.slant);
+  ContactSieve sieve(low, high, shift, scratch.buckets, contacts);
+  for (const Scratch::Touch& touch : scratch.touches) {
+    if (touch.clearance >= clearance + reach) continue;
+    sieve.keep(touch.point + Vector3d(0, 0, shift.z()), touch.normal,
+               (touch.clearance - clearance) * touch.slant);
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vector3d p = vertices[i].cast<double>() + shift;
-    if (p.z() <= reach) keep(p, Vector3d::UnitZ(), std::max(0.0, p.z()));
+    if (p.z() <= reach) sieve.keep(p, Vector3d::UnitZ(), std::max(0.0, p.z()));
     for (int k = 0; k < 2; ++k) {
       const double inwards = p[k] > 0 ? -1 : 1, gap = walls_[k] - std::abs(p[k]);
-      if (gap <= reach) keep(p, inwards * Vector3d::Unit(k), std::max(0.0, gap));
+      if (gap <= reach) sieve.keep(p, inwards * Vector3d::Unit(k), std::max(0.0, gap));
     }
   }
   return shift;

@@ -58,6 +58,17 @@ class Pile {
   template <class Visit>
   void for_cells_under(const Facet& facet, double sign, Visit&& visit) const;
 
+  /// The steps of `land`. low, high: corners of the body's box; shift: of the body, [m].
+  Eigen::Vector3d between_walls(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
+  /// Write where the clearance may be below `limit` into scratch.candidates.
+  void find_candidates(PointsView vertices, const Triangles& triangles,
+                       const Eigen::Vector3d& shift, double limit, Scratch& scratch) const;
+  /// The least clearance among the candidates and `clearance`, that of the ground. Places where it
+  /// is less than `reach` above the least one go into scratch.touches, others among them.
+  double find_clearance(PointsView vertices, const Triangles& triangles,
+                        const Eigen::Vector3d& shift, double reach, double clearance,
+                        Scratch& scratch) const;
+
   double half_side_, cell_;
   Eigen::Vector2d walls_;
   std::ptrdiff_t side_;

@@ -218,10 +218,93 @@ void find_cells(const ImageGeometry& geometry, const OutlineGrid& grid, std::siz
 __extension__ using Cells = unsigned __int128;
 static_assert(kOutlineSide <= 128);
 
+using Outline = std::array<Cells, kOutlineSide>;
+
 int lowest(Cells cells) noexcept {
   const auto low = static_cast<std::uint64_t>(cells);
   return low != 0 ? std::countr_zero(low)
                   : 64 + std::countr_zero(static_cast<std::uint64_t>(cells >> 64));
+}
+
+/// Each sample will cover 3 x 3 cells of 0.8 spacings, which leaves no holes inside the outline and
+/// widens it by about one cell.
+OutlineGrid grid_around(const Eigen::Vector3f& center, float diameter, float spacing,
+                        const ImageGeometry& geometry) noexcept {
+  OutlineGrid grid;
+  grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / center.z());
+  grid.side = std::min(
+      kOutlineSide,
+      static_cast<int>(std::ceil(2 * diameter * geometry.fx / (center.z() * grid.cell))) + 8);
+  const float half = grid.cell * static_cast<float>(grid.side) / 2;
+  grid.u0 = geometry.fx * center.x() / center.z() + geometry.cx - half;
+  grid.v0 = geometry.fy * center.y() / center.z() + geometry.cy - half;
+  return grid;
+}
+
+/// The cells that the first n samples fall into, with the depth of the nearest one of each.
+///
+/// depth  grid.side^2, infinite where no sample is
+Outline draw_samples(const PosedSamples& posed, std::size_t n, const ImageGeometry& geometry,
+                     const OutlineGrid& grid, std::span<float> depth) noexcept {
+  const auto side = static_cast<std::size_t>(grid.side);
+  Outline hit{};
+  SampleBlock block;
+  BlockColumn<std::int32_t> columns, rows;
+  BlockColumn<std::uint32_t> drawn;
+  for (std::size_t first = 0; first < n; first += kSampleBlock) {
+    posed.place(first, n, block);
+    find_cells(geometry, grid, block.count, block.x.data(), block.y.data(), block.z.data(),
+               columns.data(), rows.data());
+    std::size_t num_drawn = 0;
+    for (std::size_t i = 0; i < block.count; ++i) {
+      drawn[num_drawn] = static_cast<std::uint32_t>(i);
+      num_drawn += posed.sees(first + i) & (columns[i] >= 0);
+    }
+    for (std::size_t k = 0; k < num_drawn; ++k) {
+      const std::size_t i = drawn[k];
+      const auto u = static_cast<std::size_t>(columns[i]), v = static_cast<std::size_t>(rows[i]);
+      hit[v] |= Cells{1} << u;
+      float& nearest = depth[v * side + u];
+      nearest = std::min(nearest, block.z[i]);
+    }
+  }
+  return hit;
+}
+
+/// Each cell with the eight around it.
+Outline widened(const Outline& hit, std::size_t side) noexcept {
+  Outline filled{};
+  for (std::size_t v = 1; v + 1 < side; ++v) {
+    const Cells column = hit[v - 1] | hit[v] | hit[v + 1];
+    filled[v] = column << 1 | column | column >> 1;
+  }
+  return filled;
+}
+
+/// Call visit(u, v, du, dv) for each cell at the border of an outline that has nothing of it within
+/// two cells in the direction (du, dv).
+template <class Visit>
+void for_borders(const Outline& filled, std::size_t side, Visit&& visit) {
+  for (std::size_t v = 2; v + 2 < side; ++v) {
+    const auto border = [&](Cells beside, Cells beyond, int du, int dv) {
+      for (Cells cells = filled[v] & ~beside & ~beyond; cells != 0; cells &= cells - 1)
+        visit(static_cast<std::size_t>(lowest(cells)), v, du, dv);
+    };
+    border(filled[v] >> 1, filled[v] >> 2, 1, 0);
+    border(filled[v] << 1, filled[v] << 2, -1, 0);
+    border(filled[v + 1], filled[v + 2], 0, 1);
+    border(filled[v - 1], filled[v - 2], 0, -1);
+  }
+}
+
+/// The depth of the nearest sample in a cell and the eight around it.
+float nearest_around(std::span<const float> depth, std::size_t side, std::size_t u,
+                     std::size_t v) noexcept {
+  float z = kInfinity;
+  for (const std::size_t row : {v - 1, v, v + 1}) {
+    for (const std::size_t column : {u - 1, u, u + 1}) z = std::min(z, depth[row * side + column]);
+  }
+  return z;
 }
 
 }  // namespace
@@ -233,69 +316,26 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
   if (n == 0) return;
   const float spacing = samples.spacing * std::sqrt(static_cast<float>(samples.points.size()) /
                                                     static_cast<float>(n));
-  SampleBlock block;
-  BlockColumn<std::int32_t> columns, rows;
-  BlockColumn<std::uint32_t> drawn;
+  const float jump = std::max(2 * options.tolerance, 0.03F * samples.diameter);
   for (const RangeImage& image : images) {
     const ImageGeometry& geometry = image.geometry;
     const PosedSamples posed(geometry, samples, T_scene_model);
     const Eigen::Vector3f center = posed.T_camera_model() * samples.center;
     if (!(center.z() > samples.diameter * 0.1F)) continue;
-
-    // Each sample covers 3 x 3 cells of 0.8 spacings, which leaves no holes inside the outline and
-    // widens it by about one cell.
-    OutlineGrid grid;
-    grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / center.z());
-    grid.side = std::min(
-        kOutlineSide,
-        static_cast<int>(std::ceil(2 * samples.diameter * geometry.fx / (center.z() * grid.cell))) +
-            8);
-    const float half = grid.cell * static_cast<float>(grid.side) / 2;
-    grid.u0 = geometry.fx * center.x() / center.z() + geometry.cx - half;
-    grid.v0 = geometry.fy * center.y() / center.z() + geometry.cy - half;
-
-    // The nearest sample of each cell.
+    const OutlineGrid grid = grid_around(center, samples.diameter, spacing, geometry);
     const auto side = static_cast<std::size_t>(grid.side);
     scratch.depth.assign(side * side, kInfinity);
-    std::array<Cells, kOutlineSide> hit{};
-    for (std::size_t first = 0; first < n; first += kSampleBlock) {
-      posed.place(first, n, block);
-      find_cells(geometry, grid, block.count, block.x.data(), block.y.data(), block.z.data(),
-                 columns.data(), rows.data());
-      std::size_t num_drawn = 0;
-      for (std::size_t i = 0; i < block.count; ++i) {
-        drawn[num_drawn] = static_cast<std::uint32_t>(i);
-        num_drawn += posed.sees(first + i) & (columns[i] >= 0);
-      }
-      for (std::size_t k = 0; k < num_drawn; ++k) {
-        const std::size_t i = drawn[k];
-        const auto u = static_cast<std::size_t>(columns[i]), v = static_cast<std::size_t>(rows[i]);
-        hit[v] |= Cells{1} << u;
-        float& depth = scratch.depth[v * side + u];
-        depth = std::min(depth, block.z[i]);
-      }
-    }
-    std::array<Cells, kOutlineSide> filled{};
-    for (std::size_t v = 1; v + 1 < side; ++v) {
-      const Cells column = hit[v - 1] | hit[v] | hit[v + 1];
-      filled[v] = column << 1 | column | column >> 1;
-    }
+    const Outline filled = widened(draw_samples(posed, n, geometry, grid, scratch.depth), side);
 
     // Beyond each border cell of the outline, one cell out, look at the scene.
-    const float jump = std::max(2 * options.tolerance, 0.03F * samples.diameter);
-    const auto look_beyond = [&](std::size_t u, std::size_t v, int du, int dv) {
+    for_borders(filled, side, [&](std::size_t u, std::size_t v, int du, int dv) {
       const float pu = grid.u0 + (static_cast<float>(static_cast<int>(u) + du) + 0.5F) * grid.cell;
       const float pv = grid.v0 + (static_cast<float>(static_cast<int>(v) + dv) + 0.5F) * grid.cell;
       if (!(pu >= 0 && pv >= 0 && pu + 0.5F < static_cast<float>(geometry.width) &&
             pv + 0.5F < static_cast<float>(geometry.height))) {
         return;
       }
-      float z = kInfinity;
-      for (const std::size_t row : {v - 1, v, v + 1}) {
-        for (const std::size_t column : {u - 1, u, u + 1}) {
-          z = std::min(z, scratch.depth[row * side + column]);
-        }
-      }
+      const float z = nearest_around(scratch.depth, side, u, v);
       const std::size_t pixel = static_cast<std::size_t>(pv + 0.5F) * geometry.width +
                                 static_cast<std::size_t>(pu + 0.5F);
       const float d = image.depth[pixel];
@@ -305,17 +345,7 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
       } else if (!options.is_background(image.near_plane[pixel])) {
         ++evidence.contour_crossed;
       }
-    };
-    for (std::size_t v = 2; v + 2 < side; ++v) {
-      const auto border = [&](Cells beside, Cells beyond, int du, int dv) {
-        for (Cells cells = filled[v] & ~beside & ~beyond; cells != 0; cells &= cells - 1)
-          look_beyond(static_cast<std::size_t>(lowest(cells)), v, du, dv);
-      };
-      border(filled[v] >> 1, filled[v] >> 2, 1, 0);
-      border(filled[v] << 1, filled[v] << 2, -1, 0);
-      border(filled[v + 1], filled[v + 2], 0, 1);
-      border(filled[v - 1], filled[v - 2], 0, -1);
-    }
+    });
   }
 }
 
