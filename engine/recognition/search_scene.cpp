@@ -247,7 +247,7 @@ Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives() {
   const std::vector<std::uint32_t>& chosen = selection_.chosen;
   std::vector<Candidate> settled(chosen.size());
   for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
-  if (!options_.ablated.contains(Improvement::alternatives)) {
+  if (compares_alternatives(options_)) {
     const PoseTestOptions& test = settle_options_.test;
     const OtherAnswers others(recognizer_, scene_, candidates_, select_options_, test);
     std::vector<Result<void>> results(chosen.size());

@@ -31,4 +31,8 @@ SelectOptions select_options(const RecognizeOptions& options) {
           .by_pixels = !options.ablated.contains(Improvement::explained)};
 }
 
+bool compares_alternatives(const RecognizeOptions& options) {
+  return !options.ablated.contains(Improvement::alternatives);
+}
+
 }  // namespace trivet::engine

@@ -13,5 +13,7 @@ PrepareOptions prepare_options(const RecognizeOptions& options);
 LargePlanes large_planes(const RecognizeOptions& options);
 SettleOptions settle_options(const RecognizeOptions& options);
 SelectOptions select_options(const RecognizeOptions& options);
+/// Whether what is chosen is held against its alternatives and other answers.
+bool compares_alternatives(const RecognizeOptions& options);
 
 }  // namespace trivet::engine

@@ -10,6 +10,7 @@ TEST(StageOptions, HaveTheDefaultsOfRecognition) {
   EXPECT_EQ(settle_options({}), SettleOptions{});
   EXPECT_EQ(select_options({}), SelectOptions{});
   EXPECT_EQ(large_planes({}), LargePlanes::left_out);
+  EXPECT_TRUE(compares_alternatives({}));
 }
 
 TEST(StageOptions, TellEachStageWhatItLeavesOut) {
@@ -24,6 +25,7 @@ TEST(StageOptions, TellEachStageWhatItLeavesOut) {
   EXPECT_FALSE(settle_options(without(Improvement::contour)).contour);
   EXPECT_FALSE(settle_options(without(Improvement::rays)).rays);
   EXPECT_FALSE(select_options(without(Improvement::explained)).by_pixels);
+  EXPECT_FALSE(compares_alternatives(without(Improvement::alternatives)));
 }
 
 TEST(StageOptions, TakeTheValuesOfRecognition) {
