@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/common/parallel.hpp"
+#include "engine/verification/pose_tester.hpp"
 #include "kernels/verification/object_scale.hpp"
 
 namespace trivet::engine {
@@ -56,11 +57,8 @@ void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
     const Model& model = recognizer.library().models[object.model];
     const Result<kernels::RayScene>& surface = recognizer.surface(object.model);
     if (!surface) return;
-    const kernels::ModelSamples samples{model.samples,      model.sample_normals,
-                                        model.sample_views, model.sample_spacing,
-                                        model.diameter,     model.center};
-    kernels::gather_object(image, *surface, samples, object.T_camera_model, scales, object.options,
-                           scratch.local(), object.equations);
+    kernels::gather_object(image, *surface, samples_of(model), object.T_camera_model, scales,
+                           object.options, scratch.local(), object.equations);
   });
 }
 
