@@ -1,0 +1,98 @@
+#include "engine/recognition/report.hpp"
+
+#include <gtest/gtest.h>
+
+namespace trivet::engine {
+namespace {
+
+/// A search of a scene whose file is in tenths of the library's unit.
+class Report : public testing::Test {
+ protected:
+  Report() {
+    for (const char* name : {"nut", "bolt"}) library_.models.emplace_back().name = name;
+    scene_.scale = 0.1;
+    scene_.sensor.noise = 0.02F;
+    scene_.sensor.range = 3;
+    kernels::RangeImage image;
+    image.geometry.width = 8;
+    image.geometry.height = 6;
+    scene_.images.push_back(std::move(image));
+  }
+  static Candidate candidate(std::uint32_t model, float score, float x = 0) {
+    Candidate out;
+    out.model = model;
+    out.score = score;
+    out.T_scene_model.translation().x() = x;
+    return out;
+  }
+  SceneResult reported(SearchResult found) const {
+    return report(library_, scene_, std::move(found), {});
+  }
+  Library library_;
+  PreparedScene scene_;
+};
+
+TEST_F(Report, OrdersDetectionsByScoreAndThenAsTheyWereTaken) {
+  const SceneResult result =
+      reported({.detections = {candidate(0, 0.5F, 1), candidate(1, 0.9F, 2), candidate(0, 0.5F, 3)},
+                .rejected = {}});
+  ASSERT_EQ(result.detections.size(), 3U);
+  EXPECT_EQ(result.detections[0].model, "bolt");
+  EXPECT_FLOAT_EQ(result.detections[0].T_scene_model.translation().x(), 20);
+  EXPECT_FLOAT_EQ(result.detections[1].T_scene_model.translation().x(), 10);
+  EXPECT_FLOAT_EQ(result.detections[2].T_scene_model.translation().x(), 30);
+}
+
+TEST_F(Report, TellsLengthsInTheFilesUnit) {
+  Candidate turned = candidate(0, 0.9F);
+  turned.tolerance = 0.2F;
+  turned.examination.residual = 0.25F;
+  turned.alternatives.push_back(candidate(0, 0, 4).T_scene_model);
+  turned.turns = TurnExtent{{{0, 0, 1}, {0.5F, 0, 0}}, -1, 1};
+  turned.siblings = {1};
+  const SceneResult result = reported({.detections = {turned}, .rejected = {}});
+  const Detection& detection = result.detections[0];
+  EXPECT_FLOAT_EQ(detection.rmse, 1);
+  EXPECT_FLOAT_EQ(detection.alternatives[0].translation().x(), 40);
+  EXPECT_FLOAT_EQ(detection.turns->axis.point.x(), 5);
+  EXPECT_EQ(detection.siblings, std::vector<std::string>{"bolt"});
+  EXPECT_FLOAT_EQ(result.stats.noise, 0.02F) << "in the library's";
+  EXPECT_FLOAT_EQ(result.stats.sensor->noise, 0.2F);
+  EXPECT_FLOAT_EQ(result.stats.sensor->range, 30);
+}
+
+TEST_F(Report, TellsOfNoSensorWhereSixImagesSeeASurface) {
+  scene_.images.resize(6);
+  EXPECT_FALSE(reported({}).stats.sensor);
+}
+
+TEST_F(Report, LeadsFromRejectedPosesAndClaimsToTheirDetections) {
+  SearchResult found{.detections = {candidate(0, 0.6F), candidate(1, 0.9F)}, .rejected = {}};
+  found.rejected.push_back({candidate(0, 0.4F, 1), Rejection::explained, 0, 0.7F});
+  found.rejected.push_back({candidate(1, 0.3F, 1), Rejection::too_low});
+  found.claims.emplace();
+  found.claims->push_back({0, 3, {{7}, 1}, 0});
+  found.claims->push_back({1, 2, {{9}, 1}, 1});
+  found.claims->push_back({1, 1, {}, std::nullopt});
+  const SceneResult result = reported(std::move(found));
+  ASSERT_EQ(result.rejected.size(), 2U);
+  EXPECT_EQ(result.rejected[0].explained_by, 1U) << "that of the lower score comes second";
+  EXPECT_EQ(result.rejected[0].explained_share, 0.7F);
+  EXPECT_FLOAT_EQ(result.rejected[0].T_scene_model.translation().x(), 10);
+  EXPECT_EQ(result.rejected[1].explained_by, std::nullopt);
+  EXPECT_EQ(result.rejected[1].reason, Rejection::too_low);
+  ASSERT_TRUE(result.claims);
+  EXPECT_EQ(result.claims->images, (std::vector<ImageSize>{{8, 6}}));
+  ASSERT_EQ(result.claims->poses.size(), 3U);
+  EXPECT_EQ(result.claims->poses[0].model, "nut");
+  EXPECT_EQ(result.claims->poses[0].detection, 1U);
+  EXPECT_EQ(result.claims->poses[0].explained.pixels, std::vector<std::uint32_t>{7});
+  EXPECT_EQ(result.claims->poses[1].detection, 0U);
+  EXPECT_EQ(result.claims->poses[2].detection, std::nullopt);
+  EXPECT_EQ(result.claims->poses[2].rank, 1);
+}
+
+TEST_F(Report, TellsNoClaimsUnlessTheyWereAskedFor) { EXPECT_FALSE(reported({}).claims); }
+
+}  // namespace
+}  // namespace trivet::engine
