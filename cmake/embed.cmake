@@ -1,8 +1,14 @@
-# Make the files below a folder a part of a target, as
+# Make a file, or the files below a folder, a part of a target, as
 #   std::span<const std::pair<std::string_view, std::string_view>> NAMESPACE::FUNCTION();  // paths and bytes
 # A folder that is not there has no files.
-function(trivet_embed target folder namespace function)
-  file(GLOB_RECURSE files CONFIGURE_DEPENDS "${folder}/*")
+function(trivet_embed target source_path namespace function)
+  if(EXISTS "${source_path}" AND NOT IS_DIRECTORY "${source_path}")
+    set(files "${source_path}")
+    cmake_path(GET source_path PARENT_PATH folder)
+  else()
+    file(GLOB_RECURSE files CONFIGURE_DEPENDS "${source_path}/*")
+    set(folder "${source_path}")
+  endif()
   list(SORT files)
   set(entries "")
   set(blobs "")

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "engine/default_score.hpp"
 #include "kernels/common/ray_scene.hpp"
-#include "kernels/verification/pose_score.hpp"
 #include "storage/library.hpp"
 #include "storage/result.hpp"
 
@@ -20,7 +20,7 @@ struct FeatureLevel;
 /// scenes and threads at the same time.
 class Recognizer {
  public:
-  explicit Recognizer(Library library, const kernels::ScoreModel& score = kernels::default_score());
+  explicit Recognizer(Library library, const kernels::ScoreModel& score = default_score());
   Recognizer(Recognizer&&) noexcept;
   Recognizer& operator=(Recognizer&&) noexcept;
   ~Recognizer();

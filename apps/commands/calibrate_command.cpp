@@ -11,6 +11,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/results/commission_text.hpp"
+#include "engine/default_score.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 
 namespace trivet::apps {
@@ -65,8 +66,8 @@ Result<void> calibrate(const CalibrateArguments& arguments, const Context& conte
   for (const std::string& file : arguments.marked) {
     if (const Result<void> added = add_marked(file, outcomes); !added) return added;
   }
-  fmt::print("{}", doubtful_marks(kernels::default_score(), outcomes));
-  const Result<Commissioning> found = commission_score(kernels::default_score(), outcomes, least);
+  fmt::print("{}", doubtful_marks(default_score(), outcomes));
+  const Result<Commissioning> found = commission_score(default_score(), outcomes, least);
   if (!found) return found.error();
   const ScoreCalibration calibration{
       found->adaptation, static_cast<std::uint32_t>(outcomes.scans.size()),

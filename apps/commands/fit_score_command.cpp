@@ -2,16 +2,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <span>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/commands/commands.hpp"
+#include "engine/default_score.hpp"
 #include "engine/evaluation/calibrate_score.hpp"
+#include "engine/evaluation/score_file.hpp"
 #include "kernels/verification/fit_score.hpp"
 #include "storage/file.hpp"
 #include "storage/library.hpp"
@@ -49,15 +51,20 @@ Result<Outcomes> recognize_with(const kernels::ScoreModel& score,
   return outcomes;
 }
 
+/// Right and wrong ones.
+std::pair<std::size_t, std::size_t> count(const Outcomes& outcomes) {
+  const auto right = static_cast<std::size_t>(std::ranges::count(outcomes.right, 1));
+  return {right, outcomes.right.size() - right};
+}
+
 Result<void> check_outcomes(const Outcomes& outcomes, const std::string& source) {
-  const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
-  if (num_right < 20 || static_cast<std::size_t>(num_right) + 20 > outcomes.right.size()) {
+  const auto [right, wrong] = count(outcomes);
+  if (right < 20 || wrong < 20) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected scenes with at least 20 right and 20 wrong detections, "
                              "found {} and {}; scan more scenes, with objects that the library has "
                              "and others that it has not",
-                             source, num_right,
-                             outcomes.right.size() - static_cast<std::size_t>(num_right))};
+                             source, right, wrong)};
   }
   return {};
 }
@@ -66,47 +73,12 @@ void set_prior(kernels::ScoreModel& model) {
   for (float& bias : model.bias) bias += static_cast<float>(std::log(kFewerUnknown));
 }
 
-std::string number(float value) {
-  std::string text = fmt::format("{:.5g}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
-template <std::size_t N>
-std::string row(const std::array<float, N>& values, std::string_view name) {
-  std::string text = "{";
-  for (std::size_t k = 0; k < N; ++k) {
-    text += (k ? ", " : "") + number(values[k]) + "F";
-  }
-  return fmt::format("    {}}},  // {}\n", text, name);
-}
-
-/// The source that default_score() is built from.
-std::string source_of(const kernels::ScoreModel& model, const Outcomes& outcomes) {
-  const auto num_right = std::count(outcomes.right.begin(), outcomes.right.end(), 1);
-  std::string knots;
-  std::array<std::string, 2> weights;
-  for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
-    knots += row(model.knots[k], kernels::kScoreParts[k].name);
-    for (std::size_t errors = 0; errors < 2; ++errors)
-      weights[errors] += row(model.weights[errors][k], kernels::kScoreParts[k].name);
-  }
+std::string origin_of(const Outcomes& outcomes) {
+  const auto [right, wrong] = count(outcomes);
   return fmt::format(
-      "// Written by `trivet fit-score` {}, from {} right and {} wrong detections in rendered\n"
-      "// scenes; the odds of right ones times {}. scripts/calibrate scans the scenes.\n"
-      "#include \"kernels/verification/pose_score.hpp\"\n\n"
-      "namespace trivet::kernels {{\n\n"
-      "// clang-format off\n"
-      "const ScoreModel& default_score() noexcept {{\n"
-      "  static constexpr ScoreModel model{{{{{}F, {}F}}, {{{{\n{}  }}}}, {{{{\n"
-      "  {{{{  // where errors are independent from pixel to pixel\n{}  }}}},\n"
-      "  {{{{  // where neighbors share them\n{}  }}}}}}}}}};\n"
-      "  return model;\n"
-      "}}\n"
-      "// clang-format on\n\n"
-      "}}  // namespace trivet::kernels\n",
-      TRIVET_VERSION, num_right, outcomes.right.size() - static_cast<std::size_t>(num_right),
-      kFewerUnknown, number(model.bias[0]), number(model.bias[1]), knots, weights[0], weights[1]);
+      "trivet fit-score {} on {} right and {} wrong detections in rendered scenes, the odds of "
+      "right ones times {}",
+      TRIVET_VERSION, right, wrong, kFewerUnknown);
 }
 
 Result<void> publish_text(const std::string& file, const std::string& text) {
@@ -174,7 +146,7 @@ Result<void> fit_score(const FitScoreArguments& arguments, const Context& contex
   }
   const std::string& source =
       arguments.manifests.empty() ? arguments.outcomes.front() : arguments.manifests.front();
-  kernels::ScoreModel model = kernels::default_score();
+  kernels::ScoreModel model = default_score();
   Outcomes outcomes;
   // Outcomes of earlier runs stay as they are.
   const unsigned rounds = arguments.manifests.empty() ? 1 : arguments.rounds;
@@ -197,7 +169,7 @@ Result<void> fit_score(const FitScoreArguments& arguments, const Context& contex
                                      kernels::log_loss(model, outcomes.parts, outcomes.right)));
   }
   set_prior(model);
-  return publish_text(arguments.output, source_of(model, outcomes));
+  return publish_text(arguments.output, score_text({model, origin_of(outcomes)}));
 }
 
 }  // namespace
@@ -218,8 +190,7 @@ void add_fit_score(CLI::App& app, Context& context) {
                       "What --csv of earlier runs wrote, to fit to as well or alone");
   command->add_option(
       "-o,--output", arguments->output,
-      "C++ source of the score, kernels/verification/default_score.cpp; without it nothing is "
-      "fitted");
+      "The score as JSON, engine/evaluation/default_score.json; without it nothing is fitted");
   command->add_option("--csv", arguments->csv,
                       "Write the parts of every detection's score and the outcome to this file");
   command->add_option("--rounds", arguments->rounds, "Of recognizing and fitting")

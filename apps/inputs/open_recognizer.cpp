@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "engine/default_score.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 #include "storage/library.hpp"
 
@@ -14,7 +15,7 @@ void add_calibration_option(CLI::App& command, std::string& file) {
 }
 
 Result<Recognizer> open_recognizer(const std::string& library, const std::string& calibration) {
-  kernels::ScoreModel score = kernels::default_score();
+  kernels::ScoreModel score = default_score();
   if (!calibration.empty()) {
     const Result<ScoreCalibration> read = read_calibration(calibration);
     if (!read) return read.error();
@@ -27,7 +28,7 @@ Result<Recognizer> open_recognizer(const std::string& library, const std::string
 
 nlohmann::ordered_json calibration_json(const Recognizer& recognizer) {
   const std::string name = score_name(recognizer.score());
-  if (name == score_name(kernels::default_score())) return nullptr;
+  if (name == score_name(default_score())) return nullptr;
   return name;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/report/html.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
+#include "engine/default_score.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/evaluation/recognize_cells.hpp"
 #include "storage/file.hpp"
@@ -159,7 +160,7 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
         const Cell& cell = plan.cells[missing[i]];
         const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
         nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-        scenes.push_back(scene_json(name, result, kernels::default_score()));
+        scenes.push_back(scene_json(name, result, default_score()));
         return write_json(folder.cell(cell).string(), {{"scenes", std::move(scenes)}});
       });
 }

@@ -6,8 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "engine/default_score.hpp"
+#include "engine/evaluation/score_json.hpp"
 #include "storage/file.hpp"
-#include "storage/files/json_file.hpp"
 
 namespace trivet {
 namespace {
@@ -22,19 +23,10 @@ std::uint32_t count(const JsonNode& node) {
   return static_cast<std::uint32_t>(node.integer(0, std::numeric_limits<int>::max()));
 }
 
-float number_within(const JsonNode& node, double low, double high) {
-  const double value = node.number();
-  if (value < low || value > high)
-    node.refuse(fmt::format("expected a number from {} to {}", low, high));
-  return static_cast<float>(value);
-}
-
 void check_origin(const JsonNode& root) {
-  const JsonNode format = root.at("format"), version = root.at("version"), of = root.at("score");
-  if (format.string() != kFormat)
-    format.refuse(fmt::format("expected \"{}\", as `trivet calibrate` writes it", kFormat));
-  (void)version.integer(kVersion, kVersion);
-  if (const std::string name = score_name(kernels::default_score()); of.string() != name) {
+  engine::check_format(root, kFormat, kVersion, "trivet calibrate");
+  const JsonNode of = root.at("score");
+  if (const std::string name = score_name(default_score()); of.string() != name) {
     of.refuse(
         fmt::format("expected {}, the score of this version of trivet; calibrate again, as "
                     "`trivet calibrate` reads the same scans and marks",
@@ -44,16 +36,12 @@ void check_origin(const JsonNode& root) {
 
 kernels::ScoreAdaptation parse_adaptation(const JsonNode& root) {
   kernels::ScoreAdaptation adaptation;
-  adaptation.shift = number_within(root.at("shift"), -kLargestShift, kLargestShift);
-  const JsonNode weights = root.at("weights");
-  for (std::size_t k = 0; k < kernels::kNumScoreParts; ++k) {
-    adaptation.weights[k] = number_within(weights.at(kernels::kScoreParts[k].name), 0,
-                                          static_cast<double>(kernels::kMaxCostWeight));
-  }
-  if (weights.members().size() != kernels::kNumScoreParts)
-    weights.refuse(fmt::format("expected the {} parts of a score alone", kernels::kNumScoreParts));
-  if (kernels::largest_raise(kernels::default_score(), adaptation) >
-      kernels::kMaxRaise + kRounding) {
+  adaptation.shift = engine::number_within(root.at("shift"), -kLargestShift, kLargestShift);
+  engine::for_each_part(root.at("weights"), [&](std::size_t part, const JsonNode& weight) {
+    adaptation.weights[part] =
+        engine::number_within(weight, 0, static_cast<double>(kernels::kMaxCostWeight));
+  });
+  if (kernels::largest_raise(default_score(), adaptation) > kernels::kMaxRaise + kRounding) {
     root.refuse(
         fmt::format("expected a shift and weights that raise the log odds of no pose by "
                     "more than {:.1f}; calibrate again",
@@ -69,7 +57,7 @@ std::string score_name(const kernels::ScoreModel& score) {
 }
 
 kernels::ScoreModel calibrated_score(const ScoreCalibration& calibration) noexcept {
-  return kernels::adapted_score(kernels::default_score(), calibration.adaptation);
+  return kernels::adapted_score(default_score(), calibration.adaptation);
 }
 
 Result<void> write_calibration(const std::filesystem::path& file,
@@ -79,7 +67,7 @@ Result<void> write_calibration(const std::filesystem::path& file,
     weights[std::string(kernels::kScoreParts[k].name)] = calibration.adaptation.weights[k];
   const nlohmann::ordered_json document{{"format", kFormat},
                                         {"version", kVersion},
-                                        {"score", score_name(kernels::default_score())},
+                                        {"score", score_name(default_score())},
                                         {"name", score_name(calibrated_score(calibration))},
                                         {"shift", calibration.adaptation.shift},
                                         {"weights", std::move(weights)},

@@ -69,7 +69,4 @@ float part_evidence(const ScoreModel& model, const ScoreParts& parts, std::size_
 /// The probability that the pose is right, 0..1.
 float pose_probability(const ScoreModel& model, const ScoreParts& parts) noexcept;
 
-/// Fitted on rendered scenes; kernels/verification/default_score.cpp says which.
-const ScoreModel& default_score() noexcept;
-
 }  // namespace trivet::kernels

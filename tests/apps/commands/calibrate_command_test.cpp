@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/program.hpp"
+#include "engine/default_score.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 #include "storage/read_cloud.hpp"
 #include "support/random.hpp"
@@ -20,7 +21,7 @@ using Json = nlohmann::json;
 /// default score is too sure.
 Json marked_result(std::size_t num_scans) {
   test::Random random;
-  const kernels::ScoreModel& model = kernels::default_score();
+  const kernels::ScoreModel& model = default_score();
   Json scenes = Json::array();
   for (std::size_t s = 0; s < num_scans; ++s) {
     Json detections = Json::array();

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <string>
 
+#include "engine/default_score.hpp"
 #include "support/random.hpp"
 
 namespace trivet {
 namespace {
 
-using kernels::default_score;
 using kernels::kNumScoreParts;
 
 constexpr float kLeast = 0.8F;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "engine/default_score.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {
@@ -32,8 +33,8 @@ TEST(ScoreCalibration, NamesScoresByTheirNumbers) {
   const std::string name = score_name(calibrated_score(some_calibration()));
   EXPECT_EQ(name.size(), 16U);
   EXPECT_EQ(score_name(calibrated_score(some_calibration())), name);
-  EXPECT_NE(score_name(kernels::default_score()), name);
-  EXPECT_EQ(score_name(calibrated_score({})), score_name(kernels::default_score()));
+  EXPECT_NE(score_name(default_score()), name);
+  EXPECT_EQ(score_name(calibrated_score({})), score_name(default_score()));
 }
 
 TEST(ScoreCalibration, NamesTheFaultOfABadFile) {

@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "kernels/verification/fit_score.hpp"
+#include "support/fitted_score.hpp"
 #include "support/random.hpp"
 
 namespace trivet::kernels {
 namespace {
+
+using test::fitted_score;
 
 struct Rows {
   std::vector<ScoreParts> parts;
@@ -64,7 +67,7 @@ ScoreAdaptation some_adaptation(test::Random& random) {
 }
 
 TEST(AdaptScore, WithoutAdaptationChangesNothing) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   const ScoreModel same = adapted_score(model, {});
   EXPECT_EQ(same.bias, model.bias);
   EXPECT_EQ(same.weights, model.weights);
@@ -73,7 +76,7 @@ TEST(AdaptScore, WithoutAdaptationChangesNothing) {
 
 // From the definition: each part's lack of evidence costs so many times as much.
 TEST(AdaptScore, WeighsWhatEachPartLacks) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   test::Random random;
   for (int round = 0; round < 100; ++round) {
     const ScoreAdaptation adaptation = some_adaptation(random);
@@ -92,7 +95,7 @@ TEST(AdaptScore, WeighsWhatEachPartLacks) {
 TEST(AdaptScore, StaysMonotoneInEachPart) {
   test::Random random;
   for (int round = 0; round < 100; ++round) {
-    const ScoreModel model = adapted_score(default_score(), some_adaptation(random));
+    const ScoreModel model = adapted_score(fitted_score(), some_adaptation(random));
     const ScoreParts parts = draw_parts(model, random);
     const float before = pose_probability(model, parts);
     for (std::size_t k = 0; k < kCorrelationPart; ++k) {
@@ -104,7 +107,7 @@ TEST(AdaptScore, StaysMonotoneInEachPart) {
 }
 
 TEST(AdaptScore, RaisesNoPoseByMoreThanItsLargestRaise) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   test::Random random;
   for (int round = 0; round < 1000; ++round) {
     const ScoreAdaptation adaptation = some_adaptation(random);
@@ -116,12 +119,12 @@ TEST(AdaptScore, RaisesNoPoseByMoreThanItsLargestRaise) {
 }
 
 TEST(FitAdaptation, IsNoneWithoutRows) {
-  EXPECT_EQ(fit_adaptation(default_score(), {}, {}), ScoreAdaptation{});
+  EXPECT_EQ(fit_adaptation(fitted_score(), {}, {}), ScoreAdaptation{});
 }
 
 TEST(FitAdaptation, ChangesLittleByLittleData) {
-  const Rows rows = draw(default_score(), 4, 1);
-  const ScoreAdaptation adaptation = fit_adaptation(default_score(), rows.parts, rows.right);
+  const Rows rows = draw(fitted_score(), 4, 1);
+  const ScoreAdaptation adaptation = fit_adaptation(fitted_score(), rows.parts, rows.right);
   EXPECT_LT(std::abs(adaptation.shift), 0.6F);
   for (const float weight : adaptation.weights) EXPECT_NEAR(weight, 1, 0.6F);
 }
@@ -131,14 +134,14 @@ TEST(FitAdaptation, ScoresFreshPosesOfItsCellBetter) {
   ScoreAdaptation truth;
   truth.shift = -1.5F;
   for (std::size_t k = 0; k < kCorrelationPart; ++k) truth.weights[k] = k % 3 == 0 ? 0.8F : 1.4F;
-  const ScoreModel cell = adapted_score(default_score(), truth);
+  const ScoreModel cell = adapted_score(fitted_score(), truth);
   const Rows fresh = draw(cell, 4000, 2);
-  const double before = log_loss(default_score(), fresh.parts, fresh.right);
+  const double before = log_loss(fitted_score(), fresh.parts, fresh.right);
   double last = before;
   for (const std::size_t n : {200U, 1000U, 10000U}) {
     const Rows rows = draw(cell, n, 3);
     const ScoreModel adapted =
-        adapted_score(default_score(), fit_adaptation(default_score(), rows.parts, rows.right));
+        adapted_score(fitted_score(), fit_adaptation(fitted_score(), rows.parts, rows.right));
     last = log_loss(adapted, fresh.parts, fresh.right);
     EXPECT_LT(last, before) << n;
   }
@@ -147,7 +150,7 @@ TEST(FitAdaptation, ScoresFreshPosesOfItsCellBetter) {
 
 // Whatever was marked, also everything right, or the opposite of the truth.
 TEST(FitAdaptation, RaisesNoOddsMoreThanTenfoldByAnyMarks) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   for (const int marks : {0, 1, 2, 3}) {
     Rows rows = draw(model, 300, 4);
     test::Random random(static_cast<std::uint64_t>(marks));
@@ -175,7 +178,7 @@ TEST(FitAdaptation, RaisesNoOddsMoreThanTenfoldByAnyMarks) {
 
 // Marks that ask for more than the bound are followed as far as it allows, not dropped.
 TEST(FitAdaptation, GoesToTheBoundWhereMarksAskForMore) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   Rows rows = draw(model, 300, 5);
   std::ranges::fill(rows.right, std::uint8_t{1});
   const float raise = largest_raise(model, fit_adaptation(model, rows.parts, rows.right));
@@ -183,8 +186,8 @@ TEST(FitAdaptation, GoesToTheBoundWhereMarksAskForMore) {
 }
 
 TEST(FitAdaptation, GivesTheSameBitsForAnyOrder) {
-  const Rows rows = draw(default_score(), 200, 6);
-  const ScoreAdaptation first = fit_adaptation(default_score(), rows.parts, rows.right);
+  const Rows rows = draw(fitted_score(), 200, 6);
+  const ScoreAdaptation first = fit_adaptation(fitted_score(), rows.parts, rows.right);
   std::vector<std::size_t> order(rows.right.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   test::Random random;
@@ -196,7 +199,7 @@ TEST(FitAdaptation, GivesTheSameBitsForAnyOrder) {
       shuffled.parts.push_back(rows.parts[i]);
       shuffled.right.push_back(rows.right[i]);
     }
-    EXPECT_EQ(fit_adaptation(default_score(), shuffled.parts, shuffled.right), first);
+    EXPECT_EQ(fit_adaptation(fitted_score(), shuffled.parts, shuffled.right), first);
   }
 }
 

@@ -4,10 +4,13 @@
 
 #include <cmath>
 
+#include "support/fitted_score.hpp"
 #include "support/random.hpp"
 
 namespace trivet::kernels {
 namespace {
+
+using test::fitted_score;
 
 Examination good() {
   Examination e;
@@ -29,7 +32,7 @@ Examination good() {
 }
 
 float probability(const Examination& e, float correlation = 0) {
-  return pose_probability(default_score(), score_parts(e, 0.016F, correlation));
+  return pose_probability(fitted_score(), score_parts(e, 0.016F, correlation));
 }
 
 TEST(PoseScore, IsAProbability) {
@@ -63,7 +66,7 @@ TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
 
 // Whatever the fit: more of a part never speaks against what it stands for.
 TEST(PoseScore, IsMonotoneInEachPart) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   test::Random random(1);
   for (int round = 0; round < 200; ++round) {
     ScoreParts parts;
@@ -97,7 +100,7 @@ double log_odds_of(const ScoreModel& model, const ScoreParts& parts, std::size_t
 }
 
 TEST(PoseScore, AddsWhatItsPartsSay) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   const ScoreParts parts = score_parts(good(), 0.016F, 0);
   EXPECT_NEAR(pose_probability(model, parts), 1 / (1 + std::exp(-log_odds_of(model, parts, 0))),
               1e-5);
@@ -140,7 +143,7 @@ TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
 }
 
 TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
-  const ScoreModel& model = default_score();
+  const ScoreModel& model = fitted_score();
   for (std::size_t k = 0; k < kNumScoreParts; ++k) {
     for (std::size_t i = 0; i + 1 < ScoreModel::kKnots; ++i) {
       EXPECT_LE(model.knots[k][i], model.knots[k][i + 1]);
