@@ -1,121 +1,157 @@
+#include "apps/study/headline.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <vector>
+
 #include "apps/options/option_names.hpp"
 #include "apps/report/html.hpp"
-#include "apps/study/phrases.hpp"
-#include "apps/study/words.hpp"
 
 namespace trivet::apps::study {
 namespace {
 
-std::string on_parameter(const Panel& panel, std::size_t m) {
-  const std::vector<PanelCell>& cells = panel.cells[m];
-  std::string out = fmt::format("{} finds {} at the default, {}", option_name(panel.methods[m]),
-                                percent(cells[panel.reference_row].found.value()),
-                                escape_html(panel.rows[panel.reference_row]));
-  const auto [better, worse] = differing_rows(cells, &PanelCell::change);
-  if (!better.empty()) out += "; more at " + rows_text(panel, better);
-  if (!worse.empty()) out += "; fewer at " + rows_text(panel, worse);
-  return out + (better.empty() && worse.empty() ? "; no value differs beyond chance." : ".");
+constexpr std::string_view kStronglyOccluded = ">84%";
+
+/// A method in some cells together.
+struct Sum {
+  Rate found;
+  std::size_t num_false = 0;
+
+  void add(const PanelCell& cell) {
+    found.right += cell.found.right;
+    found.all += cell.found.all;
+    num_false += cell.false_positives.value_or(0);
+  }
+  std::string share() const { return percent(found.value()); }
+  double f1() const { return f1_score(found, num_false); }
+};
+
+/// The row of all panels, which `row_of` chooses in each.
+template <class RowOf>
+Sum sum_row(const ExperimentResults& results, std::size_t m, RowOf&& row_of) {
+  Sum sum;
+  for (const Panel& panel : results.panels) sum.add(panel.cells[m][row_of(panel)]);
+  return sum;
 }
 
-std::string on_conditions(const Panel& panel) {
-  std::vector<std::string> parts;
-  for (std::size_t m = 0; m < panel.methods.size(); ++m) {
-    const std::vector<PanelCell>& cells = panel.cells[m];
-    std::string part = option_name(panel.methods[m]) + " " + percent(sum_found(cells).value());
-    if (panel.is_curve) {
-      part += fmt::format(" ({} at {}, {} at {})", percent(cells.front().found.value()),
-                          escape_html(panel.rows.front()), percent(cells.back().found.value()),
-                          escape_html(panel.rows.back()));
-    }
-    parts.push_back(std::move(part));
-  }
-  std::string out = fmt::format("{}.", fmt::join(parts, ", "));
-  if (!panel.is_curve) {
-    std::vector<std::string> rows;
-    for (std::size_t row = 0; row < panel.rows.size(); ++row) {
-      rows.push_back(fmt::format("{} {}", escape_html(panel.rows[row]),
-                                 percent(panel.cells.back()[row].found.value())));
-    }
-    out += fmt::format(" {} by {}: {}.", option_name(panel.methods.back()), escape_html(panel.axis),
-                       fmt::join(rows, ", "));
-  }
-  for (std::size_t m = 1; m < panel.methods.size(); ++m) {
-    const std::optional<PairedComparison>& lead = panel.leads[m];
-    if (lead && beyond_chance(*lead)) {
-      out += fmt::format(" Beyond chance {} finds {} than {}.", option_name(panel.methods[m]),
-                         lead->difference > 0 ? "more" : "fewer", option_name(panel.methods[0]));
-    }
-  }
+std::size_t first_row(const Panel&) { return 0; }
+std::size_t last_row(const Panel& panel) { return panel.rows.size() - 1; }
+std::size_t usual_row(const Panel& panel) { return panel.reference_row; }
+
+/// "ppf finds ..., trisi ...".
+template <class Text>
+std::string by_methods(const ExperimentResults& results, Text&& text) {
+  const std::vector<Method>& methods = results.panels.front().methods;
+  std::string out;
+  for (std::size_t m = 0; m < methods.size(); ++m)
+    out += fmt::format("{}{} {}{}", m > 0 ? ", " : "", option_name(methods[m]),
+                       m > 0 ? "" : "finds ", text(m));
   return out;
 }
 
-std::string on_steps(const Panel& panel, std::size_t m) {
-  const PanelCell &first = panel.cells[m].front(), &last = panel.cells[m].back();
-  return fmt::format("from {} to {}, F1 {:.2f} becomes {:.2f}: {} found with {}, then {} with {}.",
-                     escape_html(panel.rows.front()), escape_html(panel.rows.back()), first.f1,
-                     last.f1, percent(first.found.value()), alarms_text(*first.false_positives),
-                     percent(last.found.value()), alarms_text(*last.false_positives));
+/// Which rows these are: "0.02", or of a curve "0.02 to 0.05" for rows side by side.
+std::string row_names(const Panel& panel, const std::set<std::size_t>& rows) {
+  std::vector<std::string> names;
+  for (auto row = rows.begin(); row != rows.end(); ++row) {
+    const std::size_t first = *row;
+    while (panel.is_curve && std::next(row) != rows.end() && *std::next(row) == *row + 1) ++row;
+    names.push_back(escape_html(panel.rows[first]));
+    if (*row > first)
+      names.back() += (*row > first + 1 ? " to " : ", ") + escape_html(panel.rows[*row]);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string on_bins(const Panel& panel) {
-  std::vector<std::string> parts;
-  bool below_84 = false;
-  for (std::size_t m = 0; m < panel.methods.size(); ++m) {
-    const PanelCell& all = panel.cells[m].back();
-    const std::optional<Rate> below = found_below_84(panel, m);
-    below_84 = below.has_value();
-    parts.push_back(fmt::format("{} {} with {}", option_name(panel.methods[m]),
-                                rate_text(below.value_or(all.found)),
-                                alarms_text(*all.false_positives)));
-  }
-  return fmt::format("{}in {}, {}.", below_84 ? "of what is less than 84 % occluded, " : "",
-                     counted(panel.cells[0].back().num_scenes, "scene", "scenes"),
-                     fmt::join(parts, ", "));
+// One for each kind of experiment.
+
+std::string on_bins(const ExperimentResults& results) {
+  const Panel& panel = results.panels.front();  // of all scenes
+  const auto strong = std::ranges::find(panel.rows, kStronglyOccluded);
+  const bool is_occlusion = strong != panel.rows.end();
+  return by_methods(results,
+                    [&](std::size_t m) {
+                      const std::vector<PanelCell>& cells = panel.cells[m];
+                      if (!is_occlusion) return percent(cells.back().found.value());
+                      Sum sum;
+                      for (auto row = panel.rows.begin(); row != strong; ++row)
+                        sum.add(cells[static_cast<std::size_t>(row - panel.rows.begin())]);
+                      return sum.share();
+                    }) +
+         (is_occlusion ? " of what is less than 84 % occluded" : "");
 }
 
-std::string on_row(const Panel& panel, std::size_t row) {
+std::string on_all(const ExperimentResults& results) {
+  return by_methods(results, [&](std::size_t m) {
+    Sum sum;
+    for (const Panel& panel : results.panels) {
+      for (const PanelCell& cell : panel.cells[m]) sum.add(cell);
+    }
+    return sum.share();
+  });
+}
+
+std::string on_conditions(const ExperimentResults& results) {
+  const Panel& panel = results.panels.front();
+  if (!panel.is_curve) return on_all(results);
+  return by_methods(results, [&](std::size_t m) {
+    return fmt::format("{} at {} and {} at {}", sum_row(results, m, first_row).share(),
+                       escape_html(panel.rows.front()), sum_row(results, m, last_row).share(),
+                       escape_html(panel.rows.back()));
+  });
+}
+
+std::string on_steps(const ExperimentResults& results) {
+  const Panel& panel = results.panels.front();
   std::vector<std::string> parts;
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {
-    const PanelCell& cell = panel.cells[m][row];
-    std::string part = option_name(panel.methods[m]) + " " + percent(cell.found.value());
-    if (cell.lead && beyond_chance(*cell.lead))
-      part += cell.lead->difference > 0 ? " (more, beyond chance)" : " (fewer, beyond chance)";
-    parts.push_back(std::move(part));
+    parts.push_back(fmt::format("{:.2f} to {:.2f} by {}", sum_row(results, m, first_row).f1(),
+                                sum_row(results, m, last_row).f1(), option_name(panel.methods[m])));
   }
-  return fmt::format("<b>{}</b>: {}.", escape_html(panel.rows[row]), fmt::join(parts, ", "));
+  return fmt::format("from {} to {}, F1 goes from {}", escape_html(panel.rows.front()),
+                     escape_html(panel.rows.back()), fmt::join(parts, ", "));
+}
+
+std::string on_parameter(const ExperimentResults& results) {
+  std::set<std::size_t> more, fewer;
+  for (const Panel& panel : results.panels) {
+    for (const std::vector<PanelCell>& cells : panel.cells) {
+      for (std::size_t row = 0; row < cells.size(); ++row) {
+        const std::optional<PairedComparison>& change = cells[row].change;
+        if (change && beyond_chance(*change)) (change->difference > 0 ? more : fewer).insert(row);
+      }
+    }
+  }
+  const Panel& panel = results.panels.front();
+  std::string out =
+      by_methods(results, [&](std::size_t m) { return sum_row(results, m, usual_row).share(); });
+  out += " at the default, " + escape_html(panel.rows[panel.reference_row]);
+  if (more.empty() && fewer.empty()) return out + "; no value differs beyond chance";
+  out += "; beyond chance ";
+  if (!more.empty()) out += "more at " + row_names(panel, more);
+  if (!fewer.empty()) out += (more.empty() ? "fewer at " : ", fewer at ") + row_names(panel, fewer);
+  return out;
 }
 
 }  // namespace
 
-std::string headline(const Experiment& experiment, const ExperimentResults& results) {
-  std::vector<std::string> parts;
-  for (const Panel& panel : results.panels) {
-    const std::string prefix = panel_prefix(experiment, panel);
-    switch (results.kind) {
-      case ExperimentKind::bins:
-        parts.push_back(prefix + on_bins(panel));
-        break;
-      case ExperimentKind::groups:
-        for (std::size_t row = 0; row < panel.rows.size(); ++row)
-          parts.push_back(on_row(panel, row));
-        break;
-      case ExperimentKind::steps:
-        for (std::size_t m = 0; m < panel.methods.size(); ++m)
-          parts.push_back(prefix + on_steps(panel, m));
-        break;
-      case ExperimentKind::parameter:
-        for (std::size_t m = 0; m < panel.methods.size(); ++m)
-          parts.push_back(prefix + on_parameter(panel, m));
-        break;
-      case ExperimentKind::conditions:
-        parts.push_back(prefix + on_conditions(panel));
-        break;
-    }
+std::string headline(const ExperimentResults& results) {
+  switch (results.kind) {
+    case ExperimentKind::bins:
+      return on_bins(results) + ".";
+    case ExperimentKind::groups:
+      return on_all(results) + ".";
+    case ExperimentKind::steps:
+      return on_steps(results) + ".";
+    case ExperimentKind::parameter:
+      return on_parameter(results) + ".";
+    case ExperimentKind::conditions:
+      return on_conditions(results) + ".";
   }
-  return fmt::format("{}", fmt::join(parts, " "));
+  return "";
 }
 
 }  // namespace trivet::apps::study

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -9,8 +11,7 @@
 #include "apps/report/evaluation_pictures.hpp"
 #include "apps/report/html.hpp"
 #include "apps/study/charts.hpp"
-#include "apps/study/phrases.hpp"
-#include "apps/study/words.hpp"
+#include "apps/study/headline.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/file.hpp"
 
@@ -34,19 +35,24 @@ std::string processor() {
   return "unknown";
 }
 
-// Words.
-
 std::string summary(const Study& study, const StudyResults& results) {
   std::string out = "<ul class=\"findings\">\n";
   for (std::size_t e = 0; e < study.experiments.size(); ++e) {
     const Experiment& experiment = study.experiments[e];
-    out += fmt::format("<li><a href=\"#{}\">{}</a>. {}\n", anchor(experiment),
-                       escape_html(experiment.title), headline(experiment, results.experiments[e]));
+    out += fmt::format("<li><a href=\"#{}\">{}</a>: {}\n", anchor(experiment),
+                       escape_html(experiment.title), headline(results.experiments[e]));
   }
   return out + "</ul>\n";
 }
 
 // Tables.
+
+/// A difference of shares in points, with its sign: "+1.2", "−0.3", "0.0".
+std::string points_text(double difference) {
+  const std::string digits = fmt::format("{:.1f}", std::abs(100 * difference));
+  if (digits == "0.0") return digits;
+  return (difference < 0 ? "\u2212" : "+") + digits;
+}
 
 std::string rate_cells(const PanelCell& cell) {
   if (cell.found.all == 0) return "<td class=\"n\"><td><td>";
@@ -129,9 +135,6 @@ std::string experiment_section(const Experiment& experiment, const ExperimentRes
                                 escape_html(experiment.title));
   if (!experiment.about.empty())
     out += fmt::format("<p class=\"dim about\">{}</p>\n", escape_html(experiment.about));
-  out += "<ul class=\"findings\">\n";
-  for (const std::string& sentence : findings(experiment, results)) out += "<li>" + sentence + "\n";
-  out += "</ul>\n";
   for (const Panel& panel : results.panels) out += panel_section(experiment, panel);
   return out + "</section>\n";
 }

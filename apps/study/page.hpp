@@ -9,9 +9,9 @@
 
 namespace trivet::apps::study {
 
-/// Write FOLDER/index.html: what was found in words, then each experiment with curves and tables,
-/// pictures of scenes, and what leads to the same numbers again. The page appears whole or not at
-/// all. Errors: of reading and drawing the scenes; cannot_create, io.
+/// Write FOLDER/index.html: a headline for each experiment, then its curves and tables, pictures of
+/// scenes, and what leads to the same numbers again. The page appears whole or not at all. Errors:
+/// of reading and drawing the scenes; cannot_create, io.
 ///
 /// command  that leads to this page, as a shell takes it
 Result<void> write_study_page(const Study& study, const StudyResults& results,

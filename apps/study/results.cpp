@@ -7,6 +7,7 @@
 #include <set>
 
 #include "apps/options/option_names.hpp"
+
 namespace trivet::apps::study {
 namespace {
 
@@ -142,11 +143,6 @@ std::optional<PairedComparison> compare(const JudgedPoint& first, const JudgedPo
 
 // Panels.
 
-double f1(const Rate& found, std::size_t num_false) {
-  const std::size_t sum = found.all + found.right + num_false;
-  return sum > 0 ? 2 * static_cast<double>(found.right) / static_cast<double>(sum) : 0;
-}
-
 PanelCell cell_of(const JudgedPoint& judged) {
   const Evaluation& evaluation = judged.evaluation;
   const Tally& total = evaluation.total;
@@ -155,7 +151,7 @@ PanelCell cell_of(const JudgedPoint& judged) {
   cell.false_positives = total.false_positives;
   cell.num_scenes = evaluation.scenes.size();
   cell.num_add_right = total.add_right;
-  cell.f1 = f1(cell.found, total.false_positives);
+  cell.f1 = f1_score(cell.found, total.false_positives);
   cell.threshold = judged.threshold;
   if (!evaluation.seconds.empty()) cell.seconds = evaluation.seconds.back().median;
   cell.translation_error = evaluation.median_translation_error;
@@ -233,17 +229,12 @@ class Arranger {
     panel.methods = experiment_.methods;
     for (std::size_t m = 0; m < panel.methods.size(); ++m) {
       std::vector<PanelCell> column;
-      Trials all;
       for (std::size_t row = 0; row < num_rows; ++row) {
         const JudgedPoint& judged = at_row(m, row);
         column.push_back(cell_of(judged));
-        if (m > 0) {
-          column.back().lead = compare(judged, at_row(0, row), study_.seed);
-          add_trials(judged, at_row(0, row), all);
-        }
+        if (m > 0) column.back().lead = compare(judged, at_row(0, row), study_.seed);
       }
       panel.cells.push_back(std::move(column));
-      panel.leads.push_back(m > 0 ? std::optional(compare(all, study_.seed)) : std::nullopt);
     }
     return panel;
   }
@@ -316,7 +307,6 @@ class Arranger {
       for (PanelCell& cell : column) cell.num_scenes = whole.num_scenes;
       column.push_back(whole);
       if (m > 0) column.back().lead = compare(trials, study_.seed);
-      panel.leads.push_back(column.back().lead);
       panel.cells.push_back(std::move(column));
     }
     panel.rows.emplace_back("all");
@@ -349,7 +339,7 @@ class Arranger {
     whole.num_scenes += group.num_scenes;
     whole.num_add_right += group.num_add_right;
     whole.threshold = group.threshold;
-    whole.f1 = f1(whole.found, *whole.false_positives);
+    whole.f1 = f1_score(whole.found, *whole.false_positives);
     // Medians of groups do not add up.
     whole.seconds = first ? group.seconds : std::nullopt;
     whole.translation_error = first ? group.translation_error : std::nullopt;
@@ -368,6 +358,16 @@ double Rate::value() const noexcept {
 }
 
 std::pair<double, double> Rate::interval() const noexcept { return wilson_interval(right, all); }
+
+double f1_score(const Rate& found, std::size_t num_false) noexcept {
+  const std::size_t sum = found.all + found.right + num_false;
+  return sum > 0 ? 2 * static_cast<double>(found.right) / static_cast<double>(sum) : 0;
+}
+
+bool beyond_chance(const PairedComparison& comparison) noexcept {
+  constexpr double kMaxP = 0.05;
+  return comparison.p < kMaxP && (comparison.low > 0 || comparison.high < 0);
+}
 
 Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
                                     const StudyFolder& folder) {

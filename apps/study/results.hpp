@@ -22,6 +22,13 @@ struct Rate {
   std::pair<double, double> interval() const noexcept;
 };
 
+/// The harmonic mean of the share found and of the share of reports that are right.
+double f1_score(const Rate& found, std::size_t num_false) noexcept;
+
+/// Whether chance alone explains a difference badly: McNemar's p below 0.05, and an interval that
+/// leaves 0 out.
+bool beyond_chance(const PairedComparison& comparison) noexcept;
+
 /// One method under one condition.
 struct PanelCell {
   Rate found;
@@ -49,8 +56,7 @@ struct Panel {
   std::vector<Method> methods;
   std::vector<std::vector<PanelCell>> cells;  ///< of each method, one a row
   Reference reference = Reference::none;
-  std::size_t reference_row = 0;                       ///< with Reference::fixed
-  std::vector<std::optional<PairedComparison>> leads;  ///< one a method, over all rows
+  std::size_t reference_row = 0;  ///< with Reference::fixed
 };
 
 /// What an experiment asks.

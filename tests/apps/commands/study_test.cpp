@@ -1,4 +1,5 @@
 /// Studies as a person runs them: resumed, repeated, and with faults in the configuration.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,6 +58,7 @@ name = "steps"
 scenes = ["piles"]
 methods = ["ppf"]
 threshold = "best-f1"
+against = "previous"
 [[experiments.variants]]
 name = "without rays"
 set = { recognize.ablate = ["rays", "correlated-noise", "second-round", "alternatives"], recognize.min-score = 0 }
@@ -206,6 +208,17 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   EXPECT_EQ(page.find("<and>"), std::string::npos) << "the title goes in as text";
   EXPECT_NE(page.find("Two parts &lt;and&gt; noise"), std::string::npos);
   EXPECT_NE(page.find("data:image/png;base64,"), std::string::npos);
+  // One sentence for each experiment, of the table's numbers.
+  const auto share = [&](const std::string& row) {
+    return fmt::format("{:.1f} %", 100 * number(row, kShare));
+  };
+  const std::string trisi = "noise,Piles,trisi," + axis;
+  EXPECT_NE(page.find("<li><a href=\"#noise\">Noise</a>: ppf finds " + share(clean) + " at 0 and " +
+                      share(noisy) + " at 4, trisi " + share(trisi + ",0,") + " at 0 and " +
+                      share(trisi + ",4,") + " at 4.\n"),
+            std::string::npos);
+  EXPECT_NE(page.find("ppf finds " + share(usual) + " at the default, 15; "), std::string::npos);
+  EXPECT_NE(page.find("from without rays to all, F1 goes from "), std::string::npos);
   // Tags close in the order in which they open.
   for (const char* const tag : {"div", "section", "table", "svg", "figure", "ul", "g"}) {
     const std::string open = std::string("<") + tag, close = std::string("</") + tag + ">";
