@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/report/svg.hpp"
+
 namespace trivet::apps {
 namespace {
 
@@ -15,32 +17,23 @@ double down(double value) { return kTop + kSide * (1 - value); }
 /// Grid and axes, with the numbers 0 to 100 % beside the vertical one.
 std::string axes(double height, std::string_view label, std::string_view horizontal,
                  std::string_view vertical, bool in_percent) {
-  std::string out =
-      fmt::format("<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">",
-                  kWidth, height, label);
+  std::string out = svg_start(kWidth, height, label);
   for (int i = 0; i <= 5; ++i) {
     const double value = i / 5.0;
     out += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}M{:.1f} {:.1f}V{:.1f}\"/>",
                        kLeft, down(value), across(1), across(value), down(0), down(1));
-    out += fmt::format("<text class=\"end\" x=\"{}\" y=\"{:.1f}\">{} %</text>", kLeft - 7,
-                       down(value) + 4, 20 * i);
-    const std::string below =
-        in_percent ? fmt::format("{} %", 20 * i) : fmt::format("{:.1f}", value);
-    out += fmt::format("<text class=\"mid\" x=\"{:.1f}\" y=\"{}\">{}</text>", across(value),
-                       down(0) + 18, below);
+    const std::string share = fmt::format("{} %", 20 * i);
+    out += svg_text("end", kLeft - 7, down(value) + 4, share);
+    out += svg_text("mid", across(value), down(0) + 18,
+                    in_percent ? share : fmt::format("{:.1f}", value));
   }
-  return out +
-         fmt::format(
-             "<text class=\"mid name\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>"
-             "<text class=\"mid name\" transform=\"translate(13 {:.1f}) rotate(-90)\">{}</text>",
-             across(0.5), down(0) + 37, horizontal, down(0.5), vertical);
+  return out + svg_text("mid name", across(0.5), down(0) + 37, horizontal) +
+         svg_upward_name(13, down(0.5), vertical);
 }
 
 std::string mark(std::string_view style, double radius, double x, double y,
                  const std::string& title) {
-  return fmt::format(
-      "<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"><title>{}</title></circle>", style,
-      across(x), down(y), radius, title);
+  return svg_dot(style, radius, across(x), down(y), title);
 }
 
 }  // namespace
@@ -85,11 +78,10 @@ std::string calibration_chart(const Calibration& calibration) {
     marks += mark("share", 5, bin.mean_score, share,
                   fmt::format("{} of {} right at scores {:.1f} to {:.1f}", bin.right, bin.all,
                               bin.low, bin.high));
-    marks += fmt::format("<text class=\"mid number\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
-                         across((bin.low + bin.high) / 2), down(0) + 58, bin.all);
+    marks += svg_text("mid number", across((bin.low + bin.high) / 2), down(0) + 58,
+                      fmt::format("{}", bin.all));
   }
-  out += fmt::format("<text class=\"end number\" x=\"{}\" y=\"{:.1f}\">detections</text>",
-                     kLeft - 4, down(0) + 58);
+  out += svg_text("end number", kLeft - 4, down(0) + 58, "detections");
   return out + fmt::format("<path class=\"curve\" d=\"{}\"/>", path) + marks + "</svg>\n";
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/options/option_names.hpp"
-#include "apps/report/html.hpp"
+#include "apps/report/svg.hpp"
 
 namespace trivet::apps::study {
 namespace {
@@ -89,17 +89,8 @@ struct Drawing {
   }
 };
 
-std::string svg_start(double height, const std::string& label) {
-  return fmt::format(
-      "<svg class=\"chart\" viewBox=\"0 0 {} {:.0f}\" role=\"img\" aria-label=\"{}\">", kWidth,
-      height, escape_html(label));
-}
-
 std::string dot(Method method, double x, double y, const std::string& title) {
-  return fmt::format(
-      "<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.6\"><title>{}"
-      "</title></circle>",
-      option_name(method), x, y, escape_html(title));
+  return svg_dot(option_name(method), 3.6, x, y, title);
 }
 
 std::size_t num_drawn(const Panel& panel) { return panel.rows.size() - (panel.has_total ? 1 : 0); }
@@ -113,25 +104,21 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
     return kLeft + plot * (static_cast<double>(row) + 0.5) / n;
   };
   const auto down = [&](double value) { return bottom - kPlotHeight * drawing.scale(value); };
-  std::string out = svg_start(bottom + 46, drawing.label + " over " + panel.axis);
+  std::string out = svg_start(kWidth, bottom + 46, drawing.label + " over " + panel.axis);
   for (const double tick : drawing.scale.ticks) {
-    out += fmt::format(
-        "<path class=\"grid\" d=\"M{} {:.1f}H{}\"/><text class=\"end\" x=\"{}\" "
-        "y=\"{:.1f}\">{}</text>",
-        kLeft, down(tick), kWidth - kRight, kLeft - 6, down(tick) + 4, drawing.number(tick));
+    out += fmt::format("<path class=\"grid\" d=\"M{} {:.1f}H{}\"/>", kLeft, down(tick),
+                       kWidth - kRight) +
+           svg_text("end", kLeft - 6, down(tick) + 4, drawing.number(tick));
   }
   for (std::size_t row = 0; row < num_drawn(panel); ++row) {
-    out += fmt::format("<text class=\"mid\" x=\"{:.1f}\" y=\"{}\">{}</text>", across(row),
-                       bottom + 17, escape_html(panel.rows[row]));
+    out += svg_text("mid", across(row), bottom + 17, panel.rows[row]);
   }
-  out += fmt::format("<text class=\"mid name\" x=\"{:.1f}\" y=\"{}\">{}</text>", kLeft + plot / 2,
-                     bottom + 38, escape_html(panel.axis));
+  out += svg_text("mid name", kLeft + plot / 2, bottom + 38, panel.axis);
+  out += svg_upward_name(11, bottom - kPlotHeight / 2, drawing.label);
   if (panel.reference == Reference::fixed) {
     const double x = across(panel.reference_row);
-    out += fmt::format(
-        "<path class=\"ideal\" d=\"M{:.1f} {}V{}\"/><text class=\"mid\" x=\"{:.1f}\" "
-        "y=\"{}\">default</text>",
-        x, kTop, bottom, x, kTop - 6);
+    out += fmt::format("<path class=\"ideal\" d=\"M{:.1f} {}V{}\"/>", x, kTop, bottom) +
+           svg_text("mid", x, kTop - 6, "default");
   }
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {
     const double shift =
@@ -177,24 +164,20 @@ std::string row_chart(const Panel& panel, const Drawing& drawing) {
       std::max(kRowHeight * num_methods, kLineHeight * static_cast<double>(num_lines)) + kRowGap;
   const double bottom = 8 + row_height * static_cast<double>(panel.rows.size());
   const auto across = [&](double value) { return kNamesLeft + plot * drawing.scale(value); };
-  std::string out = svg_start(bottom + 44, drawing.label);
+  std::string out = svg_start(kWidth, bottom + 44, drawing.label);
   for (const double tick : drawing.scale.ticks) {
-    out += fmt::format(
-        "<path class=\"grid\" d=\"M{:.1f} 8V{:.1f}\"/><text class=\"mid\" "
-        "x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
-        across(tick), bottom, across(tick), bottom + 17, drawing.number(tick));
+    out += fmt::format("<path class=\"grid\" d=\"M{:.1f} 8V{:.1f}\"/>", across(tick), bottom) +
+           svg_text("mid", across(tick), bottom + 17, drawing.number(tick));
   }
-  out += fmt::format("<text class=\"mid name\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
-                     kNamesLeft + plot / 2, bottom + 37, drawing.label);
+  out += svg_text("mid name", kNamesLeft + plot / 2, bottom + 37, drawing.label);
   for (std::size_t row = 0; row < panel.rows.size(); ++row) {
     const double top = 8 + row_height * static_cast<double>(row);
     const bool usual = panel.reference == Reference::fixed && row == panel.reference_row;
     const std::vector<std::string> lines = lines_of(panel.rows[row]);
     for (std::size_t k = 0; k < lines.size(); ++k) {
       const double middle = static_cast<double>(k) - static_cast<double>(lines.size() - 1) / 2;
-      out += fmt::format("<text class=\"end{}\" x=\"{}\" y=\"{:.1f}\">{}</text>",
-                         usual ? " name" : "", kNamesLeft - 10,
-                         top + row_height / 2 + 4 + kLineHeight * middle, escape_html(lines[k]));
+      out += svg_text(usual ? "end name" : "end", kNamesLeft - 10,
+                      top + row_height / 2 + 4 + kLineHeight * middle, lines[k]);
     }
     for (std::size_t m = 0; m < panel.methods.size(); ++m) {
       const std::optional<Mark>& mark = drawing.marks[m][row];
