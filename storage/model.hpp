@@ -25,11 +25,11 @@ using Pose = Eigen::Transform<float, 3, Eigen::Isometry, Eigen::DontAlign>;
 struct Symmetry {
   struct Axis {
     Eigen::Matrix<float, 3, 1, Eigen::DontAlign> direction{0, 0, 1};  ///< unit vector
-    Eigen::Matrix<float, 3, 1, Eigen::DontAlign> point{0, 0,
-                                                       0};  ///< a point on the axis [library unit]
+    /// A point on the axis [library unit].
+    Eigen::Matrix<float, 3, 1, Eigen::DontAlign> point{0, 0, 0};
   };
-  std::vector<Pose>
-      poses;  ///< discrete symmetries; beside an axis: those that are no turn about it
+  /// Discrete symmetries; beside an axis: those that are no turn about it.
+  std::vector<Pose> poses;
   std::optional<Axis> axis;  ///< any turn about it is a symmetry
   bool declared = false;     ///< given by the user, not found by the program
 
@@ -49,8 +49,8 @@ struct Model {
   std::string source;       ///< name of the file it was trained from, without folders
   std::string source_xxh3;  ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
   float diameter = 0;       ///< largest distance between two surface points [library unit]
-  Eigen::Vector3f center{0, 0,
-                         0};  ///< area centroid, which every symmetry keeps in place [library unit]
+  /// Area centroid, which every symmetry keeps in place [library unit].
+  Eigen::Vector3f center{0, 0, 0};
   Symmetry symmetry;
   /// Motions that map much of the surface onto itself but not all of it, best first: where
   /// T_scene_model fits a scan, T_scene_model * near_symmetries[i] may look alike. The inverse of
@@ -70,8 +70,8 @@ struct Model {
   Points ppf_points;  ///< what the table's references index; at most 65,536
   Normals ppf_normals;
   PpfTableView ppf;  ///< spans into ppf_storage
-  std::shared_ptr<const void>
-      ppf_storage;  ///< keeps the table's memory, heap or mapped file, alive
+  /// Keeps the table's memory, heap or mapped file, alive.
+  std::shared_ptr<const void> ppf_storage;
 
   TriSpinFeatures features;  ///< none if trained without
 };

@@ -29,8 +29,8 @@ struct PpfQuantization {
 /// Entries of cell c are entries[offsets[c] .. offsets[c + 1]), sorted by reference, then angle.
 struct PpfTableView {
   PpfQuantization quantization;
-  std::uint32_t num_references =
-      0;  ///< pairs start at points below it; the rest are near them or their symmetric copies
+  /// Pairs start at points below it; the rest are near them or their symmetric copies.
+  std::uint32_t num_references = 0;
   std::span<const std::uint32_t> offsets;  ///< num_cells() + 1, non-decreasing
   std::span<const PpfEntry> entries;       ///< offsets.back() of them
 };

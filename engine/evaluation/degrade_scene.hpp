@@ -41,8 +41,7 @@ Result<void> validate(const DegradeOptions& options);
 /// at random and by the subsampler.
 ///
 /// cloud     a scan, from the viewpoint that it holds; a whole surface would become one that is
-/// seen
-///           from the origin
+///           seen from the origin
 /// options   valid
 /// diameter  that the options count in [unit of the cloud], > 0: the mean of the models looked for
 /// seed      one of its own for each scene, or points of like index err alike in all of them

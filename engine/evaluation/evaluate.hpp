@@ -91,9 +91,9 @@ struct Evaluation {
 /// higher score has found. An ignored truth may be found or not. Detections of models that are not
 /// scored never count.
 ///
-/// meshes     of the manifest's models (read_evaluation_meshes)
-/// results    one a scene of the manifest, poses in its unit; none where recognition did not run
-/// min_score  of reported detections: they alone enter tallies and medians
+/// meshes        of the manifest's models (read_evaluation_meshes)
+/// results       one a scene of the manifest, poses in its unit; none where recognition did not run
+/// min_score     of reported detections: they alone enter tallies and medians
 /// require_pose  hold min_score and the curves' thresholds against pose_score, not score
 /// Errors: bad_data (the manifest scores a model that it does not list).
 /// Source: Drost et al., CVPR 2010, section 5 (limits); Hinterstoisser et al., ACCV 2012 (ADD).

@@ -342,8 +342,8 @@ void prepare_closed_scene(const Cloud& cloud, const PrepareOptions& options, Pre
 bool is_closed(const Cloud& cloud, const SceneInput& input) {
   if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty())
     return false;
-  constexpr double kMostlyClosed =
-      0.02;  // scanned models have a few holes; a single scan has a long border
+  // Scanned models have a few holes; a single scan has a long border.
+  constexpr double kMostlyClosed = 0.02;
   return input.closed_surface || kernels::boundary_share(cloud.triangles) < kMostlyClosed;
 }
 

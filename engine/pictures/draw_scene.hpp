@@ -36,8 +36,8 @@ struct DrawnBox {
 
 struct ScenePictures {
   Picture scan;  ///< the measured surface in gray, lit from above the sensor; dark: no measurement
-  Picture
-      overlaid;  ///< the same with the models drawn in; paler where the scan is in front of them
+  /// The same with the models drawn in; paler where the scan is in front of them.
+  Picture overlaid;
   std::vector<DrawnBox> boxes;  ///< one an overlay
 };
 

@@ -68,15 +68,14 @@ inline constexpr double kBeforeSurface = 3e-4;
 
 /// Measure a scene.
 ///
-/// rays      in the camera's frame [m]
-/// camera    pinhole
-/// image     render_exactly of both
-/// finishes  one an instance
+/// rays          in the camera's frame [m]
+/// camera        pinhole
+/// image         render_exactly of both
+/// finishes      one an instance
 /// seed, stream  give the noise: each pixel has its own
-/// flaws     none: what follows. With a window, depth is matched (engine/simulation/match_scene);
-/// light that
-///           comes back is mixed and bounced (engine/simulation/echo_scene); what is written is
-///           wrong by the calibration
+/// flaws         none: what follows. With a window, depth is matched
+///               (engine/simulation/match_scene); light that comes back is mixed and bounced
+///               (engine/simulation/echo_scene); what is written is wrong by the calibration
 /// Returns depths in the sensor's depth_step, 0 for no measurement.
 ///
 /// No measurement: beyond nearest and farthest; surfaces steeper than 80 degrees to the camera, to

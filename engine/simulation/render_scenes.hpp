@@ -52,8 +52,8 @@ struct ScanModel {
   Triangles triangles;  ///< at least one
   Symmetry symmetry;
   bool metal = false;  ///< mirrors the sensor's light
-  Mesh
-      hollow{};  ///< open and empty, what lies in half of the randomized sets; empty: there is none
+  /// Open and empty, what lies in half of the randomized sets; empty: there is none.
+  Mesh hollow{};
 };
 
 struct ScanModelOptions {

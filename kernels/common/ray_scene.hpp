@@ -20,8 +20,8 @@ struct Hit {
   float distance = std::numeric_limits<float>::infinity();  ///< in lengths of the ray's direction
   std::uint32_t primitive = kNone;  ///< index of the triangle or sphere in its scene
   std::uint32_t instance = kNone;   ///< index in `from_instances`; kNone in other scenes
-  Eigen::Vector3f normal{0, 0,
-                         0};  ///< unit, by winding or outward of the sphere, in the ray's frame
+  /// Unit, by winding or outward of the sphere, in the ray's frame.
+  Eigen::Vector3f normal{0, 0, 0};
 
   explicit operator bool() const noexcept { return primitive != kNone; }
 };

@@ -45,7 +45,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
 /// points    n positions; those that are not finite, or where another one is, get no triangle
 /// delaunay  find_delaunay(points)
 /// normals   n unit vectors to the outside; NaN for unknown. They keep the sheets of a thin wall
-///          apart and give the winding
+///           apart and give the winding
 /// Returns triangles over the points, counter-clockwise seen from outside: every edge is in one of
 /// them or in two, in opposite directions. Without a surface, none.
 /// Errors: internal (out of memory).

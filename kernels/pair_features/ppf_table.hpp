@@ -42,9 +42,9 @@ struct PpfPoints {
 void choose_references(PointsView points, const Symmetry& symmetry, float margin,
                        std::span<std::uint8_t> is_reference) noexcept;
 
-/// Unmark marked points, so that those left of like direction (within 45 degrees)
-/// lie more than `distance` apart: of two that are nearer the one of lower index stays. A scene's
-/// reference point then still has a marked one within about `distance` beside it.
+/// Unmark marked points, so that those left of like direction (within 45 degrees) lie more than
+/// `distance` apart: of two that are nearer the one of lower index stays. A scene's reference point
+/// then still has a marked one within about `distance` beside it.
 void spread_references(PointsView points, NormalsView normals, float distance,
                        std::span<std::uint8_t> is_reference);
 

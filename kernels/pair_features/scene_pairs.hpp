@@ -26,10 +26,10 @@ inline constexpr std::uint32_t kRotationShift = 11;  // 2^16 / 32 = 2^11
 /// Collect the look-ups of one reference point, sorted by cell so that the table is walked forward.
 ///
 /// neighbors       the second points of the pairs, with unit normals; the reference itself may be
-///                  among them
+///                 among them
 /// neighbor_share  s, 0 to 0.5: where a component lies in the outer share s of its bin, the
-///                  adjoining bin is looked up too (1 to 16 cells, Vidal et al., Sensors 2018); 0
-///                  looks up one cell
+///                 adjoining bin is looked up too (1 to 16 cells, Vidal et al., Sensors 2018); 0
+///                 looks up one cell
 /// Each (cell, rotation bin) is looked up at most once (Hinterstoisser et al., ECCV 2016,
 /// section 3.4), so that large flat regions, which repeat the same pair, do not outvote the rest.
 /// The lowest rotation stands for its bin. votes is cleared; it keeps its capacity.

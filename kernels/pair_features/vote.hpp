@@ -27,12 +27,11 @@ struct VotePeaks {
 
 /// Add one vote per table entry of every look-up to accumulator[model point][rotation bin].
 ///
-/// votes         look-ups sorted by cell; cells beyond the table are skipped
-/// max_votes     bound on the number of votes: the fullest cells, which tell least, are left out
-/// until it holds
-///               (in steps of a factor of 2 of the cells' size), so that flat and repetitive models
-///               cost no more than others
-/// accumulator   num_model_points * kRotationBins counters, zero on entry
+/// votes        look-ups sorted by cell; cells beyond the table are skipped
+/// max_votes    bound on the number of votes: the fullest cells, which tell least, are left out
+///              until it holds (in steps of a factor of 2 of the cells' size), so that flat and
+///              repetitive models cost no more than others
+/// accumulator  num_model_points * kRotationBins counters, zero on entry
 /// Returns the number of votes. A counter cannot overflow while there are fewer than 8192 look-ups:
 /// points lie at least a step apart, so a cell holds at most 8 entries of one reference within one
 /// rotation bin. Source: Drost et al., CVPR 2010, section 3.3, with alpha wrapped by 16-bit

@@ -38,12 +38,13 @@ void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out);
 
 /// Fit a plane around each pixel of some rows, and write the normals that face the sensor.
 ///
-/// grid       which point each pixel holds; each point at one pixel at most
-/// pixels     arrange_pixels(grid, points)
-/// viewpoint  where the sensor stood, same frame and unit
+/// grid                 which point each pixel holds; each point at one pixel at most
+/// pixels               arrange_pixels(grid, points)
+/// viewpoint            where the sensor stood, same frame and unit
 /// first_row, num_rows  rows of the image
-/// normals    one unit vector a point of the scan, written for the points of these rows
-/// residuals  root mean square distance of each fit to its plane, unit of the points; or empty
+/// normals              one unit vector a point of the scan, written for the points of these rows
+/// residuals            root mean square distance of each fit to its plane, unit of the points; or
+///                      empty
 ///
 /// A neighbor in the (2 w + 1)^2 window counts if its distance from the center is within
 /// gate * w * footprint. The footprint is the distance between neighboring pixels on the surface:

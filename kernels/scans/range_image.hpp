@@ -49,11 +49,12 @@ struct RangeImage {
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
 
 /// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of
-/// the points. pixel_size   what a pixel covers at the middle of the points [scene unit]; 0: as
-/// fine as leaves about two points on
-///              each occupied pixel, so that surfaces have few holes (right when the points are
-///              what was seen from there; of a whole surface, points behind one another share
-///              pixels)
+/// the points.
+///
+/// pixel_size  what a pixel covers at the middle of the points [scene unit]; 0: as fine as leaves
+///             about two points on each occupied pixel, so that surfaces have few holes (right when
+///             the points are what was seen from there; of a whole surface, points behind one
+///             another share pixels)
 /// Neither side exceeds 2048 pixels. Points more than 75 degrees off the axis fall outside.
 /// Nothing for fewer than 3 points or points all in one place or direction.
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,

@@ -38,9 +38,9 @@ class Pile {
   /// Find how to shift a body so that it stands between the walls and touches the pile from above.
   ///
   /// vertices, triangles  the body; its indices are < vertices.size()
-  /// reach     >= 0 [m]
-  /// contacts  out: where the shifted body is within `reach` above the pile or of a wall, at most a
-  ///           few hundred, spread over it; the touching ones among them
+  /// reach                >= 0 [m]
+  /// contacts             out: where the shifted body is within `reach` above the pile or of a
+  ///                      wall, at most a few hundred, spread over it; the touching ones among them
   /// Returns the shift [m]: horizontal only if a wall asks for it, then vertical. The body touches
   /// and enters nothing, but for the rounding of its coordinates: the clearance of two surfaces of
   /// triangles over the plane is least at a corner of one over the other or where two edges cross;

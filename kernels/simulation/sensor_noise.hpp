@@ -10,8 +10,8 @@ namespace trivet::kernels {
 /// z      depth > 0 [m]
 /// angle  between the surface's normal and the ray [rad], 0 .. pi / 2
 /// Source: Nguyen, Izadi, Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and
-/// tracking", 3DIMPVT 2012: 1.2 mm + 1.9 mm (z - 0.4)^2, and from 60 degrees on
-/// 0.1 mm / sqrt(z) angle^2 / (pi / 2 - angle)^2 more.
+/// tracking", 3DIMPVT 2012: 1.2 mm + 1.9 mm (z - 0.4)^2, and from 60 degrees on 0.1 mm / sqrt(z)
+/// angle^2 / (pi / 2 - angle)^2 more.
 double structured_light_sigma(double z, double angle) noexcept;
 
 /// Share of the light that a time-of-flight camera gets back, 1 for a white surface that faces it

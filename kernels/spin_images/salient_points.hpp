@@ -17,9 +17,8 @@ namespace trivet::kernels {
 /// points    n finite positions
 /// radius    of a neighborhood, > 0
 /// saliency  n: the smallest eigenvalue of the scatter about the point; 0 where the second largest
-/// is
-///           not below 0.975 of the largest, or the smallest of the second, or there are fewer than
-///           5 neighbors
+///           is not below 0.975 of the largest, or the smallest of the second, or there are fewer
+///           than 5 neighbors
 /// A neighbor's weight is one over the number of points around it.
 /// Rows are independent given the weights. Takes memory once, for these.
 /// Source: Zhong, ICCV Workshops 2009, eq. 1 to 4.

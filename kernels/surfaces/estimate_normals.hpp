@@ -12,12 +12,12 @@ namespace trivet::kernels {
 /// Fit a plane to each neighborhood and write its unit normal and how far the points stray from
 /// it.
 ///
-/// points      n finite positions
+/// points     n finite positions
 /// neighbors  m rows of indices < n; a row holds the point itself if it is to count
-/// normals     m unit vectors of arbitrary sign (see orient_normals); NaN for a row of fewer than 3
-///             points, or of points on a line
-/// residuals   m root mean square distances to the plane, unit of the points, NaN where the normal
-///             is; or empty if not wanted
+/// normals    m unit vectors of arbitrary sign (see orient_normals); NaN for a row of fewer than 3
+///            points, or of points on a line
+/// residuals  m root mean square distances to the plane, unit of the points, NaN where the normal
+///            is; or empty if not wanted
 /// Pre: normals.size() == neighbors.size(). Outputs must not alias points.
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
 /// Source: Hoppe et al., SIGGRAPH 1992, tangent plane estimation; about the mean, not the query.

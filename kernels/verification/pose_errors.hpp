@@ -61,8 +61,7 @@ void depths_to_distances(const Camera& camera, std::uint32_t width,
 /// measured         what the sensor saw: the whole image; 0 without a measurement
 /// estimate, truth  the model alone in either pose
 /// delta            how far behind the measurement a surface still counts as visible, in the unit
-/// of
-///                  the distances; 15 mm in the benchmark
+///                  of the distances; 15 mm in the benchmark
 /// diameter         of the model, > 0
 /// taus             tolerances [diameters]
 /// errors           one a tolerance: the share of the pixels where the model is visible in either

@@ -13,12 +13,12 @@ namespace trivet::kernels {
 struct RefineOptions {
   std::size_t num_samples = 400;  ///< the first samples of the model
   int max_iterations = 10;
-  float first_gate =
-      0;  ///< residuals beyond it have no weight in the first iteration [scene unit], > 0
+  /// Residuals beyond it have no weight in the first iteration [scene unit], > 0.
+  float first_gate = 0;
   float last_gate = 0;  ///< ... in the last one; the gate shrinks geometrically between, > 0
   float max_normal_angle_rad = 1.0F;
-  float max_translation =
-      0;  ///< the result is given up beyond this motion of the model's center, > 0
+  /// The result is given up beyond this motion of the model's center, > 0.
+  float max_translation = 0;
   float max_rotation_rad = 0.35F;
 };
 

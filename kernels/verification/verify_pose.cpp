@@ -43,8 +43,8 @@ float Evidence::score() const noexcept {
 namespace {
 
 constexpr float kGrazing = 0.15F;  // cosine below which a surface is too oblique to be measured
-constexpr float kUnknownNormal =
-    0.8F;  // cosine taken where the scene has no normal: below that of a good fit
+// Cosine taken where the scene has no normal: below that of a good fit.
+constexpr float kUnknownNormal = 0.8F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Cosines between the rays and the surface.

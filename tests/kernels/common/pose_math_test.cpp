@@ -229,8 +229,8 @@ TEST(SmallMotion, TurnsAboutThePivotAndThenShifts) {
 // d(p)/d(w, t) at rest is [-(p - pivot)x, I]: the columns that the refinement's Jacobian rests on.
 TEST(SmallMotion, HasTheDerivativeOfItsCentralDifferences) {
   Random random;
-  constexpr float kStep =
-      1e-2F;  // central differences err by its square over 6, below rounding's 1e-5
+  // Central differences err by its square over 6, below rounding's 1e-5.
+  constexpr float kStep = 1e-2F;
   for (int trial = 0; trial < 20; ++trial) {
     const Vector3f pivot = random.direction(), p = pivot + random.direction();
     for (int k = 0; k < 3; ++k) {
