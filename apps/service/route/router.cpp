@@ -200,12 +200,7 @@ struct Router::State {
       finish("ready")(readiness());
     } else if (path == "/metrics") {
       const HttpAnswer reply = finish("metrics");
-      if (has_method(request, "GET", reply)) {
-        reply({200,
-               metrics.text({num_inflight, num_bytes}, shards),
-               "text/plain; version=0.0.4",
-               {}});
-      }
+      if (has_method(request, "GET", reply)) reply(metrics.tell({num_inflight, num_bytes}, shards));
     } else {
       finish("other")(error_response(404, "no such path"));
     }
@@ -448,8 +443,7 @@ void Router::handle(HttpRequest request, HttpAnswer answer) {
 
 std::optional<HttpResponse> Router::admit(std::string_view target, std::size_t body_bytes) {
   if (!target.starts_with("/v1/recognize") || !state_->is_full(body_bytes)) return std::nullopt;
-  asio::post(state_->context,
-             [state = state_.get()] { state->metrics.count_request("recognize", 503); });
+  state_->metrics.count_request("recognize", 503);
   return refusal_response(Refusal::full);
 }
 

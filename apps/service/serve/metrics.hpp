@@ -1,23 +1,19 @@
-/// Counters and histograms of the service, in Prometheus' text format.
+/// Counters and histograms of the service.
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <mutex>
 #include <string>
-#include <utility>
 
-#include "apps/service/http/prometheus.hpp"
+#include "apps/service/http/request_metrics.hpp"
 
 namespace trivet::apps::service {
 
 /// All members may be called from any thread.
-class Metrics {
+class Metrics : public RequestMetrics {
  public:
-  void count_request(const std::string& route, unsigned code);
+  Metrics();
   void count_rejection(const std::string& reason);
   void count_reload(bool good);
-  void observe_request(double seconds);
   void observe_queue(double seconds);
   void observe_stage(const std::string& stage, double seconds);
 
@@ -27,15 +23,12 @@ class Metrics {
     std::size_t library_models = 0, library_bytes = 0;
     std::uint64_t generation = 0, dropped_lines = 0;
   };
-  std::string text(const Gauges& gauges) const;
+  HttpResponse tell(const Gauges& gauges) const;
 
  private:
-  mutable std::mutex mutex_;
-  std::map<std::pair<std::string, unsigned>, std::uint64_t> requests_;
-  std::map<std::string, std::uint64_t> rejections_;
-  std::map<std::string, std::uint64_t> reloads_;
-  std::map<std::string, Histogram> stages_;
-  Histogram request_, queue_;
+  Counters &rejections_, &reloads_;
+  Durations& stages_;
+  prometheus::Histogram& queue_;
 };
 
 }  // namespace trivet::apps::service

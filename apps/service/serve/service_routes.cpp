@@ -400,12 +400,9 @@ void ServiceRoutes::metrics(const CallPtr& call, std::string_view) {
   const ServiceState state = service_.state();
   const auto generation = service_.generation();
   const Library& library = generation->recognizer.library();
-  reply(call, {200,
-               metrics_.text({state.num_waiting, state.num_running, state.num_bytes,
-                              num_connections_ ? num_connections_() : 0, library.models.size(),
-                              library.file_bytes, generation->number, log_.num_dropped()}),
-               "text/plain; version=0.0.4",
-               {}});
+  reply(call, metrics_.tell({state.num_waiting, state.num_running, state.num_bytes,
+                             num_connections_ ? num_connections_() : 0, library.models.size(),
+                             library.file_bytes, generation->number, log_.num_dropped()}));
 }
 
 void ServiceRoutes::page(const CallPtr& call, std::string_view rest) {

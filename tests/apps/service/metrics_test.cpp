@@ -1,0 +1,56 @@
+#include "apps/service/serve/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace trivet::apps::service {
+namespace {
+
+TEST(Metrics, CountsOnManyThreadsAtOnce) {
+  constexpr int kNumThreads = 4, kNumRequests = 2000;
+  Metrics metrics;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kNumThreads; ++t) {
+    threads.emplace_back([&metrics, t] {
+      for (int i = 0; i < kNumRequests; ++i) {
+        metrics.count_request(i % 2 == 0 ? "recognize" : "points", 200);
+        metrics.observe_stage("vote", 0.125 * t);  // sums of these are exact
+        if (i % 100 == 0) metrics.tell({});
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  const std::string text = "\n" + metrics.tell({}).body;
+  for (const char* const line :
+       {"trivet_requests_total{route=\"points\",code=\"200\"} 4000\n",
+        "trivet_requests_total{route=\"recognize\",code=\"200\"} 4000\n",
+        "trivet_stage_duration_seconds_bucket{stage=\"vote\",le=\"0.1\"} 2000\n",
+        "trivet_stage_duration_seconds_bucket{stage=\"vote\",le=\"0.2\"} 4000\n",
+        "trivet_stage_duration_seconds_bucket{stage=\"vote\",le=\"+Inf\"} 8000\n",
+        "trivet_stage_duration_seconds_count{stage=\"vote\"} 8000\n",
+        "trivet_stage_duration_seconds_sum{stage=\"vote\"} 1500\n"}) {
+    EXPECT_NE(text.find("\n" + std::string(line)), std::string::npos) << line << " in" << text;
+  }
+}
+
+TEST(Metrics, TellsWhatIsNow) {
+  Metrics metrics;
+  Metrics::Gauges gauges;
+  gauges.library_bytes = 12'345'678'901;
+  gauges.generation = 3;
+  gauges.dropped_lines = 7;
+  const HttpResponse told = metrics.tell(gauges);
+  EXPECT_EQ(told.content_type, "text/plain; version=0.0.4");
+  for (const char* const line :
+       {"\n# TYPE trivet_library_bytes gauge\ntrivet_library_bytes 12345678901\n",
+        "\ntrivet_library_generation 3\n",
+        "\n# TYPE trivet_log_dropped_total counter\ntrivet_log_dropped_total 7\n"}) {
+    EXPECT_NE(told.body.find(line), std::string::npos) << line << " in\n" << told.body;
+  }
+}
+
+}  // namespace
+}  // namespace trivet::apps::service
