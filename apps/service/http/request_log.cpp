@@ -1,86 +1,99 @@
 #include "apps/service/http/request_log.hpp"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
 #include <poll.h>
+#include <spdlog/async_logger.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/details/thread_pool.h>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/base_sink.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <climits>
+#include <string>
 
 namespace trivet::apps::service {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::size_t kMaxLines = 4096;
-/// A pipe that is ready takes so much without blocking.
-constexpr std::size_t kMaxLine = PIPE_BUF;
+/// %v is the rest of the object; before it stand 53 bytes at most.
+constexpr const char* kPattern = R"({"ts":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v)";
+/// A pipe that is ready takes a line of PIPE_BUF bytes without blocking.
+constexpr std::size_t kMaxText = PIPE_BUF - 64;
 constexpr int kPollMs = 100;
 constexpr std::chrono::seconds kLastWait{1};
 
-std::string now() {
-  using namespace std::chrono;
-  const auto time = floor<milliseconds>(system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(system_clock::to_time_t(time)),
-                     time.time_since_epoch().count() % 1000);
-}
+/// Writes when a write would not block. Without an end to its patience it waits for a reader that
+/// sleeps; lines that nobody will read are dropped and counted.
+class PatientSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ public:
+  explicit PatientSink(int file_descriptor)
+      : base_sink(
+            std::make_unique<spdlog::pattern_formatter>(kPattern, spdlog::pattern_time_type::utc)),
+        file_descriptor_(file_descriptor) {}
+
+  void wait_until(Clock::time_point last) { last_ = last; }
+  void count_dropped() { ++num_dropped_; }
+  std::uint64_t num_dropped() const { return num_dropped_; }
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    for (;;) {
+      const bool is_last = Clock::now() >= last_.load();
+      pollfd reader{file_descriptor_, POLLOUT, 0};
+      const bool is_told = ::poll(&reader, 1, is_last ? 0 : kPollMs) > 0;
+      if (is_told && reader.revents == POLLOUT) break;
+      if (is_told || is_last) return count_dropped();  // the reader has gone, or sleeps on
+    }
+    (void)!::write(file_descriptor_, line.data(), line.size());  // nobody could be told
+  }
+  void flush_() override {}
+
+  const int file_descriptor_;
+  std::atomic<std::uint64_t> num_dropped_{0};
+  std::atomic<Clock::time_point> last_{Clock::time_point::max()};
+};
 
 }  // namespace
 
-RequestLog::RequestLog(int file_descriptor) : file_descriptor_(file_descriptor) {
-  if (file_descriptor_ >= 0) thread_ = std::thread([this] { work(); });
-}
-
-RequestLog::~RequestLog() {
-  if (!thread_.joinable()) return;
-  {
-    const std::lock_guard lock(mutex_);
-    is_closed_ = true;
+/// A queue, a logger and a sink of its own: spdlog's global ones would live on at the exit.
+struct RequestLog::State {
+  explicit State(int file_descriptor) : sink(std::make_shared<PatientSink>(file_descriptor)) {
+    // By default it would say so on standard error, which may be what does not go on.
+    logger->set_error_handler([sink = sink](const std::string&) { sink->count_dropped(); });
   }
-  changed_.notify_all();
-  thread_.join();
-}
+  // Ends the queue's thread when it has taken the last line, which the sink does in time.
+  ~State() { sink->wait_until(Clock::now() + kLastWait); }
+
+  const std::shared_ptr<PatientSink> sink;
+  const std::shared_ptr<spdlog::details::thread_pool> queue =
+      std::make_shared<spdlog::details::thread_pool>(kMaxLines, 1);
+  const std::shared_ptr<spdlog::async_logger> logger = std::make_shared<spdlog::async_logger>(
+      "requests", sink, queue, spdlog::async_overflow_policy::overrun_oldest);
+};
+
+RequestLog::RequestLog(int file_descriptor)
+    : state_(file_descriptor < 0 ? nullptr : std::make_unique<State>(file_descriptor)) {}
+RequestLog::~RequestLog() = default;
 
 void RequestLog::write(std::string_view level, std::string_view message,
                        const nlohmann::ordered_json& fields) {
-  if (file_descriptor_ < 0) return;
+  if (!state_) return;
   using Json = nlohmann::ordered_json;
-  Json json{{"ts", now()}, {"level", level}, {"msg", message}};
+  Json json{{"msg", message}};
   json.update(fields);
-  std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  const std::lock_guard lock(mutex_);
-  if (lines_.size() >= kMaxLines || line.size() > kMaxLine) {
-    ++num_dropped_;
-    return;
-  }
-  lines_.push_back(std::move(line));
-  changed_.notify_all();
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace).substr(1);
+  if (text.size() > kMaxText) return state_->sink->count_dropped();
+  state_->logger->log(spdlog::level::from_str(std::string(level)), spdlog::string_view_t(text));
 }
 
-void RequestLog::work() {
-  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::time_point::max();
-  for (;;) {
-    std::string line;
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return is_closed_ || !lines_.empty(); });
-      if (lines_.empty()) return;
-      line = std::move(lines_.front());
-      lines_.pop_front();
-    }
-    while (!write_line(line)) {
-      if (!is_closed_) continue;
-      const auto time = std::chrono::steady_clock::now();
-      last = std::min(last, time + kLastWait);
-      if (time >= last) return;
-    }
-  }
-}
-
-bool RequestLog::write_line(const std::string& line) const {
-  pollfd ready{file_descriptor_, POLLOUT, 0};
-  if (::poll(&ready, 1, kPollMs) <= 0 || (ready.revents & POLLOUT) == 0) return false;
-  (void)!::write(file_descriptor_, line.data(), line.size());  // nobody could be told
-  return true;
+std::uint64_t RequestLog::num_dropped() const {
+  return state_ ? state_->sink->num_dropped() + state_->queue->overrun_counter() : 0;
 }
 
 }  // namespace trivet::apps::service

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <climits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -44,6 +45,34 @@ TEST(RequestLog, HoldsUpNobodyWhileItsReaderSleeps) {
     last = json["line"];
   }
   EXPECT_EQ(num_lines + num_dropped, kNumLines + 1U) << "each is written or counted";
+}
+
+TEST(RequestLog, EndsInTimeWhileItsReaderSleeps) {
+  constexpr int kNumLines = 20'000;
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  std::optional<RequestLog> log(pipe[1]);
+  for (int i = 0; i < kNumLines; ++i) log->write("info", "request", {{"line", i}});
+  const auto begun = std::chrono::steady_clock::now();
+  log.reset();
+  const auto took = std::chrono::steady_clock::now() - begun;
+  EXPECT_GE(took, std::chrono::milliseconds(900)) << "the reader may wake up yet";
+  EXPECT_LT(took, std::chrono::seconds(5)) << "of a machine that does other things, too";
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+}
+
+TEST(RequestLog, OutlivesItsReader) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  ::close(pipe[0]);  // whoever writes to it now is ended by SIGPIPE
+  std::optional<RequestLog> log(pipe[1]);
+  log->write("info", "request");
+  for (int i = 0; i < 200 && log->num_dropped() == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(log->num_dropped(), 1U);
+  log.reset();
+  ::close(pipe[1]);
 }
 
 }  // namespace
