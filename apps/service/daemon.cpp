@@ -1,0 +1,63 @@
+#include "apps/service/daemon.hpp"
+
+#include <fmt/format.h>
+
+#include <thread>
+
+namespace trivet::apps::service {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::chrono::seconds kLastAnswers{1};  ///< for clients to take them
+
+}  // namespace
+
+Result<void> Daemon::start(HttpHandler handler) {
+  Result<HttpServer> started = HttpServer::start(
+      settings_.address, settings_.port, settings_.http(max_arriving_mb_), std::move(handler));
+  if (!started) return started.error();
+  server_ = std::move(*started);
+  listening_ = &*server_;
+  return {};
+}
+
+std::size_t Daemon::num_connections() const {
+  const HttpServer* const server = listening_;
+  return server ? server->num_connections() : 0;
+}
+
+std::string Daemon::url() const {
+  return fmt::format("http://{}:{}", settings_.address, server_->port());
+}
+
+void Daemon::wait(const std::stop_token& stop, milliseconds interval,
+                  const std::function<void()>& look) {
+  while (!stop.stop_requested()) {
+    std::this_thread::sleep_for(interval);
+    if (look) look();
+  }
+}
+
+void Daemon::drain(const std::function<void()>& set_closing,
+                   const std::function<bool(Clock::time_point deadline)>& finish) {
+  log_.write("info", "ending");
+  set_closing();
+  std::this_thread::sleep_for(milliseconds(settings_.drain_grace_ms));
+  server_->stop_accepting();
+  const auto deadline = Clock::now() + milliseconds(settings_.exit_timeout_ms);
+  if (finish) {
+    is_all_answered_ = finish(deadline);
+    server_->wait_until_idle(deadline + kLastAnswers);
+  } else {
+    is_all_answered_ = server_->wait_until_idle(deadline);
+  }
+  server_->stop();
+}
+
+void Daemon::tell_end() {
+  log_.write(is_all_answered_ ? "info" : "warning",
+             is_all_answered_ ? "every request was answered" : "some requests were not answered");
+}
+
+}  // namespace trivet::apps::service

@@ -1,0 +1,69 @@
+/// The life of a program that answers over HTTP until it is told to stop.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "apps/service/http/http_server.hpp"
+#include "apps/service/http/request_log.hpp"
+#include "apps/service/listen_settings.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps::service {
+
+/// It starts, waits, drains and ends; to be made before all that answers or writes to its log.
+class Daemon {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// max_arriving_mb  of bodies on their way, all together
+  Daemon(const ListenSettings& settings, std::uint32_t max_arriving_mb)
+      : settings_(settings), max_arriving_mb_(max_arriving_mb), log_(settings.log_descriptor()) {}
+
+  RequestLog& log() { return log_; }
+  std::size_t num_connections() const;  ///< open ones; from any thread
+
+  /// Listen, and answer by `routes.handle` and `routes.admit`, on the network's thread. Errors:
+  /// usage (address), cannot_create (the port is taken).
+  template <class Routes>
+  Result<void> start(Routes& routes) {
+    return start(HttpHandler{[&routes](HttpRequest request, HttpAnswer answer) {
+                               routes.handle(std::move(request), std::move(answer));
+                             },
+                             [&routes](std::string_view target, std::size_t body_bytes) {
+                               return routes.admit(target, body_bytes);
+                             }});
+  }
+  std::string url() const;  ///< once it listens
+
+  /// Look again and again, until told to stop.
+  static void wait(const std::stop_token& stop, std::chrono::milliseconds interval,
+                   const std::function<void()>& look = {});
+
+  /// Be ready no more, so that balancers go elsewhere; after the grace take no more connections;
+  /// then answer what came in. From then on the routes are asked no more.
+  ///
+  /// finish  returns whether all was answered by the deadline; none: each connection's answer
+  ///         counts
+  void drain(const std::function<void()>& set_closing,
+             const std::function<bool(Clock::time_point deadline)>& finish = {});
+  void tell_end();  ///< of the drain, to the log
+
+ private:
+  Result<void> start(HttpHandler handler);
+
+  const ListenSettings settings_;
+  const std::uint32_t max_arriving_mb_;
+  RequestLog log_;
+  std::optional<HttpServer> server_;
+  std::atomic<const HttpServer*> listening_{nullptr};  // requests come before start() has ended
+  bool is_all_answered_ = true;
+};
+
+}  // namespace trivet::apps::service
