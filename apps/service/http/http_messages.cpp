@@ -82,13 +82,11 @@ std::string_view reason_of(Refusal refusal) {
   return "";
 }
 
-bool has_method(const HttpRequest& request, std::string_view method, const HttpAnswer& reply) {
-  if (request.method == method) return true;
+HttpResponse method_response(std::string_view expected, const HttpRequest& request) {
   HttpResponse response =
-      error_response(405, fmt::format("expected {}, found {}", method, request.method));
-  response.headers.emplace_back("Allow", std::string(method));
-  reply(std::move(response));
-  return false;
+      error_response(405, fmt::format("expected {}, found {}", expected, request.method));
+  response.headers.emplace_back("Allow", std::string(expected));
+  return response;
 }
 
 std::string request_id(const HttpRequest& request) {

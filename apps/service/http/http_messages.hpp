@@ -12,6 +12,9 @@
 
 namespace trivet::apps::service {
 
+/// The content type of bytes that have no other.
+inline constexpr const char* kBytes = "application/octet-stream";
+
 HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json);
 /// {"error": reason}; bytes of the reason that are no UTF-8 are replaced.
 HttpResponse error_response(unsigned status, const std::string& reason);
@@ -19,11 +22,10 @@ HttpResponse error_response(unsigned status, const std::string& reason);
 HttpResponse error_response(const Error& error);
 /// 503 with Retry-After, 504, or 499.
 HttpResponse refusal_response(Refusal refusal);
+/// 405 to a request of another method.
+HttpResponse method_response(std::string_view expected, const HttpRequest& request);
 /// One word for metrics and logs.
 std::string_view reason_of(Refusal refusal);
-
-/// Whether a request has this method; if not, it is answered with 405.
-bool has_method(const HttpRequest& request, std::string_view method, const HttpAnswer& reply);
 
 /// X-Request-Id, if it is up to 128 letters, digits, '-', '_' and '.'; else one of our own.
 std::string request_id(const HttpRequest& request);

@@ -50,6 +50,13 @@ std::optional<std::string> Target::parameter(std::string_view name) const {
   return std::nullopt;
 }
 
+std::optional<std::size_t> whole_number(std::string_view text) {
+  std::size_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  return read.ec == std::errc() && read.ptr == end ? std::optional(number) : std::nullopt;
+}
+
 Result<Target> parse_target(std::string_view target) {
   const std::size_t mark = target.find('?');
   Result<std::string> path = decode(target.substr(0, mark));

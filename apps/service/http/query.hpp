@@ -21,6 +21,9 @@ struct Target {
   std::optional<std::string> parameter(std::string_view name) const;
 };
 
+/// A text of digits only; none: it is something else, or too large.
+std::optional<std::size_t> whole_number(std::string_view text);
+
 /// Split and decode (RFC 3986, 2.1; plus signs stay). Errors: usage (a broken escape).
 Result<Target> parse_target(std::string_view target);
 /// The reverse.

@@ -17,6 +17,7 @@
 #include <thread>
 #include <utility>
 
+#include "apps/service/http/call.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/multipart.hpp"
 #include "apps/service/http/query.hpp"
@@ -140,7 +141,9 @@ Result<void> check_form(const HttpRequest& request) {
 
 struct Router::State {
   State(const RouterOptions& router_options, RequestLog& request_log)
-      : options(router_options), log(request_log) {}
+      : options(router_options),
+        log(request_log),
+        replies(metrics, request_log, RequestWords::route) {}
 
   asio::awaitable<void> watch(Shard& shard) {
     ShardLook look(context, client, shard);
@@ -165,51 +168,46 @@ struct Router::State {
     conflict = std::move(now);
   }
 
-  void handle(HttpRequest request, HttpAnswer answer) {
-    const std::string path = request.target.substr(0, request.target.find('?'));
-    const std::string id = request_id(request);
-    const std::string trace = trace_parent(request);
-    const auto begun = Clock::now();
-    const auto finish = [&](const std::string& route) {
-      return [=, this, answer = std::move(answer)](HttpResponse response) {
-        metrics.count_request(route, response.status);
-        if (route == "recognize" || response.status >= 400) {
-          Json fields{{"request_id", id},
-                      {"route", route},
-                      {"code", response.status},
-                      {"seconds", seconds_since(begun)}};
-          if (!trace.empty()) fields["traceparent"] = trace;
-          log.write(response.status >= 500 ? "warning" : "info", "request", fields);
-        }
-        response.headers.emplace_back("X-Request-Id", id);
-        if (!trace.empty()) response.headers.emplace_back("traceparent", trace);
-        answer(std::move(response));
-      };
+  /// What is answered at once.
+  struct Route {
+    std::string_view method, path, name;  ///< no method: any
+    HttpResponse (State::*answer)() const;
+  };
+
+  void handle(const CallPtr& call) {
+    static const std::vector<Route> kRoutes{
+        {"GET", "/v1/models", "models", &State::models},
+        {"", "/v2/health/live", "live", &State::liveness},
+        {"", "/v2/health/ready", "ready", &State::readiness},
+        {"GET", "/metrics", "metrics", &State::measurements},
     };
-    if (path == "/v1/recognize") {
-      const HttpAnswer reply = finish("recognize");
-      if (!has_method(request, "POST", reply)) return;
-      if (is_full(request.body.size())) return reply(refusal_response(Refusal::full));
-      asio::co_spawn(context, recognize(std::move(request), reply, id), asio::detached);
-    } else if (path == "/v1/models") {
-      const HttpAnswer reply = finish("models");
-      if (has_method(request, "GET", reply)) reply(models());
-    } else if (path == "/v2/health/live") {
-      finish("live")(json_response(200, {{"live", true}}));
-    } else if (path == "/v2/health/ready") {
-      finish("ready")(readiness());
-    } else if (path == "/metrics") {
-      const HttpAnswer reply = finish("metrics");
-      if (has_method(request, "GET", reply)) reply(metrics.tell({num_inflight, num_bytes}, shards));
-    } else {
-      finish("other")(error_response(404, "no such path"));
-    }
+    const std::string& target = call->request.target;
+    const std::string path = target.substr(0, target.find('?'));
+    if (path == "/v1/recognize") return take(call);
+    const auto route = std::ranges::find(kRoutes, path, &Route::path);
+    if (route == kRoutes.end()) return replies.send(*call, error_response(404, "no such path"));
+    call->route = route->name;
+    const bool has_method = route->method.empty() || route->method == call->request.method;
+    replies.send(*call, has_method ? (this->*route->answer)()
+                                   : method_response(route->method, call->request));
+  }
+
+  void take(const CallPtr& call) {
+    call->route = "recognize";
+    call->is_logged = true;
+    if (call->request.method != "POST")
+      return replies.send(*call, method_response("POST", call->request));
+    if (is_full(call->num_bytes)) return replies.send(*call, refusal_response(Refusal::full));
+    asio::co_spawn(context, recognize(call), asio::detached);
   }
 
   bool is_full(std::size_t body_bytes) const {
     return num_inflight >= options.max_inflight ||
            num_bytes + body_bytes > options.max_inflight_bytes;
   }
+
+  HttpResponse liveness() const { return json_response(200, {{"live", true}}); }
+  HttpResponse measurements() const { return metrics.tell({num_inflight, num_bytes}, shards); }
 
   HttpResponse readiness() const {
     Json told = Json::array();
@@ -249,24 +247,23 @@ struct Router::State {
                                {"models", std::move(all)}});
   }
 
-  asio::awaitable<void> recognize(HttpRequest request, HttpAnswer reply, std::string id) {
-    const auto begun = Clock::now();
-    const std::size_t bytes = request.body.size();
+  asio::awaitable<void> recognize(CallPtr call) {
     ++num_inflight;
-    num_bytes += bytes;
+    num_bytes += call->num_bytes;
     HttpResponse response;
     try {
-      response = co_await answer_of(request, id);
+      response = co_await answer_of(*call);
     } catch (const std::exception& error) {
       response = error_response(500, fmt::format("internal: {}", error.what()));
     }
     --num_inflight;
-    num_bytes -= bytes;
-    metrics.observe_request(seconds_since(begun));
-    reply(std::move(response));
+    num_bytes -= call->num_bytes;
+    metrics.observe_request(call->seconds());
+    replies.send(*call, std::move(response));
   }
 
-  asio::awaitable<HttpResponse> answer_of(const HttpRequest& request, const std::string& id) {
+  asio::awaitable<HttpResponse> answer_of(const Call& call) {
+    const HttpRequest& request = call.request;
     const Result<Target> target = parse_target(request.target);
     if (!target) co_return error_response(target.error());
     const Result<Clock::time_point> deadline = deadline_of(request, options.default_deadline);
@@ -291,12 +288,12 @@ struct Router::State {
         continue;
       }
       const auto left = std::chrono::duration_cast<milliseconds>(*deadline - now - 2 * margin);
-      fan_out.calls.push_back({&shard, call_of(request, (*targets)[k], shard, id, left)});
+      fan_out.calls.push_back({&shard, call_of(call, (*targets)[k], shard, left)});
     }
     co_await ask_all(fan_out, *deadline - margin, request.is_gone);
     if (fan_out.is_refused) co_return refusal_response(Refusal::full);
     if (fan_out.stop.stop_requested()) co_return refusal_response(Refusal::gone);
-    co_return merge(fan_out.calls, std::move(missing), id);
+    co_return merge(fan_out.calls, std::move(missing), call.id);
   }
 
   /// What to ask each shard; with an empty path: nothing. Models that are asked for by name are
@@ -331,17 +328,18 @@ struct Router::State {
     return out;
   }
 
-  static HttpCall call_of(const HttpRequest& request, const Target& target, const Shard& shard,
-                          const std::string& id, milliseconds left) {
-    HttpCall call{"POST", shard.address.name, write_target(target)};
-    call.headers = {{"X-Request-Id", id},
-                    {"X-Deadline-Ms", std::to_string(std::max<long>(1, left.count()))}};
-    for (const auto& [name, value] : {std::pair("Content-Type", request.header("content-type")),
-                                      std::pair("traceparent", trace_parent(request))}) {
-      if (!value.empty()) call.headers.emplace_back(name, value);
+  static HttpCall call_of(const Call& call, const Target& target, const Shard& shard,
+                          std::chrono::milliseconds left) {
+    HttpCall out{"POST", shard.address.name, write_target(target)};
+    out.headers = {{"X-Request-Id", call.id},
+                   {"X-Deadline-Ms", std::to_string(std::max<long>(1, left.count()))}};
+    for (const auto& [name, value] :
+         {std::pair("Content-Type", call.request.header("content-type")),
+          std::pair("traceparent", call.trace)}) {
+      if (!value.empty()) out.headers.emplace_back(name, value);
     }
-    call.body = std::as_bytes(std::span(request.body));
-    return call;
+    out.body = std::as_bytes(std::span(call.request.body));
+    return out;
   }
 
   /// Returns when each call has its outcome: by the deadline, or soon after the client has gone.
@@ -415,6 +413,7 @@ struct Router::State {
   std::vector<Shard> shards;  // of fixed number
   std::optional<std::string> conflict;
   RouteMetrics metrics;
+  const Replies replies;
   std::atomic<bool> is_closing{false};
   std::atomic<std::size_t> num_inflight{0}, num_bytes{0};
   std::thread thread;
@@ -435,10 +434,8 @@ Router::~Router() {
 }
 
 void Router::handle(HttpRequest request, HttpAnswer answer) {
-  asio::post(state_->context, [state = state_.get(), request = std::move(request),
-                               answer = std::move(answer)]() mutable {
-    state->handle(std::move(request), std::move(answer));
-  });
+  const auto call = std::make_shared<Call>(std::move(request), std::move(answer));
+  asio::post(state_->context, [state = state_.get(), call] { state->handle(call); });
 }
 
 std::optional<HttpResponse> Router::admit(std::string_view target, std::size_t body_bytes) {

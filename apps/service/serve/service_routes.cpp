@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <mutex>
 
@@ -27,7 +26,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kDefaultShownPoints = 250'000, kMaxShownPoints = 5'000'000;
 constexpr std::uint64_t kMaxExampleBytes = 256 << 20;
-constexpr const char* kBytes = "application/octet-stream";
 
 /// What the inference protocol calls the library.
 std::string model_name(const Library& library) { return library.file.stem().string(); }
@@ -51,16 +49,6 @@ Json symmetry_json(const Symmetry& symmetry) {
 }
 
 }  // namespace
-
-struct ServiceRoutes::Call {
-  HttpRequest request;
-  Target target;
-  HttpAnswer answer;
-  std::string id, trace, route = "other";
-  ServiceClock::time_point begun = ServiceClock::now();
-  std::size_t num_bytes = 0;   ///< of the body
-  Json told = Json::object();  ///< more for the log
-};
 
 struct ServiceRoutes::Route {
   std::string_view method, path;
@@ -93,12 +81,7 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
 }
 
 void ServiceRoutes::handle(HttpRequest request, HttpAnswer answer) {
-  const auto call = std::make_shared<Call>();
-  call->id = request_id(request);
-  call->trace = trace_parent(request);
-  call->num_bytes = request.body.size();
-  call->request = std::move(request);
-  call->answer = std::move(answer);
+  const auto call = std::make_shared<Call>(std::move(request), std::move(answer));
   Result<Target> target = parse_target(call->request.target);
   if (!target) return reply(call, error_response(target.error()));
   call->target = std::move(*target);
@@ -115,10 +98,7 @@ void ServiceRoutes::handle(HttpRequest request, HttpAnswer answer) {
     return (this->*route.handle)(call, std::string_view(path).substr(route.path.size()));
   }
   if (!other_method) return reply(call, error_response(404, "no such path"));
-  HttpResponse response = error_response(
-      405, fmt::format("expected {}, found {}", other_method->method, call->request.method));
-  response.headers.emplace_back("Allow", std::string(other_method->method));
-  reply(call, std::move(response));
+  reply(call, method_response(other_method->method, call->request));
 }
 
 std::optional<HttpResponse> ServiceRoutes::admit(std::string_view target, std::size_t body_bytes) {
@@ -137,23 +117,6 @@ std::optional<HttpResponse> ServiceRoutes::admit(std::string_view target, std::s
   return std::nullopt;
 }
 
-void ServiceRoutes::reply(const CallPtr& call, HttpResponse response) {
-  metrics_.count_request(call->route, response.status);
-  const bool is_work = !call->told.empty();
-  if (is_work || response.status >= 400) {
-    const double seconds = std::chrono::duration<double>(ServiceClock::now() - call->begun).count();
-    Json fields{{"request_id", call->id}, {"method", call->request.method},
-                {"route", call->route},   {"code", response.status},
-                {"seconds", seconds},     {"body_bytes", call->num_bytes}};
-    if (!call->trace.empty()) fields["traceparent"] = call->trace;
-    fields.update(call->told);
-    log_.write(response.status >= 500 ? "warning" : "info", "request", fields);
-  }
-  response.headers.emplace_back("X-Request-Id", call->id);
-  if (!call->trace.empty()) response.headers.emplace_back("traceparent", call->trace);
-  call->answer(std::move(response));
-}
-
 void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
                            std::function<HttpResponse(const ServiceAnswer&)> write) {
   job.num_bytes += call->num_bytes;
@@ -164,6 +127,7 @@ void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
   job.deadline = *deadline;
   service_.submit(std::move(job),
                   [this, call, write = std::move(write)](const ServiceOutcome& outcome) {
+                    call->is_logged = true;
                     if (const Refusal* const refusal = std::get_if<Refusal>(&outcome)) {
                       metrics_.count_rejection(std::string(reason_of(*refusal)));
                       call->told["refusal"] = reason_of(*refusal);
@@ -204,8 +168,7 @@ void ServiceRoutes::tell_recognition(const CallPtr& call, const ServiceAnswer& f
       metrics_.observe_stage(stage, seconds);
   }
   metrics_.observe_queue(found.queue_seconds);
-  metrics_.observe_request(
-      std::chrono::duration<double>(ServiceClock::now() - call->begun).count());
+  metrics_.observe_request(call->seconds());
   call->told["scenes"] = results.size();
   call->told["detections"] = num_detections;
 }
@@ -260,16 +223,12 @@ void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::points(const CallPtr& call, std::string_view) {
-  std::size_t max_points = kDefaultShownPoints;
   Target target = call->target;
-  if (const auto given = target.parameter("max-points")) {
-    const auto [end, error] =
-        std::from_chars(given->data(), given->data() + given->size(), max_points);
-    if (error != std::errc() || end != given->data() + given->size() || max_points < 1 ||
-        max_points > kMaxShownPoints) {
-      return reply(call, error_response(400, fmt::format("max-points: expected 1 to {}, found '{}'",
-                                                         kMaxShownPoints, *given)));
-    }
+  const std::optional<std::string> given = target.parameter("max-points");
+  const std::size_t max_points = given ? whole_number(*given).value_or(0) : kDefaultShownPoints;
+  if (max_points < 1 || max_points > kMaxShownPoints) {
+    return reply(call, error_response(400, fmt::format("max-points: expected 1 to {}, found '{}'",
+                                                       kMaxShownPoints, *given)));
   }
   std::erase_if(target.parameters, [](const auto& entry) { return entry.first == "max-points"; });
   Result<ScanRequest> asked = parse_scan_request(call->request, std::move(target));
@@ -338,14 +297,11 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
     }
     return reply(call, json_response(200, {{"examples", std::move(list)}}));
   }
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), index);
-  if (rest.front() != '/' || error != std::errc() || end != rest.data() + rest.size() ||
-      index >= examples_.size()) {
+  const std::optional<std::size_t> index = whole_number(rest.substr(1));
+  if (rest.front() != '/' || !index || *index >= examples_.size())
     return reply(call, error_response(404, "no such example"));
-  }
   submit_one(
-      call, [file = examples_[index].file](const LibraryGeneration&) -> Result<HttpResponse> {
+      call, [file = examples_[*index].file](const LibraryGeneration&) -> Result<HttpResponse> {
         const Result<MappedFile> bytes = MappedFile::open(file, kMaxExampleBytes);
         if (!bytes) return error_response(404, "the example's file is gone");
         const std::span<const std::byte> view = bytes->bytes();
@@ -459,16 +415,11 @@ void ServiceRoutes::infer(const CallPtr& call, std::string_view rest) {
   const Result<std::string_view> asked = rest_of_model(rest, *service_.generation());
   if (!asked) return reply(call, error_response(404, asked.error().message));
   if (*asked != "/infer") return reply(call, error_response(404, "no such path"));
-  std::optional<std::size_t> header_size;
-  if (const std::string given = call->request.header("inference-header-content-length");
-      !given.empty()) {
-    std::size_t size = 0;
-    const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), size);
-    if (error != std::errc() || end != given.data() + given.size()) {
-      return reply(
-          call, error_response(400, "Inference-Header-Content-Length: expected a number of bytes"));
-    }
-    header_size = size;
+  const std::string given = call->request.header("inference-header-content-length");
+  const std::optional<std::size_t> header_size = whole_number(given);
+  if (!given.empty() && !header_size) {
+    return reply(
+        call, error_response(400, "Inference-Header-Content-Length: expected a number of bytes"));
   }
   struct State {
     InferenceRequest request;

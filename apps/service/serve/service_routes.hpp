@@ -11,8 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/service/http/http_server.hpp"
-#include "apps/service/http/request_log.hpp"
+#include "apps/service/http/call.hpp"
 #include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/model_views.hpp"
@@ -38,6 +37,7 @@ class ServiceRoutes {
       : service_(service),
         metrics_(metrics),
         log_(log),
+        replies_(metrics, log, RequestWords::route_and_body),
         options_(options),
         examples_(std::move(examples)),
         reload_(std::move(reload)) {}
@@ -47,10 +47,6 @@ class ServiceRoutes {
   std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
   void set_ready(bool ready) { is_ready_ = ready; }
   void set_num_connections(std::function<std::size_t()> num) { num_connections_ = std::move(num); }
-
-  /// One request on its way, and what is told of it in the log.
-  struct Call;
-  using CallPtr = std::shared_ptr<Call>;
 
  private:
   struct Route;
@@ -81,11 +77,14 @@ class ServiceRoutes {
                   std::function<Result<HttpResponse>(const LibraryGeneration&)> work);
   void tell_recognition(const CallPtr& call, const ServiceAnswer& found,
                         std::span<const SceneResult> results);
-  void reply(const CallPtr& call, HttpResponse response);
+  void reply(const CallPtr& call, HttpResponse response) const {
+    replies_.send(*call, std::move(response));
+  }
 
   RecognitionService& service_;
   Metrics& metrics_;
-  RequestLog& log_;
+  const RequestLog& log_;
+  const Replies replies_;
   const RouteOptions options_;
   const std::vector<Example> examples_;
   const Reload reload_;

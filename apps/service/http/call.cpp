@@ -1,0 +1,41 @@
+#include "apps/service/http/call.hpp"
+
+#include <utility>
+
+#include "apps/service/http/http_messages.hpp"
+
+namespace trivet::apps::service {
+
+Call::Call(HttpRequest what, HttpAnswer whereto)
+    : request(std::move(what)),
+      answer(std::move(whereto)),
+      id(request_id(request)),
+      trace(trace_parent(request)),
+      num_bytes(request.body.size()) {}
+
+double Call::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+}
+
+void Replies::send(const Call& call, HttpResponse response) const {
+  metrics_.count_request(call.route, response.status);
+  if (call.is_logged || response.status >= 400) tell(call, response.status);
+  response.headers.emplace_back("X-Request-Id", call.id);
+  if (!call.trace.empty()) response.headers.emplace_back("traceparent", call.trace);
+  call.answer(std::move(response));
+}
+
+void Replies::tell(const Call& call, unsigned status) const {
+  const bool with_body = words_ == RequestWords::route_and_body;
+  nlohmann::ordered_json fields{{"request_id", call.id}};
+  if (with_body) fields["method"] = call.request.method;
+  fields["route"] = call.route;
+  fields["code"] = status;
+  fields["seconds"] = call.seconds();
+  if (with_body) fields["body_bytes"] = call.num_bytes;
+  if (!call.trace.empty()) fields["traceparent"] = call.trace;
+  fields.update(call.told);
+  log_.write(status >= 500 ? "warning" : "info", "request", fields);
+}
+
+}  // namespace trivet::apps::service

@@ -1,0 +1,54 @@
+/// One request on its way to its answer.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/service/http/http_server.hpp"
+#include "apps/service/http/query.hpp"
+#include "apps/service/http/request_log.hpp"
+#include "apps/service/http/request_metrics.hpp"
+
+namespace trivet::apps::service {
+
+struct Call {
+  Call(HttpRequest what, HttpAnswer whereto);
+  double seconds() const;  ///< since it came
+
+  HttpRequest request;
+  HttpAnswer answer;
+  std::string id, trace;  ///< see request_id and trace_parent
+  std::size_t num_bytes;  ///< of the body, which may be taken
+  Target target{};        ///< once it was parsed
+  std::string route = "other";
+  bool is_logged = false;                                          ///< also when all is well
+  nlohmann::ordered_json told = nlohmann::ordered_json::object();  ///< more for the log
+  std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+};
+using CallPtr = std::shared_ptr<Call>;
+
+/// What the log tells of a request.
+enum class RequestWords { route, route_and_body };
+
+/// Answers calls: counts them, tells of them in the log, and says to which request an answer
+/// belongs. From any thread.
+class Replies {
+ public:
+  /// Both outlive it.
+  Replies(RequestMetrics& metrics, RequestLog& log, RequestWords words)
+      : metrics_(metrics), log_(log), words_(words) {}
+  /// Once for each call.
+  void send(const Call& call, HttpResponse response) const;
+
+ private:
+  void tell(const Call& call, unsigned status) const;
+
+  RequestMetrics& metrics_;
+  RequestLog& log_;
+  const RequestWords words_;
+};
+
+}  // namespace trivet::apps::service
