@@ -1,0 +1,116 @@
+// What looks at scans.
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/open_recognizer.hpp"
+#include "apps/results/detections_json.hpp"
+#include "apps/service/http/http_messages.hpp"
+#include "apps/service/serve/scan_request.hpp"
+#include "apps/service/serve/service_routes.hpp"
+
+namespace trivet::apps::service {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kDefaultShownPoints = 250'000, kMaxShownPoints = 5'000'000;
+
+/// The points of a scan as floats, at most so many of them: spread over all without a pattern.
+std::string shown_points(const Points& points, std::size_t max_points) {
+  std::string bytes;
+  const double share = static_cast<double>(max_points) / static_cast<double>(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // Fibonacci hashing: the fractions of multiples of the golden ratio are evenly spread.
+    const double place = static_cast<double>(i * 0x9E37'79B9'7F4A'7C15ULL) * 0x1p-64;
+    if (place >= share || bytes.size() >= 3 * sizeof(float) * max_points) continue;
+    const Eigen::Vector3f p = points[i];
+    bytes.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(float));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
+  Result<ScanRequest> asked = parse_scan_request(call->request, call->target);
+  if (!asked) return reply(call, error_response(asked.error()));
+  struct State {
+    ScanRequest request;
+    std::vector<SceneResult> results;
+  };
+  const std::size_t num_scans = asked->scans.size();
+  const auto state =
+      std::make_shared<State>(State{std::move(*asked), std::vector<SceneResult>(num_scans)});
+  ServiceJob job;
+  job.num_parts = num_scans;
+  job.work = [this, state](std::size_t i, const LibraryGeneration& generation,
+                           const std::stop_token& stop) -> Result<void> {
+    const ScanPart& scan = state->request.scans[i];
+    const auto begun = ServiceClock::now();
+    const Result<Cloud> cloud =
+        read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene);
+    if (!cloud) return cloud.error();
+    metrics_.observe_stage("decode",
+                           std::chrono::duration<double>(ServiceClock::now() - begun).count());
+    Result<SceneResult> result =
+        trivet::recognize(generation.recognizer, *cloud,
+                          scan.scene.input(generation.recognizer.library().header.unit),
+                          state->request.options, stop);
+    if (!result) return result.error();
+    state->results[i] = std::move(*result);
+    return {};
+  };
+  submit(call, std::move(job), [this, call, state](const ServiceAnswer& found) {
+    tell_recognition(call, found, state->results);
+    Json scenes = Json::array();
+    for (std::size_t i = 0; i < state->results.size(); ++i) {
+      scenes.push_back(scene_json(state->request.scans[i].name, state->results[i],
+                                  found.generation->recognizer.score(),
+                                  state->request.options.max_rejected > 0));
+    }
+    const Library& library = found.generation->recognizer.library();
+    return json_response(
+        200, {{"request_id", call->id},
+              {"library",
+               {{"file", library.file.filename().string()},
+                {"generation", found.generation->number},
+                {"calibration", calibration_json(found.generation->recognizer)}}},
+              {"seconds", {{"queue", found.queue_seconds}, {"work", found.work_seconds}}},
+              {"scenes", std::move(scenes)}});
+  });
+}
+
+void ServiceRoutes::points(const CallPtr& call, std::string_view) {
+  Target target = call->target;
+  const std::optional<std::string> given = target.parameter("max-points");
+  const std::size_t max_points = given ? whole_number(*given).value_or(0) : kDefaultShownPoints;
+  if (max_points < 1 || max_points > kMaxShownPoints) {
+    return reply(call, error_response(400, fmt::format("max-points: expected 1 to {}, found '{}'",
+                                                       kMaxShownPoints, *given)));
+  }
+  std::erase_if(target.parameters, [](const auto& entry) { return entry.first == "max-points"; });
+  Result<ScanRequest> asked = parse_scan_request(call->request, std::move(target));
+  if (!asked) return reply(call, error_response(asked.error()));
+  if (asked->scans.size() != 1)
+    return reply(call, error_response(400, "form: expected one part scene"));
+  submit_one(call,
+             [asked = std::make_shared<ScanRequest>(std::move(*asked)),
+              max_points](const LibraryGeneration&) -> Result<HttpResponse> {
+               const ScanPart& scan = asked->scans.front();
+               const Result<Cloud> cloud =
+                   read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene);
+               if (!cloud) return cloud.error();
+               return HttpResponse{200,
+                                   shown_points(cloud->points, max_points),
+                                   kBytes,
+                                   {{"X-Points", std::to_string(cloud->points.size())}}};
+             });
+}
+
+}  // namespace trivet::apps::service
