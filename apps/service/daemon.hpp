@@ -9,6 +9,8 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/request_log.hpp"
