@@ -115,17 +115,21 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
 }
 
-void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& options,
-                          PreparedScene& scene) {
+/// Pixels spread over an image as oriented points in the camera's frame.
+struct PixelSamples {
+  Points points;
+  Normals normals;
+  std::vector<float> areas;  // that each stands for
+  float total_area = 0;
+};
+
+PixelSamples sample_pixels(const kernels::RangeImage& image) {
   const kernels::ImageGeometry& geometry = image.geometry;
   std::size_t measured = 0;
   for (const float d : image.depth) measured += d > 0;
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::floor(std::sqrt(static_cast<double>(measured) / kPlaneSamples))));
-  Points points;
-  Normals normals;
-  std::vector<float> areas;
-  float total = 0;
+  PixelSamples samples;
   for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
     for (std::size_t u = stride / 2; u < geometry.width; u += stride) {
       const std::size_t pixel = v * geometry.width + u;
@@ -134,22 +138,20 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
       if (!(d > 0) || !std::isfinite(n.x())) continue;
       const Eigen::Vector3f p = geometry.back_project(pixel, d);
       const float facing = std::max(0.2F, -n.dot(p.normalized()));
-      points.push_back(p);
-      normals.push_back(n);
-      areas.push_back(d * d / (geometry.fx * geometry.fy) / facing *
-                      static_cast<float>(stride * stride));
-      total += areas.back();
+      samples.points.push_back(p);
+      samples.normals.push_back(n);
+      samples.areas.push_back(d * d / (geometry.fx * geometry.fy) / facing *
+                              static_cast<float>(stride * stride));
+      samples.total_area += samples.areas.back();
     }
   }
-  if (points.size() < 100) return;
-  scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
-  kernels::PlaneOptions plane_options;
-  plane_options.tolerance = scene.plane_tolerance;
-  plane_options.min_area = 0.01F * total;  // the walls of a bin on a large table
-  plane_options.max_planes = 8;            // table, floor and four walls of a bin, and two more
-  scene.planes = kernels::find_planes(points, normals, areas, plane_options);
+  return samples;
+}
 
-  // The images hold planes in the camera's frame, the scene in its own.
+/// planes  in the camera's frame
+void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
+                  kernels::RangeImage& image) {
+  const kernels::ImageGeometry& geometry = image.geometry;
   Points at(geometry.width);
   for (std::size_t v = 0; v < geometry.height; ++v) {
     for (std::size_t u = 0; u < geometry.width; ++u) {
@@ -158,16 +160,31 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
                                        : Eigen::Vector3f::Constant(kNaN));
     }
     const std::size_t row = v * geometry.width;
-    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), scene.planes,
-                          scene.plane_tolerance, kPlaneAngleRad,
-                          std::span(image.plane).subspan(row, geometry.width));
-    kernels::label_planes(at, scene.planes, scene.plane_tolerance,
+    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), planes, tolerance,
+                          kPlaneAngleRad, std::span(image.plane).subspan(row, geometry.width));
+    kernels::label_planes(at, planes, tolerance,
                           std::span(image.near_plane).subspan(row, geometry.width));
   }
+}
+
+void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& options,
+                          PreparedScene& scene) {
+  const PixelSamples samples = sample_pixels(image);
+  if (samples.points.size() < 100) return;
+  scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
+  kernels::PlaneOptions plane_options;
+  plane_options.tolerance = scene.plane_tolerance;
+  plane_options.min_area = 0.01F * samples.total_area;  // the walls of a bin on a large table
+  plane_options.max_planes = 8;  // table, floor and four walls of a bin, and two more
+  scene.planes =
+      kernels::find_planes(samples.points, samples.normals, samples.areas, plane_options);
+  label_pixels(scene.planes, scene.plane_tolerance, image);
   if (options.correlated_noise)
     scene.sensor.correlated_noise = kernels::measure_correlated_noise(
         image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
-  const Pose T_scene_camera = geometry.T_camera_scene.inverse();
+
+  // The image held planes in the camera's frame, the scene holds them in its own.
+  const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
   for (kernels::Plane& plane : scene.planes) {
     const Eigen::Vector3f n = T_scene_camera.linear() * plane.normal;
     plane.offset += n.dot(T_scene_camera.translation());
@@ -285,28 +302,34 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   return normals;
 }
 
+/// Normals of the planes through the points within a radius, of open sign, and what these leave.
+void fit_normals(const Points& points, float radius, NormalsSpan normals,
+                 std::span<float> residuals) {
+  const std::size_t n = points.size();
+  const kernels::VoxelHash grid(points, radius);
+  Neighborhoods rows;
+  rows.offsets.assign(n + 1, 0);
+  for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
+    kernels::count_radius_neighbors(grid, points.view().slice(first, count), radius,
+                                    std::span(rows.offsets).subspan(first, count));
+  });
+  rows.indices.resize(counts_to_offsets(rows.offsets));
+  for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
+    const NeighborhoodsView view = rows.view().rows(first, count);
+    kernels::fill_radius_neighbors(grid, points.view().slice(first, count), radius, view.offsets,
+                                   rows.indices);
+    kernels::estimate_normals(points, view, normals.slice(first, count),
+                              residuals.subspan(first, count));
+  });
+}
+
 void prepare_closed_scene(const Cloud& cloud, const PrepareOptions& options, PreparedScene& scene) {
   const Normals outward = cover_surface(cloud.triangles, scene);
   const std::size_t n = scene.points.size();
   scene.normals.resize(n);
   Column<float> residuals(n);
   const auto estimate = [&](float window) {
-    const float radius = window * scene.spacing;
-    const kernels::VoxelHash grid(scene.points, radius);
-    Neighborhoods rows;
-    rows.offsets.assign(n + 1, 0);
-    for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
-      kernels::count_radius_neighbors(grid, scene.points.view().slice(first, count), radius,
-                                      std::span(rows.offsets).subspan(first, count));
-    });
-    rows.indices.resize(counts_to_offsets(rows.offsets));
-    for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
-      const NeighborhoodsView view = rows.view().rows(first, count);
-      kernels::fill_radius_neighbors(grid, scene.points.view().slice(first, count), radius,
-                                     view.offsets, rows.indices);
-      kernels::estimate_normals(scene.points, view, scene.normals.span().slice(first, count),
-                                std::span(residuals).subspan(first, count));
-    });
+    fit_normals(scene.points, window * scene.spacing, scene.normals, residuals);
   };
   estimate(kNoiseWindow);
   Column<float> finite;
