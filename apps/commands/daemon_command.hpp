@@ -1,6 +1,7 @@
 /// A subcommand that is configured by flags and a file, and runs until it is told to stop.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 

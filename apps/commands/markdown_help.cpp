@@ -43,8 +43,10 @@ std::string command_text(const CLI::App& command, const std::string& name,
       if (option->get_group() == group && option->get_name() != "--help") rows += row(*option);
     }
     if (group.empty() || rows.empty()) continue;
-    out +=
-        fmt::format("\n**{}**\n\n| option | default | meaning |\n|---|---|---|\n{}", group, rows);
+    const auto [first, is_new] = known.emplace(rows, name);
+    out += is_new ? fmt::format("\n**{}**\n\n| option | default | meaning |\n|---|---|---|\n{}",
+                                group, rows)
+                  : fmt::format("\n**{}**: as of `{}`.\n", group, first->second);
   }
   for (const CLI::App* const inner : command.get_subcommands([](const CLI::App*) { return true; }))
     out += command_text(*inner, name + " " + inner->get_name(), known);

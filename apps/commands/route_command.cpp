@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "apps/commands/daemon_command.hpp"
 #include "apps/service/daemon.hpp"
 #include "apps/service/route/route_settings.hpp"

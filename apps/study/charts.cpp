@@ -7,7 +7,6 @@
 #include <sstream>
 #include <vector>
 
-#include "apps/options/option_names.hpp"
 #include "apps/report/svg.hpp"
 
 namespace trivet::apps::study {
@@ -90,7 +89,7 @@ struct Drawing {
 };
 
 std::string dot(Method method, double x, double y, const std::string& title) {
-  return svg_dot(option_name(method), 3.6, x, y, title);
+  return svg_dot(choice_name(method), 3.6, x, y, title);
 }
 
 std::size_t num_drawn(const Panel& panel) { return panel.rows.size() - (panel.has_total ? 1 : 0); }
@@ -136,7 +135,7 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
       marks += dot(panel.methods[m], x, down(mark->value), mark->title);
     }
     out += fmt::format("<g class=\"{0}\"><path class=\"line\" d=\"{1}\"/>{2}</g>",
-                       option_name(panel.methods[m]), path, marks);
+                       choice_name(panel.methods[m]), path, marks);
   }
   return out + "</svg>\n";
 }
@@ -184,7 +183,7 @@ std::string row_chart(const Panel& panel, const Drawing& drawing) {
       if (!mark) continue;
       const double y =
           top + row_height / 2 + kRowHeight * (static_cast<double>(m) + 0.5 - num_methods / 2);
-      out += fmt::format("<g class=\"{}\">", option_name(panel.methods[m]));
+      out += fmt::format("<g class=\"{}\">", choice_name(panel.methods[m]));
       if (mark->high > mark->low) {
         out += fmt::format("<path class=\"whisker\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>",
                            across(mark->low), y, across(mark->high));
@@ -213,7 +212,7 @@ std::string rate_chart(const Panel& panel) {
               ? std::nullopt
               : std::optional(
                     Mark{cell.found.value(), low, high,
-                         fmt::format("{}, {}: {} of {}, {:.1f} %", option_name(panel.methods[m]),
+                         fmt::format("{}, {}: {} of {}, {:.1f} %", choice_name(panel.methods[m]),
                                      panel.rows[row], cell.found.right, cell.found.all,
                                      100 * cell.found.value())}));
     }
@@ -235,7 +234,7 @@ std::string time_chart(const Panel& panel) {
       least = most == 0 ? *seconds : std::min(least, *seconds);
       most = std::max(most, *seconds);
       marks.back() = Mark{*seconds, *seconds, *seconds,
-                          fmt::format("{}, {}: {:.2f} s", option_name(panel.methods[m]),
+                          fmt::format("{}, {}: {:.2f} s", choice_name(panel.methods[m]),
                                       panel.rows[row], *seconds)};
     }
     drawing.marks.push_back(std::move(marks));
@@ -248,8 +247,8 @@ std::string time_chart(const Panel& panel) {
 std::string chart_key(const Panel& panel) {
   std::string out = "<p class=\"key\">";
   for (const Method method : panel.methods) {
-    out += fmt::format("<span><i class=\"dot {}\"></i>{}</span>", option_name(method),
-                       option_name(method));
+    out += fmt::format("<span><i class=\"dot {}\"></i>{}</span>", choice_name(method),
+                       choice_name(method));
   }
   return out + "</p>\n";
 }

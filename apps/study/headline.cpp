@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/options/option_names.hpp"
 #include "apps/report/html.hpp"
 
 namespace trivet::apps::study {
@@ -48,7 +47,7 @@ std::string by_methods(const ExperimentResults& results, Text&& text) {
   const std::vector<Method>& methods = results.panels.front().methods;
   std::string out;
   for (std::size_t m = 0; m < methods.size(); ++m)
-    out += fmt::format("{}{} {}{}", m > 0 ? ", " : "", option_name(methods[m]),
+    out += fmt::format("{}{} {}{}", m > 0 ? ", " : "", choice_name(methods[m]),
                        m > 0 ? "" : "finds ", text(m));
   return out;
 }
@@ -109,7 +108,7 @@ std::string on_steps(const ExperimentResults& results) {
   std::vector<std::string> parts;
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {
     parts.push_back(fmt::format("{:.2f} to {:.2f} by {}", sum_row(results, m, first_row).f1(),
-                                sum_row(results, m, last_row).f1(), option_name(panel.methods[m])));
+                                sum_row(results, m, last_row).f1(), choice_name(panel.methods[m])));
   }
   return fmt::format("from {} to {}, F1 goes from {}", escape_html(panel.rows.front()),
                      escape_html(panel.rows.back()), fmt::join(parts, ", "));

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <thread>
 
-#include "apps/options/option_names.hpp"
 #include "apps/report/evaluation_pictures.hpp"
 #include "apps/report/html.hpp"
 #include "apps/study/charts.hpp"
@@ -85,7 +84,7 @@ Compared compared(const Panel& panel, std::size_t m) {
 
 std::string difference_head(const Panel& panel, Compared what) {
   if (what == Compared::nothing) return "";
-  const std::string other = what == Compared::method ? option_name(panel.methods[0])
+  const std::string other = what == Compared::method ? std::string(choice_name(panel.methods[0]))
                             : panel.reference == Reference::previous
                                 ? std::string("the row above")
                                 : escape_html(panel.rows[panel.reference_row]);
@@ -114,7 +113,7 @@ std::string method_table(const Experiment& experiment, const Panel& panel, std::
       "<div class=\"table study\"><table><tr><th>{} <span class=\"dim\">{}</span><th "
       "class=\"n\">found<th class=\"n\">share<th class=\"n\">95 %<th class=\"n\">false{}{}<th "
       "class=\"n\">time\n{}</table></div>\n",
-      option_name(panel.methods[m]), escape_html(panel.axis), best_f1 ? "<th class=\"n\">F1" : "",
+      choice_name(panel.methods[m]), escape_html(panel.axis), best_f1 ? "<th class=\"n\">F1" : "",
       difference_head(panel, what), rows);
 }
 

@@ -6,8 +6,6 @@
 #include <map>
 #include <set>
 
-#include "apps/options/option_names.hpp"
-
 namespace trivet::apps::study {
 namespace {
 
@@ -398,7 +396,7 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
       Result<StudyPicture> picture =
           judge.picture(arranger.at(group, method, variant),
                         fmt::format("{}, {}", study.scenes[group].title,
-                                    option_name(experiment.methods[method])));
+                                    choice_name(experiment.methods[method])));
       if (!picture) return picture.error();
       out.pictures.push_back(std::move(*picture));
     }

@@ -1,6 +1,5 @@
 #include "apps/study/tables.hpp"
 
-#include "apps/options/option_names.hpp"
 #include "apps/results/csv_table.hpp"
 
 namespace trivet::apps::study {
@@ -20,7 +19,7 @@ void add_cell(const Experiment& experiment, const Panel& panel, std::size_t m, s
               CsvTable& table) {
   const PanelCell& cell = panel.cells[m][row];
   const auto [low, high] = cell.found.interval();
-  table.row().text(experiment.name).text(panel.title).text(option_name(panel.methods[m]));
+  table.row().text(experiment.name).text(panel.title).text(choice_name(panel.methods[m]));
   table.text(panel.axis).text(panel.rows[row]).count(cell.num_scenes);
   table.count(cell.found.right).count(cell.found.all).number(cell.found.value());
   table.number(low).number(high);

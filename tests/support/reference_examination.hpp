@@ -18,7 +18,7 @@ namespace trivet::reference {
 struct Examination {
   double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, sunk = 0,
          unknown = 0, background = 0;
-  double residual = 0, smooth = 0, slope = 0, area = 0, relief = 0, hold = 0;
+  double residual = 0, smooth = 0, slope = 0, area = 0, relief = 0, stability = 0;
   double beside = 0;  // of the covered pixels: what is seen beside its place counts for nothing
 };
 
@@ -192,7 +192,8 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     }
   }
   if (outline > 0) A += 0.25 * count / outline * B;
-  out.hold = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(A / count).eigenvalues()(0);
+  out.stability =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(A / count).eigenvalues()(0);
 
   const int half = std::max(1, static_cast<int>(std::lround(2.0 / stride)));
   double num_slopes = 0;

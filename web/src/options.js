@@ -5,7 +5,7 @@ const kElsewhere = ["format", "camera", "viewpoint", "unit", "rejected", "claims
 
 const optionElements = (names) => names.map((name) => element("option", { value: name }, name));
 
-/** A field for a parameter as the service describes it; it holds the default. */
+/** A field for a parameter as the service describes it; it shows the default. */
 function fieldFor({ name, schema }) {
   const usual = schema.default ?? "";
   if (schema.enum) {
@@ -24,7 +24,7 @@ function fieldFor({ name, schema }) {
     min: schema.minimum ?? schema.exclusiveMinimum ?? "",
     max: schema.maximum ?? "",
     step: schema.type === "integer" ? 1 : "any",
-    value: usual,
+    placeholder: usual,
   });
 }
 
@@ -51,6 +51,7 @@ export class Options {
       made.dataset.usual = made.value;
       const known = form.elements[parameter.name];
       if (known) {
+        if (known.required) made.value = made.placeholder;
         made.required = known.required;
         known.replaceWith(made);
         continue;

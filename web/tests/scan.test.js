@@ -184,7 +184,7 @@ test("a depth image without a camera asks for it, and the next one has it", asyn
     ["cy", "cy"],
     ["depth_scale", "Depth scale"],
   ]) {
-    await page.getByLabel(label).fill(String(numbers[key]));
+    await page.getByLabel(label, { exact: true }).fill(String(numbers[key]));
   }
   await recognized(page, () => page.getByLabel("Depth scale").press("Enter"));
   await expect(page.getByRole("alert")).toBeEmpty();

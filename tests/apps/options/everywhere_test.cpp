@@ -11,6 +11,7 @@
 #include "apps/service/serve/recognize_query.hpp"
 #include "apps/study/settings.hpp"
 #include "storage/library.hpp"
+#include "storage/read_cloud.hpp"
 #include "support/changed_option.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"

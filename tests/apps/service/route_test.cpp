@@ -176,6 +176,11 @@ class Route : public testing::Test {
   static inline std::string query_;
 };
 
+json without_scores(json detections) {
+  for (json& detection : detections) detection.erase("score");
+  return detections;
+}
+
 TEST_F(Route, AnswersAsTheWholeLibrary) {
   const auto whole = serve("l.h5"), first = serve("l-1.h5"), second = serve("l-2.h5");
   const auto router = route({first->address(), second->address()});
@@ -196,11 +201,15 @@ TEST_F(Route, AnswersAsTheWholeLibrary) {
       const json scene = answer.json()["scenes"][0];
       EXPECT_FALSE(scene.contains("claims"));
       const json detections = expected.json()["scenes"][0]["detections"];
+      ASSERT_EQ(scene["detections"].size(), detections.size());
       EXPECT_GE(detections.size(), 4U);
       if (is_one_round) {
-        EXPECT_EQ(scene["detections"].dump(1), detections.dump(1));
+        EXPECT_EQ(without_scores(scene["detections"]).dump(1), without_scores(detections).dump(1));
+        // Doubtful answers lower the others of their model; a shard has some that the models of
+        // other shards would explain.
+        for (std::size_t d = 0; d < detections.size(); ++d)
+          EXPECT_NEAR(scene["detections"][d]["score"], detections[d]["score"], 1e-3);
       }
-      ASSERT_EQ(scene["detections"].size(), detections.size());
       for (const json& detection : detections) {
         EXPECT_TRUE(std::ranges::any_of(scene["detections"], [&](const json& other) {
           return is_of_one_object(detection, other);

@@ -143,7 +143,8 @@ TEST(TrainOptionsCheck, NamesTheOptionThatIsOutOfRange) {
   const auto wrong = validate(TrainOptions{.relative_step = 0.5F});
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
-  EXPECT_NE(wrong.error().message.find("relative-step: expected 0.01 to 0.2 [diameter]"), std::string::npos);
+  EXPECT_NE(wrong.error().message.find("relative-step: expected 0.01 to 0.2 [diameter]"),
+            std::string::npos);
   EXPECT_FALSE(validate(TrainOptions{.relative_step = std::nanf("")}));
   EXPECT_FALSE(validate(TrainOptions{.reference_spacing = -1}));
 }

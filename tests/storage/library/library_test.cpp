@@ -275,7 +275,7 @@ TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
   };
   const float nan = std::numeric_limits<float>::quiet_NaN();
   refuses("diameter", [&](Model& m) { m.diameter = nan; });
-  refuses("centre", [&](Model& m) { m.center.x() = nan; });
+  refuses("center", [&](Model& m) { m.center.x() = nan; });
   refuses("vertices[3]", [&](Model& m) { m.vertices.set(3, {0, nan, 0}); });
   refuses("triangles[2]", [](Model& m) { m.triangles.c[2] = 50; });
   refuses("sample_normals", [](Model& m) { m.sample_normals.resize(3); });
