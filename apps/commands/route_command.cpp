@@ -10,7 +10,7 @@ namespace {
 
 using namespace service;
 
-constexpr std::chrono::milliseconds kPollInterval{100};
+constexpr std::chrono::milliseconds kShardInterval{100};
 
 Result<void> route(const RouteSettings& settings, const Context& context) {
   Daemon daemon(settings.listen, settings.max_inflight_mb);
@@ -18,7 +18,7 @@ Result<void> route(const RouteSettings& settings, const Context& context) {
   if (const Result<void> started = daemon.start(router); !started) return started.error();
   context.console.line(
       fmt::format("routing to {} shards on {}", settings.shards.size(), daemon.url()));
-  Daemon::wait(context.stop, kPollInterval);
+  Daemon::wait(context.stop, kShardInterval);
   daemon.drain([&] { router.set_closing(); });
   daemon.tell_end();
   return {};

@@ -349,7 +349,7 @@ std::string camera_in_words(const Subject& subject) {
 
 // Pictures.
 
-struct Plan {
+struct FigurePlan {
   std::vector<Overlay> overlays;
   std::vector<PictureLabel> labels;
 
@@ -360,8 +360,8 @@ struct Plan {
   }
 };
 
-Plan plan_found(const Subject& subject) {
-  Plan plan;
+FigurePlan plan_found(const Subject& subject) {
+  FigurePlan plan;
   for (std::size_t d = 0; d < subject.result.detections.size(); ++d) {
     const Detection& detection = subject.result.detections[d];
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
@@ -372,8 +372,8 @@ Plan plan_found(const Subject& subject) {
   return plan;
 }
 
-Plan plan_rejected(const Subject& subject) {
-  Plan plan;
+FigurePlan plan_rejected(const Subject& subject) {
+  FigurePlan plan;
   for (const Detection& detection : subject.result.detections) {
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
     plan.add(mesh, detection.T_scene_model, kQuiet, kQuiet, true, "");
@@ -407,7 +407,7 @@ class Painter {
       : drawing_(drawing), store_(store), name_(std::move(name)), scene_(std::move(scene)) {}
 
   /// The scan beside what was found; where that is small, the whole scene beside a close-up.
-  Result<std::string> found(const Plan& plan) {
+  Result<std::string> found(const FigurePlan& plan) {
     const Result<ScenePictures> whole = drawing_.draw(plan.overlays);
     if (!whole) return whole.error();
     Result<std::string> scan = view(whole->scan, "scan", "");
@@ -430,7 +430,7 @@ class Painter {
   }
 
   /// As large as they are shown: the whole scene, or a close-up.
-  Result<std::string> rejected(const Plan& plan) {
+  Result<std::string> rejected(const FigurePlan& plan) {
     const Result<ScenePictures> whole = drawing_.draw(plan.overlays);
     if (!whole) return whole.error();
     if (is_small(whole->boxes)) return close_up(plan, "rejected");
@@ -438,7 +438,7 @@ class Painter {
   }
 
  private:
-  Result<std::string> close_up(const Plan& plan, std::string_view kind) {
+  Result<std::string> close_up(const FigurePlan& plan, std::string_view kind) {
     const Result<ScenePictures> close = drawing_.draw_around(plan.overlays);
     if (!close) return close.error();
     return view(close->overlaid, kind, picture_labels(plan.labels, close->boxes));
@@ -469,7 +469,7 @@ Result<std::string> recognition_figure(const RecognitionReport& report, std::siz
     Painter painter(*drawing, store, name, subject.input.file.filename().string());
     found = painter.found(plan_found(subject));
     if (!found) return found.error();
-    const Plan plan = plan_rejected(subject);
+    const FigurePlan plan = plan_rejected(subject);
     if (plan.overlays.size() > subject.result.detections.size()) rejected = painter.rejected(plan);
     if (!rejected) return rejected.error();
   } else if (drawing.error().code == ErrorCode::bad_data) {

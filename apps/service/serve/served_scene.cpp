@@ -87,7 +87,7 @@ std::span<const Option<ServedScene>> options_of<ServedScene>() {
 namespace trivet::apps::service {
 namespace {
 
-constexpr std::uint64_t kMaxPoints = 16'000'000;  // a small body may hold a large image
+constexpr std::uint64_t kMaxScanPoints = 16'000'000;  // a small body may hold a large image
 
 }  // namespace
 
@@ -100,8 +100,9 @@ SceneInput ServedScene::input(LengthUnit library_unit) const {
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
                         const ServedScene& scene) {
-  return read_cloud(bytes, name,
-                    {.camera = scene.camera, .max_points = kMaxPoints, .max_pixels = kMaxPoints});
+  return read_cloud(
+      bytes, name,
+      {.camera = scene.camera, .max_points = kMaxScanPoints, .max_pixels = kMaxScanPoints});
 }
 
 }  // namespace trivet::apps::service
