@@ -1,4 +1,4 @@
-#include "relief.hpp"
+#include "spin_images/relief.hpp"
 
 #include <algorithm>
 #include <cmath>

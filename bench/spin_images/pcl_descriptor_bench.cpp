@@ -4,7 +4,7 @@
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
 
-#include "relief.hpp"
+#include "spin_images/relief.hpp"
 
 namespace trivet::bench {
 namespace {

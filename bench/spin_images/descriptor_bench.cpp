@@ -9,7 +9,7 @@
 #include "engine/progress.hpp"
 #include "kernels/spin_images/feature_forest.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
-#include "relief.hpp"
+#include "spin_images/relief.hpp"
 #include "support/reference_descriptor.hpp"
 
 namespace trivet::bench {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "mesh_input.hpp"
+#include "meshing/mesh_input.hpp"
 #include "rows.hpp"
 
 namespace trivet::bench {

@@ -10,7 +10,7 @@
 #include "kernels/meshing/triangulate_greedy.hpp"
 #include "kernels/meshing/triangulate_grid.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
-#include "mesh_input.hpp"
+#include "meshing/mesh_input.hpp"
 #include "rows.hpp"
 
 namespace trivet::bench {
