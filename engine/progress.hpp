@@ -36,6 +36,9 @@ struct StageTimes {
     }
     seconds.emplace_back(stage, value);
   }
+  void add(const StageTimes& others) {
+    for (const auto& [stage, value] : others.seconds) add(stage, value);
+  }
 };
 
 /// Adds the time that it lives to a stage.

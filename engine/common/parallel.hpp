@@ -4,11 +4,13 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "storage/columns.hpp"
 
@@ -33,6 +35,12 @@ void for_each_index(std::size_t n, Body&& body) {
   for_chunks(n, 1, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) body(i);
   });
+}
+
+/// Call two stages that do not need one another, each when there is a thread for it.
+template <class First, class Second>
+void in_parallel(First&& first, Second&& second) {
+  tbb::parallel_invoke(std::forward<First>(first), std::forward<Second>(second));
 }
 
 /// Working memory that each thread has its own of. It must not carry results from one item to the

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/common/parallel.hpp"
 #include "engine/training/build_pair_table.hpp"
 #include "engine/training/describe_model.hpp"
 #include "engine/training/encode_features.hpp"
@@ -18,6 +19,19 @@ TriSpinFeatures describe(const engine::SurveyedModel& model, const TriSpinBasis&
   const StageTimer timer(times, "describe");
   return engine::encode_features(engine::describe_model(model, {.support = basis.support}), basis,
                                  engine::resolution_for(model.diameter));
+}
+
+/// Models of one step share the scene's samples, with or without a table.
+Result<engine::PairTable> pair_up(const engine::SurveyedModel& model,
+                                  const engine::Symmetries& symmetries, const TrainOptions& options,
+                                  const ModelSource& source, StageTimes& times) {
+  if (options.point_pairs) {
+    return engine::build_pair_table(model, symmetries.exact, engine::pair_table_options(options),
+                                    source, times);
+  }
+  engine::PairTable none;
+  none.view.quantization.distance_step = sampling_step(model.diameter, options.relative_step);
+  return none;
 }
 
 Model assemble(const ModelSource& source, engine::SurveyedModel surveyed,
@@ -57,23 +71,21 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
       engine::survey_model(cloud, source, options.num_samples, stats.times);
   if (!surveyed) return surveyed.error();
   engine::Symmetries symmetries = engine::find_symmetries(*surveyed, source.symmetry, stats.times);
-  engine::PairTable pairs;
-  // Models of one step share the scene's samples, with or without a table.
-  pairs.view.quantization.distance_step = sampling_step(surveyed->diameter, options.relative_step);
-  if (options.point_pairs) {
-    Result<engine::PairTable> built = engine::build_pair_table(
-        *surveyed, symmetries.exact, engine::pair_table_options(options), source, stats.times);
-    if (!built) return built.error();
-    pairs = std::move(*built);
-  }
-  TriSpinFeatures features = describe(*surveyed, basis, stats.times);
+  Result<engine::PairTable> pairs = engine::PairTable{};
+  TriSpinFeatures features;
+  StageTimes pair_times, feature_times;
+  engine::in_parallel([&] { pairs = pair_up(*surveyed, symmetries, options, source, pair_times); },
+                      [&] { features = describe(*surveyed, basis, feature_times); });
+  if (!pairs) return pairs.error();
 
+  stats.times.add(pair_times);
+  stats.times.add(feature_times);
   stats.num_hidden_samples = surveyed->num_hidden();
-  stats.num_ppf_points = pairs.points.size();
-  stats.num_ppf_entries = pairs.view.entries.size();
+  stats.num_ppf_points = pairs->points.size();
+  stats.num_ppf_entries = pairs->view.entries.size();
   stats.num_features = features.size();
   return TrainedModel{assemble(source, std::move(*surveyed), std::move(symmetries),
-                               std::move(pairs), std::move(features)),
+                               std::move(*pairs), std::move(features)),
                       std::move(stats)};
 }
 
