@@ -32,7 +32,9 @@ struct Detection {
   float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
   float violation = 0;          ///< share of what was measured there that the sensor looked through
   float contour = 0;            ///< share of the outline that the scene does not run on beyond
-  float rmse = 0;               ///< across the agreeing surface, in the scene file's unit
+  /// Root mean square of the distances between both surfaces where they agree, in the scene file's
+  /// unit.
+  float rmse = 0;
   kernels::ScoreParts parts{};  ///< what the score is made of
   /// Other poses of the model in this place that the scan cannot tell from this one: with any, the
   /// detection is ambiguous.
@@ -91,7 +93,7 @@ struct SceneStats {
   double total_seconds = 0;
   std::size_t num_points = 0;   ///< finite points of the scene
   std::size_t num_invalid = 0;  ///< dropped when reading
-  float noise = 0;              ///< measured standard deviation of the surface [library unit]
+  float noise = 0;              ///< measured standard deviation of the surface [scene file's unit]
   /// How the scan errs, with lengths in the scene file's unit; none of closed surfaces.
   std::optional<kernels::SensorModel> sensor{};
   std::optional<CameraCheck> camera_check{};  ///< of depth images

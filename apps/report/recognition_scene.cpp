@@ -306,8 +306,7 @@ std::string caption(const Subject& subject) {
                   result.detections.empty() ? "neutral" : "right", result.detections.size());
   if (ambiguous > 0) out += fmt::format("<span class=\"doubtful\">{} ambiguous</span>", ambiguous);
   return out + fmt::format("<span class=\"dim\">{} points, noise {:.3g} {}, {:.2f} s</span>",
-                           result.stats.num_points, result.stats.noise,
-                           unit_name(subject.report.recognizer.library().header.unit),
+                           result.stats.num_points, result.stats.noise, scene_unit(subject),
                            result.stats.total_seconds);
 }
 

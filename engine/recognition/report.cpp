@@ -35,7 +35,7 @@ Detection report_detection(const Library& library, const Candidate& candidate, d
   detection.visible_fraction = e.covered > 0 ? e.consistent / e.covered : 0;
   detection.violation = seen > 0 ? e.violation / seen : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
-  detection.rmse = std::sqrt(e.residual) * candidate.tolerance / static_cast<float>(scene_scale);
+  detection.rmse = std::sqrt(e.mean_square) * candidate.tolerance / static_cast<float>(scene_scale);
   detection.parts = candidate.parts;
   for (const Pose& alternative : candidate.alternatives)
     detection.alternatives.push_back(in_file_unit(alternative, scene_scale));
@@ -99,7 +99,7 @@ SceneResult report(const Library& library, const PreparedScene& scene, SearchRes
       result.claims->poses.push_back(report_claim(library, std::move(claim), place));
   }
   result.stats = std::move(stats);
-  result.stats.noise = scene.sensor.noise;
+  result.stats.noise = scene.sensor.noise / static_cast<float>(scene.scale);
   if (scene.images.size() == 1) result.stats.sensor = in_file_unit(scene.sensor, scene.scale);
   return result;
 }

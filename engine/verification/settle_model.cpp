@@ -209,7 +209,7 @@ class Settling {
     examination.background = static_cast<float>(e.background);
     const float residual = e.rmse() / strict.tolerance;
     const float side = model_.sample_spacing / model_.diameter;
-    examination.residual = residual * residual;
+    examination.mean_square = examination.residual = residual * residual;
     examination.area = examination.consistent * side * side;
 
     // A sample stands for the square of pixels between it and its neighbors.

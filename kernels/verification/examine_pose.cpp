@@ -453,6 +453,7 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
   const auto beyond = [](double squares, float expected) {
     return std::max(0.0F, static_cast<float>(squares) - expected * expected);
   };
+  out.mean_square = static_cast<float>(sums.squares / sums.count);
   out.residual = beyond(sums.squares / sums.count, shared);
   out.smooth = beyond(sums.smooth / sums.count, shared);
   const double slope = sums.slope / std::max(1.0, sums.num_slopes);

@@ -35,9 +35,10 @@ struct Examination {
   /// model, it is buried in what is seen.
   float buried = 0;
 
+  float mean_square = 0;  ///< of the consistent pixels: mean of (r / tolerance)^2, 0..1
   // Of the consistent pixels, less what the correlated noise of the scan makes of them; 0 without
   // any.
-  float residual = 0;  ///< mean of (r / tolerance)^2, 0..1
+  float residual = 0;  ///< mean_square
   float smooth = 0;    ///< the same of residuals that were averaged over their window
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
   float area = 0;      ///< of the model's surface that is seen [squared diameters]

@@ -397,6 +397,8 @@ TEST(ExaminePose, SparesTheWavesOfTheScan) {
   const float squares = 0.25F * kHeight * kHeight / (kTolerance * kTolerance);
   EXPECT_NEAR(unknown.residual, squares, 0.2F * squares);
   EXPECT_LT(known.residual, 0.2F * squares);
+  EXPECT_EQ(known.mean_square, unknown.mean_square) << "is told as it was measured";
+  EXPECT_EQ(unknown.mean_square, unknown.residual);
   EXPECT_LT(known.smooth, 0.1F * unknown.smooth);
   EXPECT_LT(known.slope, 0.5F * unknown.slope);
   EXPECT_EQ(known.consistent, unknown.consistent);
