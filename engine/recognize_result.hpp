@@ -10,6 +10,7 @@
 #include "engine/camera_check.hpp"
 #include "engine/method.hpp"
 #include "engine/progress.hpp"
+#include "engine/scene_view.hpp"
 #include "kernels/scans/sensor_model.hpp"
 #include "kernels/verification/examine_pose.hpp"
 #include "kernels/verification/pose_score.hpp"
@@ -89,6 +90,7 @@ struct SceneClaims {
 };
 
 struct SceneStats {
+  std::optional<SceneView> view{};  ///< what saw the scene; none of too few measurements
   StageTimes times;
   double total_seconds = 0;
   std::size_t num_points = 0;   ///< finite points of the scene

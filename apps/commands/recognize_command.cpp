@@ -13,6 +13,7 @@
 #include "apps/results/camera_words.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
+#include "apps/results/view_words.hpp"
 #include "engine/estimate_camera.hpp"
 
 namespace trivet::apps {
@@ -28,6 +29,10 @@ struct CommandArguments {
 void print_scene(const std::string& file, const SceneResult& result) {
   fmt::print("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points,
              result.stats.total_seconds, result.detections.size());
+  if (result.stats.view) {
+    if (const std::optional<std::string> words = view_words(*result.stats.view))
+      fmt::print("  {}\n", *words);
+  }
   for (const Detection& detection : result.detections) {
     const Eigen::Vector3f t = detection.T_scene_model.translation();
     fmt::print("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n",
@@ -142,7 +147,8 @@ void add_recognize(CLI::App& app, Context& context) {
   command
       ->add_option(
           "--viewpoint", arguments->scenes.viewpoint,
-          "Position x,y,z of the sensor in the scene's frame; default: the file's, else the origin")
+          "Position x,y,z of the sensor in the scene's frame; default: the file's, else where all "
+          "faces of a mesh are seen from, else the origin")
       ->delimiter(',')
       ->expected(3);
   command->add_flag("--estimate-camera", arguments->estimate_camera,

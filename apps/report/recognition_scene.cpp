@@ -15,6 +15,7 @@
 #include "apps/report/html.hpp"
 #include "apps/results/camera_words.hpp"
 #include "apps/results/score_words.hpp"
+#include "apps/results/view_words.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -318,6 +319,13 @@ std::string length_words(const Subject& subject, float length) {
                           : fmt::format("{:.3g} m", in_meters);
 }
 
+/// What was assumed of what saw the scene; empty where the caller or the file said it.
+std::string view_in_words(const Subject& subject) {
+  const std::optional<SceneView>& view = subject.result.stats.view;
+  const std::optional<std::string> words = view ? view_words(*view) : std::nullopt;
+  return words ? fmt::format("<p>The scan was {}.</p>\n", *words) : "";
+}
+
 /// How the scan errs; empty of closed surfaces, which no sensor saw.
 std::string sensor_in_words(const Subject& subject) {
   const std::optional<kernels::SensorModel>& sensor = subject.result.stats.sensor;
@@ -478,12 +486,12 @@ Result<std::string> recognition_figure(const RecognitionReport& report, std::siz
     return drawing.error();
   }
   return fmt::format(
-      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}{}<div "
+      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}{}{}<div "
       "class=\"rejected\">{}<div>{}</div></div>"
       "{}{}</figure>\n",
-      name, caption(subject), sensor_in_words(subject), camera_in_words(subject), *found,
-      found_table(subject), *rejected, rejected_table(subject), parts_table(subject),
-      times_and_counts(subject));
+      name, caption(subject), view_in_words(subject), sensor_in_words(subject),
+      camera_in_words(subject), *found, found_table(subject), *rejected, rejected_table(subject),
+      parts_table(subject), times_and_counts(subject));
 }
 
 }  // namespace trivet::apps

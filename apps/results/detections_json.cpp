@@ -94,6 +94,17 @@ nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& se
           {"edge_pixels", sensor->edge_pixels()}};
 }
 
+/// The viewpoint in the scene file's frame and unit; null of what no one place saw.
+nlohmann::ordered_json view_json(const std::optional<SceneView>& view) {
+  if (!view) return nullptr;
+  nlohmann::ordered_json viewpoint;
+  if (view->viewpoint)
+    viewpoint = {view->viewpoint->x(), view->viewpoint->y(), view->viewpoint->z()};
+  return {{"kind", name_of(view->kind)},
+          {"source", name_of(view->source)},
+          {"viewpoint", std::move(viewpoint)}};
+}
+
 struct StoredScene {
   std::filesystem::path file;
   SceneResult result;
@@ -194,6 +205,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
       {"points", stats.num_points},
       {"invalid_points", stats.num_invalid},
       {"noise", stats.noise},
+      {"view", view_json(stats.view)},
       {"sensor", sensor_json(stats.sensor)},
       {"camera_check", stats.camera_check ? camera_check_json(*stats.camera_check)
                                           : nlohmann::ordered_json(nullptr)},

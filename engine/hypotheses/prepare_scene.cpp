@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "engine/common/parallel.hpp"
+#include "engine/hypotheses/find_view.hpp"
 #include "kernels/common/median.hpp"
-#include "kernels/meshing/boundary_share.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
@@ -215,10 +215,7 @@ void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& opti
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                                   const PrepareOptions& options, PreparedScene& scene) {
-  const Eigen::Vector3f viewpoint =
-      input.viewpoint   ? Eigen::Vector3f(*input.viewpoint * static_cast<float>(input.scale))
-      : cloud.viewpoint ? Eigen::Vector3f(*cloud.viewpoint * static_cast<float>(input.scale))
-                        : Eigen::Vector3f::Zero();
+  const Eigen::Vector3f viewpoint = *scene.view.viewpoint * static_cast<float>(input.scale);
   const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
   if (!view) {
     return Error{ErrorCode::bad_data,
@@ -228,6 +225,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
                              cloud.points.size())};
   }
+  if (!view->scattered) scene.view.kind = SceneKind::image;
   const kernels::ImageGeometry& geometry = view->geometry;
 
   Column<float> footprints;
@@ -361,15 +359,6 @@ void prepare_closed_scene(const Cloud& cloud, const PrepareOptions& options, Pre
   }
 }
 
-/// Whether the scene is a whole surface instead of what a sensor saw from one place.
-bool is_closed(const Cloud& cloud, const SceneInput& input) {
-  if (cloud.camera || cloud.grid || cloud.viewpoint || input.viewpoint || cloud.triangles.empty())
-    return false;
-  // Scanned models have a few holes; a single scan has a long border.
-  constexpr double kMostlyClosed = 0.02;
-  return input.closed_surface || kernels::boundary_share(cloud.triangles) < kMostlyClosed;
-}
-
 }  // namespace
 
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
@@ -385,7 +374,8 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
       for (float& value : column) value *= scale;
     }
   }
-  const bool closed = is_closed(cloud, input);
+  scene.view = find_view(cloud, input);
+  const bool closed = scene.view.kind == SceneKind::surface;
   if (!closed && cloud.points.size() < 50) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected a scan of at least 50 points, found {}",

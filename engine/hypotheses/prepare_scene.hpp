@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/recognize.hpp"
+#include "engine/scene_view.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/scans/find_planes.hpp"
 #include "kernels/scans/range_image.hpp"
@@ -19,6 +20,7 @@ namespace trivet::engine {
 
 /// A scan as images with normals, and as oriented points. Lengths in the library's unit.
 struct PreparedScene {
+  SceneView view;                           ///< what saw it
   std::vector<kernels::RangeImage> images;  ///< one of a sensor; six around a closed surface
   Points points;
   Normals normals;                     ///< towards the sensor or outward; NaN where unknown

@@ -99,6 +99,7 @@ SceneResult report(const Library& library, const PreparedScene& scene, SearchRes
       result.claims->poses.push_back(report_claim(library, std::move(claim), place));
   }
   result.stats = std::move(stats);
+  result.stats.view = scene.view;
   result.stats.noise = scene.sensor.noise / static_cast<float>(scene.scale);
   if (scene.images.size() == 1) result.stats.sensor = in_file_unit(scene.sensor, scene.scale);
   return result;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 
+#include "engine/surface_from_points.hpp"
 #include "engine/train.hpp"
 #include "engine/verification/candidate.hpp"
 #include "kernels/common/pose_math.hpp"
@@ -456,6 +457,20 @@ TEST_F(Recognize, TakesAMovedMeshAsAClosedSurface) {
   const auto result = recognize(recognizer_, scene, {.closed_surface = true}, {});
   ASSERT_TRUE(result) << result.error().message;
   expect_pose(find(*result, "lever"), motion, 0.2F);
+}
+
+// Its border is short beside its many faces, as that of a closed surface.
+TEST_F(Recognize, FindsInATriangulatedScanWhatItFindsInThePoints) {
+  const Result<Surface> surface = surface_from_points(clutter(), "scan");
+  ASSERT_TRUE(surface) << surface.error().message;
+  Cloud mesh;
+  mesh.points = surface->mesh.points;
+  mesh.triangles = surface->mesh.triangles;
+  const auto result = recognize(recognizer_, mesh, {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+  EXPECT_EQ(name_of(result->stats.view->source), "faces");
 }
 
 TEST_F(Recognize, SearchesWithinTheLimitsOnly) {

@@ -1,0 +1,94 @@
+#include "engine/hypotheses/find_view.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <vector>
+
+#include "engine/common/parallel.hpp"
+#include "kernels/meshing/boundary_share.hpp"
+#include "kernels/surfaces/solid_angles.hpp"
+
+namespace trivet::engine {
+namespace {
+
+using Eigen::Vector3d;
+using kernels::SolidAngles;
+
+// A sensor sees no face from behind; noise, and what writers put across the steps of a scan, turn a
+// few. Of a whole surface every other one is turned away.
+constexpr double kTurnedAway = 0.1;
+// Scanned models have a few holes; most single scans have a long border.
+constexpr double kMostlyClosed = 0.02;
+constexpr std::size_t kGrain = 8192;  // triangles a sum
+
+SolidAngles solid_angles(const Cloud& cloud, const Vector3d& eye) {
+  const std::size_t n = cloud.triangles.size();
+  std::vector<SolidAngles> parts((n + kGrain - 1) / kGrain);
+  for_each_index(parts.size(), [&](std::size_t k) {
+    parts[k] = kernels::sum_solid_angles(cloud.points, cloud.triangles, eye, k * kGrain,
+                                         std::min(kGrain, n - k * kGrain));
+  });
+  SolidAngles sum;
+  for (const SolidAngles& part : parts) {
+    sum.front += part.front;
+    sum.back += part.back;
+  }
+  return sum;
+}
+
+/// From the origin, whichever way its writer winds triangles; but not from within, as no sensor
+/// sees more than half of all directions.
+bool seen_from_origin(const Cloud& cloud) {
+  const SolidAngles angles = solid_angles(cloud, Vector3d::Zero());
+  const double all = angles.front + angles.back;
+  return all > 0 && all < 2 * std::numbers::pi &&
+         std::min(angles.front, angles.back) <= kTurnedAway * all;
+}
+
+/// A far place where the triangles point to on average, if they turn their fronts to it.
+std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud) {
+  Vector3d area = Vector3d::Zero();
+  Eigen::AlignedBox3d box;
+  for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
+    const Vector3d a = cloud.points[cloud.triangles.a[t]].cast<double>(),
+                   b = cloud.points[cloud.triangles.b[t]].cast<double>(),
+                   c = cloud.points[cloud.triangles.c[t]].cast<double>();
+    area += (b - a).cross(c - a);
+    box.extend(a).extend(b).extend(c);
+  }
+  if (!(area.norm() > 0)) return std::nullopt;
+  const Vector3d eye = box.center() + 10 * box.diagonal().norm() * area.normalized();
+  const SolidAngles angles = solid_angles(cloud, eye);
+  if (angles.back > kTurnedAway * (angles.front + angles.back)) return std::nullopt;
+  return eye;
+}
+
+SceneView view_of_faces(const Cloud& cloud) {
+  if (seen_from_origin(cloud))
+    return {SceneKind::points, ViewSource::faces, Eigen::Vector3f::Zero()};
+  if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud))
+    return {SceneKind::points, ViewSource::faces, eye->cast<float>()};
+  if (!cloud.grid && kernels::boundary_share(cloud.triangles) < kMostlyClosed)
+    return {SceneKind::surface, ViewSource::faces};
+  return {SceneKind::points, ViewSource::assumed, Eigen::Vector3f::Zero()};
+}
+
+}  // namespace
+
+SceneView find_view(const Cloud& cloud, const SceneInput& input) {
+  const auto seen_from = [](ViewSource source, const Eigen::Vector3f& viewpoint) {
+    return SceneView{SceneKind::points, source, viewpoint};
+  };
+  if (input.viewpoint) return seen_from(ViewSource::given, *input.viewpoint);
+  if (cloud.viewpoint) {
+    return seen_from(cloud.camera ? ViewSource::given : ViewSource::file, *cloud.viewpoint);
+  }
+  if (cloud.camera) return seen_from(ViewSource::given, Eigen::Vector3f::Zero());
+  if (!cloud.triangles.empty()) {
+    if (input.closed_surface && !cloud.grid) return {SceneKind::surface, ViewSource::given};
+    return view_of_faces(cloud);
+  }
+  return seen_from(ViewSource::assumed, Eigen::Vector3f::Zero());
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,97 @@
+#include "engine/hypotheses/find_view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/surface_from_points.hpp"
+#include "kernels/meshing/boundary_share.hpp"
+#include "support/rendered_scene.hpp"
+
+namespace trivet {
+namespace {
+
+using Eigen::Vector3f;
+
+/// Parts before a wall, scanned from the origin, with triangles between neighboring pixels: a mesh
+/// with hardly any border.
+Cloud triangulated_scan() {
+  static const test::Shape bracket = test::bracket(), wall = test::box({-1, -1, 0}, {1, 1, 0.1F});
+  const Cloud scan =
+      test::render_scan({{&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.05F, 0, 0.9F})},
+                         {&wall, test::pose_of({0, 0, 0}, {0, 0, 1.2F})}});
+  const Result<Surface> surface = surface_from_points(scan, "scan");
+  EXPECT_TRUE(surface) << surface.error().message;
+  Cloud mesh;
+  mesh.points = surface->mesh.points;
+  mesh.triangles = surface->mesh.triangles;
+  EXPECT_LT(kernels::boundary_share(mesh.triangles), 0.02);
+  return mesh;
+}
+
+Cloud moved(Cloud cloud, const Pose& motion) {
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.points.set(i, motion * cloud.points[i]);
+  return cloud;
+}
+
+Cloud wound_the_other_way(Cloud cloud) {
+  std::swap(cloud.triangles.b, cloud.triangles.c);
+  return cloud;
+}
+
+void expect_view(const SceneView& view, SceneKind kind, ViewSource source,
+                 const std::optional<Vector3f>& viewpoint) {
+  EXPECT_EQ(name_of(view.kind), name_of(kind));
+  EXPECT_EQ(name_of(view.source), name_of(source));
+  EXPECT_EQ(view.viewpoint, viewpoint);
+}
+
+TEST(FindView, TakesATriangulatedScanAsSeenFromTheOrigin) {
+  const Cloud scan = triangulated_scan();
+  expect_view(engine::find_view(scan, {}), SceneKind::points, ViewSource::faces, Vector3f::Zero());
+  expect_view(engine::find_view(wound_the_other_way(scan), {}), SceneKind::points,
+              ViewSource::faces, Vector3f::Zero());
+}
+
+TEST(FindView, FindsWhereATriangulatedScanThatWasMovedIsSeenFrom) {
+  const Pose motion = test::pose_of({0.4F, -1.2F, 2}, {0.1F, 0.2F, 0});
+  const Cloud scan = moved(triangulated_scan(), motion * Eigen::Translation3f(0, 0, -1.2F));
+  const SceneView view = engine::find_view(scan, {});
+  EXPECT_EQ(view.kind, SceneKind::points);
+  EXPECT_EQ(view.source, ViewSource::faces);
+  ASSERT_TRUE(view.viewpoint);
+  const Vector3f towards = (*view.viewpoint - motion.translation()).normalized();
+  EXPECT_GT(towards.dot(motion.linear() * -Vector3f::UnitZ()), 0.98F);
+}
+
+TEST(FindView, TakesAClosedMeshAsAWholeSurfaceWhereverItIs) {
+  const Cloud lever = test::cloud_of(test::lever());
+  for (const Vector3f& place : {Vector3f(0, 0, 0), Vector3f(0, 0, 1), Vector3f(3, -200, 5)}) {
+    const Cloud there = moved(lever, test::pose_of({1, 0.2F, -0.4F}, place));
+    expect_view(engine::find_view(there, {}), SceneKind::surface, ViewSource::faces, std::nullopt);
+    expect_view(engine::find_view(wound_the_other_way(there), {}), SceneKind::surface,
+                ViewSource::faces, std::nullopt);
+  }
+}
+
+TEST(FindView, BelievesTheCallerThenTheFile) {
+  Cloud lever = test::cloud_of(test::lever());
+  expect_view(engine::find_view(lever, {.closed_surface = true}), SceneKind::surface,
+              ViewSource::given, std::nullopt);
+  lever.viewpoint = Vector3f(0, 0, 2);
+  expect_view(engine::find_view(lever, {.closed_surface = true}), SceneKind::points,
+              ViewSource::file, Vector3f(0, 0, 2));
+  expect_view(engine::find_view(lever, {.viewpoint = Vector3f(1, 2, 3)}), SceneKind::points,
+              ViewSource::given, Vector3f(1, 2, 3));
+}
+
+TEST(FindView, AssumesTheOriginForPoints) {
+  Cloud points = triangulated_scan();
+  points.triangles = {};
+  expect_view(engine::find_view(points, {}), SceneKind::points, ViewSource::assumed,
+              Vector3f::Zero());
+}
+
+}  // namespace
+}  // namespace trivet
