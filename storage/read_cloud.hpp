@@ -23,9 +23,9 @@ struct ReadOptions {
 /// Read a PLY, PCD, OBJ, STL, OFF, XYZ/TXT or 16-bit depth PNG file, chosen by its extension.
 ///
 /// Points with a non-finite coordinate are dropped and counted; triangles that use one go with
-/// them. Polygons are split into fans, tristrips into triangles. Values are converted to float;
-/// coordinates beyond 1e7, and clouds too far from the origin for float to tell their points apart,
-/// are refused.
+/// them. Polygons become triangles that cover them, also concave ones and those with bridged holes;
+/// tristrips become theirs. Values are converted to float; coordinates beyond 1e7, and clouds too
+/// far from the origin for float to tell their points apart, are refused.
 /// Errors: missing_input, io, bad_data (file, line or byte, expected, found, what to do).
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
 

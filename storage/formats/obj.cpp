@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/faces.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -39,6 +40,7 @@ class ObjReader {
                                 fmt::format("the face names vertex {}, but the file has {}",
                                             highest_.index + 1, cloud_.points.size()));
     }
+    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
     if (!paired_ || cloud_.normals.size() != cloud_.points.size()) cloud_.normals = {};
     return std::move(cloud_);
   }
@@ -76,9 +78,8 @@ class ObjReader {
 
   /// A corner is "v", "v/vt", "v//vn" or "v/vt/vn".
   Result<void> read_face() {
-    std::uint32_t first = 0, previous = 0;
-    std::size_t seen = 0;
-    for (auto corner = word(); !corner.empty() && corner[0] != '#'; corner = word(), ++seen) {
+    faces_.begin();
+    for (auto corner = word(); !corner.empty() && corner[0] != '#'; corner = word()) {
       const auto slash = corner.find('/');
       const std::int64_t vertex = resolve(corner.substr(0, slash), cloud_.points.size());
       if (vertex < 0) {
@@ -92,10 +93,7 @@ class ObjReader {
         const auto normal = corner.substr(corner.find('/', slash + 1) + 1);
         if (resolve(normal, cloud_.normals.size()) != vertex) paired_ = false;
       }
-      const auto index = static_cast<std::uint32_t>(vertex);
-      if (seen == 0) first = index;
-      if (seen >= 2) cloud_.triangles.push_back(first, previous, index);
-      previous = index;
+      faces_.add(static_cast<std::uint32_t>(vertex));
     }
     return {};
   }
@@ -103,6 +101,7 @@ class ObjReader {
   const Input& input_;
   TextCursor cursor_;
   Cloud cloud_;
+  Faces faces_;
   Highest highest_;
   bool paired_ = true;  // every corner has the normal with the index of its vertex
 };

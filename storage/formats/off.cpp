@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/faces.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -55,6 +56,7 @@ class OffReader {
 
     if (auto done = read_vertices(*vertices, keyword->has_normals); !done) return done.error();
     if (auto done = read_faces(*faces); !done) return done.error();
+    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
     return std::move(cloud_);
   }
 
@@ -121,17 +123,14 @@ class OffReader {
       const auto size_word = next_word();
       const auto size = read_count(size_word);
       if (!size) return refuse("the number of a face's corners", size_word);
-      std::uint32_t first = 0, previous = 0;
+      faces_.begin();
       for (std::uint64_t corner = 0; corner < *size; ++corner) {
         const auto found = word();
         const auto value = parse_integer(found).value_or(-1);
         if (value < 0 || static_cast<std::uint64_t>(value) >= cloud_.points.size()) {
           return refuse(fmt::format("the index of a vertex below {}", cloud_.points.size()), found);
         }
-        const auto index = static_cast<std::uint32_t>(value);
-        if (corner == 0) first = index;
-        if (corner >= 2) cloud_.triangles.push_back(first, previous, index);
-        previous = index;
+        faces_.add(static_cast<std::uint32_t>(value));
       }
     }
     return {};
@@ -141,6 +140,7 @@ class OffReader {
   TextCursor cursor_;
   bool in_comment_ = false;
   Cloud cloud_;
+  Faces faces_;
 };
 
 }  // namespace

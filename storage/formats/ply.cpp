@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/faces.hpp"
 #include "storage/formats/ply_header.hpp"
 #include "storage/formats/readers.hpp"
 
@@ -158,25 +159,22 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
   return {};
 }
 
-/// Fans of triangles around the first vertex of each polygon.
-Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t list, Cloud& cloud) {
-  std::uint32_t first = 0, previous = 0;
-  std::uint64_t seen = 0;
-  return read_index_lists(
+/// Polygons.
+Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t list,
+                        const Input& input, Cloud& cloud) {
+  Faces faces;
+  auto done = read_index_lists(
       body, element, list,
       [&](std::uint64_t, std::uint64_t) {
-        seen = 0;
+        faces.begin();
         return true;
       },
       [&](double value) {
         const auto index = to_index(value, cloud.points.size());
-        if (!index) return false;
-        if (seen == 0) first = *index;
-        if (seen >= 2) cloud.triangles.push_back(first, previous, *index);
-        previous = *index;
-        ++seen;
-        return true;
+        if (index) faces.add(*index);
+        return index.has_value();
       });
+  return done ? std::move(faces).put_into(cloud, input) : done;
 }
 
 /// Strips: each vertex makes a triangle with the two before it, every second one turned round;
@@ -312,7 +310,7 @@ Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHea
   if (element.name == "vertex") return read_vertices(body, element, input, cloud);
   if (element.name == "camera" && element.count == 1) return read_viewpoint(body, element, cloud);
   if (const auto list = index_list_of(element)) {
-    if (element.name == "face") return read_faces(body, element, *list, cloud);
+    if (element.name == "face") return read_faces(body, element, *list, input, cloud);
     if (element.name == "tristrips") return read_strips(body, element, *list, cloud);
     if (element.name == "range_grid") return read_range_grid(body, element, *list, header, cloud);
   }

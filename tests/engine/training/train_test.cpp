@@ -9,6 +9,7 @@
 #include "kernels/common/pose_math.hpp"
 #include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
+#include "support/polygon_mesh.hpp"
 #include "support/random.hpp"
 #include "support/random_model.hpp"
 #include "support/rendered_scene.hpp"
@@ -42,6 +43,24 @@ TEST(TrainModel, KnowsWhichPosesLookAlike) {
   ASSERT_TRUE(trained) << trained.error().message;
   ASSERT_EQ(trained->model.near_symmetries.size(), 1U);
   EXPECT_LT(trained->model.near_symmetries[0].linear()(2, 2), -0.99F) << "end for end";
+}
+
+TEST(TrainModel, FindsTheSymmetriesOfPolygonsAsOfTriangles) {
+  const test::TempDir folder;
+  const auto trained_from = [&](bool triangulated) {
+    const test::PolygonMesh gear = test::extruded(test::gear_outline(12), 0.4, triangulated);
+    const Result<Cloud> cloud = read_cloud(folder.write("gear.obj", gear.obj()));
+    EXPECT_TRUE(cloud) << cloud.error().message;
+    return train_model(*cloud, {"gear", "gear.obj", 1, {}}, {});
+  };
+  const auto polygons = trained_from(false), triangles = trained_from(true);
+  ASSERT_TRUE(polygons && triangles);
+  EXPECT_EQ(triangles->model.symmetry.poses.size(), 23U) << "twelve turns, either end up";
+  EXPECT_EQ(polygons->model.symmetry.poses.size(), triangles->model.symmetry.poses.size());
+  const auto num_points = [](const Result<TrainedModel>& trained) {
+    return static_cast<double>(trained->model.ppf_points.size());
+  };
+  EXPECT_NEAR(num_points(polygons) / num_points(triangles), 1, 0.05);
 }
 
 TEST(TrainModel, StartsPairsAtPointsThatTheSpacingKeepsApart) {

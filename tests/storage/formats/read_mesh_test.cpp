@@ -3,6 +3,7 @@
 
 #include "storage/read_cloud.hpp"
 #include "support/geometry_files.hpp"
+#include "support/polygon_mesh.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {
@@ -39,6 +40,41 @@ TEST_F(ReadMesh, GivesTheSameSquareFromEveryFormat) {
     EXPECT_EQ(cloud->triangles.b[1], 2U);
     EXPECT_EQ(cloud->triangles.c[1], 3U);
     EXPECT_EQ(cloud->normals.empty(), file.name.ends_with(".stl"));
+  }
+}
+
+double area_of(const Cloud& cloud) {
+  double sum = 0;
+  for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
+    const Eigen::Vector3d a = cloud.points[cloud.triangles.a[t]].cast<double>();
+    const Eigen::Vector3d b = cloud.points[cloud.triangles.b[t]].cast<double>();
+    const Eigen::Vector3d c = cloud.points[cloud.triangles.c[t]].cast<double>();
+    sum += (b - a).cross(c - a).norm() / 2;
+  }
+  return sum;
+}
+
+TEST_F(ReadMesh, GivesConcavePolygonsTheirAreaFromEveryFormat) {
+  const test::Outline2d gear = test::gear_outline(24);
+  test::Outline2d bore;
+  for (int i = 0; i < 24; ++i) {
+    const double angle = -2 * std::numbers::pi * i / 24;
+    bore.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle));
+  }
+  const test::Outline2d with_bore = test::bridged(gear, 0, bore);
+  for (const test::Outline2d& outline : {gear, with_bore}) {
+    double around = 0;
+    for (std::size_t i = 0; i < outline.size(); ++i)
+      around += (outline[(i + 1) % outline.size()] - outline[i]).norm();
+    const double area = 2 * test::shoelace(outline) + 0.4 * around;
+    const test::PolygonMesh mesh = test::extruded(outline, 0.4);
+    for (const auto& [name, text] :
+         {std::pair("gear.obj", mesh.obj()), std::pair("gear.off", mesh.off()),
+          std::pair("gear.ply", mesh.ply())}) {
+      const auto cloud = read(name, text);
+      ASSERT_TRUE(cloud) << cloud.error().message;
+      EXPECT_NEAR(area_of(*cloud), area, 1e-6 * area) << name;
+    }
   }
 }
 

@@ -1,0 +1,200 @@
+#include "storage/formats/split_polygon.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace trivet::formats {
+namespace {
+
+using Corner = SplitScratch::Corner;
+
+/// A fan covers its polygon if its triangles' areas add up to the polygon's, within this share: six
+/// digits of a coordinate are what text files keep.
+constexpr double kFanExcess = 1e-6;
+
+/// Twice the signed area of a triangle.
+double area_of(const Corner& a, const Corner& b, const Corner& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// Lay the polygon into the plane, counterclockwise; gives twice its area. Of the three axes the one
+/// nearest to its normal is left out: in the other two, corners that coincide or lie in line along
+/// an axis do so exactly. Normal: Newell's sum over the edges.
+double lay_out(PointsView points, std::span<const std::uint32_t> indices,
+               std::vector<Corner>& corners) {
+  const Eigen::Vector3d first = points[indices[0]].cast<double>();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t i = 1; i + 1 < indices.size(); ++i) {
+    normal += (points[indices[i]].cast<double>() - first)
+                  .cross(points[indices[i + 1]].cast<double>() - first);
+  }
+  Eigen::Index dropped = 0;
+  normal.cwiseAbs().maxCoeff(&dropped);
+  Eigen::Index right = (dropped + 1) % 3, up = (dropped + 2) % 3;
+  if (normal[dropped] < 0) std::swap(right, up);
+
+  const auto n = static_cast<std::uint32_t>(indices.size());
+  corners.assign(n, {});
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Eigen::Vector3f p = points[indices[i]];
+    corners[i] = {p[right], p[up], (i + n - 1) % n, (i + 1) % n, false, false};
+  }
+  return std::abs(normal[dropped]);
+}
+
+/// What the triangles' areas add up to, twice, whichever way they face.
+double covered_area(std::span<const Corner> corners, std::span<const CornerTriangle> triangles) {
+  double sum = 0;
+  for (const CornerTriangle& t : triangles) {
+    sum += std::abs(area_of(corners[t.a], corners[t.b], corners[t.c]));
+  }
+  return sum;
+}
+
+void fan(std::span<CornerTriangle> out) {
+  for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = {0, i + 1, i + 2};
+}
+
+/// Cuts corners off an outline until a triangle is left. The triangles' signed areas always add up
+/// to the polygon's, so they cover it exactly if none is turned over.
+class EarClipper {
+ public:
+  EarClipper(SplitScratch& scratch, std::uint64_t& steps)
+      : corners_(scratch.corners), waiting_(scratch.waiting), steps_(steps) {
+    double largest = 0;
+    for (const Corner& c : corners_) largest = std::max({largest, std::abs(c.x), std::abs(c.y)});
+    rounding_ = 4 * largest * std::numeric_limits<float>::epsilon();
+    for (std::uint32_t i = 0; i < corners_.size(); ++i) judge(i);
+  }
+
+  /// False when the steps did not suffice.
+  bool clip(std::span<CornerTriangle> out) {
+    // Numerical degeneracy and outlines that cross themselves can leave no ear: then less is asked.
+    for (const Demand demand : {Demand::ear, Demand::rounded_ear, Demand::convex, Demand::none}) {
+      if (!clip_while(demand, out)) return false;
+    }
+    assert(cut_ == out.size() && "the last demand is met by every corner");
+    return true;
+  }
+
+ private:
+  enum class Demand {
+    ear,          ///< a triangle with no other corner in it, or no area by exact arithmetic
+    rounded_ear,  ///< the same within the rounding of the coordinates
+    convex,       ///< a triangle that is not turned over
+    none
+  };
+
+  bool clip_while(Demand demand, std::span<CornerTriangle> out) {
+    waiting_.clear();
+    for (std::uint32_t i = 0; i < corners_.size(); ++i) {
+      if (!corners_[i].is_cut) waiting_.push_back(i);
+    }
+    // First come, first served: neighbors in turn would make slivers. A cut changes its neighbors
+    // alone, so only these are asked again.
+    for (std::size_t k = 0; k < waiting_.size() && cut_ < out.size(); ++k) {
+      const std::uint32_t tip = waiting_[k];
+      if (corners_[tip].is_cut || !meets(demand, tip)) continue;
+      if (steps_ == 0) return false;
+      out[cut_++] = {corners_[tip].previous, tip, corners_[tip].next};
+      cut(tip);
+    }
+    return steps_ > 0;
+  }
+
+  void cut(std::uint32_t tip) {
+    const std::uint32_t previous = corners_[tip].previous, next = corners_[tip].next;
+    corners_[tip].is_cut = true;
+    corners_[previous].next = next;
+    corners_[next].previous = previous;
+    for (const std::uint32_t neighbor : {previous, next}) {
+      judge(neighbor);
+      waiting_.push_back(neighbor);
+    }
+  }
+
+  void judge(std::uint32_t i) {
+    Corner& corner = corners_[i];
+    corner.is_reflex = !(area_of(corners_[corner.previous], corner, corners_[corner.next]) > 0);
+  }
+
+  bool meets(Demand demand, std::uint32_t tip) {
+    const Corner& b = corners_[tip];
+    const Corner &a = corners_[b.previous], &c = corners_[b.next];
+    const double area = area_of(a, b, c);
+    switch (demand) {
+      case Demand::ear:
+        return area > 0 ? is_empty(tip, 0) : area == 0 && turns_back(a, b, c);
+      case Demand::rounded_ear: {
+        const double length = std::hypot(b.x - a.x, b.y - a.y) + std::hypot(c.x - b.x, c.y - b.y);
+        return std::abs(area) <= rounding_ * length || (area > 0 && is_empty(tip, rounding_));
+      }
+      case Demand::convex:
+        return area >= 0;
+      case Demand::none:
+        break;
+    }
+    return true;
+  }
+
+  static bool same_place(const Corner& a, const Corner& b) { return a.x == b.x && a.y == b.y; }
+
+  /// Whether corners in line repeat a place or run back the way they came, as bridges do whose hole
+  /// is filled; else they pass straight on.
+  static bool turns_back(const Corner& a, const Corner& b, const Corner& c) {
+    return (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y) >= 0;
+  }
+
+  /// Whether no corner lies in the triangle of this tip, by more than `margin` where that is above
+  /// zero. If any does, a reflex one does. Those at the triangle's own corners are the other ends of
+  /// bridges and do not count.
+  bool is_empty(std::uint32_t tip, double margin) {
+    const Corner& b = corners_[tip];
+    const Corner &a = corners_[b.previous], &c = corners_[b.next];
+    const auto reach = [margin](const Corner& from, const Corner& to) {
+      return margin * std::hypot(to.x - from.x, to.y - from.y);
+    };
+    const double ab = reach(a, b), bc = reach(b, c), ca = reach(c, a);
+    const double low_x = std::min({a.x, b.x, c.x}), high_x = std::max({a.x, b.x, c.x});
+    const double low_y = std::min({a.y, b.y, c.y}), high_y = std::max({a.y, b.y, c.y});
+    for (std::uint32_t i = c.next; i != b.previous; i = corners_[i].next) {
+      if (steps_ == 0) return false;
+      --steps_;
+      const Corner& p = corners_[i];
+      if (!p.is_reflex || p.x < low_x || p.x > high_x || p.y < low_y || p.y > high_y) continue;
+      if (same_place(p, a) || same_place(p, b) || same_place(p, c)) continue;
+      const double pab = area_of(a, b, p), pbc = area_of(b, c, p), pca = area_of(c, a, p);
+      const bool inside =
+          margin > 0 ? pab > ab && pbc > bc && pca > ca : pab >= 0 && pbc >= 0 && pca >= 0;
+      if (inside) return false;
+    }
+    return true;
+  }
+
+  std::vector<Corner>& corners_;
+  std::vector<std::uint32_t>& waiting_;
+  std::uint64_t& steps_;
+  double rounding_ = 0;
+  std::size_t cut_ = 0;
+};
+
+}  // namespace
+
+bool split_polygon(PointsView points, std::span<const std::uint32_t> corners, SplitScratch& scratch,
+                   std::uint64_t& steps, std::span<CornerTriangle> out) {
+  assert(corners.size() >= 3 && out.size() == corners.size() - 2 && "n - 2 triangles");
+  const double area = lay_out(points, corners, scratch.corners);
+  fan(out);
+  const double of_fan = covered_area(scratch.corners, out);
+  // Also without area, and with corners that are not finite.
+  if (!(of_fan > (1 + kFanExcess) * area)) return true;
+
+  const bool sufficed = EarClipper(scratch, steps).clip(out);
+  if (!sufficed || !(covered_area(scratch.corners, out) < of_fan)) fan(out);
+  return sufficed;
+}
+
+}  // namespace trivet::formats
