@@ -20,7 +20,8 @@ struct ReadOptions {
   std::uint64_t max_pixels = 64'000'000;      ///< larger depth images are refused before decoding
 };
 
-/// Read a PLY, PCD, OBJ, STL, OFF, XYZ/TXT or 16-bit depth PNG file, chosen by its extension.
+/// Read a PLY, PCD, OBJ, STL, OFF, text (.xyz .txt .asc .csv .pts) or 16-bit depth PNG file, chosen
+/// by its extension. Text may begin with a byte-order mark of UTF-8, and its lines end in any way.
 ///
 /// Points with a non-finite coordinate are dropped and counted; triangles that use one go with
 /// them. Polygons become triangles that cover them, also concave ones and those with bridged holes;
@@ -35,7 +36,7 @@ Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem
                          const ReadOptions& options = {});
 
 /// Whether the extension is one that read_cloud knows (case-insensitive). Depth images are
-/// excluded, and so is .txt, as the text files of a folder are mostly notes.
+/// excluded, and so are .txt and .csv: such files of a folder are mostly notes and tables.
 bool is_cloud_file(const std::filesystem::path& file);
 
 /// Points, with normals and triangles where there are any, as the bytes of a binary little-endian

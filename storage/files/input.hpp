@@ -30,14 +30,18 @@ struct Input {
     return std::min<std::uint64_t>(options.max_points, std::numeric_limits<std::int32_t>::max());
   }
 
-  /// bad_data: "FILE: what", "FILE, line 12: what".
+  /// bad_data: "FILE: what", "FILE, line 12: what" (counted from 1).
   Error refuse(std::string_view what) const;
   Error refuse_line(std::size_t line, std::string_view what) const;
+  /// "FILE, byte 120: what", counted from 0.
+  Error refuse_byte(std::uint64_t byte, std::string_view what) const;
   /// The refusal of more points than allowed.
   Error refuse_count(std::uint64_t num_points) const;
 };
 
 /// A piece of the file for an error message: in quotes, shortened, unprintable bytes replaced.
 std::string quote(std::string_view text);
+/// The same of a word of text; an empty one stands for "the end of the line".
+std::string quote_word(std::string_view word);
 
 }  // namespace trivet::formats

@@ -9,6 +9,7 @@
 
 #include "storage/file.hpp"
 #include "storage/files/input.hpp"
+#include "storage/files/looks_like.hpp"
 
 namespace trivet {
 namespace {
@@ -31,11 +32,17 @@ Matrix3d nearest_rotation(const Matrix3d& m) {
 }  // namespace
 
 void JsonNode::refuse(std::string_view what) const {
-  const std::string found = value_->is_structured() ? value_->type_name()
-                            : value_->is_string()   ? value_->get<std::string>()
-                                                    : value_->dump();
-  throw JsonFault{fmt::format("{}: {}, found {}", path_.empty() ? "the document" : path_, what,
-                              formats::quote(found))};
+  const std::string found = value_->is_object()  ? "an object"
+                            : value_->is_array() ? fmt::format("an array of {}", value_->size())
+                            : value_->is_string()
+                                ? formats::quote(value_->get_ref<const std::string&>())
+                                : formats::quote(value_->dump());
+  refuse(what, found);
+}
+
+void JsonNode::refuse(std::string_view what, std::string_view found) const {
+  throw JsonFault{
+      fmt::format("{}: {}, found {}", path_.empty() ? "the document" : path_, what, found)};
 }
 
 const JsonNode& JsonNode::object() const {
@@ -49,8 +56,19 @@ bool JsonNode::has(std::string_view key) const {
 }
 
 JsonNode JsonNode::at(std::string_view key) const {
-  if (!has(key)) refuse(fmt::format("expected an object with \"{}\"", key));
+  if (!has(key)) refuse(fmt::format("expected \"{}\"", key), names_of_members());
   return {*value_->find(key), fmt::format("{}{}{}", path_, path_.empty() ? "" : ".", key)};
+}
+
+std::string JsonNode::names_of_members() const {
+  constexpr std::size_t kMost = 8;
+  std::string names;
+  std::size_t count = 0;
+  for (const auto& [key, value] : object().value_->items()) {
+    if (++count > kMost) return names + ", ...";
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", formats::quote(key));
+  }
+  return names.empty() ? "an empty object" : names;
 }
 
 std::vector<JsonNode> JsonNode::elements() const {
@@ -235,6 +253,9 @@ Result<void> with_json(std::span<const std::byte> bytes, const std::string& name
   } catch (const JsonFault& fault) {
     return refuse(fault.message);
   } catch (const nlohmann::json::parse_error& fault) {
+    if (const formats::Appearance found = formats::looks_like(bytes);
+        found && found.extension != ".json")
+      return refuse(fmt::format("expected JSON, found {}", found.what));
     return refuse(
         fmt::format("no JSON from byte {} on; the file is damaged or something else", fault.byte));
   } catch (const nlohmann::json::exception& fault) {

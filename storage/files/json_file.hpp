@@ -58,9 +58,14 @@ class JsonNode {
   /// {"fx", "fy", "cx", "cy"} or {"cam_K": 9 numbers}, and "depth_scale" (1 if absent).
   Camera camera() const;
 
+  /// "PATH: what, found ...": the value itself, unless `found` says what.
   [[noreturn]] void refuse(std::string_view what) const;
+  [[noreturn]] void refuse(std::string_view what, std::string_view found) const;
 
  private:
+  /// "a", "b": to be told beside the name that is not among them.
+  std::string names_of_members() const;
+
   const nlohmann::json* value_;
   std::string path_;
 };

@@ -9,7 +9,8 @@
 
 namespace trivet::formats {
 
-/// Walks over text word by word. Lines end with \n or \r\n.
+/// Walks over text word by word. Lines end with \n or \r\n; with \r alone where the first one does.
+/// The byte-order mark of UTF-8 is skipped.
 class TextCursor {
  public:
   /// Words are separated by blanks and by any of `more_separators`.
@@ -21,6 +22,8 @@ class TextCursor {
   std::string_view next_word() noexcept;
   /// Go behind the next line break; false when there is none.
   bool next_line() noexcept;
+  /// The rest of this line without its break; the cursor stays.
+  std::string_view rest_of_line() const noexcept;
 
   std::size_t line() const noexcept { return line_; }  ///< counted from 1
   std::size_t position() const noexcept { return static_cast<std::size_t>(at_ - begin_); }
@@ -28,6 +31,7 @@ class TextCursor {
 
  private:
   const char *begin_, *at_, *end_;
+  char break_ = '\n';
   std::size_t line_ = 1;
   std::array<bool, 256> separates_{};
 };

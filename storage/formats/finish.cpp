@@ -50,6 +50,7 @@ Result<Cloud> finish(Cloud cloud, const Input& input) {
   const std::size_t num_read = cloud.points.size();
   drop_invalid(cloud);
   if (cloud.points.empty() && cloud.grid) return cloud;  // the sensor measured nothing
+  if (num_read == 0) return input.refuse("expected at least one point, found none");
   if (cloud.points.empty()) {
     return input.refuse(
         fmt::format("expected at least one point, found {} of which none is finite", num_read));

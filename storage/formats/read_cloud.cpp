@@ -9,6 +9,7 @@
 
 #include "storage/file.hpp"
 #include "storage/files/input.hpp"
+#include "storage/files/looks_like.hpp"
 #include "storage/formats/finish.hpp"
 #include "storage/formats/readers.hpp"
 
@@ -20,10 +21,11 @@ struct Format {
   Result<Cloud> (*read)(const formats::Input&);
 };
 
-constexpr Format kFormats[] = {{".ply", formats::read_ply}, {".pcd", formats::read_pcd},
-                               {".obj", formats::read_obj}, {".stl", formats::read_stl},
-                               {".off", formats::read_off}, {".xyz", formats::read_xyz},
-                               {".txt", formats::read_xyz}, {".png", formats::read_depth_png}};
+constexpr Format kFormats[] = {
+    {".ply", formats::read_ply}, {".pcd", formats::read_pcd},      {".obj", formats::read_obj},
+    {".stl", formats::read_stl}, {".off", formats::read_off},      {".xyz", formats::read_xyz},
+    {".txt", formats::read_xyz}, {".asc", formats::read_xyz},      {".csv", formats::read_xyz},
+    {".pts", formats::read_xyz}, {".png", formats::read_depth_png}};
 
 const Format* format_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -34,24 +36,35 @@ const Format* format_of(const std::filesystem::path& file) {
   return nullptr;
 }
 
+/// A file that is plainly something else is refused as what it is, not by the first of its bytes
+/// that is out of place.
+Error explain(Error error, const Format& format, const formats::Input& input) {
+  const formats::Appearance found = formats::looks_like(input.bytes);
+  if (!found || found.extension == format.extension) return error;
+  return input.refuse(fmt::format("expected a {} file, found {}{}{}", format.extension, found.what,
+                                  found.advice.empty() ? "" : "; ", found.advice));
+}
+
 }  // namespace
 
 bool is_cloud_file(const std::filesystem::path& file) {
   const Format* const format = format_of(file);
-  return format && format->extension != ".png" && format->extension != ".txt";
+  return format && format->extension != ".png" && format->extension != ".txt" &&
+         format->extension != ".csv";
 }
 
 Result<Cloud> formats::read(const Input& input) {
   const Format* const format = format_of(input.file);
   if (!format) {
-    return input.refuse(
-        fmt::format("expected one of .ply .pcd .obj .stl .off .xyz .txt .png, found {}",
-                    quote(input.file.extension().string())));
+    return input.refuse(fmt::format(
+        "expected one of .ply .pcd .obj .stl .off .xyz .txt .asc .csv .pts .png, found {}",
+        quote(input.file.filename().string())));
   }
   if (input.bytes.empty()) return input.refuse("the file is empty");
   try {
     auto cloud = format->read(input);
-    return cloud ? finish(*std::move(cloud), input) : cloud.error();
+    if (cloud) cloud = finish(*std::move(cloud), input);
+    return cloud ? std::move(cloud) : explain(cloud.error(), *format, input);
   } catch (const std::bad_alloc&) {
     return input.refuse("needs more memory than there is");
   } catch (const std::length_error&) {

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "storage/file.hpp"
+#include "storage/files/looks_like.hpp"
 #include "storage/library.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/stored_tree.hpp"
@@ -307,9 +308,10 @@ Result<void> check_superblock(const fs::path& file, std::span<const std::byte> b
 
   if (bytes.size() < sizeof(kSignature) ||
       std::memcmp(bytes.data(), kSignature, sizeof(kSignature)) != 0) {
+    const formats::Appearance found = formats::looks_like(bytes);
     return bad(
-        "expected a model library (HDF5), found another kind of file; make one with `trivet "
-        "train`");
+        fmt::format("expected a model library (HDF5), found {}; make one with `trivet train`",
+                    found ? found.what : "another kind of file"));
   }
   if (bytes.size() < kSize)
     return bad(fmt::format("truncated: expected at least {} bytes, found {}", kSize, bytes.size()));

@@ -104,8 +104,7 @@ TEST_F(ReadManifest, NamesThePathOfWhatIsWrong) {
   expect_refused(R"({"models": {}})", "\"unit\"");
   expect_refused(R"({"unit": "inch"})", "unit: expected the unit");
   expect_refused(R"({"unit": "m", "models": []})", "models: expected an object");
-  expect_refused(R"({"unit": "m", "models": {"ant": {}}})",
-                 "models.ant: expected an object with \"file\"");
+  expect_refused(R"({"unit": "m", "models": {"ant": {}}})", "models.ant: expected \"file\", found");
   expect_refused(R"({"unit": "m", "models": {"../ant": {"file": "a"}}})", "expected a name");
   expect_refused(R"({"unit": "m", "models": {"ant": {"file": "a"}, "ant": {"file": "b"}}})",
                  "twice");

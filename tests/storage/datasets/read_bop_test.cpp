@@ -246,7 +246,7 @@ TEST_F(ReadBop, NamesThePathOfWhatIsWrong) {
            R"(, "inst_count": 1})";
   };
   const std::string targets = "test_targets_bop19.json";
-  expect_refused(targets, "[{}]", "[0]: expected an object with \"scene_id\"");
+  expect_refused(targets, "[{}]", "[0]: expected \"scene_id\", found an empty object");
   expect_refused(targets, "[" + target("-1", "2") + "]", "[0].im_id: expected a whole number");
   expect_refused(targets, "[" + target("3", "2") + ", " + target("3", "2") + "]", "[1]: expected");
 }

@@ -138,9 +138,10 @@ TEST_F(HostileCloud, OnlyRegularFilesAreOpened) {
 }
 
 TEST_F(HostileCloud, ExtensionsAreKnownInAnyCase) {
-  for (const char* name : {"a.ply", "a.PLY", "b.Stl", "c.obj", "d.off", "e.pcd", "f.xyz"})
+  for (const char* name :
+       {"a.ply", "a.PLY", "b.Stl", "c.obj", "d.off", "e.pcd", "f.xyz", "g.pts", "h.asc"})
     EXPECT_TRUE(is_cloud_file(name)) << name;
-  for (const char* name : {"a.png", "README.txt", "ply", ".ply", "a.ply.gz", "a"})
+  for (const char* name : {"a.png", "README.txt", "a.csv", "ply", ".ply", "a.ply.gz", "a"})
     EXPECT_FALSE(is_cloud_file(name)) << name;
 }
 

@@ -129,7 +129,7 @@ TEST_F(LibraryDamageTest, RefusesWhatIsNoLibrary) {
   expect_refused("another kind of file");
   const std::string text = "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
   write_file(text);
-  expect_refused("another kind of file");
+  expect_refused("found a PLY file");
 
   fs::remove(file());
   expect_refused("", ErrorCode::missing_input);
