@@ -20,26 +20,40 @@ struct Target {
   std::span<float> column;
 };
 
+/// One point a line.
 Result<void> read_ascii(const Input& input, const PcdHeader& header,
                         std::span<const Target> targets) {
   std::vector<float*> column_of(header.point_columns, nullptr);
   for (const Target& target : targets) column_of[target.field->column] = target.column.data();
 
   TextCursor cursor(input.text().substr(header.body_begin));
+  const auto refuse = [&](std::string_view expected, std::string_view found) {
+    return input.refuse_line(
+        header.body_line + cursor.line() - 1,
+        fmt::format(
+            "expected {}, found {}", expected,
+            found.empty() && cursor.remaining() == 0 ? "the end of the file" : quote_word(found)));
+  };
   for (std::uint64_t i = 0; i < header.num_points; ++i) {
-    for (float* const column : column_of) {
-      const auto word = cursor.next_word();
-      const auto number = column ? parse_number(word) : 0.0;
+    for (std::size_t c = 0; c < column_of.size(); ++c) {
+      const auto word = c == 0 ? cursor.next_word() : cursor.word();
+      const auto number = column_of[c] ? parse_number(word) : 0.0;
       if (word.empty() || !number) {
-        return input.refuse_line(
-            header.body_line + cursor.line() - 1,
-            fmt::format("point {} of {}: expected a number, found {}", i, header.num_points,
-                        word.empty() ? "the end of the file" : quote(word)));
+        return refuse(
+            fmt::format("{} numbers as point {} of {}", column_of.size(), i, header.num_points),
+            word);
       }
-      if (column) column[i] = to_float(*number);
+      if (column_of[c]) column_of[c][i] = to_float(*number);
+    }
+    if (const auto word = cursor.word(); !word.empty()) {
+      return refuse(
+          fmt::format("the end of the line behind the {} numbers of point {}", column_of.size(), i),
+          word);
     }
   }
-  return {};
+  const auto word = cursor.next_word();
+  if (word.empty()) return {};
+  return refuse(fmt::format("the end of the file behind {} points", header.num_points), word);
 }
 
 /// Value i of a field lies at first + i * stride.
@@ -72,7 +86,8 @@ Result<void> read_compressed(const Input& input, const PcdHeader& header,
   const CompressedSizes sizes(body);
   std::vector<std::byte> bytes(sizes.unpacked);
   if (!decompress_lzf(body.subspan(CompressedSizes::kBytes, sizes.packed), bytes)) {
-    return input.refuse(
+    return input.refuse_byte(
+        header.body_begin,
         fmt::format("the {} compressed bytes do not unpack to {}; the file is damaged",
                     sizes.packed, sizes.unpacked));
   }
@@ -83,23 +98,33 @@ Result<void> read_compressed(const Input& input, const PcdHeader& header,
   return {};
 }
 
+std::string names_of(const PcdHeader& header) {
+  std::string names;
+  for (const PcdField& field : header.fields)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", quote(field.name));
+  return names;
+}
+
 /// Whether the body can hold what the header announces, before memory is taken for it.
 Result<void> check_body(const Input& input, const PcdHeader& header) {
   const auto body = input.bytes.subspan(header.body_begin);
   if (header.encoding == PcdEncoding::binary_compressed) {
     if (body.size() < CompressedSizes::kBytes) {
-      return input.refuse("expected two sizes behind the header; the file is truncated");
+      return input.refuse_byte(header.body_begin,
+                               "expected two sizes behind the header; the file is truncated");
     }
     const CompressedSizes sizes(body);
     if (sizes.packed > body.size() - CompressedSizes::kBytes) {
-      return input.refuse(
+      return input.refuse_byte(
+          header.body_begin,
           fmt::format("expected {} compressed bytes, found {}; the file is truncated", sizes.packed,
                       body.size() - CompressedSizes::kBytes));
     }
     // Divided, as the product could overflow.
     if (sizes.unpacked / header.point_bytes != header.num_points ||
         sizes.unpacked % header.point_bytes != 0 || sizes.unpacked > sizes.packed * kMaxLzfRatio) {
-      return input.refuse(
+      return input.refuse_byte(
+          header.body_begin,
           fmt::format("expected {} points of {} bytes, found {} bytes, compressed to {}",
                       header.num_points, header.point_bytes, sizes.unpacked, sizes.packed));
     }
@@ -109,7 +134,8 @@ Result<void> check_body(const Input& input, const PcdHeader& header) {
   const bool ascii = header.encoding == PcdEncoding::ascii;
   const std::uint64_t point_bytes = ascii ? 2 * header.point_columns : header.point_bytes;
   if (header.num_points > (body.size() + (ascii ? 1 : 0)) / point_bytes) {
-    return input.refuse(
+    return input.refuse_byte(
+        header.body_begin,
         fmt::format("expected {} points of {} bytes or more, found {} bytes behind the "
                     "header; the file is truncated",
                     header.num_points, point_bytes, body.size()));
@@ -127,7 +153,8 @@ Result<Cloud> read_pcd(const Input& input) {
   const std::array normal{header->find("normal_x"), header->find("normal_y"),
                           header->find("normal_z")};
   if (!position[0] || !position[1] || !position[2]) {
-    return input.refuse("expected the fields x, y and z with a COUNT of 1, found no such three");
+    return input.refuse(fmt::format("expected the fields x, y and z with a COUNT of 1, found {}",
+                                    names_of(*header)));
   }
   if (auto held = check_body(input, *header); !held) return held.error();
 
@@ -157,7 +184,7 @@ Result<Cloud> read_pcd(const Input& input) {
   }
   if (!done) return done.error();
 
-  const bool organized = header->height > 1;
+  const bool organized = header->width > 1 && header->height > 1;
   if (organized) {
     cloud.grid = PixelGrid{static_cast<std::uint32_t>(header->width),
                            static_cast<std::uint32_t>(header->height),

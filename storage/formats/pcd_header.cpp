@@ -31,11 +31,22 @@ std::optional<Scalar> scalar_of(std::string_view type, std::string_view size) {
   return {};
 }
 
+/// In any case: some writers put capitals.
+std::optional<PcdEncoding> encoding_named(std::string_view name) {
+  std::string lower(name);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (lower == "ascii") return PcdEncoding::ascii;
+  if (lower == "binary") return PcdEncoding::binary;
+  if (lower == "binary_compressed") return PcdEncoding::binary_compressed;
+  return {};
+}
+
 /// The words of the header's lines, as they stand there.
 struct Lines {
   std::vector<std::string_view> fields, sizes, types, counts, viewpoint;
   std::optional<std::int64_t> width, height, points;
   std::string_view data;
+  std::size_t data_line = 0;
 };
 
 Result<void> lay_out_fields(const Input& input, const Lines& lines, PcdHeader& header) {
@@ -103,16 +114,13 @@ Result<PcdHeader> make_header(const Input& input, const Lines& lines, const Text
   }
   if (!header.viewpoint.allFinite()) return input.refuse("VIEWPOINT: expected finite numbers");
 
-  if (lines.data == "ascii") {
-    header.encoding = PcdEncoding::ascii;
-  } else if (lines.data == "binary") {
-    header.encoding = PcdEncoding::binary;
-  } else if (lines.data == "binary_compressed") {
-    header.encoding = PcdEncoding::binary_compressed;
-  } else {
-    return input.refuse(fmt::format("expected DATA ascii, binary or binary_compressed, found {}",
-                                    quote(lines.data)));
+  const auto encoding = encoding_named(lines.data);
+  if (!encoding) {
+    return input.refuse_line(
+        lines.data_line, fmt::format("expected DATA ascii, binary or binary_compressed, found {}",
+                                     quote_word(lines.data)));
   }
+  header.encoding = *encoding;
   header.body_begin = cursor.position();
   header.body_line = cursor.line();
   return header;
@@ -133,7 +141,7 @@ Result<PcdHeader> parse_pcd_header(const Input& input) {
   Lines lines;
   do {
     const std::string_view key = cursor.word();
-    if (key == "FIELDS")
+    if (key == "FIELDS" || key == "COLUMNS")  // COLUMNS before version 0.7
       lines.fields = words_of(cursor);
     else if (key == "SIZE")
       lines.sizes = words_of(cursor);
@@ -151,6 +159,7 @@ Result<PcdHeader> parse_pcd_header(const Input& input) {
       lines.points = parse_integer(cursor.word()).value_or(-1);
     else if (key == "DATA") {
       lines.data = cursor.word();
+      lines.data_line = cursor.line();
       if (!cursor.next_line())
         return input.refuse("the file ends behind the header; it is truncated");
       return make_header(input, lines, cursor);

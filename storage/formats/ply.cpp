@@ -13,7 +13,8 @@
 namespace trivet::formats {
 namespace {
 
-/// The values behind the header, one after the other, whatever the encoding.
+/// The values behind the header, one after the other, whatever the encoding. In text, each row of an
+/// element is a line.
 class PlyBody {
  public:
   PlyBody(const Input& input, const PlyHeader& header)
@@ -22,14 +23,35 @@ class PlyBody {
         text_(input.text().substr(header.body_begin)),
         order_(header.encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little),
         ascii_(header.encoding == PlyEncoding::ascii),
+        first_byte_(header.body_begin),
         first_line_(header.body_line) {}
+
+  void begin_row() noexcept { row_begins_ = true; }
+  /// Of text: an error where the line goes on.
+  Result<void> end_row(const PlyElement& element, std::uint64_t row) {
+    const auto word = ascii_ ? text_.word() : std::string_view{};
+    if (word.empty()) return {};
+    fault_ = quote(word);
+    return fault(element, row, "the end of the line behind the values that the header names");
+  }
+  /// Of text: an error where more follows than the header announces.
+  Result<void> end() {
+    const auto word = ascii_ ? text_.next_word() : std::string_view{};
+    if (word.empty()) return {};
+    return refuse(
+        fmt::format("expected the end of the file behind the rows that the header "
+                    "announces, found {}",
+                    quote(word)));
+  }
 
   /// False at the end of the file or where there is no number; fault() then says so.
   bool read(Scalar type, double& value) {
     if (ascii_) {
-      const auto word = text_.next_word();
+      const auto word = row_begins_ ? text_.next_word() : text_.word();
+      row_begins_ = false;
       const auto number = parse_number(word);
-      if (!number) fault_ = word.empty() ? "the end of the file" : quote(word);
+      if (!number)
+        fault_ = text_.remaining() == 0 && word.empty() ? "the end of the file" : quote_word(word);
       value = number.value_or(0);
       return number.has_value();
     }
@@ -63,7 +85,7 @@ class PlyBody {
   }
   Error refuse(std::string_view what) const {
     return ascii_ ? input_.refuse_line(first_line_ + text_.line() - 1, what)
-                  : input_.refuse(fmt::format("{} bytes before the end, {}", remaining(), what));
+                  : input_.refuse_byte(first_byte_ + at_, what);
   }
 
  private:
@@ -75,8 +97,8 @@ class PlyBody {
   std::span<const std::byte> bytes_;
   TextCursor text_;
   std::endian order_;
-  bool ascii_;
-  std::size_t first_line_;
+  bool ascii_, row_begins_ = true;
+  std::size_t first_byte_, first_line_;
   std::size_t at_ = 0;
   std::string fault_;
 };
@@ -112,6 +134,7 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
                           std::span<float* const> columns) {
   if (element.properties.empty()) return {};  // any number of rows without a byte
   for (std::uint64_t row = 0; row < element.count; ++row) {
+    body.begin_row();
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       if (!columns[p]) {
         if (auto skipped = skip_property(body, element, row, element.properties[p]); !skipped) {
@@ -124,6 +147,7 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
         return body.fault(element, row, "a number");
       columns[p][row] = to_float(value);
     }
+    if (auto ended = body.end_row(element, row); !ended) return ended;
   }
   return {};
 }
@@ -134,6 +158,7 @@ template <class Begin, class Take>
 Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::size_t list,
                               Begin&& begin, Take&& take) {
   for (std::uint64_t row = 0; row < element.count; ++row) {
+    body.begin_row();
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (p != list) {
@@ -155,6 +180,7 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
         }
       }
     }
+    if (auto ended = body.end_row(element, row); !ended) return ended;
   }
   return {};
 }
@@ -232,7 +258,7 @@ Result<void> read_range_grid(PlyBody& body, const PlyElement& element, std::size
         if (index) grid.point_index[pixel] = static_cast<std::int32_t>(*index);
         return index.has_value();
       });
-  if (done) cloud.grid = std::move(grid);
+  if (done && grid.width > 1 && grid.height > 1) cloud.grid = std::move(grid);
   return done;
 }
 
@@ -263,7 +289,6 @@ void send(const std::array<std::size_t, 3>& properties, const PlyElement& elemen
 
 Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input& input,
                            Cloud& cloud) {
-  if (element.count > input.max_points()) return input.refuse_count(element.count);
   const auto position = find_three(element, {"x", "y", "z"});
   if (!position) {
     return input.refuse(
@@ -290,31 +315,65 @@ Result<void> read_viewpoint(PlyBody& body, const PlyElement& element, Cloud& clo
   return done;
 }
 
+/// The list of vertex indices, under any of the names that writers give it.
 std::optional<std::size_t> index_list_of(const PlyElement& element) {
+  constexpr std::array<std::string_view, 4> kNames{"vertex_indices", "vertex_index",
+                                                   "vertex_indexes", "vertices"};
   for (std::size_t p = 0; p < element.properties.size(); ++p) {
     const PlyProperty& property = element.properties[p];
-    const bool named = property.name == "vertex_indices" || property.name == "vertex_index";
+    const bool named = std::find(kNames.begin(), kNames.end(), property.name) != kNames.end();
     if (property.count_type && named) return p;
   }
   return {};
 }
 
+/// The names of its properties, for a message.
+std::string names_of(const PlyElement& element) {
+  std::string names;
+  for (const PlyProperty& property : element.properties) {
+    names += fmt::format("{}{}{}", names.empty() ? "" : ", ", property.count_type ? "list " : "",
+                         quote(property.name));
+  }
+  return names.empty() ? "no property" : names;
+}
+
+/// What is made of an element other than the vertices: triangles, a grid, the sensor or nothing.
+enum class Role { other, camera, face, tristrips, range_grid };
+
+Role role_of(const PlyElement& element) {
+  if (element.count == 0) return Role::other;
+  if (element.name == "camera" && element.count == 1) return Role::camera;
+  if (element.name == "face") return Role::face;
+  if (element.name == "tristrips") return Role::tristrips;
+  if (element.name == "range_grid") return Role::range_grid;
+  return Role::other;
+}
+
+Result<void> check_room(const PlyBody& body, const PlyElement& element) {
+  if (body.can_hold(element)) return {};
+  return body.refuse(
+      fmt::format("expected {} rows of element {}, which do not fit into the rest "
+                  "of the file; it is truncated or its header is wrong",
+                  element.count, quote(element.name)));
+}
+
 Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHeader& header,
                           const Input& input, Cloud& cloud) {
-  if (!body.can_hold(element)) {
-    return body.refuse(
-        fmt::format("expected {} rows of element {}, which do not fit into the rest "
-                    "of the file; it is truncated or its header is wrong",
-                    element.count, quote(element.name)));
-  }
+  if (auto held = check_room(body, element); !held) return held;
   if (element.name == "vertex") return read_vertices(body, element, input, cloud);
-  if (element.name == "camera" && element.count == 1) return read_viewpoint(body, element, cloud);
-  if (const auto list = index_list_of(element)) {
-    if (element.name == "face") return read_faces(body, element, *list, input, cloud);
-    if (element.name == "tristrips") return read_strips(body, element, *list, cloud);
-    if (element.name == "range_grid") return read_range_grid(body, element, *list, header, cloud);
+  const Role role = role_of(element);
+  if (role == Role::camera) return read_viewpoint(body, element, cloud);
+  if (role == Role::other) {
+    return read_scalars(body, element, std::vector<float*>(element.properties.size(), nullptr));
   }
-  return read_scalars(body, element, std::vector<float*>(element.properties.size(), nullptr));
+  const auto list = index_list_of(element);
+  if (!list) {
+    return input.refuse(fmt::format("expected a list vertex_indices in the element {}, found {}",
+                                    quote(element.name), names_of(element)));
+  }
+  if (role == Role::face) return read_faces(body, element, *list, input, cloud);
+  if (role == Role::tristrips) return read_strips(body, element, *list, cloud);
+  return read_range_grid(body, element, *list, header, cloud);
 }
 
 }  // namespace
@@ -322,13 +381,19 @@ Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHea
 Result<Cloud> read_ply(const Input& input) {
   const auto header = parse_ply_header(input);
   if (!header) return header.error();
-  if (!header->find("vertex")) return input.refuse("expected an element vertex, found none");
+  const PlyElement* const vertex = header->find("vertex");
+  if (!vertex) return input.refuse("expected an element vertex, found none");
 
   Cloud cloud;
   PlyBody body(input, *header);
+  // Faces may come before the vertices that they name.
+  if (auto held = check_room(body, *vertex); !held) return held.error();
+  if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
+  cloud.points.resize(vertex->count);
   for (const PlyElement& element : header->elements) {
     if (auto done = read_element(body, element, *header, input, cloud); !done) return done.error();
   }
+  if (auto ended = body.end(); !ended) return ended.error();
   return cloud;
 }
 

@@ -62,7 +62,7 @@ Result<PlyHeader> parse_ply_header(const Input& input) {
   TextCursor cursor(text);
   if (const auto magic = cursor.word(); magic != "ply") {
     return input.refuse(
-        fmt::format("expected a PLY file, which begins with \"ply\", found {}", quote(magic)));
+        fmt::format("expected a PLY file, which begins with \"ply\", found {}", quote_word(magic)));
   }
 
   PlyHeader header;
@@ -80,7 +80,7 @@ Result<PlyHeader> parse_ply_header(const Input& input) {
         return refuse(
             fmt::format("expected the format ascii, binary_little_endian or "
                         "binary_big_endian, found {}",
-                        quote(name)));
+                        quote_word(name)));
       }
       header.encoding = *encoding;
       has_format = true;
@@ -89,8 +89,8 @@ Result<PlyHeader> parse_ply_header(const Input& input) {
       const auto count_word = cursor.word();
       const auto count = parse_integer(count_word);
       if (name.empty() || !count || *count < 0) {
-        return refuse(fmt::format("expected \"element NAME COUNT\", found {} {}", quote(name),
-                                  quote(count_word)));
+        return refuse(fmt::format("expected \"element NAME COUNT\", found {} {}", quote_word(name),
+                                  quote_word(count_word)));
       }
       if (header.find(name))
         return refuse(fmt::format("element {} is declared twice", quote(name)));

@@ -66,13 +66,41 @@ TEST_F(ReadPcd, TakesAnyFieldOrderTypeAndCount) {
 TEST_F(ReadPcd, TakesAZeroViewpointOnlyFromAnOrganizedCloud) {
   const std::string row = "VIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n0 0 1\n1 0 1\n";
   const auto plain = read(kFields + "WIDTH 2\nHEIGHT 1\n" + row),
-             organized = read(kFields + "WIDTH 1\nHEIGHT 2\n" + row);
+             organized = read(kFields + "WIDTH 2\nHEIGHT 2\n" + row + "0 1 1\n1 1 1\n");
   const auto placed =
       read(kFields + "WIDTH 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 2\nDATA ascii\n0 0 1\n1 0 1\n");
   ASSERT_TRUE(plain && organized && placed);
   EXPECT_FALSE(plain->viewpoint);
   EXPECT_EQ(organized->viewpoint, Vector(0, 0, 0));
   EXPECT_EQ(placed->viewpoint, Vector(1, 2, 3));
+}
+
+TEST_F(ReadPcd, TakesOneColumnOfPixelsForNoGrid) {
+  const std::string rows = "VIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n0 0 1\n1 0 1\n";
+  for (const char* size : {"WIDTH 1\nHEIGHT 2\n", "WIDTH 2\nHEIGHT 1\n"}) {
+    const auto cloud = read(kFields + size + rows);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_FALSE(cloud->grid) << size;
+    EXPECT_FALSE(cloud->viewpoint) << size;
+  }
+}
+
+TEST_F(ReadPcd, TakesTheOldNameOfFieldsAndCapitals) {
+  const auto cloud =
+      read("COLUMNS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ASCII\n1 2 3\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->points[0], Vector(1, 2, 3));
+}
+
+TEST_F(ReadPcd, TakesOnePointALineInText) {
+  const std::string header = kFields + "WIDTH 2\nHEIGHT 1\nDATA ascii\n";
+  EXPECT_TRUE(is_refused(read(header + "0 0 1 9\n1 0 1 9\n"),
+                         "line 9: expected the end of the line behind the 3 numbers of point 0"));
+  EXPECT_TRUE(is_refused(read(header + "0 0 1\n1 0\n1\n"),
+                         "line 10: expected 3 numbers as point 1 of 2, found the end of the line"));
+  EXPECT_TRUE(read(header + "0 0 1\n\n1 0 1 \n"));
+  EXPECT_TRUE(is_refused(read(header + "0 0 1\n1 0 1\n2 0 1\n"),
+                         "line 11: expected the end of the file behind 2 points"));
 }
 
 TEST_F(ReadPcd, RefusesHeadersThatLie) {
@@ -89,7 +117,7 @@ TEST_F(ReadPcd, RefusesHeadersThatLie) {
   EXPECT_TRUE(is_refused(sized("-1", "1", "-1"), "less than zero"));
   EXPECT_TRUE(is_refused(sized("2", "2", "5"), "WIDTH x HEIGHT"));
   EXPECT_TRUE(is_refused(sized("many", "1", "1"), "less than zero"));
-  EXPECT_TRUE(is_refused(sized("0", "1", "0"), "at least one point"));
+  EXPECT_TRUE(is_refused(sized("0", "1", "0"), "the end of the file behind 0 points"));
   EXPECT_TRUE(is_refused(read("FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\n" + body),
                          "x, y and z"));
   EXPECT_TRUE(
@@ -102,7 +130,7 @@ TEST_F(ReadPcd, RefusesHeadersThatLie) {
   EXPECT_TRUE(is_refused(read(kFields + "WIDTH 1\nPOINTS 1\nDATA zipped\n0 0 0\n"), "zipped"));
   EXPECT_TRUE(is_refused(read(kFields + "WIDTH 1\nPOINTS 1\n"), "DATA"));
   EXPECT_TRUE(is_refused(read(kFields + "WIDTH 1\nPOINTS 1\nDATA ascii\n0 0 oops\n"),
-                         "line 9: point 0 of 1"));
+                         "line 9: expected 3 numbers as point 0 of 1, found \"oops\""));
 }
 
 TEST_F(ReadPcd, RefusesCompressedBodiesThatLie) {

@@ -145,10 +145,77 @@ TEST_F(ReadPly, NamesTheLineAndTheWordThatIsWrong) {
   const std::string header = "ply\nformat ascii 1.0\nelement vertex 2\n" + kXyz + "end_header\n";
   EXPECT_TRUE(is_refused(read(header + "0 0 0\n1 1 abc\n"),
                          "line 9: \"vertex\" 1 of 2: expected a number, found \"abc\""));
-  EXPECT_TRUE(is_refused(read(header + "0 0 0\n10 100\n"), "the end of the file"));
+  EXPECT_TRUE(
+      is_refused(read(header + "0 0 0\n10 100\n"),
+                 "line 9: \"vertex\" 1 of 2: expected a number, found the end of the line"));
+  EXPECT_TRUE(is_refused(read(header + "0 0 0\n10 100"), "found the end of the file"));
   EXPECT_TRUE(is_refused(read("ply\nformat ascii 1.0\nelephant\n"), "line 3"));
   EXPECT_TRUE(is_refused(read("ply\nformat ascii 2\xFF\x1B[31m\n"), "end_header"));
   EXPECT_TRUE(is_refused(read("PLY\n"), "begins with \"ply\""));
+}
+
+TEST_F(ReadPly, TakesOneRowALineInText) {
+  const std::string header = "ply\nformat ascii 1.0\nelement vertex 3\n" + kXyz;
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  EXPECT_TRUE(is_refused(read(header + "end_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n"),
+                         "line 8: \"vertex\" 0 of 3: expected the end of the line"));
+  EXPECT_TRUE(is_refused(read(header + faces + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255\n"),
+                         "line 13: \"face\" 0 of 1: expected the end of the line"));
+  EXPECT_TRUE(
+      is_refused(read(header + "end_header\n0 0\n0 1 0\n0 0 1 0\n0 0 0\n"),
+                 "line 8: \"vertex\" 0 of 3: expected a number, found the end of the line"));
+  EXPECT_TRUE(is_refused(read(header + "end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"),
+                         "line 11: expected the end of the file"));
+  EXPECT_TRUE(read(header + faces + "\n0 0 0 \n\n1 0 0\r\n0 1 0\n3 0 1 2\n \n"));
+}
+
+TEST_F(ReadPly, TakesFacesUnderAnyNameThatWritersGiveTheirCorners) {
+  const auto named = [&](const std::string& name) {
+    return read("ply\nformat ascii 1.0\nelement vertex 3\n" + kXyz + "element face 1\n" +
+                "property uchar red\nproperty list uchar int " + name +
+                "\nend_header\n0 0 0\n1 0 0\n0 1 0\n9 3 0 1 2\n");
+  };
+  for (const char* name : {"vertex_index", "vertex_indices", "vertex_indexes", "vertices"}) {
+    const auto cloud = named(name);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->triangles.size(), 1U) << name;
+  }
+  EXPECT_TRUE(
+      is_refused(named("corners"), "in the element \"face\", found \"red\", list \"corners\""));
+}
+
+TEST_F(ReadPly, TakesFacesBeforeTheirVertices) {
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+  const std::string ascii = "ply\nformat ascii 1.0\n" + faces + "element vertex 3\n" + kXyz;
+  const auto text = read(ascii + "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n");
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_EQ(text->triangles.c, (Column<std::uint32_t>{2}));
+  EXPECT_EQ(text->points[2], Vector(0, 1, 0));
+  const auto binary = read("ply\nformat binary_little_endian 1.0\n" + faces + "element vertex 3\n" +
+                           kXyz + "end_header\n" + little(std::uint8_t{3}) + little({0, 1, 2}) +
+                           little({0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F}));
+  ASSERT_TRUE(binary) << binary.error().message;
+  EXPECT_EQ(binary->triangles.c, (Column<std::uint32_t>{2}));
+  EXPECT_TRUE(
+      is_refused(read(ascii + "end_header\n3 0 1 3\n0 0 0\n1 0 0\n0 1 0\n"), "names vertex 3"));
+}
+
+TEST_F(ReadPly, NamesTheByteThatIsWrong) {
+  const std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n" + kXyz +
+                             "element face 1\nproperty list uchar int vertices\nend_header\n";
+  const std::string bytes = header + little({0.F, 0.F, 0.F}) + little(std::uint8_t{1}) + little(7);
+  EXPECT_TRUE(is_refused(read(bytes), "byte " + std::to_string(bytes.size()) + ": \"face\" 0"));
+}
+
+TEST_F(ReadPly, TakesARowOfPixelsForNoGrid) {
+  const auto cloud = read(
+      "ply\nformat ascii 1.0\nobj_info num_cols 1\nobj_info num_rows 2\n"
+      "element vertex 2\n" +
+      kXyz +
+      "element range_grid 2\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0\n1 0 0\n1 0\n1 1\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_FALSE(cloud->grid);
 }
 
 TEST_F(ReadPly, RefusesHeadersThatLie) {
