@@ -187,20 +187,18 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
 
 /// Polygons.
 Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t list,
-                        const Input& input, Cloud& cloud) {
-  Faces faces;
-  auto done = read_index_lists(
+                        std::size_t num_vertices, Faces& faces) {
+  return read_index_lists(
       body, element, list,
       [&](std::uint64_t, std::uint64_t) {
         faces.begin();
         return true;
       },
       [&](double value) {
-        const auto index = to_index(value, cloud.points.size());
+        const auto index = to_index(value, num_vertices);
         if (index) faces.add(*index);
         return index.has_value();
       });
-  return done ? std::move(faces).put_into(cloud, input) : done;
 }
 
 /// Strips: each vertex makes a triangle with the two before it, every second one turned round;
@@ -358,7 +356,7 @@ Result<void> check_room(const PlyBody& body, const PlyElement& element) {
 }
 
 Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHeader& header,
-                          const Input& input, Cloud& cloud) {
+                          const Input& input, Faces& faces, Cloud& cloud) {
   if (auto held = check_room(body, element); !held) return held;
   if (element.name == "vertex") return read_vertices(body, element, input, cloud);
   const Role role = role_of(element);
@@ -371,7 +369,7 @@ Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHea
     return input.refuse(fmt::format("expected a list vertex_indices in the element {}, found {}",
                                     quote(element.name), names_of(element)));
   }
-  if (role == Role::face) return read_faces(body, element, *list, input, cloud);
+  if (role == Role::face) return read_faces(body, element, *list, cloud.points.size(), faces);
   if (role == Role::tristrips) return read_strips(body, element, *list, cloud);
   return read_range_grid(body, element, *list, header, cloud);
 }
@@ -385,15 +383,18 @@ Result<Cloud> read_ply(const Input& input) {
   if (!vertex) return input.refuse("expected an element vertex, found none");
 
   Cloud cloud;
+  Faces faces;
   PlyBody body(input, *header);
   // Faces may come before the vertices that they name.
   if (auto held = check_room(body, *vertex); !held) return held.error();
   if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
   cloud.points.resize(vertex->count);
   for (const PlyElement& element : header->elements) {
-    if (auto done = read_element(body, element, *header, input, cloud); !done) return done.error();
+    auto done = read_element(body, element, *header, input, faces, cloud);
+    if (!done) return done.error();
   }
   if (auto ended = body.end(); !ended) return ended.error();
+  if (auto split = std::move(faces).put_into(cloud, input); !split) return split.error();
   return cloud;
 }
 

@@ -60,21 +60,29 @@ struct PolygonMesh {
     return text;
   }
   std::string off() const {
-    return fmt::format("OFF\n{} {} 0\n", vertices.size(), faces.size()) + rows();
+    return fmt::format("OFF\n{} {} 0\n", vertices.size(), faces.size()) + rows_of_vertices() +
+           rows_of_faces();
   }
-  std::string ply() const {
-    return fmt::format(
-               "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
-               "property float z\nelement face {}\nproperty list int int vertex_indices\n"
-               "end_header\n",
-               vertices.size(), faces.size()) +
-           rows();
+  std::string ply(bool faces_first = false) const {
+    const std::string vertex =
+        fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n",
+                    vertices.size());
+    const std::string face =
+        fmt::format("element face {}\nproperty list int int vertex_indices\n", faces.size());
+    return "ply\nformat ascii 1.0\n" + (faces_first ? face + vertex : vertex + face) +
+           "end_header\n" +
+           (faces_first ? rows_of_faces() + rows_of_vertices()
+                        : rows_of_vertices() + rows_of_faces());
   }
 
  private:
-  std::string rows() const {
+  std::string rows_of_vertices() const {
     std::string text;
     for (const auto& v : vertices) text += fmt::format("{} {} {}\n", v.x(), v.y(), v.z());
+    return text;
+  }
+  std::string rows_of_faces() const {
+    std::string text;
     for (const auto& face : faces) {
       text += fmt::format("{}", face.size());
       for (const auto i : face) text += fmt::format(" {}", i);

@@ -70,7 +70,7 @@ TEST_F(ReadMesh, GivesConcavePolygonsTheirAreaFromEveryFormat) {
     const test::PolygonMesh mesh = test::extruded(outline, 0.4);
     for (const auto& [name, text] :
          {std::pair("gear.obj", mesh.obj()), std::pair("gear.off", mesh.off()),
-          std::pair("gear.ply", mesh.ply())}) {
+          std::pair("gear.ply", mesh.ply()), std::pair("faces_first.ply", mesh.ply(true))}) {
       const auto cloud = read(name, text);
       ASSERT_TRUE(cloud) << cloud.error().message;
       EXPECT_NEAR(area_of(*cloud), area, 1e-6 * area) << name;
