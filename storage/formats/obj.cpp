@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "storage/files/text.hpp"
@@ -21,18 +23,27 @@ struct Highest {
   }
 };
 
+/// What stands beside vertices, normals and faces. Of names: groups and looks. Of numbers: texture
+/// coordinates, points, lines, curves, and what describes curves and surfaces without being one.
+constexpr std::string_view kNames[] = {"g",      "o",      "usemtl",     "mtllib",
+                                       "usemap", "maplib", "shadow_obj", "trace_obj"};
+constexpr std::string_view kNumbers[] = {
+    "vt",       "vp",       "p",      "l",   "s",    "mg",    "bevel", "lod",   "end",
+    "c_interp", "d_interp", "cstype", "deg", "bmat", "step",  "curv",  "curv2", "parm",
+    "trim",     "hole",     "scrv",   "sp",  "con",  "ctech", "stech", "res",   "cdc"};
+constexpr std::string_view kFreeForm[] = {"surf", "bsp", "bzp", "cdp"};
+
+bool is_among(std::string_view key, std::span<const std::string_view> keys) {
+  return std::ranges::find(keys, key) != keys.end();
+}
+
 class ObjReader {
  public:
   explicit ObjReader(const Input& input) : input_(input), cursor_(input.text()) {}
 
   Result<Cloud> read() {
     do {
-      const auto key = cursor_.word();
-      Result<void> done;
-      if (key == "v") done = read_vector(cloud_.points);
-      if (key == "vn") done = read_vector(cloud_.normals);
-      if (key == "f") done = read_face();
-      if (!done) return done.error();
+      if (auto done = read_line(cursor_.word()); !done) return done.error();
     } while (cursor_.next_line());
 
     if (highest_.index >= static_cast<std::int64_t>(cloud_.points.size())) {
@@ -48,11 +59,37 @@ class ObjReader {
  private:
   Error refuse(std::string_view what) const { return input_.refuse_line(cursor_.line(), what); }
 
-  /// The next word; a backslash at the end of a line joins the next one.
+  Result<void> read_line(std::string_view key) {
+    continues_ = false;
+    if (key.empty() || key[0] == '#') return {};
+    if (key == "v") return read_vector(cloud_.points);
+    if (key == "vn") return read_vector(cloud_.normals);
+    if (key == "f" || key == "fo") return read_face();
+    if (is_among(key, kNames)) return {};  // a backslash at their end is one of a folder
+    if (is_among(key, kNumbers)) {
+      while (!word().empty()) continue;  // to the end of the last line that continues them
+      return {};
+    }
+    if (is_among(key, kFreeForm)) {
+      return refuse(
+          fmt::format("expected polygons, found the free-form surface {}; export the "
+                      "surfaces as faces",
+                      quote(key)));
+    }
+    return refuse(fmt::format("expected an element of an OBJ file, v, vn, vt, f or such, found {}",
+                              quote(key)));
+  }
+
+  /// The next word; empty at the end of the line and at a comment. A backslash at the end of a line,
+  /// also one behind a word, joins the next line.
   std::string_view word() {
-    auto found = cursor_.word();
-    while (found == "\\" && cursor_.next_line()) found = cursor_.word();
-    return found;
+    for (;;) {
+      if (std::exchange(continues_, false) && !cursor_.next_line()) return {};
+      auto found = cursor_.word();
+      continues_ = found.ends_with('\\');
+      if (continues_) found.remove_suffix(1);
+      if (!found.empty() || !continues_) return found.starts_with('#') ? std::string_view{} : found;
+    }
   }
 
   Result<void> read_vector(Points& points) {
@@ -61,8 +98,14 @@ class ObjReader {
     for (Eigen::Index i = 0; i < 3; ++i) {
       const auto found = word();
       const auto number = parse_number(found);
-      if (!number) return refuse(fmt::format("expected three numbers, found {}", quote(found)));
+      if (!number)
+        return refuse(fmt::format("expected three numbers, found {}", quote_word(found)));
       v[i] = to_float(*number);
+    }
+    // A weight or a color.
+    for (auto found = word(); !found.empty(); found = word()) {
+      if (!parse_number(found))
+        return refuse(fmt::format("expected numbers behind a vertex, found {}", quote(found)));
     }
     points.push_back(v);
     return {};
@@ -79,7 +122,7 @@ class ObjReader {
   /// A corner is "v", "v/vt", "v//vn" or "v/vt/vn".
   Result<void> read_face() {
     faces_.begin();
-    for (auto corner = word(); !corner.empty() && corner[0] != '#'; corner = word()) {
+    for (auto corner = word(); !corner.empty(); corner = word()) {
       const auto slash = corner.find('/');
       const std::int64_t vertex = resolve(corner.substr(0, slash), cloud_.points.size());
       if (vertex < 0) {
@@ -95,6 +138,12 @@ class ObjReader {
       }
       faces_.add(static_cast<std::uint32_t>(vertex));
     }
+    if (faces_.num_corners() < 3) {
+      return refuse(
+          fmt::format("expected a face of three or more corners, found {}; points and "
+                      "lines are elements \"p\" and \"l\"",
+                      faces_.num_corners()));
+    }
     return {};
   }
 
@@ -102,6 +151,7 @@ class ObjReader {
   TextCursor cursor_;
   Cloud cloud_;
   Faces faces_;
+  bool continues_ = false;  // the line, on the next one
   Highest highest_;
   bool paired_ = true;  // every corner has the normal with the index of its vertex
 };

@@ -17,7 +17,8 @@ Result<Cloud> read_ply(const Input& input);
 /// The Point Cloud Library's PCD 0.7: ascii, binary, binary_compressed.
 Result<Cloud> read_pcd(const Input& input);
 
-/// Wavefront OBJ: v, vn where it has the index of its vertex, f.
+/// Wavefront OBJ: v, vn where it has the index of its vertex, f. Points, lines and curves are left
+/// out, free-form surfaces refused.
 Result<Cloud> read_obj(const Input& input);
 
 /// STL, text or binary; corners at equal coordinates become one point.

@@ -1,6 +1,9 @@
 // OBJ, STL and OFF.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numbers>
+
 #include "storage/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/polygon_mesh.hpp"
@@ -9,6 +12,7 @@
 namespace trivet {
 namespace {
 
+using test::big;
 using test::is_refused;
 using test::is_valid;
 using test::little;
@@ -108,8 +112,54 @@ TEST_F(ReadMesh, ObjRefusesBrokenIndicesWithTheirLine) {
   EXPECT_TRUE(is_refused(read("a.obj", vertices + "f 1 2 3\nf 1 2 2147483647\n"),
                          "line 5: the face names vertex 2147483647"));
   EXPECT_TRUE(is_refused(read("a.obj", "v 0 0\n"), "line 1: expected three numbers"));
-  EXPECT_TRUE(is_refused(read("a.obj", "just some text\n"), "at least one point"));
+  EXPECT_TRUE(is_refused(read("a.obj", "just some text\n"),
+                         "line 1: expected an element of an OBJ file, v, vn, vt, f or such, found "
+                         "\"just\""));
   EXPECT_TRUE(is_refused(read("a.obj", vertices, {.max_points = 2}), "limit of 2"));
+}
+
+TEST_F(ReadMesh, ObjJoinsLinesAtABackslashAlsoBehindAWord) {
+  const auto cloud = read("a.obj",
+                          "v 0 0 0\nv 1 0\\\n 0\nv 1 1 0\n# no line goes on here \\\nv 0 1 0\n"
+                          "f 1 2\\\n3\\\r\n4\nl 1 2 \\\n3\ng parts\\\nf 1 \\\n\\\n2 3 # end\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->points.size(), 4U);
+  EXPECT_EQ(cloud->triangles.c, (Indices{2, 3, 2}));
+}
+
+TEST_F(ReadMesh, ObjLeavesOutWhatIsNoSurfaceAndRefusesWhatItCannotRead) {
+  const std::string vertices = "v 0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5\nv 1 1 0 # corner\n";
+  const auto cloud =
+      read("a.obj", vertices +
+                        "p 1 2\nl 1 2\ns 1\ncstype bspline\ndeg 3\ncurv 0 1 1 2 3\nparm u 0 1 \\\n"
+                        "1\nend\nvt 0 0\nfo 1 2 3\n");
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_EQ(cloud->triangles.size(), 1U);
+
+  for (const std::string face : {"f", "f 1", "f 1/1 2/1", "f 1 2 # 3"}) {
+    EXPECT_TRUE(is_refused(read("a.obj", vertices + face + "\nf 1 2 3\n"),
+                           "line 4: expected a face of three or more corners"))
+        << face;
+  }
+  EXPECT_TRUE(is_refused(read("a.obj", vertices + "F 1 2 3\n"), "line 4: expected an element"));
+  EXPECT_TRUE(is_refused(read("a.obj", vertices + "surf 0 1 0 1 1 2 3 1\nf 1 2 3\n"), "free-form"));
+  EXPECT_TRUE(is_refused(read("a.obj", vertices + "v 1 2 3 v 4 5 6\n"),
+                         "line 4: expected numbers behind a vertex, found \"v\""));
+  EXPECT_TRUE(is_refused(read("a.obj", vertices + "v 1 2\nv 1 2 3\n"),
+                         "line 4: expected three numbers, found the end of the line"));
+}
+
+TEST_F(ReadMesh, TakesTextWithCarriageReturnsAlone) {
+  for (const auto& file : test::sample_files()) {
+    if (file.name != "quad.obj" && file.name != "text.stl" && file.name != "normals.off") continue;
+    SCOPED_TRACE(file.name);
+    std::string bytes = file.bytes;
+    std::replace(bytes.begin(), bytes.end(), '\n', '\r');
+    const auto cloud = read(file.name, bytes), before = read(file.name, file.bytes);
+    ASSERT_TRUE(cloud && before);
+    EXPECT_EQ(cloud->points.size(), 4U);
+    EXPECT_EQ(cloud->triangles.c, before->triangles.c);
+  }
 }
 
 TEST_F(ReadMesh, StlWeldsCornersAtEqualPlacesInOrderOfAppearance) {
