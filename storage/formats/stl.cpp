@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 #include <numeric>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -16,12 +18,32 @@ namespace {
 
 constexpr std::size_t kPreambleBytes = 84, kFacetBytes = 50;
 
+std::uint64_t announced_facets(const Input& input) {
+  return load<std::uint32_t>(input.bytes.data() + 80, std::endian::little);
+}
+
 /// Whether the size is the one that a binary file announces. How it begins says nothing: binary
 /// files may begin with "solid" as well. As text, the four bytes would announce over 10 GB.
 bool is_binary(const Input& input) {
-  if (input.bytes.size() < kPreambleBytes) return false;
-  const std::uint64_t facets = load<std::uint32_t>(input.bytes.data() + 80, std::endian::little);
-  return input.bytes.size() == kPreambleBytes + kFacetBytes * facets;
+  return input.bytes.size() >= kPreambleBytes &&
+         input.bytes.size() == kPreambleBytes + kFacetBytes * announced_facets(input);
+}
+
+/// Whether it is no text: such a file is a binary one of another size than it announces.
+bool is_damaged_binary(const Input& input) {
+  return input.bytes.size() >= kPreambleBytes &&
+         input.text().substr(0, kPreambleBytes + kFacetBytes).find('\0') != std::string_view::npos;
+}
+
+Error refuse_size(const Input& input) {
+  const std::uint64_t facets = announced_facets(input), size = input.bytes.size();
+  const std::uint64_t announced = kPreambleBytes + kFacetBytes * facets;
+  return input.refuse(
+      fmt::format("expected the {} bytes of a binary STL file of {} triangles, as it announces, "
+                  "found {} bytes, "
+                  "enough for {}; the file is {}",
+                  announced, facets, size, (size - kPreambleBytes) / kFacetBytes,
+                  size < announced ? "truncated" : "damaged, or something else"));
 }
 
 /// Corners, three a triangle.
@@ -41,53 +63,85 @@ Result<Points> read_binary(const Input& input) {
   return corners;
 }
 
-Result<Points> read_text(const Input& input) {
-  TextCursor cursor(input.text());
-  const auto refuse = [&](std::string_view expected, std::string_view found) {
-    return input.refuse_line(cursor.line(),
-                             fmt::format("expected {}, found {}", expected, quote(found)));
-  };
+/// Text; its words may be in capitals, its last line may be missing.
+class TextReader {
+ public:
+  explicit TextReader(const Input& input) : input_(input), cursor_(input.text()) {}
 
-  Points corners;
-  std::size_t corners_before = 0;  // the facet
-  bool inside_solid = false;
-  do {
-    const auto key = cursor.word();
-    if (key.empty()) continue;
-    if (!inside_solid && key != "solid") {
-      return refuse("an STL file: \"solid\", or a binary file of 84 + 50 bytes a facet", key);
+  Result<Points> read() {
+    for (std::string_view word = cursor_.next_word(); !word.empty(); word = cursor_.next_word()) {
+      if (auto done = read_element(word); !done) return done.error();
     }
-    if (key == "solid") {
-      inside_solid = true;
-    } else if (key == "endsolid") {
-      inside_solid = false;
+    if (inside_facet_ || corners_.size() % 3 != 0)
+      return refuse("\"endfacet\"; the file is truncated", "the end of the file");
+    return std::move(corners_);
+  }
+
+ private:
+  Error refuse(std::string_view expected, std::string_view found) const {
+    return input_.refuse_line(cursor_.line(),
+                              fmt::format("expected {}, found {}", expected, found));
+  }
+
+  Result<void> read_element(std::string_view word) {
+    const std::string key = lower(word);
+    if (!inside_solid_ && key != "solid")
+      return refuse("an STL file: \"solid\", or a binary file of 84 + 50 bytes a facet",
+                    quote(word));
+    const bool bounds_solid = key == "solid" || key == "endsolid";
+    if (inside_facet_ && (bounds_solid || key == "facet"))
+      return refuse("\"endfacet\"", quote(word));
+    if (bounds_solid) {
+      inside_solid_ = key == "solid";
+      skip(std::numeric_limits<std::size_t>::max());  // its name
     } else if (key == "facet") {
-      corners_before = corners.size();
+      inside_facet_ = true;
+      corners_before_ = corners_.size();
     } else if (key == "endfacet") {
-      if (corners.size() != corners_before + 3) {
+      inside_facet_ = false;
+      if (corners_.size() != corners_before_ + 3) {
         return refuse("three vertices before the end of a facet",
-                      fmt::format("{}", corners.size() - corners_before));
+                      fmt::format("{}", corners_.size() - corners_before_));
       }
     } else if (key == "vertex") {
-      if (corners.size() >= input.max_points()) return input.refuse_count(corners.size() + 1);
-      Eigen::Vector3f corner;
-      for (Eigen::Index i = 0; i < 3; ++i) {
-        const auto word = cursor.word();
-        const auto number = parse_number(word);
-        if (!number) return refuse("three numbers", word);
-        corner[i] = to_float(*number);
-      }
-      corners.push_back(corner);
-    } else if (key != "outer" && key != "endloop") {
-      return refuse("a line of an STL file", key);
+      return read_corner();
+    } else if (key == "normal" || key == "color") {
+      skip(3);
+    } else if (key != "outer" && key != "loop" && key != "endloop") {
+      return refuse("a line of an STL file", quote(word));
     }
-  } while (cursor.next_line());
-
-  if (inside_solid || corners.size() % 3 != 0) {
-    return refuse("\"endsolid\" at the end; the file is truncated", "the end of the file");
+    return {};
   }
-  return corners;
-}
+
+  void skip(std::size_t num_words) {
+    while (num_words > 0 && !cursor_.word().empty()) --num_words;
+  }
+
+  Result<void> read_corner() {
+    if (corners_.size() >= input_.max_points()) return input_.refuse_count(corners_.size() + 1);
+    Eigen::Vector3f corner;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const auto word = cursor_.word();
+      const auto number = parse_number(word);
+      if (!number) return refuse("three numbers", quote_word(word));
+      corner[i] = to_float(*number);
+    }
+    corners_.push_back(corner);
+    return {};
+  }
+
+  static std::string lower(std::string_view word) {
+    std::string out(word);
+    for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return out;
+  }
+
+  const Input& input_;
+  TextCursor cursor_;
+  Points corners_;
+  std::size_t corners_before_ = 0;  // the facet
+  bool inside_solid_ = false, inside_facet_ = false;
+};
 
 /// Make corners at equal coordinates one point, numbered by first appearance.
 Cloud weld(PointsView corners) {
@@ -130,7 +184,8 @@ Cloud weld(PointsView corners) {
 }  // namespace
 
 Result<Cloud> read_stl(const Input& input) {
-  const auto corners = is_binary(input) ? read_binary(input) : read_text(input);
+  if (!is_binary(input) && is_damaged_binary(input)) return refuse_size(input);
+  const auto corners = is_binary(input) ? read_binary(input) : TextReader(input).read();
   if (!corners) return corners.error();
   return weld(*corners);
 }

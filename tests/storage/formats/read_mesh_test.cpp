@@ -190,10 +190,49 @@ TEST_F(ReadMesh, StlRefusesSizesThatLie) {
   EXPECT_TRUE(is_refused(
       read("a.stl", "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid\n"), "line 5"));
   EXPECT_TRUE(is_refused(
-      read("a.stl", "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n"),
+      read("a.stl", "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"),
       "truncated"));
   EXPECT_TRUE(is_refused(read("a.stl", "solid a\nvertex 0 zero 0\nendsolid"),
                          "line 2: expected three numbers"));
+}
+
+TEST_F(ReadMesh, StlTellsAnnouncedAndActualBytes) {
+  const std::string preamble(80, ' ');
+  const auto file = [&](std::uint32_t announced, std::size_t bytes) {
+    return preamble + little(announced) + std::string(bytes, '\0');
+  };
+  EXPECT_TRUE(is_refused(read("a.stl", file(3, 120)),
+                         "expected the 234 bytes of a binary STL file of 3 triangles, as it "
+                         "announces, found 204 bytes, enough for 2; the file is truncated"));
+  EXPECT_TRUE(is_refused(read("a.stl", "solid" + file(1, 120).substr(5)),
+                         "announces, found 204 bytes, enough for 2; the file is damaged"));
+  EXPECT_TRUE(is_refused(read("a.stl", "solid a\nfacet\nvertex 1 2\n"),
+                         "line 3: expected three numbers, found the end of the line"));
+}
+
+TEST_F(ReadMesh, StlTakesWhatWritersMakeOfTheFormat) {
+  const std::string corners = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n";
+  const std::string capitals =
+      "SOLID A\n FACET NORMAL 0 0 1\n  OUTER LOOP\n   VERTEX 0 0 0\n   VERTEX 1 0 0\n"
+      "   VERTEX 0 1E0 0\n  ENDLOOP\n ENDFACET\nENDSOLID A\n";
+  const std::string colors = "solid a\ncolor 0.5 0.5 0.5\nfacet normal 0 0 1\ncolor 1 0 0\n" +
+                             corners + "endfacet\nendsolid\n";
+  const std::string no_end = "solid a\nfacet normal nan nan nan\n" + corners + "endfacet\n";
+  const std::string one_line =
+      "solid\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop "
+      "endfacet";
+  const std::string color_header =
+      "COLOR=\x7F\x7F\x7F\xFF,MATERIAL=" + std::string(60, '\0') + little(std::uint32_t{1}) +
+      little({0.F, 0.F, 1.F}) + little({0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F}) + "\x1F\x80";
+  for (const std::string& bytes : {capitals, colors, no_end, one_line, color_header}) {
+    const auto cloud = read("a.stl", bytes);
+    ASSERT_TRUE(cloud) << cloud.error().message << bytes;
+    EXPECT_EQ(cloud->points.size(), 3U);
+    EXPECT_EQ(cloud->triangles.size(), 1U);
+  }
+  EXPECT_TRUE(is_refused(read("a.stl", "solid\nfacet\n" + corners + "facet\n" + corners),
+                         "line 6: expected \"endfacet\", found \"facet\""));
+  EXPECT_TRUE(is_refused(read("a.stl", "solid\nfacet\nvertex 0 0 0 1\n"), "line 3"));
 }
 
 TEST_F(ReadMesh, OffTakesColorsCommentsAndGluedCounts) {
