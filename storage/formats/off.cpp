@@ -5,66 +5,33 @@
 
 #include "storage/files/text.hpp"
 #include "storage/formats/faces.hpp"
+#include "storage/formats/off_binary.hpp"
+#include "storage/formats/off_header.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
+
 namespace {
 
-/// Geomview's keyword [ST][C][N]OFF; 4OFF and nOFF have other than three dimensions.
-struct Keyword {
-  bool has_normals = false;
-  std::string_view rest;  ///< a number glued to the keyword, as ModelNet's files have it
-};
-
-std::optional<Keyword> parse_keyword(std::string_view word) {
-  Keyword keyword;
+std::optional<OffKeyword> parse_keyword(std::string_view word) {
+  OffKeyword keyword;
   const auto take = [&](std::string_view prefix) {
     if (!word.starts_with(prefix)) return false;
     word.remove_prefix(prefix.size());
     return true;
   };
-  take("ST");
-  take("C");
+  keyword.has_texture = take("ST");
+  keyword.has_colors = take("C");
   keyword.has_normals = take("N");
   if (!take("OFF")) return {};
   keyword.rest = word;
   return keyword;
 }
 
-class OffReader {
+/// Words of a text with comments from # to the end of the line.
+class OffText {
  public:
-  explicit OffReader(const Input& input) : input_(input), cursor_(input.text()) {}
-
-  Result<Cloud> read() {
-    const auto magic = next_word();
-    const auto keyword = parse_keyword(magic);
-    if (!keyword) return refuse("a text file that begins with OFF, COFF, NOFF or CNOFF", magic);
-
-    const auto vertices = read_count(keyword->rest.empty() ? next_word() : keyword->rest);
-    const auto faces = read_count(next_word());
-    const auto edges = read_count(next_word());
-    if (!vertices || !faces || !edges)
-      return refuse("the numbers of vertices, faces and edges", "others");
-    if (*vertices > input_.max_points()) return input_.refuse_count(*vertices);
-    // A vertex takes three digits and blanks, a face one.
-    if (*vertices > cursor_.remaining() / 5 || *faces > cursor_.remaining() / 2) {
-      return input_.refuse(
-          fmt::format("expected {} vertices and {} faces, which do not fit into the {} "
-                      "bytes that follow; the file is truncated",
-                      *vertices, *faces, cursor_.remaining()));
-    }
-
-    if (auto done = read_vertices(*vertices, keyword->has_normals); !done) return done.error();
-    if (auto done = read_faces(*faces); !done) return done.error();
-    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
-    return std::move(cloud_);
-  }
-
- private:
-  Error refuse(std::string_view expected, std::string_view found) const {
-    return input_.refuse_line(cursor_.line(),
-                              fmt::format("expected {}, found {}", expected, quote(found)));
-  }
+  explicit OffText(std::string_view text) : cursor_(text) {}
 
   /// The next word of this line, empty at its end or at a comment.
   std::string_view word() {
@@ -77,10 +44,85 @@ class OffReader {
     in_comment_ = false;
     return cursor_.next_line();
   }
+  /// The next word of this line or a later one; empty at the end of the text.
   std::string_view next_word() {
     auto found = word();
     while (found.empty() && next_line()) found = word();
     return found;
+  }
+  /// How many lines from this one on have words.
+  std::uint64_t count_lines() const {
+    OffText ahead = *this;
+    std::uint64_t count = 0;
+    do count += ahead.word().empty() ? 0 : 1;
+    while (ahead.next_line());
+    return count;
+  }
+
+  const TextCursor& cursor() const noexcept { return cursor_; }
+
+ private:
+  TextCursor cursor_;
+  bool in_comment_ = false;
+};
+
+/// The formats' rule is numbers anywhere, and a face's color up to the end of its line. Most files
+/// have a vertex or face a line, and colors of vertices that no keyword announces. So the number of
+/// lines tells how a file is to be read.
+enum class Layout {
+  row_a_line,      ///< as many lines as rows: a row's numbers are on its line
+  rows_of_lines,   ///< more: a row may go over several lines, and ends with one
+  rows_of_numbers  ///< fewer: a row ends behind its last number
+};
+
+class OffReader {
+ public:
+  OffReader(const Input& input) : input_(input), text_(input.text()) {}
+
+  Result<Cloud> read() {
+    const auto first = text_.next_word();
+    auto keyword = parse_keyword(first);
+    if (!keyword && read_count(first)) keyword = OffKeyword{.rest = first};  // is optional
+    if (!keyword) {
+      return refuse(
+          "a file that begins with OFF, COFF, NOFF or STOFF, of vertices with three coordinates",
+          first);
+    }
+    auto word = keyword->rest.empty() ? text_.next_word() : keyword->rest;
+    if (word == "BINARY") {
+      text_.next_line();
+      return read_off_binary(input_, *keyword, text_.cursor().position());
+    }
+
+    std::uint64_t counts[3] = {};
+    for (std::uint64_t& count : counts) {
+      const auto value = read_count(word);
+      if (!value) return refuse("the numbers of vertices, faces and edges", word);
+      count = *value;
+      if (&count != &counts[2]) word = text_.next_word();
+    }
+    const auto [vertices, faces, edges] = counts;
+    if (auto checked = check_counts(vertices, faces); !checked) return checked.error();
+    const std::uint64_t lines = text_.count_lines();
+    layout_ = lines == vertices + faces  ? Layout::row_a_line
+              : lines > vertices + faces ? Layout::rows_of_lines
+                                         : Layout::rows_of_numbers;
+
+    if (auto done = read_vertices(vertices, *keyword); !done) return done.error();
+    if (auto done = read_faces(faces); !done) return done.error();
+    if (const auto more = text_.next_word(); !more.empty())
+      return refuse("the end of the file behind the last face", more);
+    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
+    return std::move(cloud_);
+  }
+
+ private:
+  Error refuse(std::string_view expected, std::string_view found) const {
+    const bool ends_line = found.empty() && layout_ == Layout::row_a_line;
+    return input_.refuse_line(
+        text_.cursor().line(),
+        fmt::format("expected {}, found {}", expected,
+                    found.empty() && !ends_line ? "the end of the file" : quote_word(found)));
   }
 
   static std::optional<std::uint64_t> read_count(std::string_view word) {
@@ -88,57 +130,92 @@ class OffReader {
     return count && *count >= 0 ? std::optional(static_cast<std::uint64_t>(*count)) : std::nullopt;
   }
 
-  /// Three numbers, the first of which is `first`.
-  Result<Eigen::Vector3f> read_vector(std::string_view first) {
+  Result<void> check_counts(std::uint64_t vertices, std::uint64_t faces) const {
+    if (vertices > input_.max_points()) return input_.refuse_count(vertices);
+    // A vertex takes three digits and blanks, a face one.
+    const std::size_t remaining = text_.cursor().remaining();
+    if (vertices <= remaining / 5 && faces <= remaining / 2) return {};
+    return input_.refuse(
+        fmt::format("expected {} vertices and {} faces, which do not fit into the {} "
+                    "bytes that follow; the file is truncated",
+                    vertices, faces, remaining));
+  }
+
+  /// The first word of a row, and the further ones.
+  std::string_view row_word(bool is_first) {
+    return is_first || layout_ != Layout::row_a_line ? text_.next_word() : text_.word();
+  }
+
+  /// What stands behind a row's numbers on its line.
+  Result<void> end_row(std::string_view what, std::uint64_t most_numbers) {
+    if (layout_ == Layout::rows_of_numbers) return {};
+    std::uint64_t count = 0;
+    for (auto found = text_.word(); !found.empty(); found = text_.word()) {
+      if (!parse_number(found) || ++count > most_numbers) return refuse(what, found);
+    }
+    return {};
+  }
+
+  Result<Eigen::Vector3f> read_vector(bool begins_row) {
     Eigen::Vector3f v;
     for (Eigen::Index i = 0; i < 3; ++i) {
-      const auto found = i == 0 ? first : word();
+      const auto found = row_word(begins_row && i == 0);
       const auto number = parse_number(found);
-      if (!number) return refuse("three numbers on a line", found);
+      if (!number) return refuse("three numbers of a vertex", found);
       v[i] = to_float(*number);
     }
     return v;
   }
 
-  /// One a line; colors and texture coordinates may follow.
-  Result<void> read_vertices(std::uint64_t count, bool with_normals) {
+  Result<void> read_vertices(std::uint64_t count, const OffKeyword& keyword) {
+    constexpr std::uint64_t kMostNumbers = 4 + 2;  // a color and texture coordinates
     cloud_.points.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
-      next_line();
-      const auto point = read_vector(next_word());
+      const auto point = read_vector(true);
       if (!point) return point.error();
       cloud_.points.push_back(*point);
-      if (!with_normals) continue;
-      const auto normal = read_vector(word());
-      if (!normal) return normal.error();
-      cloud_.normals.push_back(*normal);
+      if (keyword.has_normals) {
+        const auto normal = read_vector(false);
+        if (!normal) return normal.error();
+        cloud_.normals.push_back(*normal);
+      }
+      if (layout_ == Layout::rows_of_numbers) {
+        for (std::uint32_t k = 0; k < keyword.num_others(); ++k) {
+          const auto found = text_.next_word();
+          if (!parse_number(found)) return refuse("a number of a vertex's color or texture", found);
+        }
+      }
+      auto ended =
+          end_row("at most six numbers of color and texture behind a vertex", kMostNumbers);
+      if (!ended) return ended;
     }
     return {};
   }
 
-  /// One a line: the number of corners, the corners; a color may follow.
+  /// The number of corners, the corners; a color may follow.
   Result<void> read_faces(std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) {
-      next_line();
-      const auto size_word = next_word();
+      const auto size_word = row_word(true);
       const auto size = read_count(size_word);
       if (!size) return refuse("the number of a face's corners", size_word);
       faces_.begin();
       for (std::uint64_t corner = 0; corner < *size; ++corner) {
-        const auto found = word();
+        const auto found = row_word(false);
         const auto value = parse_integer(found).value_or(-1);
         if (value < 0 || static_cast<std::uint64_t>(value) >= cloud_.points.size()) {
           return refuse(fmt::format("the index of a vertex below {}", cloud_.points.size()), found);
         }
         faces_.add(static_cast<std::uint32_t>(value));
       }
+      if (auto ended = end_row("at most four numbers of a color behind a face", 4); !ended)
+        return ended;
     }
     return {};
   }
 
   const Input& input_;
-  TextCursor cursor_;
-  bool in_comment_ = false;
+  OffText text_;
+  Layout layout_ = Layout::rows_of_numbers;
   Cloud cloud_;
   Faces faces_;
 };

@@ -24,7 +24,8 @@ Result<Cloud> read_obj(const Input& input);
 /// STL, text or binary; corners at equal coordinates become one point.
 Result<Cloud> read_stl(const Input& input);
 
-/// Geomview OFF in text, with or without normals, colors and texture coordinates.
+/// Geomview OFF, text or binary, with or without normals, colors and texture coordinates. Faces of
+/// one or two corners, which the format has, make no triangles.
 Result<Cloud> read_off(const Input& input);
 
 /// One point a line: x y z, or x y z nx ny nz.

@@ -80,6 +80,9 @@ std::vector<SampleFile> sample_files() {
   const auto triangle_big = [](std::int32_t a, std::int32_t b, std::int32_t c) {
     return big(std::uint8_t{3}) + big(a) + big(b) + big(c);
   };
+  const auto face_big = [](std::int32_t a, std::int32_t b, std::int32_t c) {
+    return big(std::int32_t{3}) + big(a) + big(b) + big(c) + big(std::int32_t{0});
+  };
   const std::string corners = little({0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.5F});
   std::string corners_big;
   for (const float v : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.5F})
@@ -129,6 +132,10 @@ std::vector<SampleFile> sample_files() {
       {"normals.off",
        "NOFF # with normals\n4 2 0\n\n0 0 0 0 0 1\n1 0 0 0 0 1\n# half way\n1 1 0 0 0 1\n"
        "0 1 0.5 0 0 1\n3 0 1 2\n3 0 2 3 255 0 0\n"},
+      {"binary.off", "OFF BINARY\n" + big(std::int32_t{4}) + big(std::int32_t{2}) +
+                         big(std::int32_t{0}) + corners_big + face_big(0, 1, 2) +
+                         face_big(0, 2, 3)},
+      {"concave.obj", "v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nv 0 0 1\nf 2 3 4 1\nf 1 2 5\n"},
       {"points.xyz", "# x y z\n0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n"},
       {"depth.png", depth_png(3, 2, {1000, 0, 2000, 3000, 0, 65535})},
   };

@@ -235,6 +235,64 @@ TEST_F(ReadMesh, StlTakesWhatWritersMakeOfTheFormat) {
   EXPECT_TRUE(is_refused(read("a.stl", "solid\nfacet\nvertex 0 0 0 1\n"), "line 3"));
 }
 
+TEST_F(ReadMesh, OffTakesNumbersOnAnyLines) {
+  const std::string square = "0 0 0 1 0 0\n1 1 0 0 1 0\n";
+  const std::vector<std::string> files{
+      "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3\n0 1\n2 255 0 0\n3 0 2\n3\n",
+      "OFF 4 2 0 " + square + "3 0 1 2 3 0 2 3\n",
+      "4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n",
+      "# no keyword\n4\n2\n0\n" + square + "3 0 1 2\n3 0 2 3",
+      "OFF\n4\n2\n0\n0\n0\n0\n1\n0\n0\n1\n1\n0\n0\n1\n0\n3\n0\n1\n2\n3\n0\n2\n3\n",
+      "COFF 4 2 0\n0 0 0 1 0 0 1 1 0 0 1 0 0 1\n1 1 0 1 0 0 1 0 1 0 1 0 0 1\n3 0 1 2 3 0 2 3\n",
+      "STCNOFF 4 2 0 0 0 0 0 0 1 9 9 9 9 5 5 1 0 0 0 0 1 9 9 9 9 5 5 1 1 0 0 0 1 9 9 9 9 5 5\n"
+      "0 1 0 0 0 1 9 9 9 9 5 5 3 0 1 2 3 0 2 3"};
+  for (const std::string& file : files) {
+    const auto cloud = read("a.off", file);
+    ASSERT_TRUE(cloud) << cloud.error().message << "\n" << file;
+    ASSERT_EQ(cloud->points.size(), 4U) << file;
+    EXPECT_EQ(cloud->points[2], Vector(1, 1, 0)) << file;
+    EXPECT_EQ(cloud->points[3], Vector(0, 1, 0)) << file;
+    EXPECT_EQ(cloud->triangles.b, (Indices{1, 2})) << file;
+    EXPECT_EQ(cloud->triangles.c, (Indices{2, 3})) << file;
+    EXPECT_EQ(cloud->normals.size(), file.starts_with("STCNOFF") ? 4U : 0U);
+  }
+}
+
+TEST_F(ReadMesh, OffTakesTheBinaryForm) {
+  const auto integers = [](std::initializer_list<std::int32_t> values) {
+    std::string bytes;
+    for (const std::int32_t value : values) bytes += big(value);
+    return bytes;
+  };
+  const auto floats = [](std::initializer_list<float> values) {
+    std::string bytes;
+    for (const float value : values) bytes += big(value);
+    return bytes;
+  };
+  const std::string faces =
+      integers({3, 0, 1, 2, 0, 4, 0, 1, 2, 3, 3}) + floats({1, 0, 0});  // one with a color
+  const std::string plain =
+      "OFF BINARY\n" + integers({4, 2, 0}) + floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) + faces;
+  const std::string colored = "CNOFF BINARY\r\n" + integers({4, 2, 0}) +
+                              floats({0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 1,
+                                      1, 1, 0, 0, 0, 1, 1, 1, 1, 1, 0, 1, 0, 0, 0, 1, 1, 1, 1, 1}) +
+                              faces;
+  for (const std::string& file : {plain, colored}) {
+    const auto cloud = read("a.off", file);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->points[2], Vector(1, 1, 0));
+    EXPECT_EQ(cloud->triangles.c, (Indices{2, 2, 3}));
+    EXPECT_EQ(cloud->normals.size(), file == plain ? 0U : 4U);
+  }
+  for (std::size_t size = 11; size < plain.size(); ++size)
+    EXPECT_TRUE(is_refused(read("a.off", plain.substr(0, size)), "expected")) << size;
+  EXPECT_TRUE(is_refused(read("a.off", plain + "more"), "byte 127: expected the end of the file"));
+  std::string outside = plain;
+  outside[11 + 12 + 48 + 7] = 9;
+  EXPECT_TRUE(
+      is_refused(read("a.off", outside), "byte 75: expected the index of a vertex below 4"));
+}
+
 TEST_F(ReadMesh, OffTakesColorsCommentsAndGluedCounts) {
   const std::string body =
       "0 0 0 255 0 0\n1 0 0 0.5\n\n1 1 0 # corner\n0 1 0\n4 0 1 2 3 10 20 30\n2 0 1\n";
@@ -254,8 +312,21 @@ TEST_F(ReadMesh, OffRefusesCountsThatLie) {
   EXPECT_TRUE(is_refused(read("a.off", "OFF\n1000 1 0\n0 0 0\n"), "truncated"));
   EXPECT_TRUE(is_refused(read("a.off", "OFF\n1 1152921504606846976 0\n0 0 0\n"), "truncated"));
   EXPECT_TRUE(is_refused(read("a.off", "OFF\n-1 1 0\n0 0 0\n"), "numbers of vertices"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF BINARY\n" + std::string(40, '\1')), "truncated"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF BINARY\n" + std::string(11, '\1')),
+                         "byte 19: expected the numbers of vertices, faces and edges"));
+  const std::string vertices = "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n";
   EXPECT_TRUE(
-      is_refused(read("a.off", "OFF BINARY\n" + std::string(40, '\1')), "numbers of vertices"));
+      is_refused(read("a.off", vertices + "3 0 1\n"),
+                 "line 6: expected the index of a vertex below 3, found the end of the line"));
+  EXPECT_TRUE(is_refused(read("a.off", vertices), "found the end of the file"));
+  EXPECT_TRUE(is_refused(read("a.off", vertices + "3 0 1 2\n3 0 2 1\n"),
+                         "line 7: expected the end of the file behind the last face, found \"3\""));
+  EXPECT_TRUE(
+      is_refused(read("a.off", vertices + "3 0 1 2 red\n"), "line 6: expected at most four"));
+  EXPECT_TRUE(is_refused(read("a.off", "OFF\nthree 1 0\n"),
+                         "line 2: expected the numbers of vertices, faces and edges, found "
+                         "\"three\""));
   EXPECT_TRUE(is_refused(read("a.off", "4OFF\n1 0 0\n0 0 0 0\n"), "begins with OFF"));
   EXPECT_TRUE(is_refused(read("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 3\n"),
                          "line 6: expected the index of a vertex below 3"));
