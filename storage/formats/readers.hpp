@@ -28,7 +28,7 @@ Result<Cloud> read_stl(const Input& input);
 /// one or two corners, which the format has, make no triangles.
 Result<Cloud> read_off(const Input& input);
 
-/// One point a line: x y z, or x y z nx ny nz.
+/// Text of one point a line: x y z, or x y z nx ny nz, or what a header of names says.
 Result<Cloud> read_xyz(const Input& input);
 
 /// 16-bit gray PNG of depths; zero is no measurement. Needs the camera in the options.

@@ -2,78 +2,240 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "storage/files/text.hpp"
 #include "storage/formats/readers.hpp"
+#include "storage/formats/text_table.hpp"
 
 namespace trivet::formats {
 namespace {
 
-constexpr std::size_t kMaxColumns = 6;
+using Three = std::array<std::size_t, 3>;
 
-/// The first columns of a line, up to a comment.
-struct Row {
-  std::array<double, kMaxColumns> values{};
-  std::size_t size = 0;
-  std::string_view fault;  ///< the word that is no number, if any stopped the row
+/// Where the coordinates and normals stand.
+struct Columns {
+  std::size_t count = 0;
+  Three position{0, 1, 2};
+  std::optional<Three> normal;
+  bool named = false;
 };
 
-Row read_row(TextCursor& cursor) {
-  Row row;
-  while (row.size < kMaxColumns) {
-    const auto word = cursor.word();
-    if (word.empty() || word[0] == '#') break;
-    const auto number = parse_number(word);
-    if (!number) {
-      row.fault = word;
-      break;
-    }
-    row.values[row.size++] = *number;
+/// Whether columns four to six are directions: colors and intensities stand there as well. Values
+/// that are all zero or one are colors as well as directions, and taken for neither.
+bool are_directions(PointsView normals) {
+  bool all_bits = true;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Eigen::Vector3f normal = normals[i];
+    const float length = normal.norm();
+    if (std::isfinite(length) && length != 0 && std::abs(length - 1) > 0.1F) return false;
+    for (const float value : normal) all_bits = all_bits && (value == 0 || value == 1);
   }
-  return row;
+  return !all_bits;
 }
 
-/// Whether columns four to six are directions: colors and intensities stand there as well.
-bool are_directions(PointsView normals) {
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    const float length = normals[i].norm();
-    if (std::isfinite(length) && length != 0 && std::abs(length - 1) > 0.1F) return false;
+using Names = std::array<std::string_view, 3>;
+constexpr Names kPosition{"x", "y", "z"};
+constexpr std::array<Names, 3> kNormals{Names{"nx", "ny", "nz"},
+                                        Names{"normal_x", "normal_y", "normal_z"},
+                                        Names{"normalx", "normaly", "normalz"}};
+
+/// Where a comment begins behind `from`: at a # in front of which no word stands, or at //.
+std::size_t comment_at(std::string_view line, std::size_t from) {
+  if (line.substr(from, 2) == "//") return from;
+  for (std::size_t at = line.find('#', from); at != line.npos; at = line.find('#', at + 1)) {
+    if (at == from || std::string_view(" \t,;").find(line[at - 1]) != line.npos) return at;
   }
-  return true;
+  return line.size();
 }
+
+class XyzReader {
+ public:
+  explicit XyzReader(const Input& input) : input_(input), cursor_(input.text()) {}
+
+  Result<Cloud> read() {
+    if (auto done = read_head(); !done) return done.error();
+    for (bool more = has_row_; more; more = next_row()) {
+      split_row(row_, delimiter_, fields_);
+      if (auto done = is_count() ? begin_block() : read_point(); !done) return done.error();
+    }
+    if (auto done = end_block(); !done) return done.error();
+    if (!columns_.named && !are_directions(cloud_.normals)) cloud_.normals = {};
+    return std::move(cloud_);
+  }
+
+ private:
+  Error refuse(std::string_view what) const { return input_.refuse_line(cursor_.line(), what); }
+
+  /// The next line that is neither blank nor a comment; false at the end.
+  bool next_row() {
+    while (!began_ || cursor_.next_line()) {
+      began_ = true;
+      const auto line = cursor_.rest_of_line();
+      if (line.find_first_not_of(" \t\r\n\v\f,;") == line.npos) continue;
+      const auto first = line.find_first_not_of(" \t\r\n\v\f");
+      row_ = line.substr(first, comment_at(line, first) - first);
+      if (!row_.empty()) return true;
+      const auto names = parse_names(line, find_delimiter(line));
+      if (first_line_ == 0 && find_names(names, kPosition)) comment_names_ = names;
+    }
+    return false;
+  }
+
+  /// A line of one whole number: how many points follow.
+  bool is_count() const {
+    return fields_.size() == 1 && parse_integer(fields_[0]).value_or(-1) >= 0;
+  }
+  /// A line of words; one that begins with a word but goes on with numbers is a row gone wrong.
+  bool is_header() const {
+    const auto is_number = [&](std::size_t i) {
+      return i < fields_.size() && parse_column(fields_[i], delimiter_);
+    };
+    return !is_number(0) && !fields_[0].empty() && !(is_number(1) && is_number(2));
+  }
+
+  Result<void> begin_block() {
+    if (auto done = end_block(); !done) return done;
+    if (!announced_ && !cloud_.points.empty()) return refuse_width();
+    announced_ = parse_integer(fields_[0]);
+    announced_line_ = cursor_.line();
+    block_begin_ = cloud_.points.size();
+    return {};
+  }
+  Result<void> end_block() const {
+    const auto found = static_cast<std::int64_t>(cloud_.points.size() - block_begin_);
+    if (!announced_ || *announced_ == found) return {};
+    return input_.refuse_line(
+        announced_line_,
+        fmt::format("expected {} points as this line says, found {}", *announced_, found));
+  }
+
+  /// Go to the first point, over a header and the number of points, in any order.
+  Result<void> read_head() {
+    std::string_view header;
+    std::size_t header_line = 0;
+    while ((has_row_ = next_row())) {
+      delimiter_ = find_delimiter(row_);
+      split_row(row_, delimiter_, fields_);
+      if (is_count()) {
+        if (auto done = begin_block(); !done) return done;
+      } else if (header_line == 0 && is_header()) {
+        header = row_;
+        header_line = cursor_.line();
+      } else {
+        break;
+      }
+    }
+    if (!has_row_) return {};
+    first_line_ = cursor_.line();
+    const auto names = header_line > 0 ? parse_names(header, delimiter_) : comment_names_;
+    columns_.count = fields_.size();
+    if (fields_.back().empty() && names.size() + 1 == columns_.count) --columns_.count;
+    if (columns_.count < 3)
+      return refuse(fmt::format("expected three numbers x y z, found {}", quote(row_)));
+    if (columns_.count >= 6) columns_.normal = {3, 4, 5};
+    if (take_names(names) || header_line == 0) return {};
+    // Titles are no names; neither does it matter how three columns are called.
+    const bool are_names = delimiter_ != Delimiter::blanks && names.size() == columns_.count;
+    const auto position = find_names(names, kPosition);
+    if (position ? *position == std::vector<std::size_t>{0, 1, 2}
+                 : !are_names || columns_.count == 3)
+      return {};
+    return input_.refuse_line(
+        header_line,
+        fmt::format("expected the names of {} columns with x, y and z among them, found {}",
+                    columns_.count, quote(header)));
+  }
+
+  /// Whether the names tell where the coordinates are.
+  bool take_names(std::span<const std::string> names) {
+    const auto position = find_names(names, kPosition);
+    if (names.size() != columns_.count || !position) return false;
+    const auto three = [](const std::vector<std::size_t>& places) {
+      return Three{places[0], places[1], places[2]};
+    };
+    columns_.named = true;
+    columns_.position = three(*position);
+    columns_.normal.reset();
+    for (const Names& normal : kNormals) {
+      if (const auto places = find_names(names, normal)) columns_.normal = three(*places);
+    }
+    return true;
+  }
+
+  Error refuse_width() const {
+    return refuse(fmt::format("expected {} columns as in line {}, found {}", columns_.count,
+                              first_line_, fields_.size()));
+  }
+
+  /// Files write decimals with points or with commas; both in one file are groups of digits.
+  Result<void> check_mark(std::string_view field) {
+    const auto at = field.find_first_of(delimiter_ == Delimiter::commas ? "." : ".,");
+    if (at == field.npos) return {};
+    if (mark_ == 0) mark_ = field[at];
+    if (mark_ == field[at]) return {};
+    return refuse(fmt::format("expected the decimal mark of the lines above, {}, found {}",
+                              quote({&mark_, 1}), quote(field)));
+  }
+
+  Result<Eigen::Vector3f> read_three(const Three& columns, std::string_view what) {
+    Eigen::Vector3f values;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto field = fields_[columns[i]];
+      const auto number = parse_column(field, delimiter_);
+      if (!number) {
+        return refuse(fmt::format("expected a number as {} in column {}, found {}", what[i],
+                                  columns[i] + 1,
+                                  field.empty() ? "an empty column" : quote(field)));
+      }
+      if (auto marked = check_mark(field); !marked) return marked.error();
+      values[static_cast<Eigen::Index>(i)] = to_float(*number);
+    }
+    return values;
+  }
+
+  Result<void> read_point() {
+    // A delimiter behind the last column makes no column.
+    if (fields_.size() == columns_.count + 1 && fields_.back().empty()) fields_.pop_back();
+    if (fields_.size() != columns_.count) return refuse_width();
+    if (cloud_.points.size() == input_.max_points())
+      return input_.refuse_count(cloud_.points.size() + 1);
+
+    const auto point = read_three(columns_.position, "xyz");
+    if (!point) return point.error();
+    cloud_.points.push_back(*point);
+    if (!columns_.normal) return {};
+    const auto normal = read_three(*columns_.normal, "xyz");
+    if (!normal && columns_.named) return normal.error();
+    if (normal) {
+      cloud_.normals.push_back(*normal);
+    } else {  // words in columns four to six
+      columns_.normal.reset();
+      cloud_.normals = {};
+    }
+    return {};
+  }
+
+  const Input& input_;
+  TextCursor cursor_;
+  Cloud cloud_;
+  Columns columns_;
+  Delimiter delimiter_ = Delimiter::blanks;
+  std::vector<std::string_view> fields_;
+  std::string_view row_;
+  std::vector<std::string> comment_names_;  // of a comment before the points
+  bool began_ = false, has_row_ = false;
+  char mark_ = 0;  // of decimals, once seen
+  std::size_t first_line_ = 0, announced_line_ = 0, block_begin_ = 0;
+  std::optional<std::int64_t> announced_;
+};
 
 }  // namespace
 
-Result<Cloud> read_xyz(const Input& input) {
-  TextCursor cursor(input.text(), ",;");
-  Cloud cloud;
-  bool with_normals = false, header_allowed = true;
-  do {
-    const Row row = read_row(cursor);
-    if (row.size == 0 && row.fault.empty()) continue;  // blank or comment
-    if (row.size < 3) {
-      if (std::exchange(header_allowed, false)) continue;
-      return input.refuse_line(
-          cursor.line(), fmt::format("expected three numbers x y z, found {} and then {}", row.size,
-                                     row.fault.empty() ? "the end of the line" : quote(row.fault)));
-    }
-    header_allowed = false;
-    if (cloud.points.size() == input.max_points())
-      return input.refuse_count(cloud.points.size() + 1);
-    const auto at = [&](std::size_t column) { return to_float(row.values[column]); };
-    if (cloud.points.empty()) with_normals = row.size == kMaxColumns;
-    if (with_normals && row.size < kMaxColumns) {
-      return input.refuse_line(
-          cursor.line(),
-          fmt::format("expected six numbers as in the lines above, found {}", row.size));
-    }
-    cloud.points.push_back({at(0), at(1), at(2)});
-    if (with_normals) cloud.normals.push_back({at(3), at(4), at(5)});
-  } while (cursor.next_line());
-
-  if (!are_directions(cloud.normals)) cloud.normals = {};
-  return cloud;
-}
+Result<Cloud> read_xyz(const Input& input) { return XyzReader(input).read(); }
 
 }  // namespace trivet::formats

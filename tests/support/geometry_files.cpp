@@ -137,6 +137,8 @@ std::vector<SampleFile> sample_files() {
                          face_big(0, 2, 3)},
       {"concave.obj", "v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nv 0 0 1\nf 2 3 4 1\nf 1 2 5\n"},
       {"points.xyz", "# x y z\n0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n"},
+      {"named.csv", "id;\"Z [m]\";y;x\na;0;0;0\nb;0;0;1\nc;0;1;1\nd;0,5;1;0\n"},
+      {"counted.pts", "4\n0 0 0 -9 1 2 3\n1 0 0 -9 1 2 3\n1 1 0 -9 1 2 3\n0 1 0.5 -9 1 2 3\n"},
       {"depth.png", depth_png(3, 2, {1000, 0, 2000, 3000, 0, 65535})},
   };
 }
