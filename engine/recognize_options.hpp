@@ -84,6 +84,9 @@ struct VerifyStageOptions {
   bool operator==(const VerifyStageOptions&) const = default;
 };
 
+/// What doubtful_score is set to for curves over the score and for files that take every pose.
+inline constexpr float kLowestKeptScore = 0.1F;
+
 struct RecognizeOptions {
   Method method = Method::fused;
   /// Radius of the windows that normals are fitted to, in mean spacings of the scan's points;

@@ -22,9 +22,6 @@
 namespace trivet::apps {
 namespace {
 
-/// Detections down to this score enter the curves over the score.
-constexpr float kLowestScore = 0.1F;
-
 struct EvaluateArguments {
   std::string library, calibration, manifest, detections, json, csv, report;
   RecognizeArguments recognize;
@@ -33,9 +30,8 @@ struct EvaluateArguments {
 /// What is judged: recognized now, or stored by any program.
 struct Judged {
   std::vector<std::optional<SceneResult>> results;
-  float min_score = 0;        ///< of what counts as reported
-  bool require_pose = false;  ///< the very pose has it
-  std::string source;         ///< the file that it came from
+  ScoreThreshold threshold;  ///< of what counts as reported
+  std::string source;        ///< the file that it came from
 };
 
 std::string source_of(const std::string& library, const std::string& calibration) {
@@ -49,10 +45,9 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   const Recognizer& recognizer = *opened;
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
-  options->doubtful_score = std::min(kLowestScore, options->min_score);
+  options->doubtful_score = std::min(kLowestKeptScore, options->min_score);
   Judged judged{{},
-                options->min_score,
-                options->require_pose,
+                {options->min_score, options->require_pose, options->doubtful_score},
                 source_of(arguments.library, arguments.calibration)};
   judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognize_all(
@@ -85,10 +80,10 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
   }
   const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
-  const bool threshold = arguments.recognize.given.at("min-score").is_given();
-  return Judged{std::move(*results),
-                threshold ? options->min_score : -std::numeric_limits<float>::infinity(),
-                options->require_pose, arguments.detections};
+  ScoreThreshold threshold{{}, options->require_pose};
+  if (arguments.recognize.given.at("min-score").is_given())
+    threshold.min_score = options->min_score;
+  return Judged{std::move(*results), threshold, arguments.detections};
 }
 
 Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
@@ -105,8 +100,11 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
                                     ? recognize_scenes(*manifest, arguments, context)
                                     : stored_results(*manifest, arguments, context);
   if (!judged) return judged.error();
+  const ScoreThreshold& threshold = judged->threshold;
   const Result<Evaluation> evaluation =
-      evaluate(*manifest, *meshes, judged->results, judged->min_score, judged->require_pose);
+      evaluate(*manifest, *meshes, judged->results,
+               threshold.min_score.value_or(-std::numeric_limits<float>::infinity()),
+               threshold.require_pose);
   if (!evaluation) {
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
@@ -114,10 +112,14 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
   const Result<BopScores> bop = bop_scores(*manifest, *meshes, judged->results);
   if (!bop) return bop.error();
 
-  if (arguments.json != "-") fmt::print("{}", evaluation_table(*evaluation, *bop));
+  if (arguments.json != "-") {
+    fmt::print("{}{}", evaluation_table(*evaluation, *bop),
+               threshold_words(threshold, judged->source));
+  }
   if (!arguments.json.empty()) {
-    const Result<void> written =
-        write_json(arguments.json, evaluation_json(*manifest, *evaluation, *bop, judged->results));
+    const nlohmann::ordered_json document =
+        evaluation_json(*manifest, *evaluation, threshold, *bop, judged->results);
+    const Result<void> written = write_json(arguments.json, document);
     if (!written) return written;
   }
   if (!arguments.csv.empty()) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "apps/results/camera_words.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
+#include "apps/results/reported_part.hpp"
 #include "apps/results/view_words.hpp"
 #include "engine/estimate_camera.hpp"
 
@@ -78,9 +80,11 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
+  RecognizeOptions kept = *options;
   if (!arguments.bop_csv.empty()) {
     const Result<void> checked = check_bop_ids(*scenes, library, options->models);
     if (!checked) return checked;
+    kept.doubtful_score = std::min(kLowestKeptScore, options->min_score);
   }
 
   nlohmann::ordered_json document{{"library", arguments.library},
@@ -91,16 +95,17 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   std::vector<SceneResult> told;  // for the report
   std::vector<CameraCheck> checks;
   const Result<void> done = recognize_scenes(
-      recognizer, scenes->sources, *options, arguments.estimate_camera,
+      recognizer, scenes->sources, kept, arguments.estimate_camera,
       context.console.progress("recognized", context.stop),
-      [&](std::size_t index, const SceneResult& result) {
+      [&](std::size_t index, const SceneResult& all) {
+        if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, all, bop_results);
+        const SceneResult result = reported_part(all, kept);
         const std::string file = scenes->sources[index].file.string();
         if (arguments.json.empty()) {
           print_scene(file, result);
         } else {
           document["scenes"].push_back(scene_json(file, result, recognizer.score()));
         }
-        if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, result, bop_results);
         if (!arguments.report.empty()) told.push_back(result);
         if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
       });
@@ -156,8 +161,10 @@ void add_recognize(CLI::App& app, Context& context) {
                     "images is wrong, correct it and recognize once more");
   command->add_option("--json", arguments->json,
                       "Write the result as JSON to this file, - for standard output");
-  command->add_option("--bop-csv", arguments->bop_csv,
-                      "Write the poses found in BOP data sets to this file, as BOP takes them");
+  command->add_option(
+      "--bop-csv", arguments->bop_csv,
+      "Write the poses found in BOP data sets to this file, as BOP takes them: also "
+      "those that are too low to be reported, down to a score of 0.1");
   command->add_option("--report", arguments->report,
                       "Write index.html with pictures of what was found, and of what was rejected "
                       "and why, into this folder");

@@ -38,6 +38,15 @@ ordered_json optional_json(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
+ordered_json threshold_json(const ScoreThreshold& threshold) {
+  const auto score = [](const std::optional<float>& value) {
+    return value ? ordered_json(*value) : ordered_json(nullptr);
+  };
+  return {{"min_score", score(threshold.min_score)},
+          {"require_pose", threshold.require_pose},
+          {"lowest_kept_score", score(threshold.lowest_kept)}};
+}
+
 ordered_json point_json(const OperatingPoint& point) {
   return {{"score", point.score},
           {"precision", point.precision},
@@ -167,7 +176,7 @@ const char* verdict_name(Verdict verdict) {
 }
 
 ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluation,
-                             const BopScores& bop,
+                             const ScoreThreshold& threshold, const BopScores& bop,
                              std::span<const std::optional<SceneResult>> results) {
   ordered_json median = ordered_json::object(), p95 = median, scenes = ordered_json::array();
   for (const StageSeconds& stage : evaluation.seconds) {
@@ -180,7 +189,8 @@ ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluat
   }
   ordered_json document = tally_json(evaluation.total);
   document.update(
-      {{"scenes_missing", evaluation.num_missing},
+      {{"threshold", threshold_json(threshold)},
+       {"scenes_missing", evaluation.num_missing},
        {"median_translation_error_over_diameter",
         optional_json(evaluation.median_translation_error)},
        {"median_rotation_error_deg", optional_json(evaluation.median_rotation_error_deg)},
@@ -241,6 +251,20 @@ std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop)
   text += "median seconds a scene      ";
   for (const StageSeconds& stage : evaluation.seconds)
     text += fmt::format(" {} {:.3f}", stage.stage, stage.median);
+  return text + "\n";
+}
+
+std::string threshold_words(const ScoreThreshold& threshold, const std::string& source) {
+  if (!threshold.min_score)
+    return fmt::format("threshold                    all detections of {} count as reported\n",
+                       source);
+  std::string text =
+      fmt::format("threshold                    {} {:.3g} and above reported",
+                  threshold.require_pose ? "score x pose_share" : "score", *threshold.min_score);
+  if (threshold.lowest_kept) {
+    text += fmt::format("; average precision, calibration and BOP's scores from {:.3g} on",
+                        *threshold.lowest_kept);
+  }
   return text + "\n";
 }
 

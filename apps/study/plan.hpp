@@ -52,9 +52,6 @@ struct StudyPlan {
   std::vector<StudyPoint> points;
 };
 
-/// Detections down to this score are kept, for curves over the score.
-inline constexpr float kLowestKeptScore = 0.1F;
-
 /// A key is a hash of everything that the thing depends on: the settings of its stage and of those
 /// before, the bytes of the files, the version of the program. Errors: of reading the models' files
 /// and manifests.

@@ -125,6 +125,29 @@ TEST_F(Bop, WritesResultsThatTheBenchmarkTakes) {
   }
 }
 
+TEST_F(Bop, WritesWhatIsTooLowToBeReportedToo) {
+  const auto recognize = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"recognize", "set.h5", "set", "--min-score", "0.9999"});
+    more.insert(more.end(), {"--json", "-", "--quiet"});
+    const test::Outcome outcome = run(more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    nlohmann::json detections = nlohmann::json::array();
+    const nlohmann::json document = nlohmann::json::parse(outcome.out);
+    for (const nlohmann::json& scene : document["scenes"])
+      detections.push_back(scene["detections"]);
+    return detections;
+  };
+  const nlohmann::json reported = recognize({});
+  EXPECT_EQ(recognize({"--bop-csv", "low.csv"}), reported) << "the threshold holds for the rest";
+  EXPECT_EQ(recognize({"--bop-csv", "low.csv", "--report", "low"}), reported);
+  const auto results = read_bop_results(*folder_ / "low.csv");
+  ASSERT_TRUE(results) << results.error().message;
+  EXPECT_GE(results->size(), 3U) << "all that stands there";
+  EXPECT_LT(reported[0].size() + reported[1].size(), results->size());
+  const std::string page = test::read_bytes(*folder_ / "low/index.html");
+  EXPECT_NE(page.find("rejected"), std::string::npos);
+}
+
 TEST_F(Bop, GivesTheSameDetectionsForTheFolderOfTheSplit) {
   const auto lines = [&](const std::string& scenes) {
     EXPECT_EQ(run({"recognize", "set.h5", scenes, "--json", "found.json", "--bop-csv", "found.csv"})
@@ -158,6 +181,10 @@ TEST_F(Bop, JudgesADataSetRecognizedNowOrByAFileOfResults) {
     EXPECT_GT(judged["bop"]["localization"]["ar"].get<double>(), 0.95);
     EXPECT_GT(judged["bop"]["detection"]["ap"].get<double>(), 0.95);
   }
+  const nlohmann::json now = scores({"set.h5", "set", "--min-score", "0.9999"}),
+                       stored = scores({"set", "--detections", "found.csv"});
+  EXPECT_EQ(now["bop"]["localization"]["ar"], stored["bop"]["localization"]["ar"]);
+  EXPECT_EQ(now["bop"]["detection"]["ap"], stored["bop"]["detection"]["ap"]);
   const test::Outcome refused = run({"evaluate", "set/manifest.json", "--detections", "found.csv"});
   EXPECT_EQ(refused.exit_code, 66) << refused.error;
 }

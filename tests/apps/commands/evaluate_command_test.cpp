@@ -53,10 +53,17 @@ class EvaluateCommand : public testing::Test {
     return nlohmann::json{{"model", model}, {"score", score}, {"T_scene_model", matrix(pose)}}
         .dump();
   }
+  test::Outcome trivet(const std::vector<std::string>& arguments) const {
+    return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  }
   test::Outcome run(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{"evaluate", "set.json", "--detections", "found.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+    return trivet(arguments);
+  }
+  void train(const std::string& model) const {
+    const test::Outcome outcome = trivet({"train", model, "-o", "models.h5", "--preset", "fast"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   }
   std::vector<std::string> lines(const std::string& name) const {
     std::istringstream text(test::read_bytes(folder_ / name));
@@ -89,6 +96,25 @@ TEST_F(EvaluateCommand, CountsWhatReachesTheThreshold) {
   EXPECT_EQ(scores["right"], 1);
   EXPECT_EQ(scores["false_positives"], 0);
   EXPECT_EQ(scores["precision_recall"]["score"].size(), 2U) << "the curve goes on";
+}
+
+TEST_F(EvaluateCommand, SaysWhichThresholdItUsed) {
+  nlohmann::json scores = nlohmann::json::parse(run({"--json", "-"}).out);
+  EXPECT_EQ(scores["threshold"]["min_score"], nullptr) << "all that is stored was reported";
+  EXPECT_EQ(scores["threshold"]["lowest_kept_score"], nullptr);
+  EXPECT_NE(run({}).out.find("all detections of found.json count as reported"), std::string::npos);
+  scores = nlohmann::json::parse(run({"--json", "-", "--min-score", "0.25", "--require-pose"}).out);
+  EXPECT_EQ(scores["threshold"]["min_score"], 0.25);
+  EXPECT_EQ(scores["threshold"]["require_pose"], true);
+  const std::string text = run({"--min-score", "0.25"}).out;
+  EXPECT_NE(text.find("score 0.25 and above"), std::string::npos) << text;
+
+  train("bracket.ply");
+  const test::Outcome outcome =
+      trivet({"evaluate", "models.h5", "set.json", "--json", "-", "--quiet"});
+  scores = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(scores["threshold"]["min_score"].get<double>(), 0.8, 1e-6);
+  EXPECT_NEAR(scores["threshold"]["lowest_kept_score"].get<double>(), 0.1, 1e-6);
 }
 
 TEST_F(EvaluateCommand, CountsOnlyTheVeryPosesIfThatIsRequired) {
@@ -137,8 +163,7 @@ TEST_F(EvaluateCommand, WritesAPageThatStandsAlone) {
 }
 
 TEST_F(EvaluateCommand, AsksForALibraryOrDetections) {
-  const test::Outcome outcome = test::run_trivet(
-      {"evaluate", "set.json"}, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  const test::Outcome outcome = trivet({"evaluate", "set.json"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.error.find("--detections"), std::string::npos) << outcome.error;
 }
