@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -30,12 +31,43 @@ struct EvaluateArguments {
 /// What is judged: recognized now, or stored by any program.
 struct Judged {
   std::vector<std::optional<SceneResult>> results;
-  ScoreThreshold threshold;  ///< of what counts as reported
-  std::string source;        ///< the file that it came from
+  ScoreThreshold threshold;         ///< of what counts as reported
+  std::string source;               ///< the file that it came from
+  std::vector<std::string> lacked;  ///< models that count and were not looked for
 };
 
 std::string source_of(const std::string& library, const std::string& calibration) {
   return calibration.empty() ? library : fmt::format("{}, calibrated by {}", library, calibration);
+}
+
+/// The models that count and are not looked for: their instances cannot be found. Told, and an
+/// error where these are all. Errors: usage.
+Result<std::vector<std::string>> lacked_models(const Manifest& manifest, const Library& library,
+                                               const std::vector<std::string>& chosen,
+                                               const EvaluateArguments& arguments,
+                                               const Console& console) {
+  std::vector<std::string> known = chosen;
+  if (known.empty())
+    for (const Model& model : library.models) known.push_back(model.name);
+  const std::vector<std::string> scored = scored_models(manifest);
+  std::vector<std::string> lacked = scored;
+  std::erase_if(lacked, [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  });
+  if (lacked.empty()) return lacked;
+  if (lacked.size() == scored.size()) {
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: expected models of {}, found none of {}: {}; {} are looked for, "
+                             "as '{}'; train the models of the manifest",
+                             arguments.library, arguments.manifest, scored.size(),
+                             fmt::join(lacked, ", "), known.size(), known.front())};
+  }
+  console.warning(
+      fmt::format("{}: {} of {} models of {} are not looked for, and their instances "
+                  "count as not found: {}",
+                  arguments.library, lacked.size(), scored.size(), arguments.manifest,
+                  fmt::join(lacked, ", ")));
+  return lacked;
 }
 
 Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
@@ -45,10 +77,14 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   const Recognizer& recognizer = *opened;
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
+  Result<std::vector<std::string>> lacked =
+      lacked_models(manifest, recognizer.library(), options->models, arguments, context.console);
+  if (!lacked) return lacked.error();
   options->doubtful_score = std::min(kLowestKeptScore, options->min_score);
   Judged judged{{},
                 {options->min_score, options->require_pose, options->doubtful_score},
-                source_of(arguments.library, arguments.calibration)};
+                source_of(arguments.library, arguments.calibration),
+                std::move(*lacked)};
   judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognize_all(
       recognizer, scenes_of(manifest, recognizer.library().header.unit), *options,
@@ -71,7 +107,15 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
     if (!result) continue;
     for (const Detection& detection : result->detections) strangers.insert(detection.model);
   }
+  const std::size_t num_models = strangers.size();
   for (const ManifestModel& model : manifest.models) strangers.erase(model.name);
+  if (!strangers.empty() && strangers.size() == num_models) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format("{}: expected detections of the models of {}, found those of {} others "
+                    "alone, as '{}'",
+                    arguments.detections, arguments.manifest, num_models, *strangers.begin())};
+  }
   if (!strangers.empty()) {
     context.console.warning(
         fmt::format("{}: detections of {} models that the manifest does not list, as '{}', are not "
@@ -80,10 +124,10 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
   }
   const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
-  ScoreThreshold threshold{{}, options->require_pose};
+  ScoreThreshold threshold{{}, options->require_pose, {}};
   if (arguments.recognize.given.at("min-score").is_given())
     threshold.min_score = options->min_score;
-  return Judged{std::move(*results), threshold, arguments.detections};
+  return Judged{std::move(*results), threshold, arguments.detections, {}};
 }
 
 Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
@@ -117,8 +161,9 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
                threshold_words(threshold, judged->source));
   }
   if (!arguments.json.empty()) {
-    const nlohmann::ordered_json document =
+    nlohmann::ordered_json document =
         evaluation_json(*manifest, *evaluation, threshold, *bop, judged->results);
+    document["models_missing"] = judged->lacked;
     const Result<void> written = write_json(arguments.json, document);
     if (!written) return written;
   }

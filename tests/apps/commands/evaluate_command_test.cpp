@@ -168,6 +168,37 @@ TEST_F(EvaluateCommand, AsksForALibraryOrDetections) {
   EXPECT_NE(outcome.error.find("--detections"), std::string::npos) << outcome.error;
 }
 
+TEST_F(EvaluateCommand, RefusesALibraryOfOtherModels) {
+  train("other=bracket.ply");
+  const test::Outcome outcome = trivet({"evaluate", "models.h5", "set.json"});
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+  EXPECT_EQ(outcome.out, "") << "no recall of what was not looked for";
+  for (const char* text : {"models.h5", "set.json", "bracket, lever", "'other'"})
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+}
+
+TEST_F(EvaluateCommand, SaysWhichModelsTheLibraryLacks) {
+  train("bracket.ply");
+  const test::Outcome outcome = trivet({"evaluate", "models.h5", "set.json", "--json", "-"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.error.find("1 of 2 models"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("lever"), std::string::npos) << outcome.error;
+  const nlohmann::json scores = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(scores["models_missing"], nlohmann::json({"lever"}));
+  EXPECT_EQ(scores["instances"], 2) << "what is not looked for is not found";
+}
+
+TEST_F(EvaluateCommand, RefusesDetectionsOfOtherModels) {
+  const Pose at = Pose::Identity();
+  folder_.write("found.json", R"({"scenes": [{"scene": "scan.ply", "detections": [)" +
+                                  detection("gear", 0.9, at) + "]}]}");
+  const test::Outcome outcome = run({});
+  EXPECT_EQ(outcome.exit_code, 65) << outcome.out;
+  EXPECT_NE(outcome.error.find("'gear'"), std::string::npos) << outcome.error;
+  folder_.write("found.json", R"({"scenes": [{"scene": "scan.ply", "detections": []}]})");
+  EXPECT_EQ(run({}).exit_code, 0) << "nothing was found";
+}
+
 TEST_F(EvaluateCommand, NamesTheFaultOfForeignDetections) {
   for (const auto& [text, fault] :
        {std::pair{R"({"scenes": [{"scene": "scan.ply", "detections": [{"model": "lever"}]}]})",
