@@ -47,9 +47,13 @@ std::string encode_ply(const Cloud& cloud);
 Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud);
 
 /// Read the camera of depth images, in one of three forms, each with "depth_scale" (1 if absent):
-/// {"fx", "fy", "cx", "cy"}, or {"cam_K": [9 numbers]} as in BOP, or a BOP scene_camera.json, of
-/// which the entry `image_id` is taken. BOP's depth_scale gives millimeters.
+/// {"fx", "fy", "cx", "cy"}, or {"cam_K": [9 numbers]} or {"cam_model": a pinhole camera} as in BOP,
+/// or a BOP scene_camera.json, of which the entry `image_id` is taken. BOP's depth_scale gives
+/// millimeters.
 /// Errors: missing_input, bad_data.
 Result<Camera> read_camera(const std::filesystem::path& file, std::optional<int> image_id = {});
+
+/// The id of an image in BOP's scene_camera.json: the number that is its file's name (000003.png).
+std::optional<int> image_id_of(const std::filesystem::path& image);
 
 }  // namespace trivet

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "apps/commands/commands.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 struct MeshArguments {
   std::string cloud, output, camera, method;
+  std::optional<int> image_id;
   std::vector<float> viewpoint;
   SurfaceOptions options;
 };
@@ -27,7 +29,8 @@ Result<void> mesh(const MeshArguments& arguments, const Context& context) {
   const auto start = std::chrono::steady_clock::now();
   ReadOptions reading;
   if (!arguments.camera.empty()) {
-    const Result<Camera> camera = read_camera(arguments.camera);
+    const Result<Camera> camera = read_camera(
+        arguments.camera, arguments.image_id ? arguments.image_id : image_id_of(arguments.cloud));
     if (!camera) return camera.error();
     reading.camera = *camera;
   }
@@ -81,6 +84,11 @@ void add_mesh(CLI::App& app, Context& context) {
   command->add_option(
       "--camera", arguments->camera,
       "Camera of a depth image: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");
+  command
+      ->add_option("--image-id", arguments->image_id,
+                   "Image of scene_camera.json whose camera --camera takes; default: the number "
+                   "that is the file's name, as in 000003.png")
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--viewpoint", arguments->viewpoint,
                    "Position x,y,z of the sensor in the file's frame; default: the file's, else "

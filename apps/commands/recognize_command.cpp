@@ -150,6 +150,11 @@ void add_recognize(CLI::App& app, Context& context) {
       "--camera", arguments->scenes.camera,
       "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");
   command
+      ->add_option("--image-id", arguments->scenes.image_id,
+                   "Image of scene_camera.json whose camera --camera takes; default: the number "
+                   "that is the scene's file name, as in 000003.png")
+      ->check(CLI::NonNegativeNumber);
+  command
       ->add_option(
           "--viewpoint", arguments->scenes.viewpoint,
           "Position x,y,z of the sensor in the scene's frame; default: the file's, else where all "

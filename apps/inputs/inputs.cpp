@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <span>
 
@@ -65,6 +66,26 @@ void add_scenes(const Manifest& manifest, LengthUnit library_unit, SceneInputs& 
   for (const ManifestModel& model : manifest.models)
     if (model.object_id > 0) inputs.object_ids[model.name] = model.object_id;
 }
+
+/// The cameras of a file, each read once.
+class CameraFile {
+ public:
+  CameraFile(fs::path file, std::optional<int> image_id)
+      : file_(std::move(file)), image_id_(image_id) {}
+
+  /// Errors: those of read_camera.
+  const Result<Camera>& of(const fs::path& image) {
+    const std::optional<int> id = image_id_ ? image_id_ : image_id_of(image);
+    const auto known = cameras_.find(id);
+    if (known != cameras_.end()) return known->second;
+    return cameras_.emplace(id, read_camera(file_, id)).first->second;
+  }
+
+ private:
+  fs::path file_;
+  std::optional<int> image_id_;
+  std::map<std::optional<int>, Result<Camera>> cameras_;
+};
 
 }  // namespace
 
@@ -138,17 +159,13 @@ Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& giv
 Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
   SceneInput common;
   common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
-  if (!arguments.camera.empty()) {
-    const Result<Camera> camera = read_camera(arguments.camera);
-    if (!camera) return camera.error();
-    common.camera = *camera;
-  }
   if (!arguments.viewpoint.empty()) {
     common.viewpoint =
         Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
   }
 
   SceneInputs inputs;
+  CameraFile cameras(arguments.camera, arguments.image_id);
   for (const std::string& argument : arguments.scenes) {
     if (is_listing(argument)) {
       const Result<Manifest> manifest = read_listing(argument);
@@ -159,7 +176,7 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
     std::vector<fs::path> files{argument};
     if (fs::is_directory(argument)) {
       Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
-        return is_cloud_file(file) || (common.camera && has_extension(file, ".png"));
+        return is_cloud_file(file) || (!arguments.camera.empty() && has_extension(file, ".png"));
       });
       if (!listed) return listed.error();
       files = std::move(*listed);
@@ -168,6 +185,10 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
       inputs.sources.push_back(common);
       inputs.sources.back().file = file;
       inputs.ids.emplace_back();
+      if (arguments.camera.empty()) continue;
+      const Result<Camera> camera = cameras.of(file);
+      if (!camera) return camera.error();
+      inputs.sources.back().camera = *camera;
     }
   }
   return inputs;

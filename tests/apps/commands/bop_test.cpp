@@ -189,6 +189,36 @@ TEST_F(Bop, JudgesADataSetRecognizedNowOrByAFileOfResults) {
   EXPECT_EQ(refused.exit_code, 66) << refused.error;
 }
 
+TEST_F(Bop, TakesTheCameraOfAnImageFromSceneCamera) {
+  const std::string scene = "set/test/000001/", camera = scene + "scene_camera.json";
+  const auto found = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"recognize", "set.h5"});
+    more.insert(more.end(), {"--camera", camera, "--json", "-", "--quiet"});
+    const test::Outcome outcome = run(more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    std::vector<std::size_t> counts;
+    const nlohmann::json document = nlohmann::json::parse(outcome.out);
+    for (const nlohmann::json& one : document["scenes"]) counts.push_back(one["detections"].size());
+    return counts;
+  };
+  using Counts = std::vector<std::size_t>;
+  EXPECT_EQ(found({scene + "depth/000006.png"}), Counts({2}));
+  EXPECT_EQ(found({scene + "depth"}), Counts({1, 2}));
+  fs::copy_file(*folder_ / scene / "depth/000006.png", *folder_ / "scan.png");
+  EXPECT_EQ(found({"scan.png", "--image-id", "6"}), Counts({2}));
+
+  const test::Outcome unnamed = run({"recognize", "set.h5", "scan.png", "--camera", camera});
+  EXPECT_EQ(unnamed.exit_code, 65);
+  EXPECT_NE(unnamed.error.find("--image-id"), std::string::npos) << unnamed.error;
+  const test::Outcome absent =
+      run({"recognize", "set.h5", "scan.png", "--camera", camera, "--image-id", "8"});
+  EXPECT_EQ(absent.exit_code, 65);
+  EXPECT_NE(absent.error.find("\"8\""), std::string::npos) << absent.error;
+  const test::Outcome meshed =
+      run({"mesh", scene + "depth/000006.png", "--camera", camera, "-o", "surface.ply"});
+  EXPECT_EQ(meshed.exit_code, 0) << meshed.error;
+}
+
 TEST_F(Bop, RefusesResultsThatWouldLackTheirNumbers) {
   const test::Shape bracket = test::bracket();
   ASSERT_TRUE(write_ply(*folder_ / "scan.ply", test::render_scan({{&bracket, pose(0)}})));

@@ -1,4 +1,5 @@
 // Depth images and their cameras.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "storage/read_cloud.hpp"
@@ -100,6 +101,29 @@ TEST_F(ReadCamera, TakesEachOfTheThreeForms) {
   EXPECT_EQ(*plain, expected);
   EXPECT_EQ(*matrix, expected);
   EXPECT_EQ(*scene, expected);
+}
+
+TEST_F(ReadCamera, TakesCameraModelsWithoutDistortion) {
+  const Camera expected{500, 400, 320, 240, 0.1};
+  const auto model = [](const char* type, const char* parameters) {
+    return fmt::format(R"({{"cam_model": {{"image_width": 640, "image_height": 480,
+                           "projection_model_type": "{}", "projection_params": {}}},
+                           "depth_scale": 0.1}})",
+                       type, parameters);
+  };
+  for (const char* type :
+       {"CameraModelType.PINHOLE", "PinholePlane", "PinholePlaneCameraModel", "LINEAR"}) {
+    const auto camera = read(model(type, "[500, 400, 320, 240]"));
+    ASSERT_TRUE(camera) << camera.error().message;
+    EXPECT_EQ(*camera, expected);
+  }
+  EXPECT_TRUE(read(model("PinholePlane", "[500, 400, 320, 240, 0, 0]")));
+  EXPECT_TRUE(read("{\"7\": " + model("PinholePlane", "[500, 400, 320, 240]") + "}", 7));
+  expect_refused(model("PinholePlane", "[500, 400, 320, 240, 0.1]"), "distortion");
+  expect_refused(model("PinholePlane", "[500, 320, 240]"), "fx, fy, cx, cy");
+  expect_refused(model("CameraModelType.FISHEYE624", "[500, 320, 240, 0, 0]"),
+                 "cam_model.projection_model_type: expected a pinhole camera, found "
+                 "\"CameraModelType.FISHEYE624\"");
 }
 
 TEST_F(ReadCamera, NamesWhatIsMissingOrWrong) {
