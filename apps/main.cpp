@@ -8,13 +8,16 @@
 #include <cctype>
 #include <csignal>
 #include <exception>
+#include <iostream>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <string>
 #include <thread>
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/markdown_help.hpp"
+#include "apps/results/standard_output.hpp"
 #include "engine/progress.hpp"
 
 namespace {
@@ -40,6 +43,13 @@ int exit_code(ErrorCode code) {
       return 70;
   }
   return 70;
+}
+
+/// 0, or what an error that is told stands for.
+int exit_code(const Result<void>& done, const apps::Console& console) {
+  if (done) return 0;
+  console.error(done.error().message);
+  return exit_code(done.error().code);
 }
 
 /// Ctrl-C once asks the work to stop at the next step; twice ends the program at once.
@@ -128,30 +138,29 @@ int main(int argc, char** argv) {
   apps::add_library(app, context);
 
   if (argc > 1 && std::string_view(argv[1]) == "recognise") {
-    fmt::print(stderr, "trivet recognise is trivet recognize\n");
+    context.console.line("trivet recognise is trivet recognize");
     static std::string recognize = "recognize";
     argv[1] = recognize.data();
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    std::ostringstream help, complaint;
+    const bool asked = app.exit(error, help, complaint) == 0;
+    std::cerr << complaint.str();
+    return asked ? exit_code(apps::write_output(help.str()), context.console) : 2;
   }
 
   try {
     const ThreadLimit limit(context.num_threads);
-    const Result<void> done = context.run();
-    if (done) return 0;
-    fmt::print(stderr, "error: {}\n", done.error().message);
-    return exit_code(done.error().code);
+    return exit_code(context.run(), context.console);
   } catch (const std::bad_alloc&) {
-    fmt::print(
-        stderr,
-        "error: out of memory; use a larger relative step, fewer models or a smaller scene\n");
+    context.console.error(
+        "out of memory; use a larger relative step, fewer models or a smaller scene");
     return exit_code(ErrorCode::io);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: internal: {}; please report it with the command that led here\n",
-               error.what());
+    context.console.error(
+        fmt::format("internal: {}; please report it with the command that led here", error.what()));
     return exit_code(ErrorCode::internal);
   }
 }

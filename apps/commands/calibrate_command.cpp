@@ -11,6 +11,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/results/commission_text.hpp"
+#include "apps/results/standard_output.hpp"
 #include "engine/default_score.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 
@@ -66,7 +67,8 @@ Result<void> calibrate(const CalibrateArguments& arguments, const Context& conte
   for (const std::string& file : arguments.marked) {
     if (const Result<void> added = add_marked(file, outcomes); !added) return added;
   }
-  fmt::print("{}", doubtful_marks(default_score(), outcomes));
+  const std::string doubtful = doubtful_marks(default_score(), outcomes);
+  if (const Result<void> told = write_output(doubtful); !told) return told;
   const Result<Commissioning> found = commission_score(default_score(), outcomes, least);
   if (!found) return found.error();
   const ScoreCalibration calibration{
@@ -74,9 +76,9 @@ Result<void> calibrate(const CalibrateArguments& arguments, const Context& conte
       static_cast<std::uint32_t>(found->num_right), static_cast<std::uint32_t>(found->num_wrong)};
   if (const Result<void> written = write_calibration(arguments.output, calibration); !written)
     return written;
-  fmt::print("{}{}: calibration {}\n", commission_text(*found, outcomes, least), arguments.output,
-             score_name(calibrated_score(calibration)));
-  return {};
+  return write_output(fmt::format("{}{}: calibration {}\n",
+                                  commission_text(*found, outcomes, least), arguments.output,
+                                  score_name(calibrated_score(calibration))));
 }
 
 }  // namespace

@@ -19,13 +19,18 @@ std::string remaining(double elapsed_seconds, std::size_t done, std::size_t tota
                    : fmt::format(", {:.0f} min left", left / 60);
 }
 
+/// At once, and whole. There is nobody to tell that it failed.
+void tell(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
 }  // namespace
 
 void Console::line(std::string_view text) const {
-  if (!quiet) fmt::print(stderr, "{}\n", text);
+  if (!quiet) tell(fmt::format("{}\n", text));
 }
 
-void Console::warning(std::string_view text) const { fmt::print(stderr, "warning: {}\n", text); }
+void Console::warning(std::string_view text) const { tell(fmt::format("warning: {}\n", text)); }
+
+void Console::error(std::string_view text) const { tell(fmt::format("error: {}\n", text)); }
 
 Progress Console::progress(std::string_view verb, std::stop_token stop) const {
   Progress progress;
@@ -37,15 +42,14 @@ Progress Console::progress(std::string_view verb, std::stop_token stop) const {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     const std::string left = remaining(elapsed.count(), done, total);
     if (!terminal) {
-      fmt::print(stderr, "{} {}/{} {}{}\n", verb, done, total, item, left);
+      tell(fmt::format("{} {}/{} {}{}\n", verb, done, total, item, left));
       return;
     }
     constexpr std::size_t kWidth = 30;
     const std::size_t filled = total > 0 ? kWidth * done / total : kWidth;
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}{}{}", verb, std::string(filled, '#'),
-               std::string(kWidth - filled, '.'), done, total, item, left,
-               done == total ? "\n" : "");
-    std::fflush(stderr);
+    tell(fmt::format("\r\033[K{} [{}{}] {}/{} {}{}{}", verb, std::string(filled, '#'),
+                     std::string(kWidth - filled, '.'), done, total, item, left,
+                     done == total ? "\n" : ""));
   };
   return progress;
 }

@@ -1,4 +1,6 @@
 /// What a person sees: a progress bar on a terminal, plain lines otherwise, nothing with --quiet.
+/// No colors: what is said needs none. What standard error does not take is lost, and stops no
+/// work.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +16,7 @@ class Console {
 
   void line(std::string_view text) const;     ///< to standard error, unless quiet
   void warning(std::string_view text) const;  ///< to standard error, always
+  void error(std::string_view text) const;    ///< to standard error, always
   /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise; with
   /// the time that is left.
   Progress progress(std::string_view verb, std::stop_token stop) const;

@@ -17,6 +17,7 @@
 #include "apps/results/evaluation_csv.hpp"
 #include "apps/results/evaluation_json.hpp"
 #include "apps/results/json_output.hpp"
+#include "apps/results/standard_output.hpp"
 #include "engine/evaluation/bop_scores.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
 
@@ -157,8 +158,9 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
   if (!bop) return bop.error();
 
   if (arguments.json != "-") {
-    fmt::print("{}{}", evaluation_table(*evaluation, *bop),
-               threshold_words(threshold, judged->source));
+    const Result<void> told = write_output(evaluation_table(*evaluation, *bop) +
+                                           threshold_words(threshold, judged->source));
+    if (!told) return told;
   }
   if (!arguments.json.empty()) {
     nlohmann::ordered_json document =

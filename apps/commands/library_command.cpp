@@ -6,6 +6,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
+#include "apps/results/standard_output.hpp"
 #include "storage/library.hpp"
 #include "storage/library/split_library.hpp"
 
@@ -46,31 +47,33 @@ std::string describe_features(const Library& library) {
 Result<void> list(const std::string& file) {
   const Result<Library> library = open_library(file);
   if (!library) return library.error();
-  for (const Model& model : library->models) fmt::print("{}\n", model.name);
-  return {};
+  std::string text;
+  for (const Model& model : library->models) text += model.name + '\n';
+  return write_output(text);
 }
 
 Result<void> info(const std::string& file) {
   const Result<Library> library = open_library(file);
   if (!library) return library.error();
   const char* const unit = unit_name(library->header.unit);
-  fmt::print(
+  std::string text = fmt::format(
       "file        {}\nsize        {} bytes\nformat      {}.{}\nproducer    {}\nunit        "
       "{}\nparameters  {}\n"
       "models      {}\nfeatures    {}\n\n",
       file, library->file_bytes, kLibraryVersionMajor, library->version_minor,
       library->header.producer, unit, library->header.parameters, library->models.size(),
       describe_features(*library));
-  fmt::print("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>9} {:>9}  {}\n", "model",
-             fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs", "step",
-             "features", "near", "symmetry");
+  text += fmt::format("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>9} {:>9}  {}\n", "model",
+                      fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs",
+                      fmt::format("step[{}]", unit), "features", "near", "symmetry");
   for (const Model& model : library->models) {
-    fmt::print("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n", model.name,
-               model.diameter, model.vertices.size(), model.samples.size(), model.ppf_points.size(),
-               model.ppf.entries.size(), model.ppf.quantization.distance_step,
-               model.features.size(), describe_near(model), describe(model.symmetry));
+    text += fmt::format("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n",
+                        model.name, model.diameter, model.vertices.size(), model.samples.size(),
+                        model.ppf_points.size(), model.ppf.entries.size(),
+                        model.ppf.quantization.distance_step, model.features.size(),
+                        describe_near(model), describe(model.symmetry));
   }
-  return {};
+  return write_output(text);
 }
 
 Result<void> split(const std::string& file, std::size_t num_parts, const std::string& folder) {
@@ -78,8 +81,9 @@ Result<void> split(const std::string& file, std::size_t num_parts, const std::st
   if (!library) return library.error();
   const auto files = split_library(*library, num_parts, folder);
   if (!files) return files.error();
-  for (const auto& part : *files) fmt::print("{}\n", part.string());
-  return {};
+  std::string text;
+  for (const auto& part : *files) text += part.string() + '\n';
+  return write_output(text);
 }
 
 }  // namespace

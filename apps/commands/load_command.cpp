@@ -20,6 +20,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/results/json_output.hpp"
+#include "apps/results/standard_output.hpp"
 #include "apps/service/http/http_client.hpp"
 #include "storage/file.hpp"
 
@@ -186,9 +187,10 @@ Result<void> load(const LoadArguments& arguments, const Context& context) {
   }
 
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+  Result<void> told;
   const auto run = [&](double rate) {
     LoadResult result = LoadRun(arguments, {address, arguments.port}, scenes).run(rate);
-    fmt::print("{}", line_of(result));
+    if (told) told = write_output(line_of(result));
     runs.push_back(json_of(result));
     return result;
   };
@@ -208,8 +210,12 @@ Result<void> load(const LoadArguments& arguments, const Context& context) {
       const double middle = (borne + rate) / 2;
       (is_borne(run(middle), arguments.max_p99) ? borne : rate) = middle;
     }
-    fmt::print("highest rate with p99 within {:g} s: {:.2f} /s\n", arguments.max_p99, borne);
+    if (told) {
+      told = write_output(fmt::format("highest rate with p99 within {:g} s: {:.2f} /s\n",
+                                      arguments.max_p99, borne));
+    }
   }
+  if (!told) return told;
   if (arguments.json.empty()) return {};
   return write_json(arguments.json, {{"runs", std::move(runs)}});
 }

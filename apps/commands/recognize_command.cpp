@@ -15,6 +15,7 @@
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/reported_part.hpp"
+#include "apps/results/standard_output.hpp"
 #include "apps/results/view_words.hpp"
 #include "engine/estimate_camera.hpp"
 
@@ -28,30 +29,33 @@ struct CommandArguments {
   bool estimate_camera = false;
 };
 
-void print_scene(const std::string& file, const SceneResult& result) {
-  fmt::print("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points,
-             result.stats.total_seconds, result.detections.size());
+std::string scene_text(const std::string& file, const SceneResult& result) {
+  std::string text =
+      fmt::format("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points,
+                  result.stats.total_seconds, result.detections.size());
   if (result.stats.view) {
     if (const std::optional<std::string> words = view_words(*result.stats.view))
-      fmt::print("  {}\n", *words);
+      text += fmt::format("  {}\n", *words);
   }
   for (const Detection& detection : result.detections) {
     const Eigen::Vector3f t = detection.T_scene_model.translation();
-    fmt::print("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n",
-               detection.model, detection.score, detection.visible_fraction, detection.rmse, t.x(),
-               t.y(), t.z());
+    text += fmt::format(
+        "  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n",
+        detection.model, detection.score, detection.visible_fraction, detection.rmse, t.x(), t.y(),
+        t.z());
   }
-  if (!result.stats.camera_check) return;
+  if (!result.stats.camera_check) return text;
   if (const std::optional<std::string> finding = camera_finding(*result.stats.camera_check))
-    fmt::print("  {}\n", *finding);
+    text += fmt::format("  {}\n", *finding);
+  return text;
 }
 
-void print_camera(const CameraCheck& check) {
+std::string camera_text(const CameraCheck& check) {
   const Camera& c = check.camera;
   const std::optional<std::string> finding = camera_finding(check);
-  if (!finding) return;
-  fmt::print("camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g}, by {} objects: {}\n", c.fx, c.fy, c.cx,
-             c.cy, c.depth_scale, check.objects.size(), *finding);
+  if (!finding) return {};
+  return fmt::format("camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g}, by {} objects: {}\n", c.fx, c.fy,
+                     c.cx, c.cy, c.depth_scale, check.objects.size(), *finding);
 }
 
 /// Recognize the scenes, one after the other to `emit`; with the cameras that were estimated, if
@@ -94,6 +98,7 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   std::vector<BopResult> bop_results;
   std::vector<SceneResult> told;  // for the report
   std::vector<CameraCheck> checks;
+  Result<void> printed;  // what fails first, which more would not mend
   const Result<void> done = recognize_scenes(
       recognizer, scenes->sources, kept, arguments.estimate_camera,
       context.console.progress("recognized", context.stop),
@@ -102,7 +107,7 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
         const SceneResult result = reported_part(all, kept);
         const std::string file = scenes->sources[index].file.string();
         if (arguments.json.empty()) {
-          print_scene(file, result);
+          if (printed) printed = write_output(scene_text(file, result));
         } else {
           document["scenes"].push_back(scene_json(file, result, recognizer.score()));
         }
@@ -112,8 +117,9 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   if (!done) return done;
   for (const CameraCheck& check : join_checks(checks)) {
     document["cameras"].push_back(camera_check_json(check));
-    if (arguments.json.empty()) print_camera(check);
+    if (arguments.json.empty() && printed) printed = write_output(camera_text(check));
   }
+  if (!printed) return printed;
   if (!arguments.bop_csv.empty()) {
     const Result<void> written = write_bop_results(arguments.bop_csv, bop_results);
     if (!written) return written;

@@ -1,7 +1,6 @@
 #include "apps/results/json_output.hpp"
 
-#include <fmt/format.h>
-
+#include "apps/results/standard_output.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {
@@ -9,8 +8,7 @@ namespace trivet::apps {
 Result<void> write_json(const std::string& target, const nlohmann::ordered_json& document) {
   const std::string text = document.dump(1) + "\n";
   if (target != "-") return publish_file(target, std::as_bytes(std::span(text)));
-  fmt::print("{}", text);
-  return {};
+  return write_output(text);
 }
 
 }  // namespace trivet::apps
