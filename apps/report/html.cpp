@@ -107,10 +107,6 @@ std::string escape_html(std::string_view text) {
   return out;
 }
 
-std::string counted(std::size_t n, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", n, n == 1 ? one : many);
-}
-
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::string card(std::string_view title, std::string_view value, std::string_view note) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "storage/counted.hpp"
+
 namespace trivet::apps {
 
 /// Everything before and after the page's content. `title` is plain text.
@@ -13,9 +15,6 @@ std::string html_page(std::string_view title, std::string_view content);
 
 /// Text as it may stand between tags and in quoted attributes.
 std::string escape_html(std::string_view text);
-
-/// "1 scene", "3 scenes".
-std::string counted(std::size_t n, std::string_view one, std::string_view many);
 
 /// "97.2 %".
 std::string percent(double share);

@@ -374,6 +374,27 @@ TEST_F(TrainRecognize, ListsTheModelsOfALibrary) {
     EXPECT_NE(info.find(text), std::string::npos) << info;
 }
 
+TEST_F(TrainRecognize, TellsProgramsWhatALibraryHolds) {
+  const test::Outcome outcome = run({"library", "info", "library.h5", "--json", "-"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json info = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(info.at("file"), "library.h5");
+  EXPECT_EQ(info.at("bytes"), bytes("library.h5").size());
+  EXPECT_EQ(info.at("format"), "1.3");
+  EXPECT_EQ(info.at("unit"), "m");
+  EXPECT_EQ(info.at("parameters").at("relative-step"), 0.05);
+  EXPECT_GT(info.at("features").at("number"), 0);
+  ASSERT_EQ(info.at("models").size(), 2U);
+  const nlohmann::json& bracket = info["models"][0];
+  EXPECT_EQ(bracket.at("name"), "bracket");
+  EXPECT_EQ(bracket.at("source"), "bracket.ply");
+  EXPECT_EQ(bracket.at("vertices"), bracket_.vertices.size());
+  EXPECT_GT(bracket.at("samples"), 1000);
+  EXPECT_GT(bracket.at("diameter"), 0.1);
+  EXPECT_GT(bracket.at("point_pairs").at("pairs"), 1000);
+  EXPECT_TRUE(bracket.at("symmetry").at("axis").is_null());
+}
+
 TEST_F(TrainRecognize, TakesAManifestForModelsAndScenes) {
   folder_->write("set.json",
                  R"({"unit": "m", "models": {"part": {"file": "bracket.ply"}},

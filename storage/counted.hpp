@@ -1,0 +1,17 @@
+/// Numbers of things as they are said.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace trivet {
+
+/// "1 scene", "3 scenes"; "0 vertices" where many is not one with an s.
+inline std::string counted(std::size_t n, std::string_view one, std::string_view many = {}) {
+  std::string text = std::to_string(n) + ' ';
+  if (n == 1) return text.append(one);
+  return many.empty() ? text.append(one) + 's' : text.append(many);
+}
+
+}  // namespace trivet
