@@ -93,9 +93,10 @@ struct SceneStats {
   std::optional<SceneView> view{};  ///< what saw the scene; none of too few measurements
   StageTimes times;
   double total_seconds = 0;
-  std::size_t num_points = 0;   ///< finite points of the scene
-  std::size_t num_invalid = 0;  ///< dropped when reading
-  float noise = 0;              ///< measured standard deviation of the surface [scene file's unit]
+  std::size_t num_points = 0;     ///< finite points of the scene
+  std::size_t num_invalid = 0;    ///< dropped when reading
+  Eigen::Vector3f size{0, 0, 0};  ///< of the scene along its axes, in the scene file's unit
+  float noise = 0;                ///< measured standard deviation of the surface, in that unit
   /// How the scan errs, with lengths in the scene file's unit; none of closed surfaces.
   std::optional<kernels::SensorModel> sensor{};
   std::optional<CameraCheck> camera_check{};  ///< of depth images

@@ -28,6 +28,10 @@ void Console::line(std::string_view text) const {
   if (!quiet) tell(fmt::format("{}\n", text));
 }
 
+void Console::wrote_report(const std::filesystem::path& folder) const {
+  line((folder / "index.html").string());
+}
+
 void Console::warning(std::string_view text) const { tell(fmt::format("warning: {}\n", text)); }
 
 void Console::error(std::string_view text) const { tell(fmt::format("error: {}\n", text)); }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string_view>
 
 #include "engine/progress.hpp"
@@ -16,7 +17,8 @@ class Console {
 
   void line(std::string_view text) const;     ///< to standard error, unless quiet
   void warning(std::string_view text) const;  ///< to standard error, always
-  void error(std::string_view text) const;    ///< to standard error, always
+  void wrote_report(const std::filesystem::path& folder) const;  ///< where its page is, as a line
+  void error(std::string_view text) const;                       ///< to standard error, always
   /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise; with
   /// the time that is left.
   Progress progress(std::string_view verb, std::stop_token stop) const;

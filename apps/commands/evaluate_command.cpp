@@ -20,6 +20,7 @@
 #include "apps/results/standard_output.hpp"
 #include "engine/evaluation/bop_scores.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -119,9 +120,9 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
   }
   if (!strangers.empty()) {
     context.console.warning(
-        fmt::format("{}: detections of {} models that the manifest does not list, as '{}', are not "
+        fmt::format("{}: detections of {} that the manifest does not list, as '{}', are not "
                     "counted",
-                    arguments.detections, strangers.size(), *strangers.begin()));
+                    arguments.detections, counted(strangers.size(), "model"), *strangers.begin()));
   }
   const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
@@ -175,9 +176,11 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
     if (!written) return written;
   }
   if (arguments.report.empty()) return {};
-  return write_report(arguments.report,
-                      {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source},
-                      context.console.progress("drawn", context.stop));
+  const Result<void> drawn = write_report(
+      arguments.report, {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source},
+      context.console.progress("drawn", context.stop));
+  if (drawn) context.console.wrote_report(arguments.report);
+  return drawn;
 }
 
 }  // namespace

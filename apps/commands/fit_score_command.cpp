@@ -15,6 +15,7 @@
 #include "engine/evaluation/calibrate_score.hpp"
 #include "engine/evaluation/score_file.hpp"
 #include "kernels/verification/fit_score.hpp"
+#include "storage/counted.hpp"
 #include "storage/file.hpp"
 #include "storage/library.hpp"
 #include "storage/manifest.hpp"
@@ -164,8 +165,8 @@ Result<void> fit_score(const FitScoreArguments& arguments, const Context& contex
     if (const Result<void> enough = check_outcomes(outcomes, source); !enough) return enough;
     const double before = kernels::log_loss(model, outcomes.parts, outcomes.right);
     model = kernels::fit_score(outcomes.parts, outcomes.right, kRidge);
-    context.console.line(fmt::format("round {}: {} detections, log loss {:.4f} -> {:.4f}",
-                                     round + 1, outcomes.right.size(), before,
+    context.console.line(fmt::format("round {}: {}, log loss {:.4f} -> {:.4f}", round + 1,
+                                     counted(outcomes.right.size(), "detection"), before,
                                      kernels::log_loss(model, outcomes.parts, outcomes.right)));
   }
   set_prior(model);

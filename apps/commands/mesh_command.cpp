@@ -9,6 +9,7 @@
 
 #include "apps/commands/commands.hpp"
 #include "engine/surface_from_points.hpp"
+#include "storage/counted.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -50,11 +51,11 @@ Result<void> mesh(const MeshArguments& arguments, const Context& context) {
   const Result<void> written = write_ply(arguments.output, surface->mesh);
   if (!written) return written;
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  context.console.line(fmt::format(
-      "{}: {} vertices, {} of them used, {} triangles ({}), {:.2g} % of the edges open, {:.2f} s",
-      arguments.output, surface->mesh.points.size(), surface->num_used,
-      surface->mesh.triangles.size(), method_name(surface->method), 100 * surface->open_share,
-      seconds.count()));
+  context.console.line(
+      fmt::format("{}: {}, {} of them used, {} ({}), {:.2g} % of the edges open, {:.2f} s",
+                  arguments.output, counted(surface->mesh.points.size(), "vertex", "vertices"),
+                  surface->num_used, counted(surface->mesh.triangles.size(), "triangle"),
+                  method_name(surface->method), 100 * surface->open_share, seconds.count()));
   return {};
 }
 

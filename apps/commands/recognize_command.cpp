@@ -11,12 +11,11 @@
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
-#include "apps/results/camera_words.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
+#include "apps/results/recognition_text.hpp"
 #include "apps/results/reported_part.hpp"
 #include "apps/results/standard_output.hpp"
-#include "apps/results/view_words.hpp"
 #include "engine/estimate_camera.hpp"
 
 namespace trivet::apps {
@@ -28,35 +27,6 @@ struct CommandArguments {
   RecognizeArguments recognize;
   bool estimate_camera = false;
 };
-
-std::string scene_text(const std::string& file, const SceneResult& result) {
-  std::string text =
-      fmt::format("{}: {} points, {:.3f} s, {} found\n", file, result.stats.num_points,
-                  result.stats.total_seconds, result.detections.size());
-  if (result.stats.view) {
-    if (const std::optional<std::string> words = view_words(*result.stats.view))
-      text += fmt::format("  {}\n", *words);
-  }
-  for (const Detection& detection : result.detections) {
-    const Eigen::Vector3f t = detection.T_scene_model.translation();
-    text += fmt::format(
-        "  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g}  at ({:.4g}, {:.4g}, {:.4g})\n",
-        detection.model, detection.score, detection.visible_fraction, detection.rmse, t.x(), t.y(),
-        t.z());
-  }
-  if (!result.stats.camera_check) return text;
-  if (const std::optional<std::string> finding = camera_finding(*result.stats.camera_check))
-    text += fmt::format("  {}\n", *finding);
-  return text;
-}
-
-std::string camera_text(const CameraCheck& check) {
-  const Camera& c = check.camera;
-  const std::optional<std::string> finding = camera_finding(check);
-  if (!finding) return {};
-  return fmt::format("camera {:.6g},{:.6g},{:.6g},{:.6g},{:.6g}, by {} objects: {}\n", c.fx, c.fy,
-                     c.cx, c.cy, c.depth_scale, check.objects.size(), *finding);
-}
 
 /// Recognize the scenes, one after the other to `emit`; with the cameras that were estimated, if
 /// that is asked for.
@@ -83,6 +53,7 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   if (!scenes) return scenes.error();
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
+  if (arguments.json.empty()) options->max_rejected = 1;  // the best one is told of an empty scene
   if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
   RecognizeOptions kept = *options;
   if (!arguments.bop_csv.empty()) {
@@ -105,11 +76,11 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
       [&](std::size_t index, const SceneResult& all) {
         if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, all, bop_results);
         const SceneResult result = reported_part(all, kept);
-        const std::string file = scenes->sources[index].file.string();
-        if (arguments.json.empty()) {
-          if (printed) printed = write_output(scene_text(file, result));
-        } else {
-          document["scenes"].push_back(scene_json(file, result, recognizer.score()));
+        const SceneInput& scene = scenes->sources[index];
+        if (!arguments.json.empty()) {
+          document["scenes"].push_back(scene_json(scene.file.string(), result, recognizer.score()));
+        } else if (printed) {
+          printed = write_output(scene_text(scene, result, library, options->min_score));
         }
         if (!arguments.report.empty()) told.push_back(result);
         if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
@@ -129,9 +100,11 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
     if (!written) return written;
   }
   if (arguments.report.empty()) return {};
-  return write_recognition_report(arguments.report,
-                                  {recognizer, *options, scenes->sources, told, context.command},
-                                  context.console.progress("drawn", context.stop));
+  const Result<void> drawn = write_recognition_report(
+      arguments.report, {recognizer, *options, scenes->sources, told, context.command},
+      context.console.progress("drawn", context.stop));
+  if (drawn) context.console.wrote_report(arguments.report);
+  return drawn;
 }
 
 }  // namespace

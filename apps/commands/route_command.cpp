@@ -4,6 +4,7 @@
 #include "apps/service/daemon.hpp"
 #include "apps/service/route/route_settings.hpp"
 #include "apps/service/route/router.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -17,7 +18,7 @@ Result<void> route(const RouteSettings& settings, const Context& context) {
   Router router(settings.shards, settings.router(), daemon.log());
   if (const Result<void> started = daemon.start(router); !started) return started.error();
   context.console.line(
-      fmt::format("routing to {} shards on {}", settings.shards.size(), daemon.url()));
+      fmt::format("routing to {} on {}", counted(settings.shards.size(), "shard"), daemon.url()));
   Daemon::wait(context.stop, kShardInterval);
   daemon.drain([&] { router.set_closing(); });
   daemon.tell_end();

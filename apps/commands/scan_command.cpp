@@ -11,6 +11,7 @@
 #include "apps/options/add_options.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "engine/simulation/render_scenes.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -69,9 +70,10 @@ Result<void> scan(const ScanArguments& arguments, const Context& context) {
   if (!manifest) return manifest.error();
   std::size_t num_instances = 0;
   for (const ManifestScene& scene : manifest->scenes) num_instances += scene.truth.size();
-  context.console.line(fmt::format("{}/manifest.json: {} scenes with {} instances of {} models",
-                                   arguments.output, manifest->scenes.size(), num_instances,
-                                   manifest->models.size()));
+  context.console.line(fmt::format("{}/manifest.json: {} with {} of {}", arguments.output,
+                                   counted(manifest->scenes.size(), "scene"),
+                                   counted(num_instances, "instance"),
+                                   counted(manifest->models.size(), "model")));
   return {};
 }
 

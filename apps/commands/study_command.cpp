@@ -40,7 +40,7 @@ Result<void> conduct(const StudyArguments& arguments, const Context& context) {
       !written) {
     return written;
   }
-  context.console.line(folder.path().string() + "/index.html");
+  context.console.wrote_report(folder.path().string());
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/options/add_options.hpp"
 #include "apps/options/presets.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -39,9 +40,9 @@ Result<void> train(const TrainArguments& arguments, const Context& context) {
     for (const std::string& warning : model.warnings)
       context.console.warning(fmt::format("{}: {}", name, warning));
   }
-  context.console.line(fmt::format("{}: {} models, {} point pairs, {} features, {:.2f} s",
-                                   arguments.output, stats->models.size(), entries, features,
-                                   stats->seconds));
+  context.console.line(fmt::format(
+      "{}: {}, {}, {}, {:.2f} s", arguments.output, counted(stats->models.size(), "model"),
+      counted(entries, "point pair"), counted(features, "feature"), stats->seconds));
   return {};
 }
 

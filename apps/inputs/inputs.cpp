@@ -95,6 +95,11 @@ LengthUnit parse_unit(const std::string& text) {
 
 const char* unit_name(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
 
+LengthUnit scene_unit(const SceneInput& scene, LengthUnit library_unit) {
+  if (scene.scale == 1) return library_unit;
+  return library_unit == LengthUnit::meter ? LengthUnit::millimeter : LengthUnit::meter;
+}
+
 bool is_listing(const std::string& argument) {
   return has_extension(argument, ".json") || is_bop_folder(argument);
 }

@@ -54,6 +54,9 @@ struct SceneInputs {
   std::map<std::string, int> object_ids;  ///< of BOP, by the model's name
 };
 
+/// Of a scene's file and of all lengths that are told of it.
+LengthUnit scene_unit(const SceneInput& scene, LengthUnit library_unit);
+
 /// Errors: missing_input, bad_data, usage (a depth image without a camera).
 Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit);
 

@@ -54,11 +54,8 @@ std::string position(const Pose& T_scene_model) {
 }
 
 const char* scene_unit(const Subject& subject) {
-  const LengthUnit library = subject.report.recognizer.library().header.unit;
-  const bool same = subject.input.scale == 1;
-  return unit_name(same                           ? library
-                   : library == LengthUnit::meter ? LengthUnit::millimeter
-                                                  : LengthUnit::meter);
+  return unit_name(
+      apps::scene_unit(subject.input, subject.report.recognizer.library().header.unit));
 }
 
 Color brighter(const Color& color) {
@@ -306,8 +303,9 @@ std::string caption(const Subject& subject) {
                   escape_html(subject.input.file.filename().string()),
                   result.detections.empty() ? "neutral" : "right", result.detections.size());
   if (ambiguous > 0) out += fmt::format("<span class=\"doubtful\">{} ambiguous</span>", ambiguous);
-  return out + fmt::format("<span class=\"dim\">{} points, noise {:.3g} {}, {:.2f} s</span>",
-                           result.stats.num_points, result.stats.noise, scene_unit(subject),
+  return out + fmt::format("<span class=\"dim\">{}, noise {:.3g} {}, {:.2f} s</span>",
+                           counted(result.stats.num_points, "point", "points"), result.stats.noise,
+                           scene_unit(subject),
                            result.stats.total_seconds);
 }
 

@@ -8,6 +8,7 @@
 
 #include "apps/results/score_words.hpp"
 #include "engine/evaluation/score_curves.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -47,16 +48,17 @@ std::string trust(const Commissioning& found, std::size_t num_scans) {
   const std::size_t reported = found.after.right + found.after.wrong;
   const auto [low, high] = wilson_interval(found.after.right, reported);
   return fmt::format(
-      "believe it as far as {} scans tell: {} of {} reported detections are right, with 95 % "
+      "believe it as far as {} tell: {} of {} reported detections are right, with 95 % "
       "certainty {:.0f} to {:.0f} %\n",
-      num_scans, found.after.right, reported, 100 * low, 100 * high);
+      counted(num_scans, "scan"), found.after.right, reported, 100 * low, 100 * high);
 }
 
 }  // namespace
 
 std::string commission_text(const Commissioning& found, const Outcomes& outcomes, float least) {
-  std::string text = fmt::format("{} scans with {} right and {} wrong detections\n",
-                                 outcomes.scans.size(), found.num_right, found.num_wrong);
+  std::string text =
+      fmt::format("{} with {} right and {} wrong detections\n",
+                  counted(outcomes.scans.size(), "scan"), found.num_right, found.num_wrong);
   if (!found.helps()) {
     return text +
            "no change of the score is better for the scans that it was not made from: it stays as "

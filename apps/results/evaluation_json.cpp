@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "storage/counted.hpp"
+
 namespace trivet::apps {
 namespace {
 
@@ -213,7 +215,7 @@ ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluat
 std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop) {
   std::string text = fmt::format("{:<28} {:>13} {:>9} {:>14} {:>8} {:>7}\n", "", "right / all",
                                  "recall", "95 % interval", "false", "ADD");
-  text += tally_row(fmt::format("{} scenes", evaluation.scenes.size()), evaluation.total, true);
+  text += tally_row(counted(evaluation.scenes.size(), "scene"), evaluation.total, true);
   for (const auto& [group, tallies] : {std::pair{"occlusion", &evaluation.by_occlusion},
                                        {"clutter", &evaluation.by_clutter},
                                        {"visible", &evaluation.by_visible_fraction}}) {
@@ -222,7 +224,7 @@ std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop)
   }
   for (const auto& [name, tally] : evaluation.by_model) text += tally_row("  " + name, tally, true);
   if (evaluation.num_missing > 0)
-    text += fmt::format("{} scenes have no result\n", evaluation.num_missing);
+    text += counted(evaluation.num_missing, "scene has", "scenes have") + " no result\n";
   if (evaluation.median_translation_error) {
     text += fmt::format("median error of right ones   {:.2f} % of the diameter, {:.2f} degrees\n",
                         100 * *evaluation.median_translation_error,

@@ -191,8 +191,8 @@ std::string origin(const Study& study, const StudyResults& results, const std::s
            {"processor",
             fmt::format("{}, {}", processor(),
                         counted(std::thread::hardware_concurrency(), "thread", "threads"))},
-           {"scenes",
-            fmt::format("{} with {} instances", results.num_scenes, results.num_instances)},
+           {"scenes", fmt::format("{} with {}", results.num_scenes,
+                                  counted(results.num_instances, "instance", "instances"))},
            {"recognitions", fmt::format("{}", results.num_recognitions)}}) {
     rows += fmt::format("<tr><td>{}<td class=\"words\">{}\n", name, escape_html(value));
   }

@@ -65,7 +65,7 @@ Result<void> render_missing(const Study& study, const StudyPlan& plan, const Stu
     if (error)
       return Error{ErrorCode::cannot_create,
                    fmt::format("{}: {}", whole.string(), error.message())};
-    progress(i + 1, missing.size(), fmt::format("{} scenes", missing[i]->options.num_scenes));
+    progress(i + 1, missing.size(), counted(missing[i]->options.num_scenes, "scene"));
   }
   return {};
 }

@@ -13,6 +13,7 @@
 #include "kernels/meshing/boundary_share.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet {
 namespace {
@@ -123,9 +124,10 @@ void span_pixels(const std::string& name, const Eigen::Vector3f& viewpoint,
   const double num_smooth = static_cast<double>(mesh.triangles.size() + stats.num_behind);
   if (static_cast<double>(stats.num_behind) > kManyBehind * num_smooth) {
     surface.warning = fmt::format(
-        "{}: {} triangles were left out as the viewpoint ({}, {}, {}) is behind them; give the "
+        "{}: {} left out as the viewpoint ({}, {}, {}) is behind them; give the "
         "sensor's position with --viewpoint",
-        name, stats.num_behind, viewpoint.x(), viewpoint.y(), viewpoint.z());
+        name, counted(stats.num_behind, "triangle was", "triangles were"), viewpoint.x(),
+        viewpoint.y(), viewpoint.z());
   }
 }
 

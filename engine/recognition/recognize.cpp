@@ -64,15 +64,21 @@ Result<void> check_methods(const Library& library, Method method) {
   return {};
 }
 
+/// Along the axes; zeros without points.
+Eigen::Vector3f size_of(PointsView points) {
+  if (points.size() == 0) return Eigen::Vector3f::Zero();
+  Eigen::Array3f low = points[0].array(), high = low;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    low = low.min(points[i].array());
+    high = high.max(points[i].array());
+  }
+  return (high - low).matrix();
+}
+
 /// Refuse a scene whose size says that its unit is not the library's.
 Result<void> check_sizes(const Library& library, const PreparedScene& scene,
                          const SceneInput& input) {
-  Eigen::Array3f low = scene.points[0].array(), high = low;
-  for (std::size_t i = 1; i < scene.points.size(); ++i) {
-    low = low.min(scene.points[i].array());
-    high = high.max(scene.points[i].array());
-  }
-  const float extent = (high - low).matrix().norm();
+  const float extent = size_of(scene.points).norm();
   float smallest = std::numeric_limits<float>::infinity(), largest = 0;
   for (const Model& model : library.models) {
     smallest = std::min(smallest, model.diameter);
@@ -105,6 +111,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   SceneStats stats;
   stats.num_points = cloud.points.size();
   stats.num_invalid = cloud.num_invalid;
+  stats.size = size_of(cloud.points);
   if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) {
     SceneResult nothing;
     nothing.stats = std::move(stats);

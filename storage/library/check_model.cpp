@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "storage/counted.hpp"
 #include "storage/library/library_format.hpp"
 
 namespace trivet::format {
@@ -37,8 +38,9 @@ std::string check_normals(std::string_view name, PointsView rows) {
 }
 
 std::string check_length(std::string_view name, std::size_t found, std::size_t expected) {
-  return found == expected ? std::string()
-                           : fmt::format("{}: expected {} rows, found {}", name, expected, found);
+  return found == expected
+             ? std::string()
+             : fmt::format("{}: expected {}, found {}", name, counted(expected, "row"), found);
 }
 
 std::string check_scalars(const Model& model) {

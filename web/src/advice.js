@@ -1,5 +1,8 @@
+import words from "./advice.json";
 import { element } from "./dom.js";
 import { lengthWords, scoreWords } from "./words.js";
+
+const fill = (sentence, values) => sentence.replace(/\{(\w+)\}/g, (_, name) => values[name]);
 
 /** Lengths of a scan along its axes, in its unit. */
 function extents(positions) {
@@ -13,7 +16,8 @@ function extents(positions) {
 }
 
 /**
- * What to check when no model was found.
+ * What to check when no model was found. `trivet recognize` says the same, in the words of
+ * advice.json.
  *
  * positions  of the scan's points, or null; unit  of the scan
  * library    { unit, models }; rejected  poses, best first
@@ -24,8 +28,11 @@ export function adviceOnNothing({ positions, unit, library, rejected, minScore, 
   if (rejected.length) {
     const [best] = rejected;
     checks.push(
-      `The best rejected pose is ${best.model} with score ${scoreWords(best.score)}, and the ` +
-        `lowest score is ${minScore}. The button Rejected shows it.`,
+      `${fill(words.rejected, {
+        model: best.model,
+        score: scoreWords(best.score),
+        limit: minScore,
+      })} The button Rejected shows it.`,
     );
   }
   if (positions?.length && diameters.length) {
@@ -33,16 +40,15 @@ export function adviceOnNothing({ positions, unit, library, rejected, minScore, 
       .map((size) => lengthWords(size, unit))
       .join(" × ");
     checks.push(
-      `In ${unit}, the scan is ${sizes}, and the models are ` +
-        `${lengthWords(Math.min(...diameters), library.unit)} to ` +
-        `${lengthWords(Math.max(...diameters), library.unit)} across. Does that fit?`,
+      fill(words.sizes, {
+        unit,
+        scan: sizes,
+        smallest: lengthWords(Math.min(...diameters), library.unit),
+        largest: lengthWords(Math.max(...diameters), library.unit),
+      }),
     );
   }
-  checks.push(
-    format === "png"
-      ? "Is the camera right? With a wrong focal length every shape is distorted."
-      : "Was the sensor where the settings say? What it saw through speaks against a model.",
-  );
+  checks.push(format === "png" ? words.camera : words.viewpoint);
   return [
     element("p", {}, "What to check:"),
     element(

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
@@ -20,6 +21,11 @@ class StandardOutput : public testing::Test {
     const Pose pose = test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F});
     ASSERT_TRUE(write_ply(*folder_ / "bracket.ply", test::cloud_of(bracket)));
     ASSERT_TRUE(write_ply(*folder_ / "scan.ply", test::render_scan({{&bracket, pose}})));
+    Cloud scan = test::render_scan({{&bracket, pose}});
+    for (std::size_t i = 0; i < scan.points.size(); ++i) scan.points.set(i, 1000 * scan.points[i]);
+    ASSERT_TRUE(write_ply(*folder_ / "scan_mm.ply", scan));
+    const test::Shape lever = test::lever();
+    ASSERT_TRUE(write_ply(*folder_ / "lever.ply", test::render_scan({{&lever, pose}})));
     nlohmann::json numbers = nlohmann::json::array();
     for (int i = 0; i < 16; ++i) numbers.push_back(pose.matrix()(i / 4, i % 4));
     const nlohmann::json set{
@@ -42,6 +48,9 @@ class StandardOutput : public testing::Test {
     return test::run_program("/bin/sh", {"-c", line},
                              {.folder = folder_->path(), .environment = {}, .watch = {}});
   }
+  static test::Outcome run(const std::string& arguments) {
+    return shell(std::string(TRIVET_PROGRAM) + " " + arguments);
+  }
   static inline std::unique_ptr<test::TempDir> folder_;
 };
 
@@ -53,6 +62,7 @@ TEST_F(StandardOutput, IsAnErrorOfInputAndOutputWhereItCannotBeWritten) {
            "--help-markdown",
            "library list library.h5",
            "library info library.h5",
+           "library info library.h5 --json -",
            "library split library.h5 --parts 1 -o parts",
            "recognize library.h5 scan.ply",
            "recognize library.h5 scan.ply --json -",
@@ -76,6 +86,57 @@ TEST_F(StandardOutput, IsWrittenEvenWhereStandardErrorCannotBe) {
   EXPECT_NE(outcome.out.find("1 found"), std::string::npos) << outcome.out;
   EXPECT_EQ(shell(std::string(TRIVET_PROGRAM) + " recognize no.h5 scan.ply 2> /dev/full").exit_code,
             66);
+}
+
+TEST_F(StandardOutput, TellsLengthsWithTheirUnit) {
+  for (const auto& [option, unit] : {std::pair{"", "m"}, {" --unit mm", "mm"}}) {
+    const std::string scan = std::string(unit) == "m" ? "scan.ply" : "scan_mm.ply";
+    const test::Outcome outcome = run("recognize library.h5 " + scan + option);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    const std::regex line(std::string(R"(  bracket .*rmse \S+ )") + unit + R"(  at \(.*\) )" +
+                          unit + "\n");
+    EXPECT_TRUE(std::regex_search(outcome.out, line)) << outcome.out;
+  }
+}
+
+TEST_F(StandardOutput, SaysWhatToCheckWhereNothingIsFound) {
+  const test::Outcome outcome = run("recognize library.h5 lever.ply --viewpoint 0,0,0");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find(" 0 found\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("check: In m, the scan is "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("the models are 207 mm to 207 mm across"), std::string::npos)
+      << outcome.out;
+  EXPECT_NE(outcome.out.find("check: Is the viewpoint right?"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run("recognize library.h5 scan.ply").out.find("check:"), std::string::npos);
+  const test::Outcome strict = run("recognize library.h5 scan.ply --min-score 1");
+  EXPECT_NE(strict.out.find("check: The best rejected pose is bracket with score 0.9"),
+            std::string::npos)
+      << strict.out;
+}
+
+TEST_F(StandardOutput, IsFollowedByThePathOfTheReport) {
+  for (const std::string command :
+       {"recognize library.h5 scan.ply", "evaluate library.h5 set.json"}) {
+    const test::Outcome outcome = run(command + " --report out");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    EXPECT_TRUE(outcome.error.ends_with("out/index.html\n")) << outcome.error;
+    EXPECT_TRUE(run(command + " --report out --quiet").error.empty());
+  }
+}
+
+TEST_F(StandardOutput, CountsOneThingAsOne) {
+  EXPECT_NE(run("evaluate library.h5 set.json").out.find("1 scene "), std::string::npos);
+  const test::Outcome trained = run("train bracket.ply -o one.h5 --preset fast --methods ppf");
+  EXPECT_NE(trained.error.find("one.h5: 1 model, "), std::string::npos) << trained.error;
+}
+
+// Whoever sets NO_COLOR sees none, and so does everybody else.
+TEST_F(StandardOutput, HasNoColors) {
+  const std::string command = std::string(TRIVET_PROGRAM) + " recognize library.h5 scan.ply";
+  const test::Outcome outcome = shell("script -qec '" + command + "' typescript < /dev/null");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("\r\033[Krecognized ["), std::string::npos) << "a terminal";
+  EXPECT_FALSE(std::regex_search(outcome.out, std::regex("\033\\[[0-9;]*m"))) << outcome.out;
 }
 
 }  // namespace
