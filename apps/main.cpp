@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/markdown_help.hpp"
+#include "apps/help/markdown_help.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/progress.hpp"
 
@@ -115,7 +115,9 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "trivet " TRIVET_VERSION);
   app.add_flag_callback(
          "--help-markdown",
-         [&app] { throw CLI::CallForVersion(apps::markdown_help(app), 0); },  // which is printed
+         [&app] {  // what is thrown is printed
+           throw CLI::CallForVersion(apps::markdown_help(apps::describe_command(app, "trivet")), 0);
+         },
          "Print the help of all commands as one page")
       ->trigger_on_parse();
   app.require_subcommand(1);

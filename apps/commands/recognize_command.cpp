@@ -120,14 +120,14 @@ void add_recognize(CLI::App& app, Context& context) {
           "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, manifests, or "
           "BOP data sets (the folder, or that of one split)")
       ->required();
-  add_recognize_options(*command, arguments->recognize);
-  add_calibration_option(*command, arguments->calibration);
   command
       ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
       ->check(CLI::IsMember({"m", "mm"}));
-  command->add_option(
-      "--camera", arguments->scenes.camera,
-      "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");
+  command
+      ->add_option(
+          "--camera", arguments->scenes.camera,
+          "Camera of depth images: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json")
+      ->type_name("FILE");
   command
       ->add_option("--image-id", arguments->scenes.image_id,
                    "Image of scene_camera.json whose camera --camera takes; default: the number "
@@ -140,18 +140,25 @@ void add_recognize(CLI::App& app, Context& context) {
           "faces of a mesh are seen from, else the origin")
       ->delimiter(',')
       ->expected(3);
+  command
+      ->add_option("--json", arguments->json,
+                   "Write the result as JSON to this file, - for standard output")
+      ->type_name("FILE");
+  command
+      ->add_option("--report", arguments->report,
+                   "Write index.html with pictures of what was found, and of what was rejected "
+                   "and why, into this folder")
+      ->type_name("FOLDER");
+  command
+      ->add_option("--bop-csv", arguments->bop_csv,
+                   "Write the poses found in BOP data sets to this file, as BOP takes them: also "
+                   "those that are too low to be reported, down to a score of 0.1")
+      ->type_name("FILE");
+  add_calibration_option(*command, arguments->calibration);
   command->add_flag("--estimate-camera", arguments->estimate_camera,
                     "Where sure detections say that the focal length or the depth scale of depth "
                     "images is wrong, correct it and recognize once more");
-  command->add_option("--json", arguments->json,
-                      "Write the result as JSON to this file, - for standard output");
-  command->add_option(
-      "--bop-csv", arguments->bop_csv,
-      "Write the poses found in BOP data sets to this file, as BOP takes them: also "
-      "those that are too low to be reported, down to a score of 0.1");
-  command->add_option("--report", arguments->report,
-                      "Write index.html with pictures of what was found, and of what was rejected "
-                      "and why, into this folder");
+  add_recognize_options(*command, arguments->recognize);
   command->callback([arguments, &context] {
     context.run = [arguments, &context] { return recognize(*arguments, context); };
   });

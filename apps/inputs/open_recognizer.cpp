@@ -10,8 +10,10 @@
 namespace trivet::apps {
 
 void add_calibration_option(CLI::App& command, std::string& file) {
-  command.add_option("--calibration", file,
-                     "Score as `trivet calibrate` adapted it to these scans, from this file");
+  command
+      .add_option("--calibration", file,
+                  "Score as `trivet calibrate` adapted it to these scans, from this file")
+      ->type_name("FILE");
 }
 
 Result<Recognizer> open_recognizer(const std::string& library, const std::string& calibration) {

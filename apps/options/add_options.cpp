@@ -25,6 +25,14 @@ const char* type_text(OptionKind kind) {
   return "";
 }
 
+/// "fused,ppf,trisi": what a check is named for, so that completions know it.
+std::string choice_names(const OptionInfo& info) {
+  std::string names;
+  for (const Choice& choice : info.choices)
+    names += fmt::format("{}{}", names.empty() ? "" : ",", choice.name);
+  return names;
+}
+
 /// "Meaning, 0 to 1 [diameter]", and a line for each choice that has a meaning.
 std::string help_text(const OptionInfo& info, const OptionValue& usual) {
   std::string text(info.help);
@@ -61,12 +69,15 @@ CLI::Option* add_option(CLI::App& command, const OptionInfo& info, const OptionV
     given.option = command.add_option(flag, given.text, help)->type_name(type_text(info.kind));
     if (!is_unset(usual)) given.option->default_str(value_text(usual));
   }
-  given.option->group(std::string(info.group))->check([info](const std::string& text) {
-    const Result<OptionValue> value = parse_option(info, text);
-    if (!value) return value.error().message;
-    const Result<void> valid = check_option(info, *value);
-    return valid ? std::string() : valid.error().message;
-  });
+  given.option->group(std::string(info.group))
+      ->check(
+          [info](const std::string& text) {
+            const Result<OptionValue> value = parse_option(info, text);
+            if (!value) return value.error().message;
+            const Result<void> valid = check_option(info, *value);
+            return valid ? std::string() : valid.error().message;
+          },
+          "", choice_names(info));
   return given.option;
 }
 

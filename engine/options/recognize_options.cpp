@@ -108,9 +108,11 @@ namespace {
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr std::string_view kAnswers = "Answers", kSearch = "What is searched",
-                           kVoting = "Voting, first round", kLater = "Voting, later rounds",
-                           kMatching = "Matching of Tri-Spin-Images", kPoses = "Hypotheses",
-                           kVerification = "Verification";
+                           kVoting = "For research: voting, first round",
+                           kLater = "For research: voting, later rounds",
+                           kMatching = "For research: matching of Tri-Spin-Images",
+                           kPoses = "For research: hypotheses",
+                           kVerification = "For research: verification";
 
 template <auto Path>
 Option<RecognizeOptions> declare(const OptionInfo& info) {
@@ -119,6 +121,7 @@ Option<RecognizeOptions> declare(const OptionInfo& info) {
 
 }  // namespace
 
+/// In the order in which one needs them.
 template <>
 std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
   static const std::array kOptions{

@@ -57,6 +57,26 @@ TEST_F(CommandLine, IsDescribedByThePageOfTheDocuments) {
       << "write it anew: trivet --help-markdown > docs/cli.md";
 }
 
+TEST_F(CommandLine, NamesOptionsInTheOrderInWhichOneNeedsThem) {
+  const std::string help = run({"recognize", "--help"}).out;
+  std::size_t at = 0;
+  for (const char* text : {"\nOptions:", "--unit", "--camera", "--viewpoint", "--json", "--report",
+                           "\nWhat is searched:", "\nAnswers:", "--min-score",
+                           "\nFor research: voting, first round:"}) {
+    const std::size_t found = help.find(text);
+    ASSERT_NE(found, std::string::npos) << text;
+    EXPECT_GT(found, at) << text;
+    at = found;
+  }
+  // A heading begins a line and ends it.
+  for (std::size_t i = help.find(":\n", at); i != std::string::npos; i = help.find(":\n", i + 1)) {
+    const std::size_t line = help.rfind('\n', i) + 1;
+    if (help[line] != ' ') {
+      EXPECT_EQ(help.compare(line, 13, "For research:"), 0) << help.substr(line, 40);
+    }
+  }
+}
+
 TEST_F(CommandLine, GivesTwoForWrongUsage) {
   EXPECT_TRUE(fails({}, 2, "subcommand"));
   EXPECT_TRUE(fails({"trane"}, 2, "subcommand"));

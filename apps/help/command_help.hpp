@@ -1,0 +1,44 @@
+/// What the commands say of themselves, as data: pages, manuals and completions are made of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace trivet::apps {
+
+struct OptionHelp {
+  std::vector<std::string> names;    ///< "-o", "--output"; of an argument its place, as "SCENE"
+  std::string type;                  ///< of its value, as "FILE", "TEXT:{m,mm}"; empty: a flag
+  std::string usual;                 ///< the default; empty: none is told
+  std::string meaning;               ///< may have several lines
+  std::vector<std::string> choices;  ///< values that there are; none: any
+  bool is_argument = false;          ///< known by its place, not by a name
+  bool is_required = false;
+  bool is_repeated = false;  ///< several values, or several names by commas
+  bool is_list = false;      ///< of those, names by commas
+};
+
+struct OptionGroupHelp {
+  std::string title;
+  std::vector<OptionHelp> options;
+};
+
+struct CommandHelp {
+  std::string name;                     ///< with those above it, as "trivet library info"
+  std::string meaning;                  ///< the first line says it in short
+  std::string footer;                   ///< stands behind the options
+  std::vector<OptionGroupHelp> groups;  ///< in the order in which one needs them
+  std::vector<CommandHelp> commands;    ///< below it
+};
+
+/// Everything below `app`, whose name becomes `name`.
+CommandHelp describe_command(CLI::App& app, const std::string& name);
+
+/// The first line of a text.
+std::string first_line(const std::string& text);
+
+}  // namespace trivet::apps
