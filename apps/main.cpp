@@ -16,7 +16,8 @@
 #include <thread>
 
 #include "apps/commands/commands.hpp"
-#include "apps/help/markdown_help.hpp"
+#include "apps/help/command_help.hpp"
+#include "apps/help/exit_codes.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/progress.hpp"
 
@@ -24,32 +25,11 @@ namespace {
 
 using namespace trivet;
 
-/// sysexits.h, as scripts expect them.
-int exit_code(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::usage:
-      return 2;
-    case ErrorCode::bad_data:
-      return 65;
-    case ErrorCode::missing_input:
-      return 66;
-    case ErrorCode::cannot_create:
-      return 73;
-    case ErrorCode::io:
-      return 74;
-    case ErrorCode::resumable:
-      return 75;
-    case ErrorCode::internal:
-      return 70;
-  }
-  return 70;
-}
-
 /// 0, or what an error that is told stands for.
-int exit_code(const Result<void>& done, const apps::Console& console) {
+int end_code(const Result<void>& done, const apps::Console& console) {
   if (done) return 0;
   console.error(done.error().message);
-  return exit_code(done.error().code);
+  return apps::exit_code(done.error().code);
 }
 
 /// Ctrl-C once asks the work to stop at the next step; twice ends the program at once.
@@ -112,14 +92,7 @@ int main(int argc, char** argv) {
       "Train a library once, then find its models in scenes:\n\n"
       "  trivet train MODELS/ -o LIBRARY.h5\n"
       "  trivet recognize LIBRARY.h5 SCENE.ply --json -\n"};
-  app.set_version_flag("--version", "trivet " TRIVET_VERSION);
-  app.add_flag_callback(
-         "--help-markdown",
-         [&app] {  // what is thrown is printed
-           throw CLI::CallForVersion(apps::markdown_help(apps::describe_command(app, "trivet")), 0);
-         },
-         "Print the help of all commands as one page")
-      ->trigger_on_parse();
+  app.set_version_flag("--version", "trivet " TRIVET_VERSION)->group(apps::kAbout);
   app.require_subcommand(1);
   app.fallthrough();
   app.add_option("--threads", context.num_threads,
@@ -138,6 +111,7 @@ int main(int argc, char** argv) {
   apps::add_route(app, context);
   apps::add_load(app, context);
   apps::add_library(app, context);
+  apps::add_documents(app);
 
   if (argc > 1 && std::string_view(argv[1]) == "recognise") {
     context.console.line("trivet recognise is trivet recognize");
@@ -150,19 +124,19 @@ int main(int argc, char** argv) {
     std::ostringstream help, complaint;
     const bool asked = app.exit(error, help, complaint) == 0;
     std::cerr << complaint.str();
-    return asked ? exit_code(apps::write_output(help.str()), context.console) : 2;
+    return asked ? end_code(apps::write_output(help.str()), context.console) : 2;
   }
 
   try {
     const ThreadLimit limit(context.num_threads);
-    return exit_code(context.run(), context.console);
+    return end_code(context.run(), context.console);
   } catch (const std::bad_alloc&) {
     context.console.error(
         "out of memory; use a larger relative step, fewer models or a smaller scene");
-    return exit_code(ErrorCode::io);
+    return apps::exit_code(ErrorCode::io);
   } catch (const std::exception& error) {
     context.console.error(
         fmt::format("internal: {}; please report it with the command that led here", error.what()));
-    return exit_code(ErrorCode::internal);
+    return apps::exit_code(ErrorCode::internal);
   }
 }

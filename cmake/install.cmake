@@ -3,6 +3,12 @@ include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/trivet)
 
 install(TARGETS trivet RUNTIME)
+# Manual pages and completions, which the program writes.
+install(CODE "set(TRIVET \"$<TARGET_FILE:trivet>\")
+  set(PAGES \"${PROJECT_BINARY_DIR}/pages\")
+  set(MAN \"${CMAKE_INSTALL_MANDIR}\")
+  set(DATA \"${CMAKE_INSTALL_DATADIR}\")")
+install(SCRIPT "${PROJECT_SOURCE_DIR}/cmake/install_pages.cmake")
 install(TARGETS trivet_storage trivet_kernels trivet_engine EXPORT trivet_targets ARCHIVE)
 # The public headers, which stand at the top of storage and engine, and what they include.
 function(install_header header)

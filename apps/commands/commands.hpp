@@ -35,5 +35,7 @@ void add_serve(CLI::App& app, Context& context);
 void add_route(CLI::App& app, Context& context);
 void add_load(CLI::App& app, Context& context);
 void add_study(CLI::App& app, Context& context);
+/// Options that print what all commands say of themselves: after the commands.
+void add_documents(CLI::App& app);
 
 }  // namespace trivet::apps

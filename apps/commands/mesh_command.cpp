@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/commands/commands.hpp"
+#include "apps/options/add_options.hpp"
 #include "engine/surface_from_points.hpp"
 #include "storage/counted.hpp"
 #include "storage/read_cloud.hpp"
@@ -80,8 +81,7 @@ void add_mesh(CLI::App& app, Context& context) {
     methods += fmt::format("\n{}: {}", known.name, known.sentence);
     names.emplace_back(known.name);
   }
-  command->add_option("--method", arguments->method, methods)
-      ->check(CLI::IsMember(names).description(""));
+  limit_to(command->add_option("--method", arguments->method, methods), names);
   command->add_option(
       "--camera", arguments->camera,
       "Camera of a depth image: JSON with fx fy cx cy depth_scale, or BOP's scene_camera.json");

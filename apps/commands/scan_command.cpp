@@ -108,7 +108,8 @@ void add_scan(CLI::App& app, Context& context) {
                       kHousehold))
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(known_families()).description(""))
+      ->check(CLI::IsMember(known_families()).description(""),
+              fmt::format("{}", fmt::join(known_families(), ",")))
       ->needs(parts);
   command
       ->add_option("-o,--output", arguments->output,

@@ -4,10 +4,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace trivet::apps {
 
 struct OptionHelp {
@@ -35,10 +31,13 @@ struct CommandHelp {
   std::vector<CommandHelp> commands;    ///< below it
 };
 
-/// Everything below `app`, whose name becomes `name`.
-CommandHelp describe_command(CLI::App& app, const std::string& name);
+/// The title of options that print what the program says of itself, and no command needs.
+inline constexpr const char* kAbout = "About";
 
-/// The first line of a text.
+/// Those of the program that every command has, too.
+std::vector<OptionHelp> common_options(const CommandHelp& program);
+
+/// What a text says in short: its first line.
 std::string first_line(const std::string& text);
 
 }  // namespace trivet::apps

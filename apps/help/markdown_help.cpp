@@ -51,7 +51,10 @@ std::string command_text(const CommandHelp& command, std::map<std::string, std::
 std::string markdown_help(const CommandHelp& command) {
   std::map<std::string, std::string> known;
   return "# Command line\n\nWritten by `trivet --help-markdown > docs/cli.md`. Every command has "
-         "`--help`; exit codes and files are in [manifest.md](manifest.md).\n" +
+         "`--help`; `trivet --man COMMAND` prints its manual, `trivet --completion SHELL` what "
+         "lets bash, zsh "
+         "or fish complete it, and `cmake --install` installs both. Exit codes and files are in "
+         "[manifest.md](manifest.md).\n" +
          command_text(command, known);
 }
 

@@ -1,6 +1,7 @@
 #include "apps/options/add_options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 
@@ -27,10 +28,9 @@ const char* type_text(OptionKind kind) {
 
 /// "fused,ppf,trisi": what a check is named for, so that completions know it.
 std::string choice_names(const OptionInfo& info) {
-  std::string names;
-  for (const Choice& choice : info.choices)
-    names += fmt::format("{}{}", names.empty() ? "" : ",", choice.name);
-  return names;
+  std::vector<std::string_view> names;
+  for (const Choice& choice : info.choices) names.push_back(choice.name);
+  return fmt::format("{}", fmt::join(names, ","));
 }
 
 /// "Meaning, 0 to 1 [diameter]", and a line for each choice that has a meaning.
@@ -79,6 +79,11 @@ CLI::Option* add_option(CLI::App& command, const OptionInfo& info, const OptionV
           },
           "", choice_names(info));
   return given.option;
+}
+
+CLI::Option* limit_to(CLI::Option* option, const std::vector<std::string>& names) {
+  return option->check(CLI::IsMember(names).description(""),
+                       fmt::format("{}", fmt::join(names, ",")));
 }
 
 }  // namespace trivet::apps

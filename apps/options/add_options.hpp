@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/option.hpp"
 
@@ -30,6 +31,9 @@ using GivenOptions = std::map<std::string_view, GivenOption>;
 /// usual  told as the default
 CLI::Option* add_option(CLI::App& command, const OptionInfo& info, const OptionValue& usual,
                         GivenOption& given);
+
+/// Let an option have these values only; its help tells them.
+CLI::Option* limit_to(CLI::Option* option, const std::vector<std::string>& names);
 
 /// Add all that are for the command line.
 template <class Options>

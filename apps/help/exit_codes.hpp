@@ -1,0 +1,33 @@
+/// How a command ends, by sysexits.h, as scripts expect it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct ExitCode {
+  ErrorCode error;
+  int number;
+  std::string_view meaning;
+};
+
+/// Of everything that can go wrong; 0 is that nothing did.
+inline constexpr std::array<ExitCode, 7> kExitCodes{{
+    {ErrorCode::usage, 2, "An option or an argument is wrong."},
+    {ErrorCode::bad_data, 65, "A file breaks its format, or cannot be used."},
+    {ErrorCode::missing_input, 66, "A file that is named does not exist."},
+    {ErrorCode::internal, 70, "A fault of the program."},
+    {ErrorCode::cannot_create, 73, "A file or a folder cannot be made."},
+    {ErrorCode::io, 74, "Reading or writing failed, or memory ran out."},
+    {ErrorCode::resumable, 75, "It was stopped before its end."},
+}};
+
+inline int exit_code(ErrorCode error) {
+  return std::ranges::find(kExitCodes, error, &ExitCode::error)->number;
+}
+
+}  // namespace trivet::apps

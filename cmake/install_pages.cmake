@@ -1,0 +1,28 @@
+# Let the program write its manual pages and completions, and install them.
+# TRIVET is the built program, PAGES a folder to write into; MAN and DATA are where they go, below the prefix.
+cmake_path(ABSOLUTE_PATH MAN BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
+cmake_path(ABSOLUTE_PATH DATA BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
+function(write_page file)
+  execute_process(COMMAND "${TRIVET}" ${ARGN} OUTPUT_FILE "${PAGES}/${file}" COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+file(MAKE_DIRECTORY "${PAGES}")
+write_page(trivet.1 --man trivet)
+file(READ "${PAGES}/trivet.1" program)
+string(REGEX MATCHALL "trivet\\\\-[a-z\\-]+\\\\fR\\(1\\)" commands "${program}")  # as it names them: trivet\-fit\-score\fR(1)
+list(TRANSFORM commands REPLACE "trivet\\\\-([a-z\\-]+)\\\\fR\\(1\\)" "\\1")
+list(TRANSFORM commands REPLACE "\\\\" "")
+list(REMOVE_DUPLICATES commands)
+set(manuals "${PAGES}/trivet.1")
+foreach(command IN LISTS commands)
+  write_page(trivet-${command}.1 --man ${command})
+  list(APPEND manuals "${PAGES}/trivet-${command}.1")
+endforeach()
+write_page(trivet --completion bash)
+write_page(_trivet --completion zsh)
+write_page(trivet.fish --completion fish)
+
+file(INSTALL ${manuals} DESTINATION "${MAN}/man1")
+file(INSTALL "${PAGES}/trivet" DESTINATION "${DATA}/bash-completion/completions")
+file(INSTALL "${PAGES}/_trivet" DESTINATION "${DATA}/zsh/site-functions")
+file(INSTALL "${PAGES}/trivet.fish" DESTINATION "${DATA}/fish/vendor_completions.d")
