@@ -5,6 +5,7 @@ find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(PNG REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(embree 3.13 REQUIRED)
 
 # trivet_library(NAME HEADER SUFFIXES LIBRARIES...): the target trivet::NAME for libraries whose own

@@ -1,5 +1,6 @@
 #include "apps/service/http/http_server.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 
@@ -12,14 +13,20 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <cctype>
 #include <cerrno>
+#include <ctime>
 #include <future>
 #include <map>
 #include <thread>
+#include <type_traits>
+
+#include "apps/service/http/content_coding.hpp"
+#include "apps/service/http/query.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -31,6 +38,7 @@ using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000}, kPatience{1000};
+constexpr std::size_t kMinPackedBytes = 16 << 10;  ///< less is sent as soon as it would be packed
 
 std::string lower(beast::string_view text) {
   std::string out(text);
@@ -58,11 +66,13 @@ HttpResponse refusal(unsigned status, const std::string& reason) {
   return {status, fmt::format("{{\"error\":\"{}\"}}\n", text)};
 }
 
+HttpResponse too_large(const HttpLimits& limits) {
+  return refusal(413, fmt::format("expected a body of at most {} bytes", limits.max_body_bytes));
+}
+
 /// What a failed read deserves; none: the connection just ends.
 std::optional<HttpResponse> refusal_of(const error_code& error, const HttpLimits& limits) {
-  if (error == http::error::body_limit) {
-    return refusal(413, fmt::format("expected a body of at most {} bytes", limits.max_body_bytes));
-  }
+  if (error == http::error::body_limit) return too_large(limits);
   if (error == http::error::header_limit) {
     return refusal(431,
                    fmt::format("expected headers of at most {} bytes", limits.max_header_bytes));
@@ -72,6 +82,13 @@ std::optional<HttpResponse> refusal_of(const error_code& error, const HttpLimits
     return std::nullopt;
   }
   return refusal(400, fmt::format("not an HTTP request: {}", error.message()));
+}
+
+constexpr const char* kCodings = "gzip, deflate";
+
+std::optional<ContentCoding> coding_of(const http::request<http::string_body>& head) {
+  const beast::string_view name = head[http::field::content_encoding];
+  return content_coding({name.data(), name.size()});
 }
 
 /// What a well-formed request may still not be; none: it may be read on.
@@ -86,13 +103,23 @@ std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& h
        (head.version() < 11 || !beast::iequals(head[http::field::transfer_encoding], "chunked")))) {
     return refusal(400, "expected no Transfer-Encoding but chunked, and that of HTTP/1.1");
   }
-  if (head.count(http::field::content_encoding) > 0 &&
-      !beast::iequals(head[http::field::content_encoding], "identity")) {
-    HttpResponse response = refusal(415, "expected a body without Content-Encoding");
-    response.headers.emplace_back("Accept-Encoding", "identity");
+  if (head.count(http::field::content_encoding) > 1 || !coding_of(head)) {
+    HttpResponse response = refusal(
+        415, fmt::format("expected a body with no Content-Encoding but one of {}, found '{}'",
+                         kCodings, std::string(head[http::field::content_encoding])));
+    response.headers.emplace_back("Accept-Encoding", kCodings);
     return response;
   }
   return std::nullopt;
+}
+
+bool is_text(std::string_view content_type) {
+  return content_type.starts_with("application/json") || content_type.starts_with("text/");
+}
+
+/// As a date of HTTP: RFC 9110, 5.6.7.
+std::string date_of(std::time_t time) {
+  return fmt::format("{:%a, %d %b %Y %H:%M:%S} GMT", fmt::gmtime(time));
 }
 
 /// A time after which whatever a socket waits for ends, with the socket still open for an answer:
@@ -232,8 +259,10 @@ struct HttpServer::State {
       const unsigned version = parser.get().version();
       const bool keep_alive = parser.get().keep_alive() && !is_closing;
       const bool is_head = parser.get().method() == http::verb::head;
+      const std::string accepted(parser.get()[http::field::accept_encoding]);
       stream.expires_never();
-      const HttpResponse response = co_await answer(stream, parser.release());
+      HttpResponse response = co_await answer(stream, parser.release());
+      co_await pack_body(response, accepted);
       const bool written =
           co_await write(stream, response, version, keep_alive && !is_closing, is_head);
       if (!written || !keep_alive || is_closing) break;
@@ -253,24 +282,73 @@ struct HttpServer::State {
     co_await http::async_read_header(stream, buffer, parser, token());
     if (!error) {
       if (std::optional<HttpResponse> refused = refusal_of(parser.get())) co_return refused;
+      const auto named = parser.get().target();
+      const Result<std::string> target = origin_form({named.data(), named.size()});
+      if (!target) co_return refusal(400, target.error().message);
+      parser.get().target(*target);
       const std::size_t body_bytes =
           parser.content_length().value_or(parser.chunked() ? limits.max_body_bytes : 0);
       const Share share(num_arriving, body_bytes);
-      const auto target = parser.get().target();
-      if (std::optional<HttpResponse> refused = admit({target.data(), target.size()}, body_bytes))
-        co_return refused;
+      if (std::optional<HttpResponse> refused = admit(*target, body_bytes)) co_return refused;
       if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
         http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
         co_await http::async_write(stream, go_on, token());
       }
       if (!error) co_await http::async_read(stream, buffer, parser, token());
+      if (!error && !deadline.has_passed()) co_return co_await unpack_body(parser.get());
     }
     if (deadline.has_passed()) {
       co_return refusal(408, fmt::format("expected the whole request within {} ms",
                                          limits.request_timeout.count()));
     }
-    if (!error) co_return std::nullopt;
     co_return refusal_of(error, limits);
+  }
+
+  /// Replace a body by what it was before it was packed. Returns what to answer instead.
+  asio::awaitable<std::optional<HttpResponse>> unpack_body(
+      http::request<http::string_body>& message) {
+    const ContentCoding coding = *coding_of(message);
+    message.erase(http::field::content_encoding);
+    if (coding == ContentCoding::identity) co_return std::nullopt;
+    // One at a time, so that as many bombs as there are connections take the memory of one.
+    Result<std::string> unpacked = co_await aside([this, coding, packed = &message.body()] {
+      return unpack(coding, *packed, limits.max_body_bytes);
+    });
+    if (!unpacked) {
+      const bool is_ours = unpacked.error().code == ErrorCode::internal;
+      co_return refusal(is_ours ? 500 : 400, unpacked.error().message);
+    }
+    if (unpacked->size() > limits.max_body_bytes) co_return too_large(limits);
+    message.body() = std::move(*unpacked);
+    co_return std::nullopt;
+  }
+
+  /// Long texts are packed for those who take them so.
+  asio::awaitable<void> pack_body(HttpResponse& response, const std::string& accepted) {
+    if (response.body.size() < kMinPackedBytes || !is_text(response.content_type)) co_return;
+    response.headers.emplace_back("Vary", "Accept-Encoding");
+    const ContentCoding coding = accepted_coding(accepted);
+    if (coding == ContentCoding::identity) co_return;
+    std::optional<std::string> packed =
+        co_await aside([coding, body = &response.body] { return pack(coding, *body); });
+    if (!packed) co_return;
+    response.body = std::move(*packed);
+    response.headers.emplace_back("Content-Encoding", coding_name(coding));
+  }
+
+  /// Do what takes long beside the network, one after the other.
+  template <class Work>
+  asio::awaitable<std::invoke_result_t<Work>> aside(Work work) {
+    using Done = std::invoke_result_t<Work>;
+    auto initiate = [this](auto completion, Work todo) {
+      auto shared = std::make_shared<decltype(completion)>(std::move(completion));
+      asio::post(coder, [this, shared, todo] {
+        auto done = std::make_shared<Done>(todo());
+        asio::post(context, [shared, done] { (*shared)(std::move(*done)); });
+      });
+    };
+    co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(Done)>(
+        initiate, asio::use_awaitable, std::move(work));
   }
 
   /// Hand a request to the handler and wait for its answer.
@@ -308,6 +386,7 @@ struct HttpServer::State {
     http::response<http::string_body> message;
     message.version(version);
     message.result(response.status);
+    message.set(http::field::date, date_of(std::time(nullptr)));
     message.set(http::field::content_type, response.content_type);
     for (const auto& [name, value] : response.headers) message.set(name, value);
     message.keep_alive(keep_alive);
@@ -349,6 +428,7 @@ struct HttpServer::State {
   std::atomic<bool> is_closing{false};
   std::uint16_t port = 0;
   std::thread thread;
+  asio::thread_pool coder{1};  // last: what it works on is the context's
 };
 
 std::string HttpRequest::header(std::string_view name) const {

@@ -50,6 +50,25 @@ std::optional<std::string> Target::parameter(std::string_view name) const {
   return std::nullopt;
 }
 
+Result<std::string> origin_form(std::string_view target) {
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    const bool is_it = target.size() >= scheme.size() &&
+                       std::equal(scheme.begin(), scheme.end(), target.begin(),
+                                  [](char a, unsigned char b) { return a == std::tolower(b); });
+    if (!is_it) continue;
+    const std::string_view rest = target.substr(scheme.size());
+    const std::size_t end = std::min(rest.find_first_of("/?"), rest.size());
+    if (end == 0) {
+      return Error{ErrorCode::usage,
+                   fmt::format("expected a host in the target behind {}, found none", scheme)};
+    }
+    std::string path(rest.substr(end));
+    if (!path.starts_with('/')) path.insert(path.begin(), '/');
+    return path;
+  }
+  return std::string(target);
+}
+
 std::optional<std::size_t> whole_number(std::string_view text) {
   std::size_t number = 0;
   const char* const end = text.data() + text.size();

@@ -21,6 +21,10 @@ struct Target {
   std::optional<std::string> parameter(std::string_view name) const;
 };
 
+/// What a request asks of the host that it names: `http://host/path?query` (RFC 9112, 3.2.2) as
+/// `/path?query`, other targets as they are. Errors: usage (no host).
+Result<std::string> origin_form(std::string_view target);
+
 /// A text of digits only; none: it is something else, or too large.
 std::optional<std::size_t> whole_number(std::string_view text);
 

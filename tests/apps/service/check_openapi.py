@@ -131,7 +131,7 @@ def check_answers():
     multipart = {"Content-Type": "multipart/form-data; boundary=edge"}
     expect(200, "POST", "/v1/recognize", "/v1/recognize?" + unformatted, form, multipart)
     expect(400, "POST", "/v1/recognize", recognize + "&min-score=2", scan)
-    expect(415, "POST", "/v1/recognize", recognize, scan, {"Content-Encoding": "gzip"})
+    expect(415, "POST", "/v1/recognize", recognize, scan, {"Content-Encoding": "br"})
     expect(504, "POST", "/v1/recognize", recognize, scan, {"X-Deadline-Ms": "0.1"})
     expect(431, "GET", "/v1/models", headers={"X-Long": "x" * 9000})
     reading = re.sub("method=[a-z]+&?", "", query)

@@ -5,6 +5,7 @@
 #include <set>
 #include <thread>
 
+#include "apps/service/gzip.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
 #include "support/geometry_files.hpp"
@@ -101,10 +102,18 @@ TEST_F(ServeHostile, RefusesFramesThatLie) {
        post("Expect: 100-continue\r\nContent-Length: 1000000000\r\n", ""),
        "1048576",
        {413}},
-      {"gzip", post("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "ply"), "Encoding", {415}},
-      {"deflate",
-       post("Content-Encoding: deflate\r\nContent-Length: 3\r\n", "ply"),
-       "Encoding",
+      {"no gzip", post("Content-Encoding: gzip\r\nContent-Length: 3\r\n", "ply"), "gzip body"},
+      {"no deflate", post("Content-Encoding: deflate\r\nContent-Length: 3\r\n", "ply"),
+       "deflate body"},
+      {"a packed body in broken chunks",
+       post("Content-Encoding: gzip\r\nTransfer-Encoding: chunked\r\n", "zz\r\nply\r\n"), ""},
+      {"a packing that nobody knows",
+       post("Content-Encoding: compress\r\nContent-Length: 3\r\n", "ply"),
+       "gzip, deflate",
+       {415}},
+      {"two packings",
+       post("Content-Encoding: gzip\r\nContent-Encoding: gzip\r\nContent-Length: 3\r\n", "ply"),
+       "gzip, deflate",
        {415}},
       {"gzip behind identity",
        post("Content-Encoding: identity, gzip\r\nContent-Length: 3\r\n", "ply"),
@@ -333,6 +342,35 @@ TEST_F(ServeHostile, TakesNoMemoryForWhatABodyOnlyPromises) {
                    ask(port, "POST", "/v2/models/l/infer", rows + rows + "]}]}"), {400}, "binary");
 #ifndef __SANITIZE_ADDRESS__
     EXPECT_LT(peak_memory() - before, 500'000U) << "kB";
+#endif
+    expect_answers(port);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(ServeHostile, UnpacksNoBombs) {
+  const std::string scan = read_bytes(depth_);
+  const std::string packed = test::pack(test::Packing::gzip, scan);
+  const std::string bomb = test::pack(test::Packing::gzip, std::string(200 << 20, '\0'));
+  const test::Outcome outcome = serve({"--parallel", "1", "--max-body-mb", "8"}, [&](int port) {
+    const Answer plain = ask(port, "POST", query_, scan);
+    const Answer unpacked = ask(port, "POST", query_, packed, "Content-Encoding: gzip\r\n");
+    EXPECT_EQ(unpacked.status, 200) << unpacked.body;
+    EXPECT_EQ(unpacked.json()["scenes"][0]["detections"], plain.json()["scenes"][0]["detections"]);
+    const std::size_t before = peak_memory();
+    std::vector<std::thread> clients;
+    for (int i = 0; i < 20; ++i) {
+      clients.emplace_back([&, i] {
+        const std::string headers = "Content-Encoding: gzip\r\n";
+        expect_refused("a bomb",
+                       ask(port, i % 2 ? "POST" : "GET", i % 2 ? query_ : "/v2", bomb, headers),
+                       {413}, "8388608");
+      });
+    }
+    EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
+    for (std::thread& client : clients) client.join();
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_LT(peak_memory() - before, 50'000U) << "kB";
 #endif
     expect_answers(port);
   });
