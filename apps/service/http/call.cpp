@@ -17,6 +17,13 @@ double Call::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
+bool Call::is_overdue() const {
+  const std::chrono::microseconds timeout = timeout_;
+  return timeout.count() > 0 && std::chrono::steady_clock::now() - begun >= timeout;
+}
+
+void Call::set_timeout(std::chrono::microseconds timeout) { timeout_ = timeout; }
+
 void Replies::send(const Call& call, HttpResponse response) const {
   metrics_.count_request(call.route, response.status);
   if (call.is_logged || response.status >= 400) tell(call, response.status);

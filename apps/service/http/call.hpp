@@ -1,6 +1,7 @@
 /// One request on its way to its answer.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <memory>
@@ -17,6 +18,9 @@ namespace trivet::apps::service {
 struct Call {
   Call(HttpRequest what, HttpAnswer whereto);
   double seconds() const;  ///< since it came
+  /// Whether the client waits no more, by what it said in its body. From any thread, as the next.
+  bool is_overdue() const;
+  void set_timeout(std::chrono::microseconds timeout);  ///< since it came; 0: none
 
   HttpRequest request;
   HttpAnswer answer;
@@ -27,6 +31,9 @@ struct Call {
   bool is_logged = false;                                          ///< also when all is well
   nlohmann::ordered_json told = nlohmann::ordered_json::object();  ///< more for the log
   std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+
+ private:
+  std::atomic<std::chrono::microseconds> timeout_{std::chrono::microseconds{0}};
 };
 using CallPtr = std::shared_ptr<Call>;
 

@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 
+#include "apps/service/serve/inference_metadata.hpp"
 #include "apps/service/serve/json_parameters.hpp"
 
 namespace trivet::apps::service {
@@ -18,6 +22,7 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "tensors are little-endian");
 
 constexpr int kMaxPoints = 100'000'000;
+constexpr std::chrono::hours kMaxTimeout{1};
 constexpr std::size_t kMaxJsonBytes = 16 << 20;  ///< a parsed document takes up to 20 times as much
 
 /// Bytes after the header that no tensor has taken yet.
@@ -33,10 +38,19 @@ struct Rest {
   }
 };
 
+/// Members of an object that are known; others would be ignored without a word.
+void expect_members(const JsonNode& object, std::string_view expected) {
+  for (const auto& [name, value] : object.members()) {
+    if (name != expected)
+      object.at(name).refuse(fmt::format("expected no parameter here but {}", expected));
+  }
+}
+
 /// The numbers of an FP32 tensor of this many.
 std::vector<float> read_numbers(const JsonNode& input, std::size_t count, Rest& rest) {
   if (input.at("datatype").string() != "FP32") input.at("datatype").refuse("expected FP32");
   std::vector<float> numbers;
+  if (input.has("parameters")) expect_members(input.at("parameters"), "binary_data_size");
   const bool is_binary = input.has("parameters") && input.at("parameters").has("binary_data_size");
   if (is_binary) {
     const JsonNode size = input.at("parameters").at("binary_data_size");
@@ -73,14 +87,71 @@ void read_input(const JsonNode& input, InferenceRequest& request, Rest& rest) {
     request.points.push_back({numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]});
 }
 
+std::uint64_t read_whole(const JsonNode& node, std::uint64_t high) {
+  const nlohmann::json& value = node.value();
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > high)
+    node.refuse(fmt::format("expected a whole number from 0 to {}", high));
+  return value.get<std::uint64_t>();
+}
+
+std::chrono::microseconds read_timeout(const JsonNode& parameters) {
+  if (!parameters.has("timeout")) return {};
+  const std::uint64_t high = std::chrono::microseconds(kMaxTimeout).count();
+  return std::chrono::microseconds(read_whole(parameters.at("timeout"), high));
+}
+
+/// What tells how to schedule and not what to search; the rest are options of the recognition.
+void read_parameters(const JsonNode& parameters, InferenceRequest& request, bool& all_binary) {
+  constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+  request.options = parameters_of(parameters, {"binary_data_output", "timeout", "priority",
+                                               "sequence_id", "sequence_start", "sequence_end"});
+  request.timeout = read_timeout(parameters);
+  const auto boolean = [&](const char* name) {
+    return parameters.has(name) && parameters.at(name).boolean();
+  };
+  all_binary = boolean("binary_data_output");
+  // Requests know nothing of each other, so a sequence of them is as good as any others; and all
+  // wait in the order in which they come.
+  (void)boolean("sequence_start");
+  (void)boolean("sequence_end");
+  if (parameters.has("priority")) (void)read_whole(parameters.at("priority"), kAny);
+  if (parameters.has("sequence_id") && !parameters.at("sequence_id").is_string())
+    (void)read_whole(parameters.at("sequence_id"), kAny);
+}
+
+RequestedOutput read_output(const JsonNode& output, bool all_binary) {
+  RequestedOutput out{output.at("name").string(), all_binary};
+  if (!std::ranges::any_of(inference_tensors(), [&](const InferenceTensor& tensor) {
+        return !tensor.is_input && tensor.name == out.name;
+      })) {
+    output.at("name").refuse("expected poses, scores or models");
+  }
+  if (!output.has("parameters")) return out;
+  const JsonNode parameters = output.at("parameters");
+  expect_members(parameters, "binary_data");
+  if (parameters.has("binary_data")) out.is_binary = parameters.at("binary_data").boolean();
+  return out;
+}
+
+void read_outputs(const JsonNode& root, InferenceRequest& request, bool all_binary) {
+  if (root.has("outputs")) {
+    std::set<std::string> names;
+    for (const JsonNode& output : root.at("outputs").elements()) {
+      request.outputs.push_back(read_output(output, all_binary));
+      if (!names.insert(request.outputs.back().name).second)
+        output.at("name").refuse("expected each output once");
+    }
+  }
+  if (!request.outputs.empty()) return;
+  for (const InferenceTensor& tensor : inference_tensors()) {
+    if (!tensor.is_input) request.outputs.push_back({std::string(tensor.name), all_binary});
+  }
+}
+
 void read_request(const JsonNode& root, InferenceRequest& request, Rest& rest) {
   if (root.has("id")) request.id = root.at("id").string();
-  if (root.has("parameters")) {
-    constexpr std::string_view kBinary = "binary_data_output";
-    const JsonNode parameters = root.at("parameters");
-    request.options = parameters_of(parameters, kBinary);
-    if (parameters.has(kBinary)) request.all_binary = parameters.at(kBinary).boolean();
-  }
+  bool all_binary = false;
+  if (root.has("parameters")) read_parameters(root.at("parameters"), request, all_binary);
   std::set<std::string> names;
   for (const JsonNode& input : root.at("inputs").elements()) {
     read_input(input, request, rest);
@@ -88,41 +159,13 @@ void read_request(const JsonNode& root, InferenceRequest& request, Rest& rest) {
       input.at("name").refuse("expected each input once");
   }
   if (!names.contains("points")) root.at("inputs").refuse("expected an input named points");
-  if (!root.has("outputs")) return;
-  for (const JsonNode& output : root.at("outputs").elements()) {
-    if (output.has("parameters") && output.at("parameters").has("binary_data") &&
-        output.at("parameters").at("binary_data").boolean()) {
-      request.binary_outputs.push_back(output.at("name").string());
-    }
-  }
+  read_outputs(root, request, all_binary);
 }
 
-/// One output: its description, and its bytes where it is binary.
-class OutputWriter {
- public:
-  explicit OutputWriter(const InferenceRequest& request) : request_(request) {}
-
-  void add(const std::string& name, const char* datatype, Json shape, Json data,
-           const std::string& bytes) {
-    Json output{{"name", name}, {"datatype", datatype}, {"shape", std::move(shape)}};
-    const bool is_binary =
-        request_.all_binary ||
-        std::ranges::find(request_.binary_outputs, name) != request_.binary_outputs.end();
-    if (is_binary) {
-      output["parameters"] = {{"binary_data_size", bytes.size()}};
-      bytes_ += bytes;
-    } else {
-      output["data"] = std::move(data);
-    }
-    outputs_.push_back(std::move(output));
-  }
-  Json take_outputs() { return std::move(outputs_); }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  const InferenceRequest& request_;
-  Json outputs_ = Json::array();
-  std::string bytes_;
+/// What a tensor of the answer holds, in both forms.
+struct OutputData {
+  Json shape, values = Json::array();
+  std::string bytes{};
 };
 
 template <class Value>
@@ -132,7 +175,53 @@ void append(Value value, std::string& bytes) {
   bytes.append(raw, sizeof value);
 }
 
+OutputData poses_of(std::span<const Detection> detections) {
+  OutputData out{{detections.size(), 4, 4}};
+  for (const Detection& detection : detections) {
+    const Eigen::Matrix4f matrix = detection.T_scene_model.matrix();
+    for (Eigen::Index row = 0; row < 4; ++row) {
+      for (Eigen::Index column = 0; column < 4; ++column) {
+        out.values.push_back(matrix(row, column));
+        append(matrix(row, column), out.bytes);
+      }
+    }
+  }
+  return out;
+}
+
+OutputData scores_of(std::span<const Detection> detections) {
+  OutputData out{Json::array({detections.size()})};
+  for (const Detection& detection : detections) {
+    out.values.push_back(detection.score);
+    append(detection.score, out.bytes);
+  }
+  return out;
+}
+
+OutputData models_of(std::span<const Detection> detections) {
+  OutputData out{Json::array({detections.size()})};
+  for (const Detection& detection : detections) {
+    out.values.push_back(detection.model);
+    append(static_cast<std::uint32_t>(detection.model.size()), out.bytes);
+    out.bytes += detection.model;
+  }
+  return out;
+}
+
+OutputData output_of(std::string_view name, std::span<const Detection> detections) {
+  if (name == "poses") return poses_of(detections);
+  return name == "scores" ? scores_of(detections) : models_of(detections);
+}
+
 }  // namespace
+
+std::chrono::microseconds inference_timeout(std::string_view json) {
+  std::chrono::microseconds timeout{0};
+  (void)with_json(std::as_bytes(std::span(json)), "request", [&](const JsonNode& root) {
+    if (root.has("parameters")) timeout = read_timeout(root.at("parameters"));
+  });
+  return timeout;
+}
 
 Result<InferenceRequest> parse_inference(std::string_view body,
                                          std::optional<std::size_t> header_size) {
@@ -179,49 +268,30 @@ Cloud take_cloud(InferenceRequest& request) {
 
 InferenceResponse write_inference(const InferenceRequest& request, const SceneResult& result,
                                   const std::string& model, std::uint64_t version) {
-  const std::size_t n = result.detections.size();
-  Json poses = Json::array(), scores = Json::array(), models = Json::array();
-  std::string pose_bytes, score_bytes, model_bytes;
-  for (const Detection& detection : result.detections) {
-    const Eigen::Matrix4f matrix = detection.T_scene_model.matrix();
-    for (Eigen::Index row = 0; row < 4; ++row) {
-      for (Eigen::Index column = 0; column < 4; ++column) {
-        poses.push_back(matrix(row, column));
-        append(matrix(row, column), pose_bytes);
-      }
+  Json outputs = Json::array();
+  std::string bytes;
+  for (const RequestedOutput& wanted : request.outputs) {
+    OutputData data = output_of(wanted.name, result.detections);
+    const InferenceTensor& tensor =
+        *std::ranges::find(inference_tensors(), wanted.name, &InferenceTensor::name);
+    Json output{
+        {"name", wanted.name}, {"datatype", tensor.datatype}, {"shape", std::move(data.shape)}};
+    if (wanted.is_binary) {
+      output["parameters"] = {{"binary_data_size", data.bytes.size()}};
+      bytes += data.bytes;
+    } else {
+      output["data"] = std::move(data.values);
     }
-    scores.push_back(detection.score);
-    append(detection.score, score_bytes);
-    models.push_back(detection.model);
-    append(static_cast<std::uint32_t>(detection.model.size()), model_bytes);
-    model_bytes += detection.model;
+    outputs.push_back(std::move(output));
   }
-  OutputWriter outputs(request);
-  outputs.add("poses", "FP32", {n, 4, 4}, std::move(poses), pose_bytes);
-  outputs.add("scores", "FP32", {n}, std::move(scores), score_bytes);
-  outputs.add("models", "BYTES", {n}, std::move(models), model_bytes);
   Json json{{"model_name", model}, {"model_version", std::to_string(version)}};
   if (!request.id.empty()) json["id"] = request.id;
-  json["outputs"] = outputs.take_outputs();
+  json["outputs"] = std::move(outputs);
   // Models are named by files, which need not be UTF-8.
   InferenceResponse response{json.dump(-1, ' ', false, Json::error_handler_t::replace), 0};
   response.header_size = response.body.size();
-  response.body += outputs.bytes();
+  response.body += bytes;
   return response;
-}
-
-Json inference_metadata(const std::string& model, std::uint64_t version) {
-  const auto tensor = [](const char* name, const char* datatype, Json shape) {
-    return Json{{"name", name}, {"datatype", datatype}, {"shape", std::move(shape)}};
-  };
-  return {{"name", model},
-          {"versions", Json::array({std::to_string(version)})},
-          {"platform", "trivet"},
-          {"inputs", Json::array({tensor("points", "FP32", {-1, 3}),
-                                  tensor("viewpoint", "FP32", Json::array({3}))})},
-          {"outputs", Json::array({tensor("poses", "FP32", {-1, 4, 4}),
-                                   tensor("scores", "FP32", Json::array({-1})),
-                                   tensor("models", "BYTES", Json::array({-1}))})}};
 }
 
 }  // namespace trivet::apps::service

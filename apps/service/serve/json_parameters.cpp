@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,10 @@ std::string text_of(const JsonNode& value) {
 
 }  // namespace
 
-Parameters parameters_of(const JsonNode& object, std::string_view without) {
+Parameters parameters_of(const JsonNode& object, std::initializer_list<std::string_view> without) {
   Parameters parameters;
   for (const auto& [name, value] : object.members()) {
-    if (name == without) continue;
+    if (std::ranges::find(without, name) != without.end()) continue;
     if (name == "camera" && !value.is_array() && !value.is_string()) {
       const Camera c = value.camera();
       parameters.emplace_back(name,

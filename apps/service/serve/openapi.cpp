@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "apps/options/presets.hpp"
 #include "apps/service/serve/recognize_query.hpp"
@@ -81,9 +82,28 @@ Json parameter_of(const OptionInfo& info, const OptionValue& usual) {
   return parameter;
 }
 
-/// The document with the parameters of a recognition, which follow from the options.
+/// Each path of the library, once more with its generation.
+void add_versions(Json& paths) {
+  constexpr std::string_view kModel = "/v2/models/{library}";
+  std::vector<std::pair<std::string, Json>> versions;
+  for (const auto& [path, operations] : paths.items()) {
+    if (!path.starts_with(kModel)) continue;
+    const std::string rest = path.substr(kModel.size());
+    auto& version =
+        versions.emplace_back(std::string(kModel) + "/versions/{version}" + rest, operations);
+    for (Json& operation : version.second) {
+      operation["operationId"] = operation["operationId"].get<std::string>() + "_of_version";
+      operation["parameters"].push_back({{"$ref", "#/components/parameters/version"}});
+    }
+  }
+  for (auto& [path, operations] : versions) paths[path] = std::move(operations);
+}
+
+/// The document with what follows from something else: the parameters of a recognition from its
+/// options, and the paths with versions from those without.
 std::string write_document() {
   Json document = Json::parse(embedded_api().front().second);
+  add_versions(document["paths"]);
   Json& parameters = document["components"]["parameters"];
   Json& of_recognize = document["paths"]["/v1/recognize"]["post"]["parameters"];
   const auto add = [&](const OptionInfo& info, const OptionValue& usual) {

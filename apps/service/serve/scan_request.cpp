@@ -58,7 +58,7 @@ Result<FormOptions> read_options(std::string_view json) {
   FormOptions out;
   const Result<void> done =
       with_json(std::as_bytes(std::span(json)), "options", [&](const JsonNode& root) {
-        for (const auto& [name, value] : parameters_of(root.object(), "scenes"))
+        for (const auto& [name, value] : parameters_of(root.object(), {"scenes"}))
           out.all.emplace_back(name, value);
         if (!root.has("scenes")) return;
         for (const JsonNode& scene : root.at("scenes").elements()) {

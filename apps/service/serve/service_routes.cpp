@@ -31,6 +31,8 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
       {"GET", "/v2", false, false, "server", &R::server},
       {"GET", "/v2/health/live", false, false, "live", &R::live},
       {"GET", "/v2/health/ready", false, false, "ready", &R::ready},
+      {"POST", "/v2/repository/index", false, false, "repository", &R::repository},
+      {"GET", "/v2/models/stats", false, false, "inference_statistics", &R::inference_statistics},
       {"GET", "/v2/models/", true, false, "inference_model", &R::inference_model},
       {"POST", "/v2/models/", true, true, "infer", &R::infer},
       {"GET", "/metrics", false, false, "metrics", &R::metrics},
@@ -79,7 +81,7 @@ std::optional<HttpResponse> ServiceRoutes::admit(std::string_view target, std::s
 void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
                            std::function<HttpResponse(const ServiceAnswer&)> write) {
   job.num_bytes += call->num_bytes;
-  job.is_gone = call->request.is_gone;
+  job.is_gone = [call] { return call->is_overdue() || call->request.is_gone(); };
   const Result<ServiceClock::time_point> deadline =
       deadline_of(call->request, options_.default_deadline);
   if (!deadline) return reply(call, error_response(deadline.error()));
@@ -88,9 +90,8 @@ void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
                   [this, call, write = std::move(write)](const ServiceOutcome& outcome) {
                     call->is_logged = true;
                     if (const Refusal* const refusal = std::get_if<Refusal>(&outcome)) {
-                      metrics_.count_rejection(std::string(reason_of(*refusal)));
-                      call->told["refusal"] = reason_of(*refusal);
-                      return reply(call, refusal_response(*refusal));
+                      const bool is_late = *refusal == Refusal::gone && call->is_overdue();
+                      return refuse(call, is_late ? Refusal::too_late : *refusal);
                     }
                     if (const Error* const error = std::get_if<Error>(&outcome)) {
                       call->told["error"] = error->message;
@@ -102,6 +103,12 @@ void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
                     call->told["work_seconds"] = found.work_seconds;
                     reply(call, write(found));
                   });
+}
+
+void ServiceRoutes::refuse(const CallPtr& call, Refusal refusal) {
+  metrics_.count_rejection(std::string(reason_of(refusal)));
+  call->told["refusal"] = reason_of(refusal);
+  reply(call, refusal_response(refusal));
 }
 
 void ServiceRoutes::submit_one(const CallPtr& call,
@@ -147,10 +154,12 @@ void ServiceRoutes::ready(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::server(const CallPtr& call, std::string_view) {
-  reply(call, json_response(
-                  200, {{"name", "trivet"},
-                        {"version", TRIVET_VERSION},
-                        {"extensions", nlohmann::ordered_json::array({"binary_tensor_data"})}}));
+  reply(call,
+        json_response(200, {{"name", "trivet"},
+                            {"version", TRIVET_VERSION},
+                            {"extensions", nlohmann::ordered_json::array(
+                                               {"binary_tensor_data", "model_configuration",
+                                                "schedule_policy", "sequence", "statistics"})}}));
 }
 
 void ServiceRoutes::metrics(const CallPtr& call, std::string_view) {

@@ -13,6 +13,7 @@
 
 #include "apps/service/http/call.hpp"
 #include "apps/service/serve/examples.hpp"
+#include "apps/service/serve/inference_statistics.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/model_views.hpp"
 #include "engine/recognition_service.hpp"
@@ -65,6 +66,8 @@ class ServiceRoutes {
   void live(const CallPtr& call, std::string_view rest);
   void ready(const CallPtr& call, std::string_view rest);
   void server(const CallPtr& call, std::string_view rest);
+  void repository(const CallPtr& call, std::string_view rest);
+  void inference_statistics(const CallPtr& call, std::string_view rest);
   void inference_model(const CallPtr& call, std::string_view rest);
   void infer(const CallPtr& call, std::string_view rest);
   void metrics(const CallPtr& call, std::string_view rest);
@@ -75,6 +78,7 @@ class ServiceRoutes {
   /// A small job: `work` gives the answer.
   void submit_one(const CallPtr& call,
                   std::function<Result<HttpResponse>(const LibraryGeneration&)> work);
+  void refuse(const CallPtr& call, Refusal refusal);
   void tell_recognition(const CallPtr& call, const ServiceAnswer& found,
                         std::span<const SceneResult> results);
   void reply(const CallPtr& call, HttpResponse response) const {
@@ -89,6 +93,7 @@ class ServiceRoutes {
   const std::vector<Example> examples_;
   const Reload reload_;
   Thumbnails thumbnails_;
+  InferenceStatistics inferences_;
   std::function<std::size_t()> num_connections_;
   std::atomic<bool> is_ready_{false};
 };

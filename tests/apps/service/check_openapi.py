@@ -151,17 +151,29 @@ def check_answers():
     expect(200, "GET", "/v2")
     expect(200, "GET", "/v2/health/live")
     expect(200, "GET", "/v2/health/ready")
-    library = "/v2/models/" + json.loads(ask("GET", "/v1/models")[2])["library"].rsplit(".", 1)[0]
-    expect(200, "GET", "/v2/models/{library}", library)
-    expect(404, "GET", "/v2/models/{library}", "/v2/models/spoon")
-    expect(200, "GET", "/v2/models/{library}/ready", library + "/ready")
+    expect(200, "GET", "/v2/models/stats")
+    expect(200, "POST", "/v2/repository/index")
+    expect(200, "POST", "/v2/repository/index", body='{"ready": true}')
+    expect(400, "POST", "/v2/repository/index", body="[]")
+    models = json.loads(ask("GET", "/v1/models")[2])
+    library = "/v2/models/" + models["library"].rsplit(".", 1)[0]
+    version = f"/versions/{models['generation']}"
     points = {"name": "points", "datatype": "FP32", "shape": [1, 3], "data": [0, 0, 1]}
-    asked = {"id": "7", "parameters": {"method": "ppf"}, "inputs": [points]}
-    infer = "/v2/models/{library}/infer"
-    expect(200, "POST", infer, library + "/infer", json.dumps(asked))
-    asked["parameters"]["binary_data_output"] = True
-    expect(200, "POST", infer, library + "/infer", json.dumps(asked))
-    expect(400, "POST", infer, library + "/infer", "{}")
+    for described, path in (("", ""), ("/versions/{version}", version)):
+        template, path = "/v2/models/{library}" + described, library + path
+        expect(200, "GET", template, path)
+        expect(404, "GET", template, path.replace(library, "/v2/models/spoon"))
+        for view in ("/ready", "/config", "/stats"):
+            expect(200, "GET", template + view, path + view)
+        asked = {"id": "7", "parameters": {"method": "ppf", "timeout": 0}, "inputs": [points]}
+        infer = template + "/infer"
+        expect(200, "POST", infer, path + "/infer", json.dumps(asked))
+        asked["parameters"]["binary_data_output"] = True
+        expect(200, "POST", infer, path + "/infer", json.dumps(asked))
+        asked["outputs"] = [{"name": "scores", "parameters": {"binary_data": False}}]
+        expect(200, "POST", infer, path + "/infer", json.dumps(asked))
+        asked["outputs"] = [{"name": "spoons"}]
+        expect(400, "POST", infer, path + "/infer", json.dumps(asked))
     expect(200, "GET", "/metrics")
     for path, operations in document["paths"].items():
         for method in operations:
