@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "apps/service/serve/recognize_query.hpp"
 #include "apps/service/serve_fixture.hpp"
@@ -70,6 +73,146 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
     for (const nlohmann::json& value : bad)
       EXPECT_FALSE(apps::service::parse_recognize_query({{name, text(value)}}))
           << name << "=" << value;
+  }
+}
+
+/// What linters of OpenAPI find at fault in a description, and who makes clients from it trips over.
+class Linter {
+ public:
+  explicit Linter(const nlohmann::json& document) : document_(document) {
+    check_info();
+    for (const auto& [path, operations] : document["paths"].items()) {
+      for (const auto& [method, operation] : operations.items())
+        check_operation(method + " " + path, path, operation);
+    }
+    walk(document, "");
+    for (const auto& [kind, components] : document["components"].items()) {
+      for (const auto& [name, component] : components.items()) {
+        const std::string pointer = "#/components/" + kind + "/" + name;
+        if (!used_.contains(pointer)) fault(pointer + " is not used");
+      }
+    }
+  }
+  const std::vector<std::string>& faults() const { return faults_; }
+
+ private:
+  void fault(const std::string& what) { faults_.push_back(what); }
+  static bool has_text(const nlohmann::json& node, const char* key) {
+    return node.contains(key) && node[key].is_string() && !node[key].get<std::string>().empty();
+  }
+
+  void check_info() {
+    const nlohmann::json& info = document_["info"];
+    for (const char* const key : {"title", "version", "description"}) {
+      if (!has_text(info, key)) fault(std::string("info has no ") + key);
+    }
+    if (!info.contains("contact")) fault("info has no contact");
+    const nlohmann::json license = info.value("license", nlohmann::json::object());
+    if (!has_text(license, "name") ||
+        !(has_text(license, "identifier") || has_text(license, "url"))) {
+      fault("info has no license with a name and an identifier");
+    }
+    for (const nlohmann::json& tag : document_["tags"]) {
+      if (!has_text(tag, "description")) fault("a tag has no description: " + tag.dump());
+      tags_.insert(tag["name"]);
+    }
+  }
+
+  void check_operation(const std::string& where, const std::string& path,
+                       const nlohmann::json& operation) {
+    for (const char* const key : {"operationId", "summary", "description"}) {
+      if (!has_text(operation, key)) fault(where + " has no " + key);
+    }
+    if (!ids_.insert(operation.value("operationId", "")).second)
+      fault(where + " has the operationId of another");
+    if (!operation.contains("security") && !document_.contains("security"))
+      fault(where + " does not say what security it asks for");
+    for (const nlohmann::json& tag : operation.value("tags", nlohmann::json::array())) {
+      if (!tags_.contains(tag)) fault(where + " has a tag that is not declared");
+    }
+    std::set<char> classes;
+    for (const auto& [status, response] : operation["responses"].items())
+      classes.insert(status.front());
+    if (!classes.contains('2') || !classes.contains('4'))
+      fault(where + " has no response to a good request, or to a bad one");
+    std::set<std::string> in_path, declared;
+    const std::regex name("[{]([^}]+)[}]");
+    for (std::sregex_iterator at(path.begin(), path.end(), name), end; at != end; ++at)
+      in_path.insert((*at)[1]);
+    for (nlohmann::json parameter : operation.value("parameters", nlohmann::json::array())) {
+      if (parameter.contains("$ref")) parameter = resolve(parameter["$ref"]);
+      if (parameter["in"] == "path") declared.insert(parameter["name"]);
+    }
+    if (in_path != declared) fault(where + " declares other parameters than its path has");
+  }
+
+  nlohmann::json resolve(const std::string& pointer) {
+    return document_.value(nlohmann::json::json_pointer(pointer.substr(1)),
+                           nlohmann::json::object());
+  }
+
+  void walk(const nlohmann::json& node, const std::string& path) {
+    if (node.is_object()) {
+      if (node.contains("$ref")) used_.insert(node["$ref"]);
+      const nlohmann::json type = node.value("type", nlohmann::json());
+      if (type == "array" && !node.contains("items")) fault(path + " is an array of anything");
+      for (const nlohmann::json& name : type == "object"
+                                            ? node.value("required", nlohmann::json::array())
+                                            : nlohmann::json::array()) {
+        if (!node.value("properties", nlohmann::json::object()).contains(name))
+          fault(path + " requires what it does not describe");
+      }
+    }
+    if (!node.is_structured()) return;
+    for (const auto& [key, value] : node.items()) walk(value, path + "/" + key);
+  }
+
+  const nlohmann::json& document_;
+  std::vector<std::string> faults_;
+  std::set<std::string> tags_, ids_, used_;
+};
+
+TEST(OpenApi, HasNoFaultsThatLintersFind) {
+  const nlohmann::json good = nlohmann::json::parse(apps::service::openapi_document());
+  EXPECT_EQ(Linter(good).faults(), std::vector<std::string>());
+  // Each of these is found.
+  const auto finds = [&](const std::string& what, const auto& spoil) {
+    nlohmann::json document = good;
+    spoil(document);
+    const std::vector<std::string> faults = Linter(document).faults();
+    ASSERT_FALSE(faults.empty()) << what;
+    EXPECT_NE(faults.front().find(what), std::string::npos) << faults.front();
+  };
+  using Json = nlohmann::json;
+  finds("license", [](Json& d) { d["info"].erase("license"); });
+  finds("contact", [](Json& d) { d["info"].erase("contact"); });
+  finds("tag", [](Json& d) { d["tags"][0].erase("description"); });
+  finds("security", [](Json& d) { d.erase("security"); });
+  finds("get /v2 has no description",
+        [](Json& d) { d["paths"]["/v2"]["get"].erase("description"); });
+  finds("operationId", [](Json& d) { d["paths"]["/v2"]["get"]["operationId"] = "live"; });
+  finds("bad one", [](Json& d) {
+    for (const char* const status : {"400", "408", "431"})
+      d["paths"]["/v2"]["get"]["responses"].erase(status);
+  });
+  finds("than its path has", [](Json& d) {
+    d["paths"]["/v2/{more}"] = {{"get", d["paths"]["/v2"]["get"]}};
+    d["paths"].erase("/v2");
+  });
+  finds("array of anything",
+        [](Json& d) { d["components"]["schemas"]["Tensor"]["properties"]["data"].erase("items"); });
+  finds("does not describe",
+        [](Json& d) { d["components"]["schemas"]["Error"]["required"].push_back("code"); });
+  finds("is not used", [](Json& d) { d["components"]["schemas"]["Other"] = {{"type", "null"}}; });
+}
+
+TEST(OpenApi, NamesTheVersionsOfALibrary) {
+  const nlohmann::json paths = nlohmann::json::parse(apps::service::openapi_document())["paths"];
+  for (const char* const view : {"", "/ready", "/config", "/stats", "/infer"}) {
+    const nlohmann::json& plain = paths.at(std::string("/v2/models/{library}") + view);
+    const nlohmann::json& version =
+        paths.at(std::string("/v2/models/{library}/versions/{version}") + view);
+    EXPECT_EQ(version.begin().value()["responses"], plain.begin().value()["responses"]);
   }
 }
 
