@@ -35,7 +35,7 @@ void add_route(CLI::App& app, Context& context) {
       "does not answer by the deadline is told under \"missing\". GET /v1/models, "
       "/v2/health/live,\n"
       "/v2/health/ready (when every shard is), /metrics. `trivet library split` makes the parts.",
-      route);
+      {route});
 }
 
 }  // namespace trivet::apps

@@ -1,11 +1,18 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "apps/commands/daemon_command.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/daemon.hpp"
 #include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/library_slot.hpp"
@@ -14,6 +21,7 @@
 #include "apps/service/serve/notify_systemd.hpp"
 #include "apps/service/serve/serve_settings.hpp"
 #include "apps/service/serve/service_routes.hpp"
+#include "engine/method.hpp"
 #include "engine/recognition_service.hpp"
 
 namespace trivet::apps {
@@ -57,12 +65,37 @@ void wait(const std::stop_token& stop, LibrarySlot& slot, RequestLog& log,
   });
 }
 
+/// None where none are asked for.
+Result<std::vector<Example>> examples_of(const ServeSettings& settings) {
+  if (settings.examples.empty()) return std::vector<Example>();
+  return list_examples(settings.examples);
+}
+
+/// What a service with these settings would read before it answers.
+Result<std::string> check(const ServeSettings& settings) {
+  const Result<Recognizer> recognizer = open_recognizer(settings.library, settings.calibration);
+  if (!recognizer) return recognizer.error();
+  const Result<std::vector<Example>> examples = examples_of(settings);
+  if (!examples) return examples.error();
+  const Library& library = recognizer->library();
+  std::vector<std::string_view> methods;
+  if (std::ranges::any_of(library.models,
+                          [](const Model& model) { return !model.ppf.entries.empty(); })) {
+    methods.push_back(name_of(Source::ppf));
+  }
+  if (library.basis.components.size() > 0) methods.push_back(name_of(Source::trisi));
+  std::string found = fmt::format("{}: {} model{} [{}], for method {}", settings.library,
+                                  library.models.size(), library.models.size() == 1 ? "" : "s",
+                                  unit_name(library.header.unit), fmt::join(methods, " and "));
+  if (!settings.examples.empty())
+    found += fmt::format("\n{}: examples: {}", settings.examples, examples->size());
+  return found;
+}
+
 Result<void> serve(const ServeSettings& settings, const Context& context) {
   std::signal(SIGHUP, [](int) { reload_asked = true; });
   MemoryTrim memory;
-  Result<std::vector<Example>> examples = settings.examples.empty()
-                                              ? Result<std::vector<Example>>(std::vector<Example>())
-                                              : list_examples(settings.examples);
+  Result<std::vector<Example>> examples = examples_of(settings);
   if (!examples) return examples.error();
   Daemon daemon(settings.listen, settings.max_waiting_mb);
   Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.files(), 1);
@@ -101,7 +134,7 @@ void add_serve(CLI::App& app, Context& context) {
       "recognize`\n"
       "as parameters; / is the page. SIGHUP or POST /v1/library/reload read the library anew;\n"
       "SIGTERM answers what came in, then ends.",
-      serve);
+      {serve, check});
 }
 
 }  // namespace trivet::apps

@@ -438,17 +438,20 @@ std::string HttpRequest::header(std::string_view name) const {
   return "";
 }
 
+Result<void> check_address(const std::string& address) {
+  error_code error;
+  asio::ip::make_address(address, error);
+  if (!error) return {};
+  return Error{ErrorCode::usage,
+               fmt::format("address: expected an IP address as 127.0.0.1, found '{}'", address)};
+}
+
 Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t port,
                                      const HttpLimits& limits, HttpHandler handler) {
+  if (const Result<void> good = check_address(address); !good) return good.error();
   auto state = std::make_unique<State>(limits, std::move(handler));
   error_code error;
-  const asio::ip::address where = asio::ip::make_address(address, error);
-  if (error) {
-    return Error{
-        ErrorCode::usage,
-        fmt::format("--address: expected an IP address as 127.0.0.1, found '{}'", address)};
-  }
-  const tcp::endpoint endpoint(where, port);
+  const tcp::endpoint endpoint(asio::ip::make_address(address), port);
   state->acceptor.open(endpoint.protocol(), error);
   if (!error) state->acceptor.set_option(asio::socket_base::reuse_address(true), error);
   if (!error) state->acceptor.bind(endpoint, error);

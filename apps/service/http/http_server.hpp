@@ -56,6 +56,9 @@ struct HttpHandler {
   std::function<std::optional<HttpResponse>(std::string_view target, std::size_t body_bytes)> admit;
 };
 
+/// Errors: usage (not an IP address).
+Result<void> check_address(const std::string& address);
+
 /// Listens and serves on a thread of its own until it is destroyed.
 class HttpServer {
  public:

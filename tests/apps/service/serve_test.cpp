@@ -230,6 +230,35 @@ TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
   EXPECT_EQ(check("", {}).exit_code, 2) << "no library";
 }
 
+TEST_F(Serve, ChecksWhatItsConfigurationNames) {
+  const auto check = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"serve", "--check-config"});
+    return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
+  };
+  const test::Outcome good = check({"l.h5", "--examples", "scans/manifest.json"});
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  for (const char* const found :
+       {"l.h5: 2 models [m], for method ppf", "scans/manifest.json: examples: 1", "is good"}) {
+    EXPECT_NE(good.error.find(found), std::string::npos) << found << " in\n" << good.error;
+  }
+  const auto refuses = [&](const std::vector<std::string>& arguments, int exit_code,
+                           const std::string& reason) {
+    const test::Outcome bad = check(arguments);
+    EXPECT_EQ(bad.exit_code, exit_code) << bad.error;
+    EXPECT_NE(bad.error.find(reason), std::string::npos) << bad.error;
+    EXPECT_EQ(bad.error.find("is good"), std::string::npos) << bad.error;
+  };
+  const std::string library = read_bytes(folder_ / "l.h5");
+  folder_.write("half.h5", library.substr(0, library.size() / 2));
+  folder_.write("cell.json", "{}");
+  folder_.write("text.h5", "no library");
+  refuses({"text.h5"}, 65, "text.h5: expected a model library");
+  refuses({"half.h5"}, 65, "half.h5: ");
+  refuses({"l.h5", "--calibration", "cell.json"}, 65, "cell.json");
+  refuses({"l.h5", "--examples", "camera.json"}, 65, "camera.json");
+  refuses({"l.h5", "--address", "nowhere"}, 2, "address: expected an IP address");
+}
+
 TEST_F(Serve, AnswersWithACalibratedScore) {
   ScoreCalibration calibration{{}, 5, 30, 60};
   calibration.adaptation.shift = -1;
