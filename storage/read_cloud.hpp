@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "storage/cloud.hpp"
 #include "storage/result.hpp"
@@ -15,13 +16,15 @@ namespace trivet {
 
 struct ReadOptions {
   std::optional<Camera> camera{};             ///< needed for depth images, ignored otherwise
-  std::uint64_t max_file_bytes = 4ULL << 30;  ///< larger files are refused
+  std::uint64_t max_file_bytes = 4ULL << 30;  ///< larger files are refused, packed or unpacked
   std::uint64_t max_points = 100'000'000;     ///< more points are refused
   std::uint64_t max_pixels = 64'000'000;      ///< larger depth images are refused before decoding
 };
 
 /// Read a PLY, PCD, OBJ, STL, OFF, text (.xyz .txt .asc .csv .pts) or 16-bit depth PNG file, chosen
-/// by its extension. Text may begin with a byte-order mark of UTF-8, and its lines end in any way.
+/// by its extension; where it has none that is known, by how its bytes begin. Text may begin with a
+/// byte-order mark of UTF-8, and its lines end in any way. Each may be packed by gzip, which is told
+/// by its bytes; "part.ply.gz" is a PLY file.
 ///
 /// Points with a non-finite coordinate are dropped and counted; triangles that use one go with
 /// them. Polygons become triangles that cover them, also concave ones and those with bridged holes;
@@ -35,9 +38,19 @@ Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& o
 Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,
                          const ReadOptions& options = {});
 
-/// Whether the extension is one that read_cloud knows (case-insensitive). Depth images are
-/// excluded, and so are .txt and .csv: such files of a folder are mostly notes and tables.
+/// The extensions that read_cloud knows, without their dots.
+std::span<const std::string_view> cloud_extensions();
+
+/// Whether the extension, before .gz if there is one, is of a format that may hold a cloud or mesh
+/// (case-insensitive). .txt and .csv are excluded: such files of a folder are mostly notes and
+/// tables.
 bool is_cloud_file(const std::filesystem::path& file);
+
+/// The same of formats that may hold a depth image.
+bool is_depth_file(const std::filesystem::path& file);
+
+/// What the file is called: without folder, .gz and extension.
+std::string cloud_name(const std::filesystem::path& file);
 
 /// Points, with normals and triangles where there are any, as the bytes of a binary little-endian
 /// PLY file.

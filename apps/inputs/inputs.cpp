@@ -128,8 +128,7 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
       const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
       if (!files) return files.error();
       const std::size_t first = inputs.sources.size();
-      for (const fs::path& file : *files)
-        inputs.sources.push_back({file.stem().string(), file, 1, {}});
+      for (const fs::path& file : *files) inputs.sources.push_back({cloud_name(file), file, 1, {}});
       const Result<void> declared =
           declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
       if (!declared) return declared.error();
@@ -137,7 +136,7 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
                equals != std::string::npos && !fs::exists(argument)) {
       inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
     } else {
-      inputs.sources.push_back({fs::path(argument).stem().string(), argument, 1, {}});
+      inputs.sources.push_back({cloud_name(argument), argument, 1, {}});
     }
   }
   std::set<std::string> names;
@@ -181,7 +180,7 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
     std::vector<fs::path> files{argument};
     if (fs::is_directory(argument)) {
       Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
-        return is_cloud_file(file) || (!arguments.camera.empty() && has_extension(file, ".png"));
+          return is_cloud_file(file) || (!arguments.camera.empty() && is_depth_file(file));
       });
       if (!listed) return listed.error();
       files = std::move(*listed);

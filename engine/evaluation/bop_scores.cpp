@@ -80,7 +80,7 @@ struct Measured {
 
 /// None for a scene that is no depth image.
 Result<std::optional<Measured>> read_measured(const ManifestScene& scene) {
-  if (!scene.camera || is_cloud_file(scene.file)) return std::optional<Measured>();
+  if (!scene.camera || !is_depth_file(scene.file)) return std::optional<Measured>();
   const Result<Cloud> cloud = read_cloud(scene.file, {.camera = scene.camera});
   if (!cloud) return cloud.error();
   if (!cloud->camera || !cloud->grid) return std::optional<Measured>();

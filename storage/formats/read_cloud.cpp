@@ -1,13 +1,18 @@
 #include "storage/read_cloud.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "storage/file.hpp"
+#include "storage/files/gunzip.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/looks_like.hpp"
 #include "storage/formats/finish.hpp"
@@ -16,55 +21,110 @@
 namespace trivet {
 namespace {
 
+using namespace std::string_view_literals;
+
 struct Format {
   std::string_view extension;
   Result<Cloud> (*read)(const formats::Input&);
+  std::string_view begin;  ///< of every such file; empty: nothing tells the format
+  bool holds_clouds = true, holds_depths = false;
 };
 
 constexpr Format kFormats[] = {
-    {".ply", formats::read_ply}, {".pcd", formats::read_pcd},      {".obj", formats::read_obj},
-    {".stl", formats::read_stl}, {".off", formats::read_off},      {".xyz", formats::read_xyz},
-    {".txt", formats::read_xyz}, {".asc", formats::read_xyz},      {".csv", formats::read_xyz},
-    {".pts", formats::read_xyz}, {".png", formats::read_depth_png}};
+    {"ply", formats::read_ply, "ply"},
+    {"pcd", formats::read_pcd, "# .PCD"},
+    {"obj", formats::read_obj, {}},
+    {"stl", formats::read_stl, "solid"},
+    {"off", formats::read_off, "OFF"},
+    {"xyz", formats::read_xyz, {}},
+    {"asc", formats::read_xyz, {}},
+    {"pts", formats::read_xyz, {}},
+    {"txt", formats::read_xyz, {}, false},
+    {"csv", formats::read_xyz, {}, false},
+    {"png", formats::read_depth_png, "\x89PNG"sv, false, true},
+};
 
-const Format* format_of(const std::filesystem::path& file) {
+constexpr auto kExtensions = [] {
+  std::array<std::string_view, std::size(kFormats)> extensions;
+  std::ranges::transform(kFormats, extensions.begin(), &Format::extension);
+  return extensions;
+}();
+
+/// In lower case, with its dot.
+std::string extension_of(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  for (const Format& format : kFormats) {
-    if (format.extension == extension) return &format;
-  }
-  return nullptr;
+  return extension;
+}
+
+std::filesystem::path without_gz(const std::filesystem::path& file) {
+  return extension_of(file) == ".gz" ? std::filesystem::path(file).replace_extension() : file;
+}
+
+const Format* format_by_name(const std::filesystem::path& file) {
+  const std::string extension = extension_of(without_gz(file));
+  const auto found = std::ranges::find_if(kFormats, [&](const Format& format) {
+    return extension == fmt::format(".{}", format.extension);
+  });
+  return found == std::end(kFormats) ? nullptr : found;
+}
+
+const Format* format_by_content(std::string_view text) {
+  const auto found = std::ranges::find_if(kFormats, [&](const Format& format) {
+    return !format.begin.empty() && text.starts_with(format.begin);
+  });
+  return found == std::end(kFormats) ? nullptr : found;
 }
 
 /// A file that is plainly something else is refused as what it is, not by the first of its bytes
 /// that is out of place.
 Error explain(Error error, const Format& format, const formats::Input& input) {
   const formats::Appearance found = formats::looks_like(input.bytes);
-  if (!found || found.extension == format.extension) return error;
-  return input.refuse(fmt::format("expected a {} file, found {}{}{}", format.extension, found.what,
+  if (!found || found.extension == fmt::format(".{}", format.extension)) return error;
+  return input.refuse(fmt::format("expected a .{} file, found {}{}{}", format.extension, found.what,
                                   found.advice.empty() ? "" : "; ", found.advice));
+}
+
+Result<Cloud> read_unpacked(const formats::Input& input) {
+  if (input.bytes.empty()) return input.refuse("the file is empty");
+  const Format* format = format_by_name(input.file);
+  if (!format) format = format_by_content(input.text());
+  if (!format) {
+    return input.refuse(fmt::format("expected a name that ends with one of .{}, found {}",
+                                    fmt::join(kExtensions, " ."),
+                                    formats::quote(input.file.filename().string())));
+  }
+  auto cloud = format->read(input);
+  if (cloud) cloud = finish(*std::move(cloud), input);
+  return cloud ? std::move(cloud) : explain(cloud.error(), *format, input);
 }
 
 }  // namespace
 
+std::span<const std::string_view> cloud_extensions() { return kExtensions; }
+
 bool is_cloud_file(const std::filesystem::path& file) {
-  const Format* const format = format_of(file);
-  return format && format->extension != ".png" && format->extension != ".txt" &&
-         format->extension != ".csv";
+  const Format* const format = format_by_name(file);
+  return format && format->holds_clouds;
+}
+
+bool is_depth_file(const std::filesystem::path& file) {
+  const Format* const format = format_by_name(file);
+  return format && format->holds_depths;
+}
+
+std::string cloud_name(const std::filesystem::path& file) {
+  return without_gz(file.filename()).stem().string();
 }
 
 Result<Cloud> formats::read(const Input& input) {
-  const Format* const format = format_of(input.file);
-  if (!format) {
-    return input.refuse(fmt::format(
-        "expected one of .ply .pcd .obj .stl .off .xyz .txt .asc .csv .pts .png, found {}",
-        quote(input.file.filename().string())));
-  }
-  if (input.bytes.empty()) return input.refuse("the file is empty");
   try {
-    auto cloud = format->read(input);
-    if (cloud) cloud = finish(*std::move(cloud), input);
-    return cloud ? std::move(cloud) : explain(cloud.error(), *format, input);
+    if (!is_gzip(input.bytes)) return read_unpacked(input);
+    const Result<std::vector<std::byte>> unpacked =
+        gunzip(input.bytes, input.file.string(), input.options.max_file_bytes);
+    if (!unpacked) return unpacked.error();
+    if (is_gzip(*unpacked)) return input.refuse("is packed by gzip twice; unpack it once");
+    return read_unpacked({input.file, *unpacked, input.options});
   } catch (const std::bad_alloc&) {
     return input.refuse("needs more memory than there is");
   } catch (const std::length_error&) {

@@ -8,7 +8,7 @@
 
 namespace trivet::formats {
 
-/// Read by the extension of the file's name, then check and clean what all formats have in common.
+/// Unpack, read by the file's name or content, then check and clean what all formats have in common.
 Result<Cloud> read(const Input& input);
 
 /// Greg Turk's PLY 1.0, with Stanford's tristrips and range_grid, and PCL's camera element.

@@ -6,7 +6,8 @@
 namespace trivet::fuzz {
 namespace {
 
-constexpr std::array<std::string_view, 7> kFormats{"ply", "pcd", "obj", "stl", "off", "xyz", "png"};
+constexpr std::array<std::string_view, 8> kFormats{"ply", "pcd", "obj", "stl",
+                                                   "off", "xyz", "png", "xyz.gz"};
 
 }  // namespace
 

@@ -1,5 +1,7 @@
 #include "support/geometry_files.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -68,6 +70,20 @@ std::string depth_png(std::uint32_t width, std::uint32_t height,
     rows += big(depths[pixel]);
   }
   return png_file(width, height, 16, 0, rows);
+}
+
+std::string gzip_file(std::string_view bytes, int level) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string out(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
 }
 
 std::vector<SampleFile> sample_files() {
@@ -139,6 +155,7 @@ std::vector<SampleFile> sample_files() {
       {"points.xyz", "# x y z\n0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n"},
       {"named.csv", "id;\"Z [m]\";y;x\na;0;0;0\nb;0;0;1\nc;0;1;1\nd;0,5;1;0\n"},
       {"counted.pts", "4\n0 0 0 -9 1 2 3\n1 0 0 -9 1 2 3\n1 1 0 -9 1 2 3\n0 1 0.5 -9 1 2 3\n"},
+      {"points.xyz.gz", gzip_file("0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n")},
       {"depth.png", depth_png(3, 2, {1000, 0, 2000, 3000, 0, 65535})},
   };
 }

@@ -42,6 +42,9 @@ std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int co
 std::string depth_png(std::uint32_t width, std::uint32_t height,
                       const std::vector<std::uint16_t>& depths);
 
+/// Packed by gzip; level 0 stores the bytes as they are.
+std::string gzip_file(std::string_view bytes, int level = 9);
+
 struct SampleFile {
   std::string name;  ///< with the extension of its format
   std::string bytes;

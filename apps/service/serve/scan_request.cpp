@@ -8,6 +8,7 @@
 
 #include "apps/service/http/multipart.hpp"
 #include "apps/service/serve/json_parameters.hpp"
+#include "storage/read_cloud.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -15,8 +16,8 @@ namespace {
 constexpr std::size_t kMaxOptionsBytes = 1 << 20;
 
 const std::set<std::string, std::less<>>& known_formats() {
-  static const std::set<std::string, std::less<>> formats{"ply", "pcd", "obj", "stl",
-                                                          "off", "xyz", "png"};
+  static const std::set<std::string, std::less<>> formats(cloud_extensions().begin(),
+                                                          cloud_extensions().end());
   return formats;
 }
 
@@ -34,11 +35,7 @@ Result<std::string> format_of(const Target& target, const std::string& content_t
 }
 
 Result<void> check_name(const std::string& name) {
-  const std::size_t dot = name.rfind('.');
-  std::string extension = dot == std::string::npos ? "" : name.substr(dot + 1);
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return std::tolower(c); });
-  if (known_formats().contains(extension)) return {};
+  if (is_cloud_file(name) || is_depth_file(name)) return {};
   return Error{ErrorCode::usage,
                fmt::format("scene '{}': expected a file name that ends with one of {}", name,
                            fmt::join(known_formats(), ", "))};

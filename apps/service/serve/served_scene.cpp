@@ -87,7 +87,8 @@ std::span<const Option<ServedScene>> options_of<ServedScene>() {
 namespace trivet::apps::service {
 namespace {
 
-constexpr std::uint64_t kMaxScanPoints = 16'000'000;  // a small body may hold a large image
+// A small body may hold a large image, or unpack to a large file.
+constexpr std::uint64_t kMaxScanPoints = 16'000'000, kMaxScanBytes = 512ULL << 20;
 
 }  // namespace
 
@@ -100,9 +101,11 @@ SceneInput ServedScene::input(LengthUnit library_unit) const {
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
                         const ServedScene& scene) {
-  return read_cloud(
-      bytes, name,
-      {.camera = scene.camera, .max_points = kMaxScanPoints, .max_pixels = kMaxScanPoints});
+  return read_cloud(bytes, name,
+                    {.camera = scene.camera,
+                     .max_file_bytes = kMaxScanBytes,
+                     .max_points = kMaxScanPoints,
+                     .max_pixels = kMaxScanPoints});
 }
 
 }  // namespace trivet::apps::service

@@ -309,6 +309,9 @@ TEST_F(ServeHostile, TakesNoMemoryForWhatABodyOnlyPromises) {
   const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\n";
   // Enough bytes for as many pixels, were they compressed as well as can be.
   const std::string bomb = test::png_file(8000, 8000, 16, 0, "") + std::string(130'000, '\0');
+  std::string gzip_bomb;
+  for (int member = 0; member < 600; ++member)
+    gzip_bomb += test::gzip_file(std::string(1 << 20, ' '));
   const test::Outcome outcome = serve({"--parallel", "1"}, [&](int port) {
     expect_answers(port);
     const std::size_t before = peak_memory();
@@ -327,6 +330,7 @@ TEST_F(ServeHostile, TakesNoMemoryForWhatABodyOnlyPromises) {
         {"png", test::png_file(50'000, 50'000, 16, 0, std::string(100, '\0'))},
         {"png", test::png_file(0xFFFFFFFF, 0xFFFFFFFF, 16, 0, "")},
         {"png", bomb},
+        {"xyz", gzip_bomb},
     };
     for (const auto& [format, body] : bodies) {
       expect_refused(format + ": " + body.substr(0, 60),
