@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <csetjmp>
 #include <cstring>
 #include <vector>
 
 #include "storage/files/scalar.hpp"
-#include "storage/files/text.hpp"
+#include "storage/formats/depth_image.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -43,12 +41,8 @@ Result<void> check_header(const Input& input, const ImageHeader& header) {
                     "color type {}; a picture or an 8-bit image holds no depths",
                     header.bits, header.color));
   }
+  if (auto checked = check_pixels(input, header.width, header.height); !checked) return checked;
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-  const std::uint64_t limit = std::min(input.options.max_pixels, input.max_points());
-  if (pixels == 0 || pixels > limit) {
-    return input.refuse(
-        fmt::format("expected 1 to {} pixels, found {} x {}", limit, header.width, header.height));
-  }
   // Deflate shrinks by at most 1032 (RFC 1951: 258 bytes in two bits).
   if (2 * pixels / 1032 > input.bytes.size()) {
     return input.refuse(fmt::format("{} x {} pixels cannot be in {} bytes; the file is truncated",
@@ -99,49 +93,14 @@ bool decode(Source& source, std::span<const png_bytep> rows, std::uint32_t width
   return true;
 }
 
-bool usable(const Camera& camera) {
-  const auto good = [](double value) { return std::isfinite(value) && value > 0; };
-  return good(camera.fx) && good(camera.fy) && good(camera.depth_scale) &&
-         std::isfinite(camera.cx) && std::isfinite(camera.cy);
-}
-
-/// Put each measured pixel at its place in front of the camera.
-Cloud back_project(std::span<const std::uint16_t> depths, const ImageHeader& header,
-                   const Camera& camera) {
-  Cloud cloud;
-  cloud.points.reserve(depths.size() -
-                       static_cast<std::size_t>(std::count(depths.begin(), depths.end(), 0)));
-  cloud.grid =
-      PixelGrid{header.width, header.height, Column<std::int32_t>(depths.size(), PixelGrid::kNone)};
-  for (std::size_t pixel = 0; pixel < depths.size(); ++pixel) {
-    if (depths[pixel] == 0) continue;
-    const double z = depths[pixel] * camera.depth_scale;
-    const std::size_t u = pixel % header.width, v = pixel / header.width;
-    const double x = (static_cast<double>(u) - camera.cx) * z / camera.fx;
-    const double y = (static_cast<double>(v) - camera.cy) * z / camera.fy;
-    cloud.grid->point_index[pixel] = static_cast<std::int32_t>(cloud.points.size());
-    cloud.points.push_back({to_float(x), to_float(y), to_float(z)});
-  }
-  cloud.camera = camera;
-  cloud.viewpoint = Eigen::Vector3f::Zero();
-  return cloud;
-}
-
 }  // namespace
 
 Result<Cloud> read_depth_png(const Input& input) {
   const auto header = read_header(input);
   if (!header) return header.error();
   if (auto checked = check_header(input, *header); !checked) return checked.error();
-  if (!input.options.camera) {
-    return input.refuse(
-        "a depth image needs its camera: give fx, fy, cx, cy and depth_scale with "
-        "--camera CAMERA.json or in the manifest");
-  }
-  if (!usable(*input.options.camera)) {
-    return input.refuse(
-        "expected a camera of finite numbers with fx, fy and depth_scale above zero");
-  }
+  const auto camera = depth_camera(input);
+  if (!camera) return camera.error();
 
   std::vector<std::uint16_t> depths(std::size_t{header->width} * header->height);
   std::vector<png_bytep> rows(header->height);
@@ -152,7 +111,8 @@ Result<Cloud> read_depth_png(const Input& input) {
   if (!decode(source, rows, header->width)) {
     return input.refuse(fmt::format("cannot be decoded as PNG: {}", source.fault.data()));
   }
-  return back_project(depths, *header, *input.options.camera);
+  return back_project(input, header->width, header->height, *camera,
+                      [&](std::size_t pixel) { return static_cast<double>(depths[pixel]); });
 }
 
 }  // namespace trivet::formats

@@ -41,6 +41,7 @@ constexpr Format kFormats[] = {
     {"pts", formats::read_xyz, {}},
     {"txt", formats::read_xyz, {}, false},
     {"csv", formats::read_xyz, {}, false},
+    {"npy", formats::read_npy, "\x93NUMPY"sv, true, true},
     {"png", formats::read_depth_png, "\x89PNG"sv, false, true},
 };
 

@@ -31,6 +31,11 @@ Result<Cloud> read_off(const Input& input);
 /// Text of one point a line: x y z, or x y z nx ny nz, or what a header of names says.
 Result<Cloud> read_xyz(const Input& input);
 
+/// A NumPy array: points (N, 3), with normals (N, 6), organized (height, width, 3 or 6), or depths
+/// (height, width), which need the camera in the options. Pixels at the origin or without a depth
+/// above zero are such without a measurement.
+Result<Cloud> read_npy(const Input& input);
+
 /// 16-bit gray PNG of depths; zero is no measurement. Needs the camera in the options.
 Result<Cloud> read_depth_png(const Input& input);
 

@@ -72,6 +72,17 @@ std::string depth_png(std::uint32_t width, std::uint32_t height,
   return png_file(width, height, 16, 0, rows);
 }
 
+std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
+                     bool fortran_order, int version) {
+  const std::string header = "{'descr': '" + type +
+                             "', 'fortran_order': " + (fortran_order ? "True" : "False") +
+                             ", 'shape': " + shape + ", }\n";
+  const auto length = static_cast<std::uint32_t>(header.size());
+  return std::string("\x93NUMPY") + static_cast<char>(version) + '\0' +
+         (version == 1 ? little(static_cast<std::uint16_t>(length)) : little(length)) + header +
+         body;
+}
+
 std::string gzip_file(std::string_view bytes, int level) {
   z_stream stream{};
   EXPECT_EQ(deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
@@ -103,6 +114,13 @@ std::vector<SampleFile> sample_files() {
   std::string corners_big;
   for (const float v : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.5F})
     corners_big += big(v);
+
+  std::string corners_big_with_normals;
+  for (const float v : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 0.6F, -0.8F})
+    corners_big_with_normals += big(v);
+  std::string depths;
+  for (std::uint16_t pixel = 0; pixel < 256; ++pixel)
+    depths += little(static_cast<std::uint16_t>(pixel % 7 * 1000));
 
   const float nan = std::nanf("");
   const std::string row_major =
@@ -155,6 +173,12 @@ std::vector<SampleFile> sample_files() {
       {"points.xyz", "# x y z\n0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n"},
       {"named.csv", "id;\"Z [m]\";y;x\na;0;0;0\nb;0;0;1\nc;0;1;1\nd;0,5;1;0\n"},
       {"counted.pts", "4\n0 0 0 -9 1 2 3\n1 0 0 -9 1 2 3\n1 1 0 -9 1 2 3\n0 1 0.5 -9 1 2 3\n"},
+      {"points.npy", npy_file("<f4", "(4, 3)", corners)},
+      {"normals.npy", npy_file(">f4", "(2, 6)", corners_big_with_normals, false, 2)},
+      {"organized.npy",
+       npy_file("<f8", "(2, 2, 3)", little({0., 1., 0., 1., 0., 0., 1., 1., 2., 2., 2., 0. / 0.}),
+                true)},
+      {"depth.npy", npy_file("<u2", "(16, 16)", depths, false, 3)},
       {"points.xyz.gz", gzip_file("0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n")},
       {"depth.png", depth_png(3, 2, {1000, 0, 2000, 3000, 0, 65535})},
   };

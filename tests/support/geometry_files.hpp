@@ -42,6 +42,10 @@ std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int co
 std::string depth_png(std::uint32_t width, std::uint32_t height,
                       const std::vector<std::uint16_t>& depths);
 
+/// A NumPy array; `type` as numpy.dtype.str and `shape` as in Python.
+std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
+                     bool fortran_order = false, int version = 1);
+
 /// Packed by gzip; level 0 stores the bytes as they are.
 std::string gzip_file(std::string_view bytes, int level = 9);
 

@@ -57,7 +57,7 @@ TEST_F(HostileCloud, TruncatedBinaryFilesAreRefused) {
     const bool binary = file.name == "little.ply" || file.name == "big.ply" ||
                         file.name == "binary.pcd" || file.name == "compressed.pcd" ||
                         file.name == "binary.stl" || file.name == "depth.png" ||
-                        file.name.ends_with(".gz");
+                        file.name.ends_with(".gz") || file.name.ends_with(".npy");
     for (std::size_t size = 0; binary && size < file.bytes.size(); ++size) {
       const auto cloud =
           read_cloud(folder_.write(file.name, file.bytes.substr(0, size)), kReadOptions);
@@ -101,9 +101,8 @@ TEST_F(HostileCloud, RandomDamageIsSurvived) {
 
 TEST_F(HostileCloud, EveryFormatUnderEveryExtensionIsSurvived) {
   for (const auto& file : test::sample_files()) {
-    for (const char* name :
-         {"a.ply", "a.pcd", "a.obj", "a.stl", "a.off", "a.xyz", "a.csv", "a.txt", "a.png", "a.gz",
-          "a"}) {
+    for (const char* name : {"a.ply", "a.pcd", "a.obj", "a.stl", "a.off", "a.xyz", "a.csv", "a.txt",
+                             "a.png", "a.npy", "a.gz", "a"}) {
       EXPECT_TRUE(survives(name, file.bytes)) << file.name << " as " << name;
     }
   }
@@ -140,14 +139,13 @@ TEST_F(HostileCloud, OnlyRegularFilesAreOpened) {
 }
 
 TEST_F(HostileCloud, ExtensionsAreKnownInAnyCase) {
-  for (const char* name :
-       {"a.ply", "a.PLY", "b.Stl", "c.obj", "d.off", "e.pcd", "f.xyz", "g.pts", "h.asc", "a.ply.gz",
-        "b.STL.GZ"})
+  for (const char* name : {"a.ply", "a.PLY", "b.Stl", "c.obj", "d.off", "e.pcd", "f.xyz", "g.pts",
+                           "h.asc", "g.npy", "a.ply.gz", "b.STL.GZ"})
     EXPECT_TRUE(is_cloud_file(name)) << name;
   for (const char* name :
        {"a.png", "README.txt", "a.csv", "ply", ".ply", "a", "a.gz", "a.txt.gz", ".gz"})
     EXPECT_FALSE(is_cloud_file(name)) << name;
-  for (const char* name : {"a.png", "a.PNG.gz"}) EXPECT_TRUE(is_depth_file(name)) << name;
+  for (const char* name : {"a.png", "a.PNG.gz", "a.npy"}) EXPECT_TRUE(is_depth_file(name)) << name;
   for (const char* name : {"a.ply", "png", "a.gz"}) EXPECT_FALSE(is_depth_file(name)) << name;
 }
 

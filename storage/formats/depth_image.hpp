@@ -1,0 +1,60 @@
+/// What depth images of all formats have in common.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "storage/cloud.hpp"
+#include "storage/files/input.hpp"
+#include "storage/files/text.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::formats {
+
+/// Whether there are pixels, and no more than allowed. Errors: bad_data.
+Result<void> check_pixels(const Input& input, std::uint64_t width, std::uint64_t height);
+
+/// The camera in the options. Errors: bad_data (none, or one that cannot be).
+Result<Camera> depth_camera(const Input& input);
+
+/// The refusal of an image that measures nothing in front of the camera.
+Error refuse_negative(const Input& input);
+
+/// Put each measured pixel at its place in front of the camera.
+///
+/// depth_at   (pixel) -> raw depth, row-major; not finite, zero and below are no measurement
+/// Errors: bad_data when all depths are negative, as along the -z axis of OpenGL.
+/// Pre: the size passed check_pixels.
+template <class DepthAt>
+Result<Cloud> back_project(const Input& input, std::uint32_t width, std::uint32_t height,
+                           const Camera& camera, DepthAt&& depth_at) {
+  const std::size_t num_pixels = std::size_t{width} * height;
+  std::size_t num_measured = 0, num_negative = 0;
+  const auto is_measured = [](double raw) { return raw > 0 && std::isfinite(raw); };
+  for (std::size_t pixel = 0; pixel < num_pixels; ++pixel) {
+    const double raw = depth_at(pixel);
+    num_measured += is_measured(raw);
+    num_negative += raw < 0;
+  }
+  if (num_measured == 0 && num_negative > 0) return refuse_negative(input);
+
+  Cloud cloud;
+  cloud.points.reserve(num_measured);
+  cloud.grid = PixelGrid{width, height, Column<std::int32_t>(num_pixels, PixelGrid::kNone)};
+  for (std::size_t pixel = 0; pixel < num_pixels; ++pixel) {
+    const double raw = depth_at(pixel);
+    if (!is_measured(raw)) continue;
+    const double z = raw * camera.depth_scale;
+    const std::size_t u = pixel % width, v = pixel / width;
+    const double x = (static_cast<double>(u) - camera.cx) * z / camera.fx;
+    const double y = (static_cast<double>(v) - camera.cy) * z / camera.fy;
+    cloud.grid->point_index[pixel] = static_cast<std::int32_t>(cloud.points.size());
+    cloud.points.push_back({to_float(x), to_float(y), to_float(z)});
+  }
+  cloud.camera = camera;
+  cloud.viewpoint = Eigen::Vector3f::Zero();
+  return cloud;
+}
+
+}  // namespace trivet::formats
