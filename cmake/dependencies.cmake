@@ -5,6 +5,7 @@ find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(PNG REQUIRED)
+find_package(TIFF 4.5 REQUIRED)  # for limits and errors of one file
 find_package(ZLIB REQUIRED)
 find_package(embree 3.13 REQUIRED)
 

@@ -1,6 +1,7 @@
 #include "apps/inputs/inputs.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -35,8 +36,8 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
     return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
   if (files.empty()) {
     return Error{ErrorCode::missing_input,
-                 fmt::format("{}: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found none",
-                             folder.string())};
+                 fmt::format("{}: expected files that end with one of .{}, found none",
+                             folder.string(), fmt::join(cloud_extensions(), " ."))};
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -39,4 +39,8 @@ Result<Cloud> read_npy(const Input& input);
 /// 16-bit gray PNG of depths; zero is no measurement. Needs the camera in the options.
 Result<Cloud> read_depth_png(const Input& input);
 
+/// TIFF of depths, one 16-bit unsigned or 32-bit float value a pixel, in strips or tiles; zero and
+/// what is not finite is no measurement. Needs the camera in the options.
+Result<Cloud> read_depth_tiff(const Input& input);
+
 }  // namespace trivet::formats

@@ -6,8 +6,8 @@
 namespace trivet::fuzz {
 namespace {
 
-constexpr std::array<std::string_view, 9> kFormats{"ply", "pcd", "obj",    "stl", "off",
-                                                   "xyz", "png", "xyz.gz", "npy"};
+constexpr std::array<std::string_view, 10> kFormats{"ply", "pcd", "obj",    "stl", "off",
+                                                    "xyz", "png", "xyz.gz", "npy", "tif"};
 
 }  // namespace
 

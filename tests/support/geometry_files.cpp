@@ -72,6 +72,34 @@ std::string depth_png(std::uint32_t width, std::uint32_t height,
   return png_file(width, height, 16, 0, rows);
 }
 
+std::string tiff_file(std::uint32_t width, std::uint32_t height, int bits, int format,
+                      std::string_view pixels, int samples) {
+  struct Entry {
+    int tag, type;  // types: 3 of 16 bits, 4 of 32
+    std::uint32_t value;
+  };
+  constexpr std::uint32_t kPixelsBegin = 8 + 2 + 10 * 12 + 4;
+  const auto size = static_cast<std::uint32_t>(pixels.size());
+  const std::vector<Entry> entries{{256, 4, width},
+                                   {257, 4, height},
+                                   {258, 3, static_cast<std::uint32_t>(bits)},
+                                   {259, 3, 1},
+                                   {262, 3, 1},
+                                   {273, 4, kPixelsBegin},
+                                   {277, 3, static_cast<std::uint32_t>(samples)},
+                                   {278, 4, height},
+                                   {279, 4, size},
+                                   {339, 3, static_cast<std::uint32_t>(format)}};
+  std::string out = "II*" + std::string(1, '\0') + little(std::uint32_t{8}) +
+                    little(static_cast<std::uint16_t>(entries.size()));
+  for (const Entry& entry : entries) {
+    out += little(static_cast<std::uint16_t>(entry.tag)) +
+           little(static_cast<std::uint16_t>(entry.type)) + little(std::uint32_t{1}) +
+           little(entry.value);
+  }
+  return out + little(std::uint32_t{0}) + std::string(pixels);
+}
+
 std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
                      bool fortran_order, int version) {
   const std::string header = "{'descr': '" + type +
@@ -179,6 +207,7 @@ std::vector<SampleFile> sample_files() {
        npy_file("<f8", "(2, 2, 3)", little({0., 1., 0., 1., 0., 0., 1., 1., 2., 2., 2., 0. / 0.}),
                 true)},
       {"depth.npy", npy_file("<u2", "(16, 16)", depths, false, 3)},
+      {"depth.tif", tiff_file(3, 2, 32, 3, little({1000.F, 0.F, nan, 3000.F, 0.F, 65535.F}))},
       {"points.xyz.gz", gzip_file("0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n")},
       {"depth.png", depth_png(3, 2, {1000, 0, 2000, 3000, 0, 65535})},
   };

@@ -42,6 +42,11 @@ std::string png_file(std::uint32_t width, std::uint32_t height, int bits, int co
 std::string depth_png(std::uint32_t width, std::uint32_t height,
                       const std::vector<std::uint16_t>& depths);
 
+/// An uncompressed TIFF file of one strip; `pixels` are little-endian values of `bits` bits.
+/// `format` is TIFF's SampleFormat: 1 unsigned, 2 signed, 3 float.
+std::string tiff_file(std::uint32_t width, std::uint32_t height, int bits, int format,
+                      std::string_view pixels, int samples = 1);
+
 /// A NumPy array; `type` as numpy.dtype.str and `shape` as in Python.
 std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
                      bool fortran_order = false, int version = 1);

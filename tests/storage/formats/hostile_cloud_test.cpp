@@ -54,10 +54,10 @@ TEST_F(HostileCloud, TruncationAtEveryByteIsSurvived) {
 
 TEST_F(HostileCloud, TruncatedBinaryFilesAreRefused) {
   for (const auto& file : test::sample_files()) {
-    const bool binary = file.name == "little.ply" || file.name == "big.ply" ||
-                        file.name == "binary.pcd" || file.name == "compressed.pcd" ||
-                        file.name == "binary.stl" || file.name == "depth.png" ||
-                        file.name.ends_with(".gz") || file.name.ends_with(".npy");
+    const bool binary =
+        file.name == "little.ply" || file.name == "big.ply" || file.name == "binary.pcd" ||
+        file.name == "compressed.pcd" || file.name == "binary.stl" || file.name == "depth.png" ||
+        file.name.ends_with(".gz") || file.name.ends_with(".npy") || file.name.ends_with(".tif");
     for (std::size_t size = 0; binary && size < file.bytes.size(); ++size) {
       const auto cloud =
           read_cloud(folder_.write(file.name, file.bytes.substr(0, size)), kReadOptions);
@@ -102,7 +102,7 @@ TEST_F(HostileCloud, RandomDamageIsSurvived) {
 TEST_F(HostileCloud, EveryFormatUnderEveryExtensionIsSurvived) {
   for (const auto& file : test::sample_files()) {
     for (const char* name : {"a.ply", "a.pcd", "a.obj", "a.stl", "a.off", "a.xyz", "a.csv", "a.txt",
-                             "a.png", "a.npy", "a.gz", "a"}) {
+                             "a.png", "a.npy", "a.tif", "a.gz", "a"}) {
       EXPECT_TRUE(survives(name, file.bytes)) << file.name << " as " << name;
     }
   }
@@ -145,7 +145,8 @@ TEST_F(HostileCloud, ExtensionsAreKnownInAnyCase) {
   for (const char* name :
        {"a.png", "README.txt", "a.csv", "ply", ".ply", "a", "a.gz", "a.txt.gz", ".gz"})
     EXPECT_FALSE(is_cloud_file(name)) << name;
-  for (const char* name : {"a.png", "a.PNG.gz", "a.npy"}) EXPECT_TRUE(is_depth_file(name)) << name;
+  for (const char* name : {"a.png", "a.PNG.gz", "a.npy", "a.tif", "a.TIFF"})
+    EXPECT_TRUE(is_depth_file(name)) << name;
   for (const char* name : {"a.ply", "png", "a.gz"}) EXPECT_FALSE(is_depth_file(name)) << name;
 }
 
