@@ -29,8 +29,9 @@ struct Detection {
   /// Probability that the object is here, in this pose or one that the scan cannot tell from it,
   /// 0..1.
   float score = 0;
-  Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
-  float visible_fraction = 0;   ///< share of the model's silhouette that was measured as it says
+  Pose T_scene_model;  ///< model point -> scene point, in the scene file's unit
+  /// Share of the model's whole silhouette that was measured as it says.
+  float visible_fraction = 0;
   float violation = 0;          ///< share of what was measured there that the sensor looked through
   float contour = 0;            ///< share of the outline that the scene does not run on beyond
   /// Root mean square of the distances between both surfaces where they agree, in the scene file's
@@ -44,6 +45,8 @@ struct Detection {
   Source source = Source::ppf;          ///< that proposed it
   float pose_share = 1;                 ///< of the score, what is this pose's, 0..1
   std::optional<TurnExtent> turns{};    ///< that the scan cannot tell apart; of a near axis
+  float hidden_fraction = 0;            ///< share of the whole silhouette behind something nearer
+  float outside_fraction = 0;           ///< ... beyond the borders of the scan
 
   /// Probability that the object is here in this very pose.
   float pose_score() const noexcept { return score * pose_share; }

@@ -32,7 +32,11 @@ Detection report_detection(const Library& library, const Candidate& candidate, d
   detection.source = candidate.source;
   detection.score = candidate.score;
   detection.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
-  detection.visible_fraction = e.covered > 0 ? e.consistent / e.covered : 0;
+  if (const float silhouette = e.covered + e.outside; silhouette > 0) {
+    detection.visible_fraction = e.consistent / silhouette;
+    detection.hidden_fraction = e.occluded / silhouette;
+    detection.outside_fraction = e.outside / silhouette;
+  }
   detection.violation = seen > 0 ? e.violation / seen : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
   detection.rmse = std::sqrt(e.mean_square) * candidate.tolerance / static_cast<float>(scene_scale);

@@ -62,6 +62,26 @@ TEST_F(Report, TellsLengthsInTheFilesUnit) {
   EXPECT_FLOAT_EQ(result.stats.sensor->range, 30);
 }
 
+TEST_F(Report, TellsTheSharesOfTheWholeSilhouetteAlsoOfWhatLiesOutsideTheScan) {
+  Candidate beyond = candidate(0, 0.9F);
+  beyond.examination.covered = 20;
+  beyond.examination.consistent = 20;
+  beyond.examination.outside = 60;
+  Candidate hidden = candidate(1, 0.8F);
+  hidden.examination.covered = 40;
+  hidden.examination.consistent = 10;
+  hidden.examination.occluded = 30;
+  const SceneResult result =
+      reported({.detections = {beyond, hidden, candidate(0, 0)}, .rejected = {}});
+  EXPECT_FLOAT_EQ(result.detections[0].visible_fraction, 0.25F)
+      << "not all: most is not in the scan";
+  EXPECT_FLOAT_EQ(result.detections[0].outside_fraction, 0.75F);
+  EXPECT_FLOAT_EQ(result.detections[0].hidden_fraction, 0);
+  EXPECT_FLOAT_EQ(result.detections[1].visible_fraction, 0.25F);
+  EXPECT_FLOAT_EQ(result.detections[1].hidden_fraction, 0.75F);
+  EXPECT_EQ(result.detections[2].visible_fraction, 0) << "nothing is seen of nothing";
+}
+
 TEST_F(Report, TellsOfNoSensorWhereSixImagesSeeASurface) {
   scene_.images.resize(6);
   EXPECT_FALSE(reported({}).stats.sensor);
