@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "apps/report/html.hpp"
 #include "apps/results/evaluation_json.hpp"
+#include "apps/results/score_words.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -78,7 +80,7 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
     if (!judged.reported) continue;
     const Detection& detection = detection_of(input, s, judged);
     add(detection.model, detection.T_scene_model, style_of(judged), true,
-        fmt::format("{} {:.2f}", detection.model, detection.score));
+        detection.model + " " + score_text(detection.score));
   }
   for (const std::size_t t : input.evaluation.scenes[s].missed) {
     const TruthInstance& truth = input.manifest.scenes[s].truth[t];
@@ -94,9 +96,9 @@ std::string scene_table(const ReportInput& input, std::size_t s) {
     if (!judged.reported) continue;
     const Detection& detection = detection_of(input, s, judged);
     const char* const verdict = style_of(judged).name;
-    rows +=
-        fmt::format("<tr><td>{}<td class=\"{}\">{}<td class=\"n\">{:.3f}",
-                    model_label(input.meshes, detection.model), verdict, verdict, detection.score);
+    rows += fmt::format("<tr><td>{}<td class=\"{}\">{}<td class=\"n\">{}",
+                        model_label(input.meshes, detection.model), verdict, verdict,
+                        escape_html(score_text(detection.score)));
     rows += judged.truth ? fmt::format("<td class=\"n\">{:.2f} %<td class=\"n\">{:.2f}°\n",
                                        100 * judged.translation_error, judged.rotation_error_deg)
                          : "<td><td>\n";
@@ -106,14 +108,14 @@ std::string scene_table(const ReportInput& input, std::size_t s) {
     rows += fmt::format("<tr><td>{}<td class=\"missed\">missed<td colspan=\"3\">{}\n",
                         model_label(input.meshes, truth.model), conditions(truth));
   }
-  return "<details><summary>Scores and errors</summary><div><table><tr><th>model<th>verdict<th "
-         "class=\"n\">score<th class=\"n\">translation<th class=\"n\">rotation\n" +
-         rows + "</table></div></details>";
+  return "<div class=\"wrap\"><table><tr><th>model<th>verdict<th class=\"n\">score<th "
+         "class=\"n\">translation<th class=\"n\">rotation\n" +
+         rows + "</table></div>";
 }
 
 /// The score and what it is made of, as far as it is told.
 std::string score_parts(const Detection& detection) {
-  std::string out = fmt::format("<b>{:.2f}</b>", detection.score);
+  std::string out = fmt::format("<b>{}</b>", escape_html(score_text(detection.score)));
   for (const auto& [value, text] : {std::pair{detection.visible_fraction, "agrees"},
                                     {detection.violation, "looked through"},
                                     {detection.contour, "of the outline free"}}) {
@@ -220,11 +222,11 @@ Result<std::string> scene_figure(const ReportInput& input, std::size_t s, SceneD
     caption +=
         fmt::format("<span class=\"dim\">{:.2f} s</span>", input.results[s]->stats.total_seconds);
   }
+  const std::array<ViewLayer, 2> layers{
+      {{"Scan", *scan}, {"Found", *overlaid + picture_labels(plan.labels, pictures->boxes)}}};
   return fmt::format(
-      "<figure><figcaption>{}</figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
-      "class=\"view\">{}{}</div></div>{}</figure>\n",
-      caption, *scan, *overlaid, picture_labels(plan.labels, pictures->boxes),
-      scene_table(input, s));
+      "<figure><figcaption>{}</figcaption><div class=\"scene\">{}<div>{}</div></div></figure>\n",
+      caption, layered_view(name + "_view", layers, 1), scene_table(input, s));
 }
 
 Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhibit,
@@ -248,7 +250,7 @@ Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhi
     if (detection)
       overlays.push_back({mesh, detection->T_scene_model, style_of(*answer).outline, {}, false});
   }
-  const Result<ScenePictures> pictures = drawing.draw_around(overlays);
+  const Result<ScenePictures> pictures = drawing.draw_around(overlays, overlays);
   if (!pictures) return pictures.error();
   const Result<std::string> scan = store.add(pictures->scan, name + "_scan", "what the sensor saw");
   if (!scan) return scan.error();
@@ -260,12 +262,12 @@ Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhi
   if (truth && !conditions(*truth).empty())
     notes += fmt::format("<p class=\"dim\">{}</p>", conditions(*truth));
   if (detection) notes += fmt::format("<p class=\"dim\">score {}</p>", score_parts(*detection));
+  const std::array<ViewLayer, 2> layers{{{"Scan", *scan}, {"Outlines", *drawn}}};
   return fmt::format(
       "<figure class=\"exhibit\"><figcaption><b>{}</b><span class=\"{}\">{}</span><span "
-      "class=\"dim\">{}</span></figcaption><div class=\"pair\"><div class=\"view\">{}</div><div "
-      "class=\"view\">{}</div></div>{}</figure>\n",
-      model_label(input.meshes, model), style.name, style.name, escape_html(scene.name), *scan,
-      *drawn, notes);
+      "class=\"dim\">{}</span></figcaption>{}{}</figure>\n",
+      model_label(input.meshes, model), style.name, style.name, escape_html(scene.name),
+      layered_view(name, layers, 1), notes);
 }
 
 }  // namespace trivet::apps

@@ -184,7 +184,7 @@ std::string charts(const Evaluation& evaluation) {
       "<p class=\"key\"><span><i class=\"dot reported\"></i>what was reported</span>";
   if (const auto& best = evaluation.curve.best_f1) {
     out +=
-        fmt::format("<span><i class=\"dot best\"></i>best F1 {:.3f}, from score {:.2f} on</span>",
+        fmt::format("<span><i class=\"dot best\"></i>best F1 {:.3f}, from score {:.3f} on</span>",
                     best->f1(), best->score);
   }
   out += "</p></div></div>\n";
@@ -270,8 +270,8 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
   content += headline(input) + cards(input.evaluation) + tables(input) + charts(input.evaluation);
   if (!figures->problems.empty() || !figures->right.empty()) {
     content +=
-        "<h2>Close-ups</h2>\n<p class=\"dim\">Left what the sensor saw, right the truth and "
-        "the answer in outlines.</p>\n" +
+        "<h2>Close-ups</h2>\n<p class=\"dim\">What the sensor saw, and the truth and the answer in "
+        "outlines.</p>\n" +
         picture_key();
   }
   content += gallery_section("Missed and wrong", figures->problems, gallery.num_problems, "");

@@ -86,8 +86,8 @@ std::string picture_labels(std::span<const PictureLabel> labels, std::span<const
   std::string out;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (labels[i].text.empty() || boxes[i].left > boxes[i].right) continue;
-    Spot spot{std::clamp((boxes[i].left + boxes[i].right) / 2, 0.08F, 0.92F),
-              std::clamp((boxes[i].top + boxes[i].bottom) / 2, 0.03F, 0.97F),
+    Spot spot{std::clamp(boxes[i].label_x, 0.08F, 0.92F),
+              std::clamp(boxes[i].label_y, 0.03F, 0.97F),
               kLetter * static_cast<float>(labels[i].text.size() + 2)};
     const auto overlaps = [&](const Spot& other) {
       return std::abs(spot.x - other.x) < (spot.width + other.width) / 2 &&
@@ -101,6 +101,18 @@ std::string picture_labels(std::span<const PictureLabel> labels, std::span<const
         100 * spot.x, 100 * spot.y, css(labels[i].color), escape_html(labels[i].text));
   }
   return out;
+}
+
+std::string layered_view(const std::string& id, std::span<const ViewLayer> layers,
+                         std::size_t shown) {
+  std::string out = "<div class=\"layers\" role=\"radiogroup\" aria-label=\"What is drawn\">";
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    out += fmt::format(
+        "<input type=\"radio\" name=\"{0}\" id=\"{0}_{1}\"{2}><label for=\"{0}_{1}\">{3}</label>",
+        id, k, k == shown ? " checked" : "", escape_html(layers[k].name));
+  }
+  for (const ViewLayer& layer : layers) out += "<div class=\"view\">" + layer.content + "</div>";
+  return out + "</div>";
 }
 
 }  // namespace trivet::apps

@@ -53,8 +53,19 @@ struct PictureLabel {
   std::string text;  ///< plain
 };
 
-/// Labels in the middle of the boxes, one a box; none for an empty text, or where nothing is seen.
+/// Labels on what is seen in the boxes, one a box; none for an empty text, or where nothing is seen.
 /// One that would cover an earlier one stands below it.
 std::string picture_labels(std::span<const PictureLabel> labels, std::span<const DrawnBox> boxes);
+
+/// One of several pictures of the same view.
+struct ViewLayer {
+  std::string name;     ///< plain
+  std::string content;  ///< HTML: the picture and its labels
+};
+
+/// A view that shows one of its layers at a time, `shown` at first: the reader picks. `id` is like no
+/// other on the page.
+std::string layered_view(const std::string& id, std::span<const ViewLayer> layers,
+                         std::size_t shown);
 
 }  // namespace trivet::apps

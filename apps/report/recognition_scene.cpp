@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
-#include <initializer_list>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/report/html.hpp"
 #include "apps/results/camera_words.hpp"
+#include "apps/results/rejection_words.hpp"
 #include "apps/results/score_words.hpp"
 #include "apps/results/view_words.hpp"
 
@@ -22,6 +24,7 @@ namespace {
 
 constexpr Color kQuiet{112, 118, 130};  // what was found, in the picture of the rejected
 constexpr float kHopeful = 0.01F;       // rejected poses below are not drawn
+constexpr float kNothing = 0.005F;      // of log odds: rounding
 constexpr float kSmall = 0.6F;          // models within such a part of the picture get a close-up
 
 /// One scene, and what its figure is made from.
@@ -41,16 +44,18 @@ struct Subject {
 
 std::string percent(float share) { return fmt::format("{:.0f} %", 100 * share); }
 
-/// A probability of which no digit is made up: never 0 or 100 %.
-std::string probability(float score) {
-  if (score < 0.001F) return "&lt; 0.1 %";
-  if (score > 0.999F) return "&gt; 99.9 %";
-  return fmt::format("{:.{}f} %", 100 * score, score < 0.1F || score > 0.99F ? 1 : 0);
-}
+/// A score, safe within HTML.
+std::string score_cell(float score) { return escape_html(score_text(score)); }
 
-std::string position(const Pose& T_scene_model) {
+/// "at 0.2204, 0.09953, 0.5979 m, turned by 123.4° about 0.10, -0.98, 0.17".
+std::string placement(const Pose& T_scene_model, std::string_view unit) {
+  constexpr float kDegreesPerRadian = 57.29578F;
   const Eigen::Vector3f t = T_scene_model.translation();
-  return fmt::format("{:.4g}, {:.4g}, {:.4g}", t.x(), t.y(), t.z());
+  const Eigen::AngleAxisf turn(T_scene_model.linear());
+  const Eigen::Vector3f& axis = turn.axis();
+  return fmt::format("at {:.4g}, {:.4g}, {:.4g} {}, turned by {:.1f}° about {:.2f}, {:.2f}, {:.2f}",
+                     t.x(), t.y(), t.z(), unit, kDegreesPerRadian * turn.angle(), axis.x(),
+                     axis.y(), axis.z());
 }
 
 const char* scene_unit(const Subject& subject) {
@@ -110,49 +115,14 @@ const Reason& reason_of(const RejectedPose& rejected) {
   return kTooLow;
 }
 
-/// Those that are not empty, with semicolons.
-std::string joined(std::initializer_list<std::string> texts) {
-  std::string out;
-  for (const std::string& text : texts) {
-    if (!text.empty()) out += (out.empty() ? "" : "; ") + text;
-  }
+std::string reason_cell(const Subject& subject, const RejectedPose& rejected) {
+  const RejectionWords words =
+      rejection_words(subject.result, rejected, subject.score(), subject.report.options);
+  std::string out = fmt::format("<span class=\"{}\">{}</span>", reason_of(rejected).style,
+                                escape_html(words.what));
+  if (!words.why.empty()) out += ": " + escape_html(words.why);
+  if (rejected.explained_by) out += fmt::format(" ({})", *rejected.explained_by + 1);
   return out;
-}
-
-/// "<below 50 %>: only 60 pixels agree; 83 % of its pixels are explained by gear (2)".
-std::string reason_in_words(const Subject& subject, const RejectedPose& rejected) {
-  const RecognizeOptions& options = subject.report.options;
-  std::string what, why = "by one that was one too many";
-  if (rejected.explained_by) {
-    const std::size_t by = *rejected.explained_by;
-    why =
-        fmt::format("{} of its pixels are explained by {} ({})", percent(rejected.explained_share),
-                    escape_html(subject.result.detections[by].model), by + 1);
-  }
-  switch (rejected.reason) {
-    case Rejection::too_low: {
-      what = "below " + percent(options.min_score);
-      if (options.require_pose && rejected.score >= options.min_score) {
-        what = "this very pose is " + what;
-        why = "the scan does not tell it from others of this place";
-        break;
-      }
-      why = joined({costliest_findings(subject.score(), rejected.parts),
-                    lowered_from(subject.score(), rejected.parts, rejected.score),
-                    rejected.explained_by ? why : ""});
-      break;
-    }
-    case Rejection::explained:
-      what = "place taken";
-      break;
-    case Rejection::too_many:
-      what = "one too many";
-      why = fmt::format("{} of this model were asked for, and better ones found",
-                        options.max_instances);
-      break;
-  }
-  return fmt::format("<span class=\"{}\">{}</span>{}{}", reason_of(rejected).style, what,
-                     why.empty() ? "" : ": ", why);
 }
 
 // Tables.
@@ -174,33 +144,41 @@ std::string other_than(const Detection& detection) {
   return out;
 }
 
-/// With a column for ambiguity and one for doubts only where there are any.
+/// "93 %", and of an object that reaches beyond the scan "46 %, 30 % outside the scan".
+std::string visibility(const Detection& detection) {
+  constexpr float kHardly = 0.005F;
+  std::string out = percent(detection.visible_fraction);
+  if (detection.hidden_fraction >= kHardly)
+    out += fmt::format(", {} hidden", percent(detection.hidden_fraction));
+  if (detection.outside_fraction >= kHardly)
+    out += fmt::format(", {} outside the scan", percent(detection.outside_fraction));
+  return out;
+}
+
+/// Two rows for each: numbers, then the place and what speaks against it.
 std::string found_table(const Subject& subject) {
   const std::vector<Detection>& detections = subject.result.detections;
   if (detections.empty()) return "<h3>Found</h3><p class=\"dim\">None of the models.</p>\n";
-  const bool ambiguous = std::any_of(detections.begin(), detections.end(),
-                                     [](const Detection& d) { return !other_than(d).empty(); });
+  const std::string unit = scene_unit(subject);
   std::string rows;
   for (std::size_t d = 0; d < detections.size(); ++d) {
     const Detection& detection = detections[d];
     rows += fmt::format(
-        "<tr><td class=\"id\">{}<td>{}<td class=\"n\"><b>{}</b><td class=\"n\">{}<td "
-        "class=\"n\">{:.3g}<td>{}",
-        d + 1, model_label(subject.models, detection.model), probability(detection.score),
-        percent(detection.visible_fraction), detection.rmse, position(detection.T_scene_model));
-    if (ambiguous) rows += "<td>";
+        "<tr class=\"head\"><td class=\"id\">{}<td>{}<td class=\"n\"><b>{}</b><td "
+        "class=\"words\">{}<td class=\"n\">{:.3g}\n<tr><td class=\"id\"><td class=\"words dim\" "
+        "colspan=\"4\">{}",
+        d + 1, model_label(subject.models, detection.model), score_cell(detection.score),
+        visibility(detection), detection.rmse, placement(detection.T_scene_model, unit));
     if (const std::string others = other_than(detection); !others.empty())
-      rows += fmt::format("<span class=\"doubtful\">with {}</span>", others);
-    rows += fmt::format("<td class=\"words\">{}\n",
-                        joined({costliest_findings(subject.score(), detection.parts),
-                                lowered_from(subject.score(), detection.parts, detection.score)}));
+      rows += fmt::format("; <span class=\"doubtful\">ambiguous with {}</span>", others);
+    if (const std::string costs = cost_words(detection, subject.score()); !costs.empty())
+      rows += "; costs: " + escape_html(costs);
+    rows += '\n';
   }
-  const std::string unit = scene_unit(subject);
   return "<div class=\"found\">" +
          table("Found",
-               fmt::format("<th><th>model<th class=\"n\">score<th class=\"n\">visible<th "
-                           "class=\"n\">rmse [{}]<th>position [{}]{}<th>what costs it most",
-                           unit, unit, ambiguous ? "<th>ambiguous" : ""),
+               fmt::format("<th><th>model<th class=\"n\">score<th>visible<th class=\"n\">rmse [{}]",
+                           unit),
                rows) +
          "</div>";
 }
@@ -212,25 +190,35 @@ std::string rejected_table(const Subject& subject) {
     const RejectedPose& rejected = subject.result.rejected[shown[i]];
     rows += fmt::format(
         "<tr><td class=\"id\">{}<td>{}<td class=\"n\"><b>{}</b><td class=\"words\">{}\n",
-        rejected_id(i), model_label(subject.models, rejected.model), probability(rejected.score),
-        reason_in_words(subject, rejected));
+        rejected_id(i), model_label(subject.models, rejected.model), score_cell(rejected.score),
+        reason_cell(subject, rejected));
   }
   if (const std::size_t more = subject.result.rejected.size() - shown.size(); more > 0) {
     rest =
         fmt::format("<p class=\"dim\">{} more {}below {} or a worse guess at what was found.</p>\n",
-                    more, more == 1 ? "is " : "are ", percent(kHopeful));
+                    more, more == 1 ? "is " : "are ", kHopeful);
   }
   if (rows.empty()) return "<h3>Rejected</h3><p class=\"dim\">Nothing worth a look.</p>\n" + rest;
   return table("Rejected", "<th><th>model<th class=\"n\">score<th>why not", rows) + rest;
 }
 
-/// One row of bars: each as long as the part can give, filled as far as it gives.
+/// One row that adds up: the log odds, where they begin, what other answers take off, and bars as
+/// long as each part can give, filled as far as it gives.
 std::string parts_row(const Subject& subject, const std::string& id, const std::string& model,
                       float score, const kernels::ScoreParts& parts) {
   const auto most = subject.most();
   const float largest = *std::max_element(most.begin(), most.end());
   std::string row = fmt::format("<tr><td class=\"id\">{}<td>{}<td class=\"n\">{}", id,
-                                model_label(subject.models, model), probability(score));
+                                model_label(subject.models, model), score_cell(score));
+  const std::array<float, 2> shares = kernels::sensor_shares(parts);
+  const float bias = shares[0] * subject.score().bias[0] + shares[1] * subject.score().bias[1];
+  const float others = deduction(subject.score(), parts, score);
+  float sum = bias + others;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    sum += kernels::part_evidence(subject.score(), parts, k);
+  // Rounding alone is nothing that others took.
+  row += fmt::format("<td class=\"n\">{:+.1f}<td class=\"n\">{:+.1f}<td class=\"n\">{}", sum, bias,
+                     others < -kNothing ? fmt::format("{:+.1f}", others) : "");
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (!(most[k] > 0)) continue;
     const float gives = kernels::part_evidence(subject.score(), parts, k);
@@ -245,7 +233,11 @@ std::string parts_row(const Subject& subject, const std::string& id, const std::
 
 std::string parts_table(const Subject& subject) {
   const auto most = subject.most();
-  std::string head = "<th><th>model<th class=\"n\">score", rows;
+  std::string head =
+      "<th><th>model<th class=\"n\">score<th class=\"n\" title=\"of the score: the sum of what "
+      "follows\">log odds<th class=\"n\" title=\"before anything is seen\">begin at<th class=\"n\" "
+      "title=\"alternatives, look-alikes and doubtful answers beside it\">other answers";
+  std::string rows;
   for (std::size_t k = 0; k < most.size(); ++k) {
     if (most[k] > 0)
       head += fmt::format("<th title=\"{}\">{}<span><br>of {:.1f}</span>", words_of(k).meaning,
@@ -379,14 +371,14 @@ FigurePlan plan_found(const Subject& subject) {
 
 FigurePlan plan_rejected(const Subject& subject) {
   FigurePlan plan;
+  const std::vector<std::size_t> shown = told(subject);
+  if (shown.empty()) return {};
   for (const Detection& detection : subject.result.detections) {
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
     plan.add(mesh, detection.T_scene_model, kQuiet, kQuiet, true, "");
   }
-  const std::vector<std::size_t> shown = told(subject);
   for (std::size_t i = shown.size(); i-- > 0;) {  // the best one drawn last
     const RejectedPose& rejected = subject.result.rejected[shown[i]];
-    if (!is_hopeful(subject, rejected)) continue;
     plan.add(*find_mesh(subject.models, rejected.model), rejected.T_scene_model,
              reason_of(rejected).outline, {}, false, rejected_id(i));
   }
@@ -411,49 +403,62 @@ class Painter {
   Painter(SceneDrawing& drawing, PictureStore& store, std::string name, std::string scene)
       : drawing_(drawing), store_(store), name_(std::move(name)), scene_(std::move(scene)) {}
 
-  /// The scan beside what was found; where that is small, the whole scene beside a close-up.
-  Result<std::string> found(const FigurePlan& plan) {
-    const Result<ScenePictures> whole = drawing_.draw(plan.overlays);
+  /// The scene, with a close-up below it where what was found, or else rejected, is small.
+  Result<std::string> views(const FigurePlan& found, const FigurePlan& rejected) {
+    const std::span<const Overlay> models =
+        found.overlays.empty() ? rejected.overlays : found.overlays;
+    const Result<View> whole =
+        view("", found, rejected, [&](const auto& overlays) { return drawing_.draw(overlays); });
     if (!whole) return whole.error();
-    Result<std::string> scan = view(whole->scan, "scan", "");
-    if (!scan) return scan.error();
-    if (!is_small(whole->boxes)) {
-      Result<std::string> drawn =
-          view(whole->overlaid, "found", picture_labels(plan.labels, whole->boxes));
-      if (!drawn) return drawn.error();
-      return "<div class=\"pair\">" + *scan + *drawn + "</div>";
-    }
-    const Result<std::string> drawn = view(whole->overlaid, "found", "");
-    if (!drawn) return drawn.error();
-    const Result<std::string> close = close_up(plan, "found_close");
+    if (!is_small(whole->boxes)) return whole->html;
+    const Result<View> close = view("_close", found, rejected, [&](const auto& overlays) {
+      return drawing_.draw_around(models, overlays);
+    });
     if (!close) return close.error();
-    // As high as each other: a close-up is a square.
-    return fmt::format(
-        "<div class=\"pair\" style=\"--left:{:.3f}fr\">{}{}</div><details><summary>The scan "
-        "alone</summary>{}</details>",
-        static_cast<double>(whole->scan.width) / whole->scan.height, *drawn, *close, *scan);
-  }
-
-  /// As large as they are shown: the whole scene, or a close-up.
-  Result<std::string> rejected(const FigurePlan& plan) {
-    const Result<ScenePictures> whole = drawing_.draw(plan.overlays);
-    if (!whole) return whole.error();
-    if (is_small(whole->boxes)) return close_up(plan, "rejected");
-    return view(whole->overlaid, "rejected", picture_labels(plan.labels, whole->boxes));
+    return whole->html + close->html;
   }
 
  private:
-  Result<std::string> close_up(const FigurePlan& plan, std::string_view kind) {
-    const Result<ScenePictures> close = drawing_.draw_around(plan.overlays);
-    if (!close) return close.error();
-    return view(close->overlaid, kind, picture_labels(plan.labels, close->boxes));
+  struct View {
+    std::string html;
+    std::vector<DrawnBox> boxes;  // of what was found, or else rejected
+  };
+
+  /// One view: the scan, what was found and what was rejected, of which the reader sees one.
+  template <class Draw>
+  Result<View> view(const std::string& kind, const FigurePlan& found, const FigurePlan& rejected,
+                    Draw&& draw) {
+    std::vector<std::pair<std::string, const FigurePlan*>> plans{{"Found", &found},
+                                                                 {"Rejected", &rejected}};
+    std::erase_if(plans, [](const auto& plan) { return plan.second->overlays.empty(); });
+    if (plans.empty()) plans.emplace_back("", &found);  // the scan is drawn with anything
+    std::vector<ViewLayer> layers;
+    std::vector<DrawnBox> boxes;
+    for (const auto& [name, plan] : plans) {
+      const Result<ScenePictures> drawn = draw(plan->overlays);
+      if (!drawn) return drawn.error();
+      if (layers.empty()) {
+        boxes = drawn->boxes;
+        if (const Result<void> done = add("Scan", kind, drawn->scan, "", layers); !done)
+          return done.error();
+      }
+      if (name.empty()) continue;
+      const Result<void> done =
+          add(name, kind, drawn->overlaid, picture_labels(plan->labels, drawn->boxes), layers);
+      if (!done) return done.error();
+    }
+    const std::size_t shown = std::min<std::size_t>(1, layers.size() - 1);
+    return View{layered_view(name_ + "_view" + kind, layers, shown), std::move(boxes)};
   }
-  Result<std::string> view(const Picture& picture, std::string_view kind,
-                           const std::string& labels) {
-    const Result<std::string> image =
-        store_.add(picture, fmt::format("{}_{}", name_, kind), fmt::format("{}: {}", scene_, kind));
+  Result<void> add(const std::string& layer, const std::string& kind, const Picture& picture,
+                   const std::string& labels, std::vector<ViewLayer>& layers) {
+    std::string what = layer;
+    what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
+    const Result<std::string> image = store_.add(picture, fmt::format("{}_{}{}", name_, what, kind),
+                                                 fmt::format("{}: {}", scene_, what));
     if (!image) return image.error();
-    return "<div class=\"view\">" + *image + labels + "</div>";
+    layers.push_back({layer, *image + labels});
+    return {};
   }
 
   SceneDrawing& drawing_;
@@ -468,27 +473,23 @@ Result<std::string> recognition_figure(const RecognitionReport& report, std::siz
                                        PictureStore& store) {
   const Subject subject{report, report.scenes[s], report.results[s], models};
   const std::string name = fmt::format("scene_{:04}", s);
-  Result<std::string> found(""), rejected("");
+  Result<std::string> views("");
   Result<SceneDrawing> drawing = open_scene(subject.input, models);
   if (drawing) {
     Painter painter(*drawing, store, name, subject.input.file.filename().string());
-    found = painter.found(plan_found(subject));
-    if (!found) return found.error();
-    const FigurePlan plan = plan_rejected(subject);
-    if (plan.overlays.size() > subject.result.detections.size()) rejected = painter.rejected(plan);
-    if (!rejected) return rejected.error();
+    views = painter.views(plan_found(subject), plan_rejected(subject));
+    if (!views) return views.error();
   } else if (drawing.error().code == ErrorCode::bad_data) {
-    found = fmt::format("<p class=\"dim\">Nothing to draw: {}</p>",
+    views = fmt::format("<p class=\"dim\">Nothing to draw: {}</p>",
                         escape_html(drawing.error().message));
   } else {
     return drawing.error();
   }
   return fmt::format(
-      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}{}{}<div "
-      "class=\"rejected\">{}<div>{}</div></div>"
-      "{}{}</figure>\n",
+      "<figure class=\"long\" id=\"{}\"><figcaption>{}</figcaption>{}{}{}<div "
+      "class=\"scene\"><div class=\"views\">{}</div><div>{}{}</div></div>{}{}</figure>\n",
       name, caption(subject), view_in_words(subject), sensor_in_words(subject),
-      camera_in_words(subject), *found, found_table(subject), *rejected, rejected_table(subject),
+      camera_in_words(subject), *views, found_table(subject), rejected_table(subject),
       parts_table(subject), times_and_counts(subject));
 }
 

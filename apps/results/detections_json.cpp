@@ -6,6 +6,7 @@
 
 #include "apps/results/camera_words.hpp"
 #include "apps/results/claims_json.hpp"
+#include "apps/results/rejection_words.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps {
@@ -49,10 +50,10 @@ std::string_view name_of(Rejection reason) {
   return "";
 }
 
-nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score,
-                                     const std::vector<RejectedPose>& rejected) {
+nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const SceneResult& result,
+                                     const RecognizeOptions& options) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const RejectedPose& pose : rejected) {
+  for (const RejectedPose& pose : result.rejected) {
     json.push_back(
         {{"model", pose.model},
          {"score", pose.score},
@@ -61,7 +62,8 @@ nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score,
          {"evidence", evidence_json(score, pose.parts)},
          {"reason", name_of(pose.reason)},
          {"explained_by", pose.explained_by ? nlohmann::ordered_json(*pose.explained_by) : nullptr},
-         {"explained_share", pose.explained_share}});
+         {"explained_share", pose.explained_share},
+         {"words", rejection_words(result, pose, score, options).text()}});
   }
   return json;
 }
@@ -177,7 +179,8 @@ nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
 }
 
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
-                                  const kernels::ScoreModel& score, bool with_rejected) {
+                                  const kernels::ScoreModel& score,
+                                  const RecognizeOptions* options) {
   nlohmann::ordered_json seconds, detections = nlohmann::ordered_json::array();
   for (const auto& [stage, value] : result.stats.times.seconds) seconds[stage] = value;
   seconds["total"] = result.stats.total_seconds;
@@ -186,6 +189,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"score", detection.score},
                           {"T_scene_model", matrix_json(detection.T_scene_model)},
                           {"visible_fraction", detection.visible_fraction},
+                          {"hidden_fraction", detection.hidden_fraction},
+                          {"outside_fraction", detection.outside_fraction},
                           {"violation", detection.violation},
                           {"contour", detection.contour},
                           {"rmse", detection.rmse},
@@ -197,7 +202,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                           {"turns", turns_json(detection.turns)},
                           {"alternatives", alternatives_json(detection.alternatives)},
                           {"siblings", detection.siblings},
-                          {"method", name_of(detection.source)}});
+                          {"method", name_of(detection.source)},
+                          {"words", cost_words(detection, score)}});
   }
   const SceneStats& stats = result.stats;
   nlohmann::ordered_json json{
@@ -218,7 +224,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
         {"refined", stats.num_refined},
         {"examined", stats.num_examined}}},
       {"detections", std::move(detections)}};
-  if (with_rejected) json["rejected"] = rejected_json(score, result.rejected);
+  if (options) json["rejected"] = rejected_json(score, result, *options);
   if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;
 }

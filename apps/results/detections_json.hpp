@@ -12,10 +12,14 @@
 
 namespace trivet::apps {
 
-/// One element of "scenes", with the evidence of the score that it was recognized with; with what
-/// was rejected where it is asked for, and with "claims" where the result holds them.
+/// One element of "scenes", with the evidence of the score that it was recognized with, and with
+/// "claims" where the result holds them.
+///
+/// options  that it was recognized with; if given, what was rejected is told, with the reasons in
+///          words
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
-                                  const kernels::ScoreModel& score, bool with_rejected = false);
+                                  const kernels::ScoreModel& score,
+                                  const RecognizeOptions* options = nullptr);
 
 /// What a check of a camera told; the "camera_check" of a scene, an element of "cameras".
 nlohmann::ordered_json camera_check_json(const CameraCheck& check);

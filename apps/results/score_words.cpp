@@ -121,6 +121,12 @@ static_assert(kEntries.size() == kernels::kNumScoreParts && each_part_has_words(
 
 }  // namespace
 
+std::string score_text(float score) {
+  constexpr float kLeast = 0.001F;
+  if (score < kLeast) return "< 0.001";
+  return score > 1 - kLeast ? "> 0.999" : fmt::format("{:.3f}", score);
+}
+
 PartWords words_of(std::size_t part) { return kEntries[part].words; }
 
 std::string finding_of(std::size_t part, float value) { return kEntries[part].finding(value); }
@@ -150,10 +156,21 @@ std::string costliest_findings(const kernels::ScoreModel& model, const kernels::
   return out;
 }
 
+float deduction(const kernels::ScoreModel& model, const kernels::ScoreParts& parts, float score) {
+  constexpr double kLeast = 1e-6;  // beyond it the odds of a float are rounding
+  const auto log_odds = [=](double p) {
+    const double inside = std::clamp(p, kLeast, 1 - kLeast);
+    return std::log(inside / (1 - inside));
+  };
+  const float alone = kernels::pose_probability(model, parts);
+  return static_cast<float>(log_odds(static_cast<double>(score)) -
+                            log_odds(static_cast<double>(alone)));
+}
+
 std::string lowered_from(const kernels::ScoreModel& model, const kernels::ScoreParts& parts,
                          float score) {
   const float alone = kernels::pose_probability(model, parts);
-  return score < kHardlyLower * alone ? percent(alone) + " but for other answers" : "";
+  return score < kHardlyLower * alone ? score_text(alone) + " but for other answers" : "";
 }
 
 }  // namespace trivet::apps

@@ -10,6 +10,10 @@
 
 namespace trivet::apps {
 
+/// A score as all pages write it, "0.984": of a probability no digit is made up, so that none is 0
+/// or 1.
+std::string score_text(float score);
+
 /// Two or three words for a column, and what is measured.
 struct PartWords {
   std::string_view label, meaning;
@@ -28,7 +32,11 @@ std::array<float, kernels::kNumScoreParts> most_evidence(const kernels::ScoreMod
 /// Empty where no part lacks enough to be worth a word.
 std::string costliest_findings(const kernels::ScoreModel& model, const kernels::ScoreParts& parts);
 
-/// What the evidence alone makes of a score that other answers lower: "96 % but for other answers".
+/// What other answers take off the log odds of this score; 0 where there is nothing to take off.
+/// With the model's bias and the evidence of all parts it makes the log odds of the score.
+float deduction(const kernels::ScoreModel& model, const kernels::ScoreParts& parts, float score);
+
+/// What the evidence alone makes of a score that other answers lower: "0.960 but for other answers".
 /// Empty where they hardly do.
 std::string lowered_from(const kernels::ScoreModel& model, const kernels::ScoreParts& parts,
                          float score);

@@ -8,6 +8,7 @@
 
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/pictures/innermost_pixels.hpp"
 #include "engine/pictures/shade.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/render_depth.hpp"
@@ -17,6 +18,8 @@ namespace trivet {
 namespace {
 
 using Eigen::Vector3f;
+using engine::innermost_pixels;
+using engine::kNoLabel;
 using engine::shade;
 using kernels::RangeImage;
 using kernels::RayScene;
@@ -265,6 +268,15 @@ bool on_outline(const kernels::ImageGeometry& geometry, const Rendering& renderi
   return false;
 }
 
+/// Whether the scan is in front of the model that this pixel shows.
+bool is_hidden(const Frame& frame, const Rendering& rendering, std::span<const Overlay> overlays,
+               std::size_t pixel) {
+  const Overlay& overlay = overlays[rendering.overlay[pixel]];
+  const float measured = frame.measured_depth(pixel);
+  return measured > 0 && measured < rendering.depth[pixel] -
+                                        kHiddenDepth * static_cast<float>(overlay.mesh->diameter);
+}
+
 void draw_overlays(const Frame& frame, const Rendering& rendering,
                    std::span<const Overlay> overlays, std::uint32_t outlines, Canvas& canvas) {
   const kernels::ImageGeometry& geometry = frame.geometry;
@@ -273,10 +285,7 @@ void draw_overlays(const Frame& frame, const Rendering& rendering,
     for (std::size_t i = first * geometry.width; i < (first + count) * geometry.width; ++i) {
       if (rendering.overlay[i] == kernels::Hit::kNone) continue;
       const Overlay& overlay = overlays[rendering.overlay[i]];
-      const float measured = frame.measured_depth(i);
-      const bool hidden =
-          measured > 0 &&
-          measured < rendering.depth[i] - kHiddenDepth * static_cast<float>(overlay.mesh->diameter);
+      const bool hidden = is_hidden(frame, rendering, overlays, i);
       if (on_outline(geometry, rendering, i, outline_width)) {
         canvas.blend(i, to_vector(overlay.outline), hidden ? 0.6F : 1.0F);
       } else if (overlay.filled) {
@@ -301,6 +310,30 @@ void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rende
     box.right = std::max(box.right, (u + 1) / width);
     box.top = std::min(box.top, v / height);
     box.bottom = std::max(box.bottom, (v + 1) / height);
+  }
+}
+
+/// Put the labels of these overlays, which were rendered together, on what is seen of them. Pre:
+/// their boxes are known.
+void place_labels(const Frame& frame, const Rendering& rendering, std::span<const Overlay> overlays,
+                  std::span<const std::uint32_t> which, std::vector<DrawnBox>& boxes) {
+  std::vector<std::uint32_t> seen = rendering.overlay;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] != kernels::Hit::kNone && is_hidden(frame, rendering, overlays, i))
+      seen[i] = kNoLabel;
+  }
+  const auto width = static_cast<std::size_t>(frame.geometry.width);
+  const std::vector<std::optional<std::size_t>> places =
+      innermost_pixels(seen, width, overlays.size());
+  for (const std::uint32_t i : which) {
+    DrawnBox& box = boxes[i];
+    box.label_x = (box.left + box.right) / 2;
+    box.label_y = (box.top + box.bottom) / 2;
+    if (!places[i]) continue;
+    box.label_x =
+        (static_cast<float>(*places[i] % width) + 0.5F) / static_cast<float>(frame.geometry.width);
+    box.label_y =
+        (static_cast<float>(*places[i] / width) + 0.5F) / static_cast<float>(frame.geometry.height);
   }
 }
 
@@ -353,6 +386,7 @@ struct SceneDrawing::State {
       if (!rendering) return rendering.error();
       draw_overlays(frame, *rendering, overlays, widths.outlines, canvas);
       extend_boxes(frame.geometry, *rendering, out.boxes);
+      place_labels(frame, *rendering, overlays, which, out.boxes);
       return {};
     };
     std::vector<std::uint32_t> filled;
@@ -394,9 +428,10 @@ Result<ScenePictures> SceneDrawing::draw(std::span<const Overlay> overlays) {
   return state_->draw(overlays, {0, 0, geometry.width, geometry.height}, kWhole);
 }
 
-Result<ScenePictures> SceneDrawing::draw_around(std::span<const Overlay> overlays) {
+Result<ScenePictures> SceneDrawing::draw_around(std::span<const Overlay> models,
+                                                std::span<const Overlay> overlays) {
   const std::optional<Window> window =
-      window_around(state_->image.geometry, overlays, state_->scene_scale);
+      window_around(state_->image.geometry, models, state_->scene_scale);
   if (!window) {
     return Error{ErrorCode::bad_data,
                  "expected models in front of the sensor to draw, found none; check the poses"};

@@ -32,6 +32,9 @@ struct Overlay {
 /// is not seen.
 struct DrawnBox {
   float left = 1, top = 1, right = 0, bottom = 0;
+  /// Where a label lies on it: the place farthest from whatever is not this overlay or hides it;
+  /// where everything is hidden, the middle of the box.
+  float label_x = 0, label_y = 0;
 };
 
 struct ScenePictures {
@@ -59,9 +62,11 @@ class SceneDrawing {
   /// Errors: internal (ray tracing).
   Result<ScenePictures> draw(std::span<const Overlay> overlays);
 
-  /// A square around the overlays with some of what surrounds them, 360 to 720 pixels wide.
-  /// Errors: bad_data (all of them lie behind the sensor), internal (ray tracing).
-  Result<ScenePictures> draw_around(std::span<const Overlay> overlays);
+  /// A square around some models with some of what surrounds them, 360 to 720 pixels wide, and
+  /// these overlays in it.
+  /// Errors: bad_data (all models lie behind the sensor), internal (ray tracing).
+  Result<ScenePictures> draw_around(std::span<const Overlay> models,
+                                    std::span<const Overlay> overlays);
 
  private:
   struct State;

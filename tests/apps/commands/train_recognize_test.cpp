@@ -225,12 +225,22 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
   expect_stands_alone(page);
   for (const char* text :
        {"1 object found in 2 scenes", ">scan.ply<", ">a&lt;b&gt;&amp;&quot;c&quot;.ply<",
-        "1 bracket", "None of the models.", "What spoke for and against", "below 80 %",
-        "prefers-color-scheme", "The scan errs by ", "where neighbors err alike",
+        "1 bracket", "None of the models.", "What spoke for and against", "below 0.8", "turned by ",
+        "other answers", "prefers-color-scheme", "The scan errs by ", "where neighbors err alike",
         "recognize library.h5 scan.ply 'a&lt;b&gt;&amp;&quot;c&quot;.ply' --report report"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
   }
   EXPECT_EQ(page.find("<b>&\"c"), std::string::npos);
+  // A view is one picture, of which the reader picks a layer; each listed pose has its label.
+  const auto count = [&](const std::string& text) {
+    std::size_t n = 0;
+    for (auto at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("class=\"layers\""), count(" checked>"));
+  EXPECT_EQ(count("class=\"view\""), count("type=\"radio\""));
+  for (std::size_t r = 1; count(fmt::format("<td class=\"id\">R{}<", r)) > 0; ++r)
+    EXPECT_GT(count(fmt::format(">R{}</span>", r)), 0U) << r;
   for (const char* name : {"scene_0000_scan", "scene_0000_found", "scene_0001_scan"}) {
     const std::string png = bytes(std::string("report/pictures/") + name + ".png");
     EXPECT_EQ(png.substr(1, 3), "PNG") << name;
@@ -249,8 +259,8 @@ TEST_F(TrainRecognize, ReportsScenesOfEveryKind) {
   const std::string page = bytes("clouds/index.html");
   expect_stands_alone(page);
   EXPECT_NE(page.find("Nothing to draw: "), std::string::npos);
-  EXPECT_TRUE(std::filesystem::exists(*folder_ / "clouds/pictures/scene_0000_found.png"));
-  EXPECT_FALSE(std::filesystem::exists(*folder_ / "clouds/pictures/scene_0001_found.png"));
+  EXPECT_TRUE(std::filesystem::exists(*folder_ / "clouds/pictures/scene_0000_scan.png"));
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "clouds/pictures/scene_0001_scan.png"));
 
   const Cloud scan = test::render_scan({{&bracket_, truth()}});
   std::vector<std::uint16_t> depths;

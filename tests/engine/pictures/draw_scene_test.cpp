@@ -93,6 +93,33 @@ TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {
   EXPECT_EQ(pixel(outlined->overlaid, 254, 240), (std::array{0, 255, 0}));
 }
 
+// A nearer cube hides the middle and the right of the farther one's box.
+TEST(DrawScene, PutsLabelsOnWhatIsSeen) {
+  const EvaluationMesh model = cube();
+  Pose near = ahead(0.8F), far = ahead(1);
+  near.translation().x() = 0.05F;
+  const std::array overlays{Overlay{&model, far, kGreen, kOrange, true},
+                            Overlay{&model, near, kGreen, kOrange, true},
+                            Overlay{&model, ahead(4), kGreen, kOrange, true}};
+  const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
+  ASSERT_TRUE(pictures) << pictures.error().message;
+  const DrawnBox &behind = pictures->boxes[0], &before = pictures->boxes[1];
+  EXPECT_LT(behind.label_x, before.left);
+  EXPECT_GT(behind.label_x, behind.left);
+  EXPECT_NEAR(before.label_x, (before.left + before.right) / 2, 0.02);
+  EXPECT_NEAR(before.label_y, (before.top + before.bottom) / 2, 0.02);
+}
+
+// Nothing is seen of a cube behind the wall: its label has the middle of where it is drawn.
+TEST(DrawScene, PutsLabelsOfHiddenModelsIntoTheirMiddle) {
+  const EvaluationMesh model = cube();
+  const std::array overlays{Overlay{&model, ahead(4), kGreen, kOrange, true}};
+  const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
+  ASSERT_TRUE(pictures) << pictures.error().message;
+  EXPECT_NEAR(pictures->boxes[0].label_x, 0.5, 0.01);
+  EXPECT_NEAR(pictures->boxes[0].label_y, 0.5, 0.01);
+}
+
 TEST(DrawScene, LeavesModelsOutsideTheImageOut) {
   const EvaluationMesh model = cube();
   const std::array overlays{Overlay{&model, ahead(-3), kGreen, kOrange, true}};
@@ -123,7 +150,7 @@ TEST(DrawScene, ShowsASquareAroundWhatItIsAskedFor) {
   Result<SceneDrawing> drawing = SceneDrawing::prepare(wall(), depth_image(), 0.35F);
   ASSERT_TRUE(drawing) << drawing.error().message;
   const std::array overlays{Overlay{&model, ahead(1), kGreen, kOrange, false}};
-  const Result<ScenePictures> detail = drawing->draw_around(overlays);
+  const Result<ScenePictures> detail = drawing->draw_around(overlays, overlays);
   ASSERT_TRUE(detail) << detail.error().message;
   EXPECT_EQ(detail->scan.width, detail->scan.height);
   EXPECT_GE(detail->scan.width, 360U);
@@ -141,13 +168,13 @@ TEST(DrawScene, ShowsWhatReachesOutOfTheImage) {
   Pose corner = ahead(1);
   corner.translation().x() = -0.53F;
   const std::array overlays{Overlay{&model, corner, kGreen, kOrange, false}};
-  const Result<ScenePictures> detail = drawing->draw_around(overlays);
+  const Result<ScenePictures> detail = drawing->draw_around(overlays, overlays);
   ASSERT_TRUE(detail) << detail.error().message;
   EXPECT_LT(pixel(detail->scan, 2, 2)[0], 40) << "nothing was measured there";
   EXPECT_GT(pixel(detail->scan, detail->scan.width - 3, detail->scan.height / 2)[0], 60);
 
   const std::array behind{Overlay{&model, ahead(-3), kGreen, kOrange, false}};
-  EXPECT_FALSE(drawing->draw_around(behind));
+  EXPECT_FALSE(drawing->draw_around(behind, behind));
 }
 
 TEST(DrawScene, DrawsEachOutlineWhole) {
