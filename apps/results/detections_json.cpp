@@ -12,15 +12,6 @@
 namespace trivet::apps {
 namespace {
 
-nlohmann::ordered_json matrix_json(const Pose& pose) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  const Eigen::Matrix4f matrix = pose.matrix();
-  for (Eigen::Index row = 0; row < 4; ++row) {
-    rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
-  }
-  return rows;
-}
-
 nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
   nlohmann::ordered_json json;
   for (std::size_t k = 0; k < parts.size(); ++k)
@@ -151,6 +142,15 @@ bool ends_with(const std::filesystem::path& path, const std::string& name) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json matrix_json(const Pose& pose) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  const Eigen::Matrix4f matrix = pose.matrix();
+  for (Eigen::Index row = 0; row < 4; ++row) {
+    rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
+  }
+  return rows;
+}
 
 nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
   std::optional<kernels::Factor> focal, depth;

@@ -12,6 +12,9 @@
 
 namespace trivet::apps {
 
+/// Four rows of four numbers.
+nlohmann::ordered_json matrix_json(const Pose& pose);
+
 /// One element of "scenes", with the evidence of the score that it was recognized with, and with
 /// "claims" where the result holds them.
 ///

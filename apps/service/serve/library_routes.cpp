@@ -1,11 +1,13 @@
 // What shows the library, and what comes with it.
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "apps/inputs/inputs.hpp"
+#include "apps/results/detections_json.hpp"
 #include "apps/results/score_words.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/service_routes.hpp"
@@ -22,6 +24,19 @@ Json symmetry_json(const Symmetry& symmetry) {
   return {{"poses", symmetry.poses.size()}, {"axis", symmetry.axis.has_value()}};
 }
 
+/// What the model nearly looks the same by, with the keys that declare it in a manifest.
+Json near_symmetry_json(const Model& model) {
+  const auto vector = [](const auto& v) { return std::array{v.x(), v.y(), v.z()}; };
+  Json poses = Json::array();
+  for (const Pose& pose : model.near_symmetries) poses.push_back(apps::matrix_json(pose));
+  Json axis;
+  if (model.near_axis) {
+    axis = {{"axis", vector(model.near_axis->direction)},
+            {"offset", vector(model.near_axis->point)}};
+  }
+  return {{"symmetries", std::move(poses)}, {"symmetry_axis", std::move(axis)}};
+}
+
 }  // namespace
 
 void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
@@ -35,6 +50,7 @@ void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
     models.push_back({{"name", model.name},
                       {"diameter", model.diameter},
                       {"symmetry", symmetry_json(model.symmetry)},
+                      {"near_symmetry", near_symmetry_json(model)},
                       {"thumbnail", view("thumbnail.png")},
                       {"mesh", view("mesh.ply")}});
   }

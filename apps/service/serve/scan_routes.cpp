@@ -107,10 +107,14 @@ void ServiceRoutes::points(const CallPtr& call, std::string_view) {
                const Result<Cloud> cloud =
                    read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene);
                if (!cloud) return cloud.error();
-               return HttpResponse{200,
-                                   shown_points(cloud->points, max_points),
-                                   kBytes,
-                                   {{"X-Points", std::to_string(cloud->points.size())}}};
+               HttpResponse shown{200,
+                                  shown_points(cloud->points, max_points),
+                                  kBytes,
+                                  {{"X-Points", std::to_string(cloud->points.size())}}};
+               if (const auto& v = scan.scene.viewpoint ? scan.scene.viewpoint : cloud->viewpoint)
+                 shown.headers.emplace_back("X-Viewpoint",
+                                            fmt::format("{},{},{}", v->x(), v->y(), v->z()));
+               return shown;
              });
 }
 

@@ -147,11 +147,16 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
     EXPECT_NEAR(static_cast<double>(few.body.size()) / 12, 1000, 20);
     EXPECT_NE(few.head.find("X-Points: " + std::to_string(cloud->points.size())),
               std::string::npos);
+    const Answer seen = ask(port, "POST", "/v1/points?viewpoint=1,2,3.5&" + query, scan.body);
+    EXPECT_NE(seen.head.find("X-Viewpoint: 1,2,3.5"), std::string::npos) << seen.head;
     EXPECT_EQ(ask(port, "POST", "/v1/points?max-points=0&" + query, scan.body).status, 400);
     EXPECT_EQ(ask(port, "POST", "/v1/points?" + query, "no PNG").status, 400);
 
     const nlohmann::json models = ask(port, "GET", "/v1/models").json()["models"];
     for (const nlohmann::json& model : models) {
+      const nlohmann::json& near = model["near_symmetry"];
+      EXPECT_TRUE(near.at("symmetries").is_array());
+      EXPECT_TRUE(near.at("symmetry_axis").is_null() || near["symmetry_axis"].contains("offset"));
       const Answer picture = ask(port, "GET", model["thumbnail"]);
       EXPECT_EQ(picture.body.substr(1, 3), "PNG");
       EXPECT_EQ(ask(port, "GET", model["thumbnail"]).body, picture.body);
@@ -174,6 +179,8 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
       log_odds += scene["detections"][0]["evidence"][part["name"].get<std::string>()].get<double>();
     EXPECT_NEAR(scene["detections"][0]["score"].get<double>(), 1 / (1 + std::exp(-log_odds)), 1e-3);
     EXPECT_FALSE(scene["rejected"].empty());
+    for (const nlohmann::json& rejected : scene["rejected"])
+      EXPECT_NE(rejected.at("words").get<std::string>(), "");
     EXPECT_EQ(ask(port, "POST", query_ + "&rejected=101", scan.body).status, 400);
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
