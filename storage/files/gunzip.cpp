@@ -1,51 +1,14 @@
 #include "storage/files/gunzip.hpp"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <new>
+
+#include "storage/files/inflater.hpp"
 
 namespace trivet {
 namespace {
-
-/// zlib's stream over one gzip member after the other.
-class Inflater {
- public:
-  explicit Inflater(std::span<const std::byte> packed) : rest_(packed) {
-    constexpr int kGzipOnly = 16;
-    if (inflateInit2(&stream_, MAX_WBITS + kGzipOnly) != Z_OK) throw std::bad_alloc();
-  }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-  ~Inflater() { inflateEnd(&stream_); }
-
-  /// Unpack into `out` until it is full or a member ends; zlib's answer, and how much there is.
-  int step(std::span<std::byte> out, std::size_t& produced) {
-    const std::size_t given = std::min<std::size_t>(rest_.size(), kMostAtOnce);
-    const std::size_t room = std::min<std::size_t>(out.size(), kMostAtOnce);
-    // zlib's input is not const, and is not written to either.
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(rest_.data()));
-    stream_.avail_in = static_cast<uInt>(given);
-    stream_.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream_.avail_out = static_cast<uInt>(room);
-    const int answer = inflate(&stream_, Z_NO_FLUSH);
-    rest_ = rest_.subspan(given - stream_.avail_in);
-    produced = room - stream_.avail_out;
-    return answer;
-  }
-  void begin_member() { inflateReset(&stream_); }
-
-  std::span<const std::byte> rest() const noexcept { return rest_; }
-  std::string_view fault() const noexcept { return stream_.msg ? stream_.msg : "broken stream"; }
-
- private:
-  static constexpr std::size_t kMostAtOnce = std::numeric_limits<uInt>::max();
-  z_stream stream_{};
-  std::span<const std::byte> rest_;
-};
 
 /// Go over all members, and keep what they hold where `out` has room for it; its size.
 Result<std::uint64_t> unpack(std::span<const std::byte> packed, std::string_view name,
@@ -54,7 +17,7 @@ Result<std::uint64_t> unpack(std::span<const std::byte> packed, std::string_view
     return Error{ErrorCode::bad_data, fmt::format("{}: {}", name, what)};
   };
   std::array<std::byte, 1 << 16> dropped;
-  Inflater inflater(packed);
+  Inflater inflater(PackedFrame::gzip, packed);
   const auto place = [&] { return packed.size() - inflater.rest().size(); };
   std::uint64_t size = 0;
   while (true) {
@@ -69,7 +32,6 @@ Result<std::uint64_t> unpack(std::span<const std::byte> packed, std::string_view
                       "scan or model, found what looks like a decompression bomb",
                       packed.size(), max_bytes));
     }
-    if (answer == Z_MEM_ERROR) throw std::bad_alloc();
     if (answer == Z_STREAM_END) {
       if (is_gzip(inflater.rest())) {
         inflater.begin_member();

@@ -1,84 +1,45 @@
 #include "apps/service/http/content_coding.hpp"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstdlib>
-#include <limits>
 #include <map>
 #include <new>
+#include <span>
+
+#include "storage/files/inflater.hpp"
 
 namespace trivet::apps::service {
 namespace {
 
 constexpr std::size_t kStep = 256 << 10;  ///< bytes to unpack at a time
 
-/// What zlib takes for the frame around its data.
-int window_bits(ContentCoding coding) {
-  constexpr int kGzip = 16;
-  return coding == ContentCoding::gzip ? MAX_WBITS + kGzip : MAX_WBITS;
+PackedFrame frame_of(ContentCoding coding) {
+  return coding == ContentCoding::gzip ? PackedFrame::gzip : PackedFrame::zlib;
 }
-
-// zlib's input is not const, and is not written to either.
-Bytef* input_of(std::string_view bytes) {
-  return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-}
-
-class Inflater {
- public:
-  Inflater(ContentCoding coding, std::string_view packed) : packed_(packed) {
-    if (inflateInit2(&stream_, window_bits(coding)) != Z_OK) throw std::bad_alloc();
-  }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-  ~Inflater() { inflateEnd(&stream_); }
-
-  /// Add up to a step to `out`. Returns zlib's answer.
-  int step(std::string& out, std::size_t room) {
-    const std::size_t before = out.size();
-    const std::string_view rest = packed_.substr(at_);
-    out.resize(before + std::min(room, kStep));
-    stream_.next_in = input_of(rest);
-    stream_.avail_in = static_cast<uInt>(std::min<std::size_t>(rest.size(), kMostAtOnce));
-    stream_.next_out = reinterpret_cast<Bytef*>(out.data() + before);
-    stream_.avail_out = static_cast<uInt>(out.size() - before);
-    const int answer = inflate(&stream_, Z_NO_FLUSH);
-    out.erase(out.size() - stream_.avail_out);
-    at_ += static_cast<std::size_t>(stream_.next_in - input_of(rest));
-    return answer;
-  }
-  void begin_member() { inflateReset(&stream_); }
-
-  std::size_t place() const { return at_; }
-  bool is_at_end() const { return at_ == packed_.size(); }
-  std::string_view fault() const { return stream_.msg ? stream_.msg : "broken data"; }
-
- private:
-  static constexpr std::size_t kMostAtOnce = std::numeric_limits<uInt>::max();
-  z_stream stream_{};
-  const std::string_view packed_;
-  std::size_t at_ = 0;
-};
 
 Result<std::string> inflate_all(ContentCoding coding, std::string_view packed,
                                 std::size_t max_bytes) {
-  Inflater inflater(coding, packed);
+  Inflater inflater(frame_of(coding), std::as_bytes(std::span(packed)));
   std::string out;
   const auto refuse = [&](std::string_view what) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{} body: byte {}: {}", coding_name(coding), inflater.place(), what)};
+    return Error{ErrorCode::bad_data, fmt::format("{} body: byte {}: {}", coding_name(coding),
+                                                  packed.size() - inflater.rest().size(), what)};
   };
   while (out.size() <= max_bytes) {
-    const int answer = inflater.step(out, max_bytes + 1 - out.size());
-    if (answer == Z_MEM_ERROR) throw std::bad_alloc();
+    const std::size_t before = out.size();
+    std::size_t produced = 0;
+    out.resize(before + std::min(max_bytes + 1 - before, kStep));
+    const int answer =
+        inflater.step(std::as_writable_bytes(std::span(out)).subspan(before), produced);
+    out.resize(before + produced);
     if (answer == Z_STREAM_END) {
-      if (inflater.is_at_end()) break;
+      if (inflater.rest().empty()) break;
       // RFC 1952, 2.2: members follow one another, each with the same first byte.
-      constexpr char kFirstByte = 0x1F;
-      if (coding != ContentCoding::gzip || packed[inflater.place()] != kFirstByte)
+      constexpr std::byte kFirstByte{0x1F};
+      if (coding != ContentCoding::gzip || inflater.rest()[0] != kFirstByte)
         return refuse("expected its end, found bytes behind the data");
       inflater.begin_member();
     } else if (answer == Z_BUF_ERROR) {
@@ -164,14 +125,15 @@ Result<std::string> unpack(ContentCoding coding, std::string_view packed, std::s
 std::optional<std::string> pack(ContentCoding coding, std::string_view bytes) {
   constexpr int kMemoryLevel = 8;  // zlib's default
   z_stream stream{};
-  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, window_bits(coding), kMemoryLevel,
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, window_bits(frame_of(coding)), kMemoryLevel,
                    Z_DEFAULT_STRATEGY) != Z_OK) {
     return std::nullopt;
   }
   std::optional<std::string> out;
   try {
     out.emplace(deflateBound(&stream, bytes.size()), '\0');
-    stream.next_in = input_of(bytes);
+    // zlib's input is not const, and is not written to either.
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
     stream.avail_in = static_cast<uInt>(bytes.size());
     stream.next_out = reinterpret_cast<Bytef*>(out->data());
     stream.avail_out = static_cast<uInt>(out->size());

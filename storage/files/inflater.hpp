@@ -1,0 +1,64 @@
+/// zlib's stream, over packed bytes that are in memory.
+#pragma once
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <span>
+#include <string_view>
+
+namespace trivet {
+
+/// What is around packed data: RFC 1952 or RFC 1950.
+enum class PackedFrame { gzip, zlib };
+
+/// What zlib takes for it, to pack and to unpack.
+constexpr int window_bits(PackedFrame frame) noexcept {
+  constexpr int kGzip = 16;
+  return frame == PackedFrame::gzip ? MAX_WBITS + kGzip : MAX_WBITS;
+}
+
+/// Unpacks a piece at a time. The packed bytes must stay in place.
+class Inflater {
+ public:
+  /// Throws std::bad_alloc.
+  Inflater(PackedFrame frame, std::span<const std::byte> packed) : rest_(packed) {
+    if (inflateInit2(&stream_, window_bits(frame)) != Z_OK) throw std::bad_alloc();
+  }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+  ~Inflater() { inflateEnd(&stream_); }
+
+  /// Unpack into `out` until it is full or a member ends.
+  /// produced  bytes that `out` has now
+  /// Returns zlib's answer. Throws std::bad_alloc.
+  int step(std::span<std::byte> out, std::size_t& produced) {
+    const std::size_t given = std::min<std::size_t>(rest_.size(), kMostAtOnce);
+    const std::size_t room = std::min<std::size_t>(out.size(), kMostAtOnce);
+    // zlib's input is not const, and is not written to either.
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(rest_.data()));
+    stream_.avail_in = static_cast<uInt>(given);
+    stream_.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream_.avail_out = static_cast<uInt>(room);
+    const int answer = inflate(&stream_, Z_NO_FLUSH);
+    if (answer == Z_MEM_ERROR) throw std::bad_alloc();
+    rest_ = rest_.subspan(given - stream_.avail_in);
+    produced = room - stream_.avail_out;
+    return answer;
+  }
+  /// Go on with what follows a member that has ended.
+  void begin_member() { inflateReset(&stream_); }
+
+  std::span<const std::byte> rest() const noexcept { return rest_; }  ///< not yet unpacked
+  std::string_view fault() const noexcept { return stream_.msg ? stream_.msg : "broken data"; }
+
+ private:
+  static constexpr std::size_t kMostAtOnce = std::numeric_limits<uInt>::max();
+  z_stream stream_{};
+  std::span<const std::byte> rest_;
+};
+
+}  // namespace trivet
