@@ -7,6 +7,7 @@
 #include "apps/results/camera_words.hpp"
 #include "apps/results/claims_json.hpp"
 #include "apps/results/rejection_words.hpp"
+#include "apps/results/view_words.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps {
@@ -91,11 +92,13 @@ nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& se
 nlohmann::ordered_json view_json(const std::optional<SceneView>& view) {
   if (!view) return nullptr;
   nlohmann::ordered_json viewpoint;
+  const std::optional<std::string> words = view_words(*view);
   if (view->viewpoint)
     viewpoint = {view->viewpoint->x(), view->viewpoint->y(), view->viewpoint->z()};
   return {{"kind", name_of(view->kind)},
           {"source", name_of(view->source)},
-          {"viewpoint", std::move(viewpoint)}};
+          {"viewpoint", std::move(viewpoint)},
+          {"words", words ? nlohmann::ordered_json(*words) : nullptr}};
 }
 
 struct StoredScene {

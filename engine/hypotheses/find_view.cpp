@@ -36,9 +36,16 @@ SolidAngles solid_angles(const Cloud& cloud, const Vector3d& eye) {
   return sum;
 }
 
-/// From the origin, whichever way its writer winds triangles; but not from within, as no sensor
-/// sees more than half of all directions.
+Eigen::AlignedBox3d box_of(const Cloud& cloud) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) box.extend(cloud.points[i].cast<double>());
+  return box;
+}
+
+/// From the origin, whichever way its writer winds triangles; but not from among the points, as no
+/// sensor sees more than half of all directions.
 bool seen_from_origin(const Cloud& cloud) {
+  if (box_of(cloud).contains(Vector3d::Zero().eval())) return false;
   const SolidAngles angles = solid_angles(cloud, Vector3d::Zero());
   const double all = angles.front + angles.back;
   return all > 0 && all < 2 * std::numbers::pi &&
@@ -48,15 +55,14 @@ bool seen_from_origin(const Cloud& cloud) {
 /// A far place where the triangles point to on average, if they turn their fronts to it.
 std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud) {
   Vector3d area = Vector3d::Zero();
-  Eigen::AlignedBox3d box;
   for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
     const Vector3d a = cloud.points[cloud.triangles.a[t]].cast<double>(),
                    b = cloud.points[cloud.triangles.b[t]].cast<double>(),
                    c = cloud.points[cloud.triangles.c[t]].cast<double>();
     area += (b - a).cross(c - a);
-    box.extend(a).extend(b).extend(c);
   }
   if (!(area.norm() > 0)) return std::nullopt;
+  const Eigen::AlignedBox3d box = box_of(cloud);
   const Vector3d eye = box.center() + 10 * box.diagonal().norm() * area.normalized();
   const SolidAngles angles = solid_angles(cloud, eye);
   if (angles.back > kTurnedAway * (angles.front + angles.back)) return std::nullopt;
