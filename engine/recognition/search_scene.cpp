@@ -65,12 +65,15 @@ class SceneSearch {
   /// Verify what is proposed, and select anew among all candidates.
   Result<void> settle(const AllProposals& proposals);
 
-  /// What the selection took, chosen ones first.
-  std::vector<TakenClaim> claims() const;
-  /// The chosen candidates, moved to where the scan speaks for them and scored anew.
-  Result<std::vector<Candidate>> hold_against_alternatives();
+  /// What the detections claim as they were taken, since alternatives change scores and move poses,
+  /// and what was one too many.
+  std::vector<TakenClaim> claims(std::span<const std::uint32_t> chosen) const;
+  /// Candidates, moved to where the scan speaks for them and scored anew.
+  Result<std::vector<Candidate>> hold_against_alternatives(std::span<const std::uint32_t> chosen);
   Result<SearchResult> conclude();
-  std::optional<Rejection> refusal_of(const Candidate& candidate,
+  /// The score that min_score is asked of.
+  float asked_score(const Candidate& candidate) const;
+  std::optional<Rejection> refusal_of(const Candidate& candidate, float least,
                                       std::span<const Candidate> better) const;
   /// Whether matches propose a pose that votes had the chance to propose and did not.
   bool is_beside_votes(const Candidate& candidate) const;
@@ -206,45 +209,56 @@ Result<void> SceneSearch::settle(const AllProposals& proposals) {
 
 Result<SearchResult> SceneSearch::conclude() {
   SearchResult result;
-  // As they were taken: alternatives change scores, and move poses.
-  if (options_.tell_claims) result.claims = claims();
-  Result<std::vector<Candidate>> settled = hold_against_alternatives();
-  if (!settled) return settled.error();
-  std::vector<std::uint32_t> chosen;  // by detection
-  for (std::size_t k = 0; k < settled->size(); ++k) {
-    const std::uint32_t c = selection_.chosen[k];
-    Candidate& candidate = (*settled)[k];
-    if (const std::optional<Rejection> refusal = refusal_of(candidate, result.detections)) {
-      selection_.refused.push_back({c, *refusal});
-      candidates_[c] = std::move(candidate);
-      continue;
+  std::vector<std::uint32_t> chosen, standing;  // all detections; those that are reported
+  std::vector<std::pair<std::uint32_t, Candidate>> refused;
+  // Those that are kept beside what is reported come from the first choice alone.
+  float least = options_.doubtful_score.value_or(options_.min_score);
+  std::vector<std::uint32_t> next = selection_.chosen;
+  while (!next.empty()) {
+    Result<std::vector<Candidate>> settled = hold_against_alternatives(next);
+    if (!settled) return settled.error();
+    for (std::size_t k = 0; k < next.size(); ++k) {
+      const std::uint32_t c = next[k];
+      Candidate& candidate = (*settled)[k];
+      if (const std::optional<Rejection> refusal =
+              refusal_of(candidate, least, result.detections)) {
+        selection_.refused.push_back({c, *refusal});
+        refused.emplace_back(c, std::move(candidate));
+        continue;
+      }
+      if (asked_score(candidate) >= options_.min_score) standing.push_back(c);
+      result.detections.push_back(std::move(candidate));
+      chosen.push_back(c);
     }
-    if (result.claims) (*result.claims)[k].detection = result.detections.size();
-    result.detections.push_back(std::move(candidate));
-    chosen.push_back(c);
+    // What is refused explains nothing: what it hid is held against its alternatives, too.
+    least = options_.min_score;
+    next = take_unexplained(sizes_of(scene_), claims_of(library_, candidates_, select_options_),
+                            standing, select_options_, selection_.refused);
   }
+  if (options_.tell_claims) result.claims = claims(chosen);
+  for (auto& [c, candidate] : refused) candidates_[c] = std::move(candidate);
   if (options_.max_rejected > 0) result.rejected = best_rejected(chosen, result.detections);
   return result;
 }
 
-std::vector<TakenClaim> SceneSearch::claims() const {
-  std::vector<std::uint32_t> taken = selection_.chosen;
-  for (const RejectedCandidate& refusal : selection_.refused) {
-    if (refusal.reason == Rejection::too_many) taken.push_back(refusal.candidate);
-  }
+std::vector<TakenClaim> SceneSearch::claims(std::span<const std::uint32_t> chosen) const {
   std::vector<TakenClaim> claims;
-  for (const std::uint32_t c : taken) {
+  const auto tell = [&](std::uint32_t c, std::optional<std::size_t> detection) {
     const Candidate& candidate = candidates_[c];
     const Model& model = library_.models[candidate.model];
-    claims.push_back({candidate.model, rank_of(model, candidate, select_options_), {}});
+    claims.push_back({candidate.model, rank_of(model, candidate, select_options_), {}, detection});
     if (select_options_.by_pixels) claims.back().explained = candidate.explained;
+  };
+  for (std::size_t d = 0; d < chosen.size(); ++d) tell(chosen[d], d);
+  for (const RejectedCandidate& refusal : selection_.refused) {
+    if (refusal.reason == Rejection::too_many) tell(refusal.candidate, std::nullopt);
   }
   return claims;
 }
 
-Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives() {
+Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives(
+    std::span<const std::uint32_t> chosen) {
   const StageTimer timer(stats_.times, "alternatives");
-  const std::vector<std::uint32_t>& chosen = selection_.chosen;
   std::vector<Candidate> settled(chosen.size());
   for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
   if (compares_alternatives(options_)) {
@@ -272,7 +286,11 @@ bool SceneSearch::is_beside_votes(const Candidate& candidate) const {
          !library_.models[candidate.model].ppf.entries.empty();
 }
 
-std::optional<Rejection> SceneSearch::refusal_of(const Candidate& candidate,
+float SceneSearch::asked_score(const Candidate& candidate) const {
+  return options_.require_pose ? candidate.score * candidate.pose_share : candidate.score;
+}
+
+std::optional<Rejection> SceneSearch::refusal_of(const Candidate& candidate, float least,
                                                  std::span<const Candidate> better) const {
   const bool repeats = std::ranges::any_of(better, [&](const Candidate& other) {
     return other.model == candidate.model &&
@@ -280,9 +298,7 @@ std::optional<Rejection> SceneSearch::refusal_of(const Candidate& candidate,
                           candidate.T_scene_model);
   });
   if (repeats) return Rejection::explained;
-  const float score =
-      options_.require_pose ? candidate.score * candidate.pose_share : candidate.score;
-  if (score < options_.doubtful_score.value_or(options_.min_score)) return Rejection::too_low;
+  if (asked_score(candidate) < least) return Rejection::too_low;
   return std::nullopt;
 }
 

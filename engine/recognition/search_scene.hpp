@@ -40,14 +40,14 @@ struct TakenClaim {
 struct SearchResult {
   std::vector<Candidate> detections;       ///< in the order of taking
   std::vector<RefusedCandidate> rejected;  ///< the best of each model, by falling score
-  /// In the order of taking, if they are asked for; also of candidates that were one too many.
+  /// Of the detections and of candidates that were one too many, if they are asked for.
   std::optional<std::vector<TakenClaim>> claims{};
 };
 
 /// Test the expected poses, then search round by round for what is not yet explained; of all
 /// candidates take those that explain the scene together, and hold these against their
 /// alternatives. What then lies where a better one does, or falls below the scores that are asked
-/// for, is refused.
+/// for, is refused, and what it alone hid is held against its alternatives in its stead.
 ///
 /// options  as ablate() gives them
 /// stats    gets times and counts

@@ -69,14 +69,22 @@ Result<void> OtherAnswers::weigh(std::uint32_t index, Candidate& candidate) cons
 
 Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& candidate) const {
   const std::vector<Model>& models = recognizer_.library().models;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> siblings;  // candidates by model
+  // The one that was taken in its place, and those that this one hides.
+  std::uint32_t holder = index;
   for (const RejectedCandidate& refusal : selection_.refused) {
-    const Candidate& other = candidates_[refusal.candidate];
-    if (refusal.explained_by != index || other.model == candidate.model ||
-        other.score < kSiblingScore * candidates_[index].score)
-      continue;
+    if (refusal.candidate == index && refusal.explained_by) holder = *refusal.explained_by;
+  }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> siblings;  // candidates by model
+  const auto add = [&](std::uint32_t c) {
+    const Candidate& other = candidates_[c];
+    if (other.model == candidate.model || other.score < kSiblingScore * candidates_[index].score)
+      return;
     std::vector<std::uint32_t>& poses = siblings[other.model];
-    if (poses.size() < kPosesOfSibling) poses.push_back(refusal.candidate);
+    if (poses.size() < kPosesOfSibling) poses.push_back(c);
+  };
+  add(holder);
+  for (const RejectedCandidate& refusal : selection_.refused) {
+    if (refusal.explained_by == holder) add(refusal.candidate);
   }
   if (siblings.empty()) return {};
 

@@ -31,7 +31,8 @@ class OtherAnswers {
                const PoseTestOptions& test);
 
   /// Lower the score of a candidate by the crowd of other answers of its model, and by its
-  /// siblings: other models that claim the same pixels with at least half its score. Of these the
+  /// siblings: other models that claim the same pixels with at least half its score, be they hidden
+  /// by it or by what was taken in its place. Of these the
   /// probability is shared by how well each explains the pixels where they differ
   /// (kernels::compare_poses), with those that keep a tenth of its share; these are noted.
   /// index      of the candidate among all

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -145,6 +146,44 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
   return selection;
 }
 
+std::vector<std::uint32_t> take_unexplained(std::span<const ImageSize> images,
+                                            std::span<const Claim> claims,
+                                            std::span<const std::uint32_t> standing,
+                                            const SelectOptions& options,
+                                            std::vector<RejectedCandidate>& refused) {
+  std::vector<std::uint32_t> which(standing.begin(), standing.end());
+  for (const RejectedCandidate& refusal : refused) {
+    if (refusal.reason == Rejection::too_many) which.push_back(refusal.candidate);
+  }
+  const std::size_t num_standing = which.size();
+  const auto is_unexplained = [&](const RejectedCandidate& refusal) {
+    const auto first = which.begin(), last = first + static_cast<std::ptrdiff_t>(num_standing);
+    return refusal.explained_by && claims[refusal.candidate].score >= options.min_score &&
+           std::find(first, last, *refusal.explained_by) == last;
+  };
+  for (const RejectedCandidate& refusal : refused) {
+    if (is_unexplained(refusal)) which.push_back(refusal.candidate);
+  }
+  if (which.size() == num_standing) return {};
+  std::erase_if(refused, is_unexplained);
+  std::vector<Claim> among;
+  for (const std::uint32_t c : which) among.push_back(claims[c]);
+  for (Claim& claim : std::span(among).first(num_standing))
+    claim = {claim.model, 1, std::numeric_limits<float>::infinity(), claim.explained};
+  const Selection selection = select_claims(images, among, options);
+  for (RejectedCandidate refusal : selection.refused) {
+    if (refusal.candidate < num_standing) continue;  // one too many, as before
+    refusal.candidate = which[refusal.candidate];
+    if (refusal.explained_by) refusal.explained_by = which[*refusal.explained_by];
+    refused.push_back(refusal);
+  }
+  std::vector<std::uint32_t> taken;
+  for (const std::uint32_t k : selection.chosen) {
+    if (k >= num_standing) taken.push_back(which[k]);
+  }
+  return taken;
+}
+
 float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options) {
   if (!options.by_pixels) return candidate.score;
   const float area = candidate.examination.area * model.diameter * model.diameter;
@@ -158,14 +197,19 @@ std::vector<ImageSize> sizes_of(const PreparedScene& scene) {
   return sizes;
 }
 
-Selection select_detections(const Library& library, const PreparedScene& scene,
-                            std::span<const Candidate> candidates, const SelectOptions& options) {
+std::vector<Claim> claims_of(const Library& library, std::span<const Candidate> candidates,
+                             const SelectOptions& options) {
   std::vector<Claim> claims;
   for (const Candidate& candidate : candidates) {
     claims.push_back({candidate.model, candidate.score,
                       rank_of(library.models[candidate.model], candidate, options),
                       &candidate.explained});
   }
+  return claims;
+}
+
+Selection select_detections(const Library& library, const PreparedScene& scene,
+                            std::span<const Candidate> candidates, const SelectOptions& options) {
   Repeats repeats;
   if (!options.by_pixels) {
     repeats = [&](std::span<const std::uint32_t> taken, std::uint32_t c) {
@@ -177,7 +221,7 @@ Selection select_detections(const Library& library, const PreparedScene& scene,
       });
     };
   }
-  return select_claims(sizes_of(scene), claims, options, repeats);
+  return select_claims(sizes_of(scene), claims_of(library, candidates, options), options, repeats);
 }
 
 std::vector<RejectedCandidate> best_refused(const Library& library,

@@ -58,10 +58,26 @@ using Repeats = std::function<bool(std::span<const std::uint32_t> taken, std::ui
 Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
                         const SelectOptions& options, const Repeats& repeats = {});
 
+/// Take those of the refused claims from min_score on that were hidden by one that does not stand
+/// after all, unless what stands explains them, or a better one of them does.
+///
+/// standing  indices of the claims that were taken and stand; what was one too many does, too
+/// refused   of all claims; loses what is taken, and tells what hides the others now
+/// Returns the indices of those taken, in the order of taking.
+std::vector<std::uint32_t> take_unexplained(std::span<const ImageSize> images,
+                                            std::span<const Claim> claims,
+                                            std::span<const std::uint32_t> standing,
+                                            const SelectOptions& options,
+                                            std::vector<RejectedCandidate>& refused);
+
 /// The rank of a candidate, score x area^0.25: large surfaces prove more; by poses alone the score.
 float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options);
 
 std::vector<ImageSize> sizes_of(const PreparedScene& scene);
+
+/// They refer to the candidates.
+std::vector<Claim> claims_of(const Library& library, std::span<const Candidate> candidates,
+                             const SelectOptions& options);
 
 /// Select by the pixels that candidates explain, or by their poses alone.
 Selection select_detections(const Library& library, const PreparedScene& scene,

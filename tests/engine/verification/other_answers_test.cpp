@@ -95,6 +95,7 @@ TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotTellThemApart) {
   EXPECT_TRUE(alone[0].siblings.empty());
   EXPECT_LT(hidden[0].score, 0.65F) << "either may lie there";
   EXPECT_GT(alone[0].score, 0.8F);
+  EXPECT_TRUE(found(both_, true, 0.8F).empty()) << "the other one has its turn, and no more";
 }
 
 TEST_F(Siblings, ScoreDoesNotDependOnWhatIsAskedFor) {

@@ -121,6 +121,33 @@ TEST_F(SelectDetections, CountsAPixelForTheFirstThatExplainsIt) {
   EXPECT_FLOAT_EQ(selection.refused[0].explained_share, 1);
 }
 
+// The first one was taken and then refused: of what it hid, the second one hides the third, what
+// stands hides the fourth, and the fifth is too low.
+TEST_F(SelectDetections, TakesWhatOnlyARefusedOneHid) {
+  const std::vector<Candidate> all{candidate(0, 0.97F, 0, 60), candidate(1, 0.92F, 0, 30),
+                                   candidate(1, 0.9F, 0, 20),  candidate(1, 0.93F, 50, 20),
+                                   candidate(1, 0.7F, 30, 10), candidate(0, 0.96F, 60, 40)};
+  const engine::SelectOptions options;
+  engine::Selection selection = engine::select_detections(library_, scene_, all, options);
+  ASSERT_EQ(selection.chosen, (std::vector<std::uint32_t>{0, 5}));
+  const auto claims = engine::claims_of(library_, all, options);
+  const auto sizes = engine::sizes_of(scene_);
+  const auto take = [&](std::vector<std::uint32_t> standing) {
+    return engine::take_unexplained(sizes, claims, standing, options, selection.refused);
+  };
+  EXPECT_TRUE(take({0, 5}).empty());
+  EXPECT_EQ(selection.refused.size(), 4U);
+  EXPECT_EQ(take({5}), std::vector<std::uint32_t>{1});
+  const auto refusal_of = [&](std::uint32_t c) {
+    return std::ranges::find(selection.refused, c, &engine::RejectedCandidate::candidate);
+  };
+  ASSERT_EQ(selection.refused.size(), 3U);
+  EXPECT_EQ(refusal_of(2)->explained_by, 1U);
+  EXPECT_EQ(refusal_of(3)->explained_by, 5U);
+  EXPECT_EQ(refusal_of(4)->explained_by, 0U) << "would be refused anyway";
+  EXPECT_TRUE(take({1, 5}).empty()) << "all are held against what stands";
+}
+
 TEST_F(SelectDetections, TellsWhatIsOneTooMany) {
   const std::vector<Candidate> three{candidate(0, 0.9F, 0, 10), candidate(0, 0.8F, 20, 10),
                                      candidate(1, 0.7F, 20, 10)};
@@ -131,6 +158,12 @@ TEST_F(SelectDetections, TellsWhatIsOneTooMany) {
   EXPECT_EQ(selection.refused[0].reason, Rejection::too_many);
   EXPECT_EQ(selection.refused[1].reason, Rejection::explained);
   EXPECT_EQ(selection.refused[1].explained_by, 1U) << "what is not asked for explains, too";
+  std::vector<engine::RejectedCandidate> refused = selection.refused;
+  EXPECT_TRUE(engine::take_unexplained(engine::sizes_of(scene_),
+                                       engine::claims_of(library_, three, {}), selection.chosen, {},
+                                       refused)
+                  .empty());
+  EXPECT_EQ(refused.size(), 2U);
 }
 
 class BestRefused : public SelectDetections {
