@@ -63,15 +63,26 @@ std::set<int> list_scenes(const fs::path& split) {
 /// A data set and the split of it that is meant.
 struct Place {
   fs::path root, models;
-  fs::path split;  ///< empty: to be chosen
+  fs::path split;      ///< empty: to be chosen
+  std::string camera;  ///< empty: the one that has depth images
 };
 
-std::optional<Place> find_place(const fs::path& folder) {
-  if (const auto models = find_models(folder)) return Place{folder, *models, {}};
+std::optional<Place> find_folder(const fs::path& folder) {
+  if (const auto models = find_models(folder)) return Place{folder, *models, {}, {}};
   const fs::path root = (folder / "..").lexically_normal();
   const auto models = find_models(root);
   if (!models || list_scenes(folder).empty()) return {};
-  return Place{root, *models, folder};
+  return Place{root, *models, folder, {}};
+}
+
+/// FOLDER or FOLDER:CAMERA
+std::optional<Place> find_place(const fs::path& argument) {
+  const std::string text = argument.string();
+  const std::size_t colon = text.rfind(':');
+  if (is_there(argument) || colon == std::string::npos) return find_folder(argument);
+  std::optional<Place> place = find_folder(text.substr(0, colon));
+  if (place) place->camera = text.substr(colon + 1);
+  return place;
 }
 
 Result<Place> place_of(const fs::path& folder) {
@@ -165,23 +176,60 @@ Result<std::optional<Targets>> read_targets(const fs::path& root) {
   return targets;
 }
 
+std::string comma_list(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The names of a scene's cameras, where its files name them: scene_camera_NAME.json.
+std::vector<std::string> list_cameras(const fs::path& folder) {
+  constexpr std::string_view kBegin = "scene_camera_";
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path file = entry->path().filename();
+    const std::string stem = file.stem().string();
+    if (file.extension() == ".json" && stem.starts_with(kBegin) && stem.size() > kBegin.size())
+      names.push_back(stem.substr(kBegin.size()));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Where the files of one camera of a scene are.
+struct SceneFiles {
+  fs::path folder;
+  std::string suffix;  ///< "_" and the camera's name, or nothing
+
+  fs::path json(std::string_view what) const {
+    return folder / fmt::format("{}{}.json", what, suffix);
+  }
+  fs::path depth(int image_id) const {
+    return folder / ("depth" + suffix) / bop_depth_file(folder, image_id).filename();
+  }
+};
+
 /// Reads the scenes of a split into a manifest whose models are there.
 class SceneReader {
  public:
-  SceneReader(const fs::path& split, Manifest& manifest) : split_(split), manifest_(manifest) {
+  SceneReader(const fs::path& split, const std::string& camera, Manifest& manifest)
+      : split_(split), camera_(camera), manifest_(manifest) {
     for (const ManifestModel& model : manifest.models) names_[model.object_id] = model.name;
   }
 
   /// images   to be read, all if absent
   Result<void> read(int scene_id, const ImageTargets* images) {
     const fs::path folder = bop_scene_folder(split_, scene_id);
+    const Result<std::string> camera = find_camera(folder);
+    if (!camera) return camera.error();
+    const SceneFiles files{folder, *camera};
     std::map<int, ManifestScene> scenes;
-    if (auto done = read_cameras(folder, images, scenes); !done) return done;
-    if (auto done = read_truth(folder, scenes); !done) return done;
+    if (auto done = read_cameras(files, images, scenes); !done) return done;
+    if (auto done = read_truth(files, scenes); !done) return done;
     for (auto& [image_id, scene] : scenes) {
       scene.scene_id = scene_id;
       scene.image_id = image_id;
-      if (auto done = find_depth(folder, scene); !done) return done;
+      if (auto done = find_depth(files, scene); !done) return done;
       if (images) {
         for (const auto& [object_id, count] : images->at(image_id)) {
           const auto name = names_.find(object_id);
@@ -195,15 +243,37 @@ class SceneReader {
   }
 
  private:
-  static Result<void> read_cameras(const fs::path& folder, const ImageTargets* images,
-                                   std::map<int, ManifestScene>& scenes) {
-    const fs::path file = folder / "scene_camera.json";
-    if (is_there(folder) && !is_there(file)) {
+  /// What follows "scene_camera", "depth" ... in the names of a scene's files: nothing, or "_" and
+  /// the camera's name, where there are several: the one that was asked for, or has depth images.
+  Result<std::string> find_camera(const fs::path& folder) const {
+    const std::vector<std::string> cameras = list_cameras(folder);
+    if (!camera_.empty()) {
+      if (std::ranges::find(cameras, camera_) != cameras.end()) return "_" + camera_;
       return Error{ErrorCode::missing_input,
-                   fmt::format("{}: expected one camera a scene, found no such file; scenes of "
-                               "several cameras cannot be read",
-                               file.string())};
+                   fmt::format("{}: expected the camera {}, found {}", folder.string(), camera_,
+                               cameras.empty() ? "none that is named" : comma_list(cameras))};
     }
+    if (cameras.empty() || is_there(folder / "scene_camera.json")) return std::string();
+    std::vector<std::string> with_depth = cameras;
+    std::erase_if(with_depth,
+                  [&](const std::string& name) { return !is_there(folder / ("depth_" + name)); });
+    if (with_depth.size() == 1) return "_" + with_depth[0];
+    if (with_depth.empty()) {
+      return Error{ErrorCode::missing_input,
+                   fmt::format("{}: expected a camera with depth images, found {}, and no folder "
+                               "such as depth_{}",
+                               folder.string(), comma_list(cameras), cameras[0])};
+    }
+    return Error{
+        ErrorCode::usage,
+        fmt::format("{}: expected one camera with depth images, found {}; name one as "
+                    "{}:{}",
+                    folder.string(), comma_list(with_depth), split_.string(), with_depth[0])};
+  }
+
+  static Result<void> read_cameras(const SceneFiles& files, const ImageTargets* images,
+                                   std::map<int, ManifestScene>& scenes) {
+    const fs::path file = files.json("scene_camera");
     return with_json(file, [&](const JsonNode& root) {
       for (const auto& [key, node] : root.members()) {
         const int image_id = parse_id(key, node);
@@ -220,8 +290,8 @@ class SceneReader {
 
   using Truth = std::vector<TruthInstance>;
 
-  Result<void> read_truth(const fs::path& folder, std::map<int, ManifestScene>& scenes) const {
-    const fs::path poses = folder / "scene_gt.json", info = folder / "scene_gt_info.json";
+  Result<void> read_truth(const SceneFiles& files, std::map<int, ManifestScene>& scenes) const {
+    const fs::path poses = files.json("scene_gt"), info = files.json("scene_gt_info");
     if (!is_there(poses)) return {};
     const auto done = for_images(poses, scenes, [&](const JsonNode& node, Truth& truth) {
       for (const JsonNode& instance : node.elements()) truth.push_back(parse_truth(instance));
@@ -265,22 +335,16 @@ class SceneReader {
     return truth;
   }
 
-  Result<void> find_depth(const fs::path& folder, ManifestScene& scene) const {
-    scene.file = bop_depth_file(folder, scene.image_id);
-    scene.name = (name_of(split_) / scene.file.lexically_relative(split_)).generic_string();
-    if (is_there(scene.file)) return {};
-    for (const char* extension : {".tif", ".tiff"}) {
-      const fs::path other = fs::path(scene.file).replace_extension(extension);
-      if (is_there(other)) {
-        return Error{ErrorCode::bad_data,
-                     fmt::format("{}: expected a 16-bit depth PNG, found a TIFF image; convert it",
-                                 other.string())};
-      }
+  Result<void> find_depth(const SceneFiles& files, ManifestScene& scene) const {
+    const fs::path file = files.depth(scene.image_id);
+    for (const char* extension : {".png", ".tif", ".tiff"}) {
+      scene.file = fs::path(file).replace_extension(extension);
+      scene.name = (name_of(split_) / scene.file.lexically_relative(split_)).generic_string();
+      if (is_there(scene.file)) return {};
     }
     return Error{ErrorCode::missing_input,
-                 fmt::format("{}: expected the depth of an image of scene_camera.json, found no "
-                             "such file",
-                             scene.file.string())};
+                 fmt::format("{}: expected the depth of an image of {}, found no such file",
+                             file.string(), files.json("scene_camera").filename().string())};
   }
 
   Error unknown_target(int object_id) const {
@@ -291,6 +355,7 @@ class SceneReader {
   }
 
   const fs::path& split_;
+  const std::string& camera_;
   Manifest& manifest_;
   std::map<int, std::string> names_;  ///< by object id
 };
@@ -335,7 +400,7 @@ Result<Manifest> read_bop(const fs::path& folder) {
   Result<std::optional<Targets>> targets = std::optional<Targets>();
   if (is_test(name_of(*split).string())) targets = read_targets(place->root);
   if (!targets) return targets.error();
-  SceneReader reader(*split, *manifest);
+  SceneReader reader(*split, place->camera, *manifest);
   if (*targets) {
     for (const auto& [scene_id, images] : **targets)
       if (auto done = reader.read(scene_id, &images); !done) return done.error();

@@ -25,14 +25,17 @@ Result<Manifest> read_bop_models(const std::filesystem::path& folder);
 
 /// The models and the scenes of a data set, in mm, by scene and image id.
 ///
-/// folder   of the data set, whose one split called test… is taken, or of any of its splits
+/// folder   of the data set, whose one split called test… is taken, or of any of its splits. Where
+///          scenes have several cameras (scene_camera_CAM.json, depth_CAM/, scene_gt_CAM.json) that
+///          one which has depth images is taken, or the one named as FOLDER:CAM
+/// Depth images are PNG or TIFF files.
 /// The images are those of the targets files, where a test split has one, else all. Targets carry
 /// the numbers of instances that test_targets_bop19.json tells (or _bop24, if there is no other).
 /// Without scene_gt.json there is no truth; by scene_gt_info.json, truth of which less than
 /// kBopMinVisibleFraction is visible is to be ignored.
 /// Errors: missing_input (also no test split, and an image whose depth is not there), io, bad_data
-/// (names the JSON path of the fault; TIFF images and several cameras a scene are refused), usage
-/// (several test splits).
+/// (names the JSON path of the fault; a camera that is no pinhole), usage (several test splits, or
+/// several cameras with depth images).
 Result<Manifest> read_bop(const std::filesystem::path& folder);
 
 /// The entries of a models_info.json, by object id. Lengths that it lacks are 0.

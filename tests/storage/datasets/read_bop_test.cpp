@@ -263,17 +263,73 @@ TEST_F(ReadBop, RefusesTargetsThatAreNotThere) {
   expect_refused(root(), ErrorCode::missing_input, {"000002/scene_camera.json"});
 }
 
-TEST_F(ReadBop, RefusesImagesThatItCannotRead) {
+TEST_F(ReadBop, NamesTheDepthImagesThatAreThere) {
   const fs::path depth = root() / "test/000001/depth";
   fs::rename(depth / "000020.png", depth / "000020.tif");
-  expect_refused(root(), ErrorCode::bad_data, {"depth/000020.tif", "PNG", "TIFF"});
+  const Result<Manifest> manifest = read_bop(root());
+  ASSERT_TRUE(manifest) << manifest.error().message;
+  EXPECT_EQ(manifest->scenes[1].file, depth / "000020.tif");
+  EXPECT_EQ(manifest->scenes[1].name, "test/000001/depth/000020.tif");
   fs::remove(depth / "000020.tif");
   expect_refused(root(), ErrorCode::missing_input, {"depth/000020.png"});
-  fs::rename(root() / "test/000001/scene_camera.json",
-             root() / "test/000001/scene_camera_cam1.json");
-  expect_refused(root(), ErrorCode::missing_input, {"scene_camera.json", "several cameras"});
   fs::rename(root() / "test", root() / "val");
   expect_refused(root(), ErrorCode::missing_input, {"expected a folder of test images"});
+}
+
+/// Its scenes have the cameras "rgb", without depth, and "near", and "far" if that is asked for.
+class ReadBopOfCameras : public ReadBop {
+ protected:
+  void name_cameras(bool with_far) const {
+    for (const char* scene : {"000001", "000045"}) {
+      const fs::path folder = root() / "test" / scene;
+      for (const char* what : {"scene_camera", "scene_gt", "scene_gt_info"}) {
+        const std::string text = test::read_bytes(folder / (std::string(what) + ".json"));
+        write(folder / (std::string(what) + "_near.json"), text);
+        if (with_far) write(folder / (std::string(what) + "_far.json"), text);
+        fs::remove(folder / (std::string(what) + ".json"));
+      }
+      write(folder / "scene_camera_rgb.json", "{}");
+      if (with_far) fs::copy(folder / "depth", folder / "depth_far");
+      fs::rename(folder / "depth", folder / "depth_near");
+    }
+  }
+};
+
+TEST_F(ReadBopOfCameras, TakesTheOneThatHasDepth) {
+  const Result<Manifest> before = read_bop(root());
+  name_cameras(false);
+  const Result<Manifest> manifest = read_bop(root());
+  ASSERT_TRUE(before && manifest) << manifest.error().message;
+  ASSERT_EQ(manifest->scenes.size(), before->scenes.size());
+  for (std::size_t i = 0; i < before->scenes.size(); ++i) {
+    const ManifestScene &was = before->scenes[i], &is = manifest->scenes[i];
+    EXPECT_EQ(is.file.parent_path().filename(), "depth_near");
+    EXPECT_EQ(is.file.filename(), was.file.filename());
+    EXPECT_EQ(is.camera, was.camera);
+    EXPECT_EQ(is.scene_id, was.scene_id);
+    ASSERT_EQ(is.truth.size(), was.truth.size());
+    EXPECT_EQ(is.truth[0].visible_fraction, was.truth[0].visible_fraction);
+  }
+}
+
+TEST_F(ReadBopOfCameras, AsksForOneOfSeveral) {
+  name_cameras(true);
+  EXPECT_TRUE(is_bop_folder(root()));
+  expect_refused(root(), ErrorCode::usage, {"far, near", "test:far"});
+  for (const char* argument : {"set:far", "set/test:far"}) {
+    EXPECT_TRUE(is_bop_folder(dir_ / argument));
+    const Result<Manifest> manifest = read_bop(dir_ / argument);
+    ASSERT_TRUE(manifest) << manifest.error().message;
+    EXPECT_EQ(manifest->scenes[0].name, "test/000001/depth_far/000003.png");
+  }
+  expect_refused(dir_ / "set:side", ErrorCode::missing_input, {"side", "far, near, rgb"});
+  EXPECT_FALSE(is_bop_folder(dir_ / "none:far"));
+}
+
+TEST_F(ReadBopOfCameras, RefusesThoseWithoutDepth) {
+  name_cameras(false);
+  fs::remove_all(root() / "test/000001/depth_near");
+  expect_refused(root(), ErrorCode::missing_input, {"depth images", "near, rgb"});
 }
 
 TEST_F(ReadBop, SurvivesTruncation) {
