@@ -64,8 +64,11 @@ void add_scenes(const Manifest& manifest, LengthUnit library_unit, SceneInputs& 
     inputs.sources.push_back(std::move(source));
   for (const ManifestScene& scene : manifest.scenes)
     inputs.ids.push_back({scene.scene_id, scene.image_id});
+  const bool is_bop = std::ranges::any_of(
+      manifest.scenes, [](const ManifestScene& scene) { return scene.scene_id >= 0; });
+  if (!is_bop) return;
   for (const ManifestModel& model : manifest.models)
-    if (model.object_id > 0) inputs.object_ids[model.name] = model.object_id;
+    inputs.object_ids[model.name] = model.object_id;
 }
 
 /// The cameras of a file, each read once.
