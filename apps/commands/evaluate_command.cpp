@@ -100,6 +100,8 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
 Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments& arguments,
                               const Context& context) {
   const bool is_bop = std::filesystem::path(arguments.detections).extension() == ".csv";
+  if (const auto warning = bop_name_warning(arguments.detections); is_bop && warning)
+    context.console.warning(*warning);
   Result<std::vector<std::optional<SceneResult>>> results =
       is_bop ? read_bop_detections(arguments.detections, manifest)
              : read_detections(arguments.detections, manifest);

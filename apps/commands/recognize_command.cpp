@@ -59,6 +59,7 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   if (!arguments.bop_csv.empty()) {
     const Result<void> checked = check_bop_ids(*scenes, library, options->models);
     if (!checked) return checked;
+    if (const auto warning = bop_name_warning(arguments.bop_csv)) context.console.warning(*warning);
     kept.doubtful_score = std::min(kLowestKeptScore, options->min_score);
   }
 

@@ -16,6 +16,14 @@ Error refuse(std::string_view what, std::string_view found) {
 
 }  // namespace
 
+std::optional<std::string> bop_name_warning(const std::filesystem::path& file) {
+  if (is_bop_result_name(file)) return std::nullopt;
+  return fmt::format(
+      "{}: BOP's tools learn the data set from the name of a file, and expect one such as "
+      "trivet_lmo-test{}: METHOD_DATASET-SPLIT",
+      file.string(), file.extension().string());
+}
+
 Result<void> check_bop_ids(const SceneInputs& scenes, const Library& library,
                            std::span<const std::string> models) {
   std::set<std::pair<int, int>> seen;

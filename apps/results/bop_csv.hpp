@@ -16,6 +16,9 @@
 
 namespace trivet::apps {
 
+/// What to tell of a file of results that the benchmark's tools would not know by its name.
+std::optional<std::string> bop_name_warning(const std::filesystem::path& file);
+
 /// Check, before anything is recognized, that every detection will have its numbers: each scene
 /// those of a BOP data set, no two the same, and each model the name that it has there, as a
 /// library knows no object ids (obj_000001, as `trivet train DATASET` names it).

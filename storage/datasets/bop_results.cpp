@@ -106,6 +106,18 @@ class ImageTimes {
 
 }  // namespace
 
+bool is_bop_result_name(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  const std::string_view stem = std::string_view(name).substr(0, name.find('.'));
+  const std::size_t method = stem.find('_');
+  if (method == 0 || method == std::string_view::npos) return false;
+  std::string_view data = stem.substr(method + 1);
+  data = data.substr(0, data.find('_'));
+  const std::size_t dash = data.find('-');
+  return dash != 0 && dash != std::string_view::npos && dash + 1 < data.size() &&
+         data[dash + 1] != '-';
+}
+
 Result<void> write_bop_results(const std::filesystem::path& file,
                                std::span<const BopResult> results) {
   std::string text = fmt::format("{}\n", kHeader);

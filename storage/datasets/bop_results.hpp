@@ -24,6 +24,10 @@ struct BopResult {
   double seconds = -1;  ///< for the whole image, the same in all of its results; -1: unknown
 };
 
+/// Whether a file is named METHOD_DATASET-SPLIT.EXT, METHOD_DATASET-SPLIT-TYPE.EXT, or either with
+/// _ID behind: what the toolkit learns the data set and its split from.
+bool is_bop_result_name(const std::filesystem::path& file);
+
 /// Write results in their order. Numbers read back the same. The file appears whole or not at all.
 /// Pre: numbers are finite. Errors: cannot_create, io.
 Result<void> write_bop_results(const std::filesystem::path& file,

@@ -149,6 +149,15 @@ TEST_F(Bop, WritesWhatIsTooLowToBeReportedToo) {
   EXPECT_NE(page.find("rejected"), std::string::npos);
 }
 
+TEST_F(Bop, WarnsOfNamesThatTheBenchmarkDoesNotKnow) {
+  const test::Outcome written = run({"recognize", "set.h5", "set", "--bop-csv", "found.csv"});
+  EXPECT_EQ(written.exit_code, 0);
+  EXPECT_NE(written.error.find("METHOD_DATASET-SPLIT"), std::string::npos) << written.error;
+  const test::Outcome read = run({"evaluate", "set", "--detections", "found.csv"});
+  EXPECT_EQ(read.exit_code, 0);
+  EXPECT_NE(read.error.find("METHOD_DATASET-SPLIT"), std::string::npos) << read.error;
+}
+
 TEST_F(Bop, GivesTheSameDetectionsForTheFolderOfTheSplit) {
   const auto lines = [&](const std::string& scenes) {
     EXPECT_EQ(run({"recognize", "set.h5", scenes, "--json", "found.json", "--bop-csv", "found.csv"})

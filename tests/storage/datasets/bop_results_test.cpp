@@ -120,5 +120,16 @@ TEST_F(BopResults, SurviveAnyByteAnywhere) {
   }
 }
 
+TEST(BopResultName, TellsTheDataSetAndItsSplit) {
+  for (const char* name : {"trivet_lmo-test.csv", "a-b_ycbv-test-real.csv", "trivet_lmo-test_2.csv",
+                           "out/trivet_lmo-test_5ed0-a_b.csv", "trivet_lmo-test.json.gz"}) {
+    EXPECT_TRUE(is_bop_result_name(name)) << name;
+  }
+  for (const char* name :
+       {"results.csv", "lmo-test.csv", "trivet_lmo.csv", "trivet_lmo_test.csv", "_lmo-test.csv",
+        "trivet_-test.csv", "trivet_lmo-.csv", "trivet-lmo-test"})
+    EXPECT_FALSE(is_bop_result_name(name)) << name;
+}
+
 }  // namespace
 }  // namespace trivet
