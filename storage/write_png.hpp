@@ -26,4 +26,9 @@ Result<std::vector<std::byte>> encode_png(const Picture& picture);
 Result<void> write_depth_png(const std::filesystem::path& file,
                              std::span<const std::uint16_t> depths, std::uint32_t width);
 
+/// Write an 8-bit gray PNG of whole rows. The file appears whole or not at all. Errors: those of
+/// write_depth_png.
+Result<void> write_gray_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels,
+                            std::uint32_t width);
+
 }  // namespace trivet

@@ -12,16 +12,16 @@
 #include "engine/common/parallel.hpp"
 #include "engine/evaluation/average_precision.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
+#include "engine/evaluation/object_view.hpp"
 #include "kernels/common/ray_scene.hpp"
-#include "kernels/scans/render_depth.hpp"
 #include "kernels/verification/pose_errors.hpp"
-#include "storage/read_cloud.hpp"
 
 namespace trivet {
 namespace {
 
 using Eigen::Isometry3d;
-using kernels::DistanceMap;
+using engine::MeasuredImage;
+using engine::ObjectImage;
 using kernels::PixelWindow;
 using kernels::RayScene;
 
@@ -69,56 +69,14 @@ Result<Gauge> make_gauge(const EvaluationMesh& mesh) {
   return gauge;
 }
 
-/// What a depth camera saw, as distances along its rays.
-struct Measured {
-  Camera camera;
-  PixelWindow window;
-  std::vector<float> distance;
-
-  DistanceMap map() const noexcept { return {window, distance}; }
-};
-
-/// None for a scene that is no depth image.
-Result<std::optional<Measured>> read_measured(const ManifestScene& scene) {
-  if (!scene.camera || !is_depth_file(scene.file)) return std::optional<Measured>();
-  const Result<Cloud> cloud = read_cloud(scene.file, {.camera = scene.camera});
-  if (!cloud) return cloud.error();
-  if (!cloud->camera || !cloud->grid) return std::optional<Measured>();
-  const PixelGrid& grid = *cloud->grid;
-  Measured measured{
-      *cloud->camera, {0, 0, grid.width, grid.height}, std::vector<float>(grid.point_index.size())};
-  for (std::size_t i = 0; i < measured.distance.size(); ++i) {
-    if (grid.point_index[i] == PixelGrid::kNone) continue;
-    measured.distance[i] = cloud->points[static_cast<std::size_t>(grid.point_index[i])].norm();
-  }
-  return std::optional(std::move(measured));
-}
-
-/// The model alone in one pose.
-struct Rendered {
-  PixelWindow window;
-  std::vector<float> distance;
-
-  DistanceMap map() const noexcept { return {window, distance}; }
-};
-
-PixelWindow window_of(const Gauge& gauge, const Pose& pose, const Measured& measured) {
+PixelWindow window_of(const Gauge& gauge, const Pose& pose, const MeasuredImage& measured) {
   return kernels::window_of_ball(measured.camera, measured.window.width, measured.window.height,
                                  pose.cast<double>() * gauge.center, gauge.radius);
 }
 
-Result<Rendered> render(const Gauge& gauge, const Pose& pose, const PixelWindow& window,
-                        const Measured& measured) {
-  Rendered rendered{window, std::vector<float>(window.size())};
-  if (window.empty()) return rendered;
-  const RayScene::Instance instance{&*gauge.rays, pose};
-  const Result<RayScene> posed = RayScene::from_instances({&instance, 1});
-  if (!posed) return posed.error();
-  const Camera camera = kernels::camera_of_window(measured.camera, window);
-  std::vector<std::uint32_t> instances(window.size());
-  kernels::render_depth(*posed, camera, window.width, 0, rendered.distance, instances);
-  kernels::depths_to_distances(camera, window.width, rendered.distance);
-  return rendered;
+Result<ObjectImage> render(const Gauge& gauge, const Pose& pose, const PixelWindow& window,
+                           const MeasuredImage& measured) {
+  return engine::render_object(*gauge.rays, pose, measured.camera, window);
 }
 
 /// One value for each pair of an estimate and a truth.
@@ -222,7 +180,7 @@ std::vector<Group> make_groups(const ManifestScene& scene, const SceneResult& re
 
 /// Fill the tables of distances; pairs are independent.
 void measure_distances(const ManifestScene& scene, const SceneResult& result, const Gauge& gauge,
-                       const std::optional<Measured>& measured, Group& group) {
+                       const std::optional<MeasuredImage>& measured, Group& group) {
   group.mssd = {group.detections.size(), group.truths.size()};
   group.mspd = group.mssd;
   const PointsView vertices = gauge.mesh->vertices;
@@ -241,7 +199,7 @@ void measure_distances(const ManifestScene& scene, const SceneResult& result, co
 
 /// Fill the table of VSD: each pose is rendered once, and only where a truth can be seen with it.
 Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, const Gauge& gauge,
-                         const Measured& measured, double delta, Group& group) {
+                         const MeasuredImage& measured, double delta, Group& group) {
   group.vsd = {group.detections.size(), group.truths.size()};
   const auto pose_of = [&](std::size_t e) -> const Pose& {
     return result.detections[group.detections[e]].T_scene_model;
@@ -250,7 +208,7 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
   for (std::size_t e = 0; e < windows.size(); ++e)
     windows[e] = window_of(gauge, pose_of(e), measured);
 
-  std::vector<std::optional<Result<Rendered>>> truths(group.truths.size());
+  std::vector<std::optional<Result<ObjectImage>>> truths(group.truths.size());
   engine::for_each_index(truths.size(), [&](std::size_t t) {
     const Pose& pose = scene.truth[group.truths[t]].T_scene_model;
     const PixelWindow window = window_of(gauge, pose, measured);
@@ -263,12 +221,12 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
 
   std::vector<std::optional<Error>> failures(windows.size());
   engine::for_each_index(windows.size(), [&](std::size_t e) {
-    std::optional<Rendered> estimate;
+    std::optional<ObjectImage> estimate;
     for (std::size_t t = 0; t < truths.size(); ++t) {
       group.vsd(e, t).fill(1);  // without a common pixel
       if (!truths[t] || !(*truths[t])->window.overlaps(windows[e])) continue;
       if (!estimate) {
-        Result<Rendered> rendered = render(gauge, pose_of(e), windows[e], measured);
+        Result<ObjectImage> rendered = render(gauge, pose_of(e), windows[e], measured);
         if (!rendered) {
           failures[e] = rendered.error();
           return;
@@ -378,7 +336,8 @@ SceneScores score_scene(const ManifestScene& scene, const SceneResult& result,
   out.groups = make_groups(scene, result, models, out.num_absent);
   errors.resize(result.detections.size());
   if (out.groups.empty()) return out;
-  const Result<std::optional<Measured>> measured = read_measured(scene);
+  const Result<std::optional<MeasuredImage>> measured =
+      engine::read_measured_image(scene.file, scene.camera);
   if (!measured) {
     out.failure = measured.error();
     return out;

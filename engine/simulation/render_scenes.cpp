@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <optional>
 
 #include "engine/common/check_range.hpp"
 #include "engine/common/parallel.hpp"
+#include "engine/simulation/bop_truth.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/deform_surface.hpp"
@@ -22,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array kModelFolders{"models", "models_eval"};
 constexpr int kSceneId = 1;  // every image is of this scene of BOP
 
 constexpr std::uint64_t kDeviationStream = 0xDE7, kObjectStream = 0x0B1;
@@ -119,36 +122,61 @@ Result<void> make_folder(const fs::path& folder) {
   return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
 }
 
-/// models/obj_000001.ply ... and models_info.json, in mm; and what the manifest says of them.
+/// models/obj_000001.ply ... and models_info.json, in mm, and the same in models_eval/, as errors are
+/// measured on the very meshes; and what the manifest says of them.
 Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> models, LengthUnit unit,
                                                 const fs::path& folder) {
   std::vector<ManifestModel> entries;
   std::vector<BopObject> objects;
   for (const ScanModel& model : models) {
     const int id = static_cast<int>(entries.size()) + 1;
-    const fs::path file = folder / (bop_model_name(id) + ".ply");
+    const std::string name = bop_model_name(id) + ".ply";
     Cloud surface;
     surface.triangles = model.triangles;
+    surface.points = engine::in_millimeters(model.vertices);
     Eigen::AlignedBox3d box;
-    for (std::size_t i = 0; i < model.vertices.size(); ++i) {
-      surface.points.push_back((1000 * model.vertices[i].cast<double>()).cast<float>());
+    for (std::size_t i = 0; i < surface.points.size(); ++i)
       box.extend(surface.points[i].cast<double>());
+    for (const char* models_folder : kModelFolders) {
+      const Result<void> written = write_ply(folder / models_folder / name, surface);
+      if (!written) return written.error();
     }
-    if (const Result<void> written = write_ply(file, surface); !written) return written.error();
     objects.push_back({id, static_cast<double>(kernels::find_diameter(surface.points)), box.min(),
                        box.sizes(), scaled(model.symmetry, 1000)});
     ManifestModel entry;
     entry.name = model.name;
-    entry.file = file;
+    entry.file = folder / kModelFolders[0] / name;
     entry.scale = unit_scale(LengthUnit::millimeter, unit);
     if (!model.symmetry.trivial())
       entry.symmetry = scaled(model.symmetry, unit_scale(LengthUnit::meter, unit));
     entry.object_id = id;
     entries.push_back(std::move(entry));
   }
-  const Result<void> written = write_bop_models_info(folder / "models_info.json", objects);
-  if (!written) return written.error();
+  for (const char* models_folder : kModelFolders) {
+    const Result<void> written =
+        write_bop_models_info(folder / models_folder / "models_info.json", objects);
+    if (!written) return written.error();
+  }
   return entries;
+}
+
+Result<void> write_masks(const fs::path& scene_folder, int image_id,
+                         std::span<const engine::ObjectView> views, std::uint32_t width) {
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    Result<void> written =
+        write_gray_png(bop_mask_file(scene_folder, image_id, k), views[k].mask, width);
+    if (!written) return written;
+    written = write_gray_png(bop_visible_mask_file(scene_folder, image_id, k),
+                             views[k].mask_visible, width);
+    if (!written) return written;
+  }
+  return {};
+}
+
+std::vector<int> object_ids_of(const Manifest& manifest) {
+  std::vector<int> ids;
+  for (const ManifestModel& model : manifest.models) ids.push_back(model.object_id);
+  return ids;
 }
 
 /// As much larger along each axis, about the middle of the box around.
@@ -234,19 +262,24 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   const std::vector<ScanModel> objects = scanned_objects(models, options);
   const Result<VirtualScanner> scanner = VirtualScanner::create(objects, unit, options);
   if (!scanner) return scanner.error();
+  const Result<engine::BopTruth> bop_truth = engine::BopTruth::create(models);
+  if (!bop_truth) return bop_truth.error();
   const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
-  for (const fs::path& made_folder :
-       {folder / "models", bop_depth_file(scene_folder, 0).parent_path()}) {
+  for (const fs::path& made_folder : {folder / kModelFolders[0], folder / kModelFolders[1],
+                                      bop_depth_file(scene_folder, 0).parent_path(),
+                                      bop_mask_file(scene_folder, 0, 0).parent_path(),
+                                      bop_visible_mask_file(scene_folder, 0, 0).parent_path()}) {
     if (const Result<void> made = make_folder(made_folder); !made) return made.error();
   }
   Manifest manifest;
   manifest.unit = unit;
-  Result<std::vector<ManifestModel>> entries = write_models(models, unit, folder / "models");
+  Result<std::vector<ManifestModel>> entries = write_models(models, unit, folder);
   if (!entries) return entries.error();
   manifest.models = std::move(*entries);
 
   manifest.scenes.resize(options.num_scenes);
   std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
+  std::vector<CocoImage> coco(options.num_scenes);
   std::uint32_t width = kScanWidth, height = kScanHeight;  // of every scene
   const Result<void> rendered =
       make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
@@ -259,6 +292,15 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
         entry.truth = std::move(scene->truth);
         entry.scene_id = kSceneId;
         entry.image_id = static_cast<int>(i);
+        const Result<std::vector<engine::ObjectView>> views =
+            bop_truth->describe(scene->depths, scene->width, scene->bop);
+        if (!views) return views.error();
+        if (const Result<void> written =
+                write_masks(scene_folder, scene->bop.id, *views, scene->width);
+            !written) {
+          return written.error();
+        }
+        coco[i] = engine::coco_image(scene->bop, *views, scene->width, scene->height);
         bop[0].images[i] = std::move(scene->bop);
         if (i == 0) {
           width = scene->width;
@@ -274,8 +316,9 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   const Camera& camera = bop[0].images[0].camera;
   for (const Result<void>& written :
        {write_bop_camera(folder / "camera.json", camera, width, height),
-        write_bop_scene(scene_folder, bop[0].images), write_bop_targets(folder, bop),
-        write_manifest(folder / "manifest.json", manifest)}) {
+        write_bop_scene(scene_folder, bop[0].images),
+        write_coco_truth(scene_folder / "scene_gt_coco.json", object_ids_of(manifest), coco),
+        write_bop_targets(folder, bop), write_manifest(folder / "manifest.json", manifest)}) {
     if (!written) return written.error();
   }
   return manifest;

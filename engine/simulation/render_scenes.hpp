@@ -91,7 +91,9 @@ struct RenderedScene {
   /// One an instance; lengths in the asked unit. Where the camera that is written is not the true
   /// one, the poses are those that fit what is written best (engine::written_pose).
   std::vector<TruthInstance> truth;
-  BopImage bop;  ///< the same for BOP; object ids count models from 1
+  /// Ids and poses of the same for BOP; object ids count models from 1. The rest is told by what
+  /// was measured (engine::BopTruth).
+  BopImage bop;
 };
 
 /// Scans one scene after the other, or side by side.
@@ -110,7 +112,7 @@ class VirtualScanner {
   /// looks down on them from a random side.
   ///
   /// index  of the scene; every scene is the same whichever others are scanned
-  /// Visible fraction: BOP's, of the silhouette's pixels, those beyond the image's border included.
+  /// Visible fraction: exact, of the silhouette's pixels, those beyond the image's border included.
   /// Occlusion and clutter: Drost's, of areas; a pixel that is measured, of a surface less than 80
   /// degrees steep, stands for the patch z^2 / (fx fy |normal . ray|) that it sees. Instances with
   /// less than 15 % or 300 pixels visible are to be ignored. Any number of threads may scan at the
@@ -125,8 +127,8 @@ class VirtualScanner {
 };
 
 /// Render scenes and write them into a folder, as a BOP data set (storage/datasets/bop.hpp, split
-/// "test", scene 1, an image a scene) and as manifest.json, which has the models' names, over the
-/// same files. Same input, same bytes for any number of threads. Errors: of rendering, usage (no
+/// "test", scene 1, an image a scene, with the masks of every instance) and as manifest.json, which
+/// has the models' names, over the same files. models_eval/ has the meshes of models/. Same input, same bytes for any number of threads. Errors: of rendering, usage (no
 /// model), cannot_create, io; resumable when stopped.
 Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
                                const ScanOptions& options, const std::filesystem::path& folder,

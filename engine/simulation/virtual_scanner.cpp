@@ -326,28 +326,9 @@ Surroundings surround(const Points& points, const Pose& T_camera_world, double r
   return out;
 }
 
-/// Pixels of something: how many, and the rectangle about them.
-struct Silhouette {
-  int num_pixels = 0;
-  int u0 = 0, u1 = -1, v0 = 0, v1 = -1;  // inclusive
-  void add(int u, int v) {
-    u0 = num_pixels == 0 ? u : std::min(u0, u);
-    u1 = num_pixels == 0 ? u : std::max(u1, u);
-    v0 = num_pixels == 0 ? v : std::min(v0, v);
-    v1 = num_pixels == 0 ? v : std::max(v1, v);
-    ++num_pixels;
-  }
-  std::array<int, 4> box() const {
-    if (num_pixels == 0) return {-1, -1, -1, -1};
-    return {u0, v0, u1 - u0 + 1, v1 - v0 + 1};
-  }
-};
-
-/// The pixels in which an object would be seen if it stood alone; beyond the image too.
-/// visit(u, v) is called for each.
-template <class Visit>
-Result<void> for_silhouette(const RayScene::Instance& object, PointsView vertices,
-                            const Camera& camera, Visit&& visit) {
+/// The number of pixels in which an object would be seen if it stood alone; beyond the image too.
+Result<int> count_silhouette(const RayScene::Instance& object, PointsView vertices,
+                             const Camera& camera) {
   Eigen::AlignedBox2d box;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vector3d p = (object.T_world_scene * vertices[i]).cast<double>();
@@ -363,28 +344,24 @@ Result<void> for_silhouette(const RayScene::Instance& object, PointsView vertice
   const auto width = static_cast<std::uint32_t>(high.x() - low.x()) + 1,
              height = static_cast<std::uint32_t>(high.y() - low.y()) + 1;
   const ExactImage image = engine::render_exactly(*alone, window, width, height);
-  for (std::size_t i = 0; i < image.depth.size(); ++i) {
-    if (image.depth[i] == 0) continue;
-    visit(static_cast<int>(i % width) + static_cast<int>(low.x()),
-          static_cast<int>(i / width) + static_cast<int>(low.y()));
-  }
-  return {};
+  return static_cast<int>(image.depth.size() -
+                          static_cast<std::size_t>(std::ranges::count(image.depth, 0.0F)));
 }
 
 /// What the sensor measures of each instance.
 struct Measured {
-  std::vector<Silhouette> visible;  // seen in the exact image
-  std::vector<double> area;         // [m^2] of what is measured
-  double whole_area = 0;            // of the whole scene
+  std::vector<int> visible;  // pixels of the exact image that see it
+  std::vector<double> area;  // [m^2] of what is measured
+  double whole_area = 0;     // of the whole scene
 };
 
 Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> depths,
                         const Camera& camera, std::size_t num_instances) {
-  Measured out{std::vector<Silhouette>(num_instances), std::vector<double>(num_instances), 0};
+  Measured out{std::vector<int>(num_instances), std::vector<double>(num_instances), 0};
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
     if (image.depth[i] == 0) continue;
-    const auto u = static_cast<int>(i % image.width), v = static_cast<int>(i / image.width);
-    out.visible[image.instance[i]].add(u, v);
+    const auto u = static_cast<double>(i % image.width), v = static_cast<double>(i / image.width);
+    ++out.visible[image.instance[i]];
     if (depths[i] == 0) continue;
     const Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
     const auto z = static_cast<double>(image.depth[i]);
@@ -397,41 +374,22 @@ Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> 
   return out;
 }
 
-/// An object in the image: alone, and behind what hides it.
-struct Outline {
-  Silhouette all, visible;
-  int num_valid = 0;  // pixels of all of it that are measured
+/// How much of an object is seen in the exact image.
+struct Seen {
+  int num_all = 0, num_visible = 0;  // pixels of the silhouette, and those that see the object
 
-  double visible_fraction() const {
-    if (all.num_pixels == 0) return 0;
-    return std::min(1.0, static_cast<double>(visible.num_pixels) / all.num_pixels);
+  double fraction() const {
+    if (num_all == 0) return 0;
+    return std::min(1.0, static_cast<double>(num_visible) / num_all);
   }
-  BopInstance in_bop(int object_id, const Pose& T_camera_model) const {
-    return {object_id,      T_camera_model, all.box(),          visible.box(),
-            all.num_pixels, num_valid,      visible.num_pixels, visible_fraction()};
-  }
-  /// What it tells of the truth: how much is seen.
+  /// What it tells of the truth.
   TruthInstance truth() const {
     TruthInstance out;
-    out.visible_fraction = visible_fraction();
-    out.ignore = out.visible_fraction < kMinVisible || visible.num_pixels < kMinVisiblePixels;
+    out.visible_fraction = fraction();
+    out.ignore = out.visible_fraction < kMinVisible || num_visible < kMinVisiblePixels;
     return out;
   }
 };
-
-Result<Outline> find_outline(const RayScene::Instance& object, PointsView vertices,
-                             const RenderedScene& scene, const Silhouette& visible) {
-  const auto width = static_cast<int>(scene.width), height = static_cast<int>(scene.height);
-  Outline out{{}, visible};
-  const Result<void> rendered =
-      for_silhouette(object, vertices, scene.true_camera, [&](int u, int v) {
-        out.all.add(u, v);
-        if (u < 0 || v < 0 || u >= width || v >= height) return;
-        out.num_valid += scene.depths[static_cast<std::size_t>(v * width + u)] != 0 ? 1 : 0;
-      });
-  if (!rendered) return rendered.error();
-  return out;
-}
 
 double area_of(PointsView vertices, const Triangles& triangles) {
   double area = 0;
@@ -547,15 +505,16 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
       count_measured(scene.exact, scene.depths, scene.true_camera, instances.size());
   for (std::size_t i = 0; i < options.num_instances; ++i) {
     const std::uint32_t model = placed[i].body;
-    const Result<Outline> outline =
-        find_outline(instances[i], models[model].vertices, scene, measured.visible[i]);
-    if (!outline) return outline.error();
+    const Result<int> num_all =
+        count_silhouette(instances[i], models[model].vertices, scene.true_camera);
+    if (!num_all) return num_all.error();
     const Pose T_written_model =
         engine::written_pose(instances[i].T_world_scene, bodies[model].center.cast<double>(),
                              scene.true_camera, scene.flaws.calibration);
-    scene.bop.instances.push_back(
-        outline->in_bop(static_cast<int>(model) + 1, scaled(T_written_model, 1000)));
-    TruthInstance truth = outline->truth();
+    BopInstance& bop = scene.bop.instances.emplace_back();
+    bop.object_id = static_cast<int>(model) + 1;
+    bop.T_camera_model = scaled(T_written_model, 1000);
+    TruthInstance truth = Seen{*num_all, measured.visible[i]}.truth();
     truth.model = models[model].name;
     truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::meter, unit));
     truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);

@@ -42,11 +42,6 @@ double least_greatest(PointsView vertices, std::span<const Isometry3d> symmetrie
   return std::sqrt(least);
 }
 
-bool visible(float surface, float measured, double delta) noexcept {
-  return surface > 0 &&
-         (measured == 0 || static_cast<double>(surface) - static_cast<double>(measured) <= delta);
-}
-
 /// Call body(u, v, distance) for each pixel of the map with something in it.
 template <class Body>
 void for_surface(const DistanceMap& map, const Body& body) noexcept {
@@ -120,13 +115,13 @@ void vsd(const DistanceMap& measured, const DistanceMap& estimate, const Distanc
   assert(errors.size() == taus.size() && diameter > 0 && "one error a tolerance");
   std::size_t in_truth = 0, in_estimate = 0, in_both = 0;
   for_surface(truth, [&](std::uint32_t u, std::uint32_t v, float distance) {
-    if (visible(distance, measured.at(u, v), delta)) ++in_truth;
+    if (is_visible(distance, measured.at(u, v), delta)) ++in_truth;
   });
   std::ranges::fill(errors, 0.0);  // at first: pixels of both that are too far apart
   for_surface(estimate, [&](std::uint32_t u, std::uint32_t v, float distance) {
     const float sensed = measured.at(u, v), expected = truth.at(u, v);
-    if (!visible(expected, sensed, delta)) {
-      if (visible(distance, sensed, delta)) ++in_estimate;
+    if (!is_visible(expected, sensed, delta)) {
+      if (is_visible(distance, sensed, delta)) ++in_estimate;
       return;
     }
     ++in_estimate;

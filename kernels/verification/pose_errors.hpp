@@ -50,6 +50,13 @@ struct DistanceMap {
   }
 };
 
+/// Whether a surface is seen at its distance along a ray: it is there, 0 if not, and at most `delta`
+/// behind what was measured, or nothing was (0). Source: Hodan et al., ECCVW 2020, section 2.2.
+inline bool is_visible(float surface, float measured, double delta) noexcept {
+  return surface > 0 &&
+         (measured == 0 || static_cast<double>(surface) - static_cast<double>(measured) <= delta);
+}
+
 /// Turn depths along the optical axis into distances along the rays, in place.
 ///
 /// camera  of the window (camera_of_window) that the rows of `width` pixels are

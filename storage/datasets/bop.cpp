@@ -14,4 +14,14 @@ std::filesystem::path bop_depth_file(const std::filesystem::path& scene_folder, 
   return scene_folder / "depth" / fmt::format("{:06}.png", image_id);
 }
 
+std::filesystem::path bop_mask_file(const std::filesystem::path& scene_folder, int image_id,
+                                    std::size_t instance) {
+  return scene_folder / "mask" / fmt::format("{:06}_{:06}.png", image_id, instance);
+}
+
+std::filesystem::path bop_visible_mask_file(const std::filesystem::path& scene_folder, int image_id,
+                                            std::size_t instance) {
+  return scene_folder / "mask_visib" / fmt::format("{:06}_{:06}.png", image_id, instance);
+}
+
 }  // namespace trivet

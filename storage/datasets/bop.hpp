@@ -4,7 +4,10 @@
 ///     DATASET/models_eval/…                                 meshes that errors are measured on
 ///     DATASET/camera.json                                   the sensor, for rendering
 ///     DATASET/test/000001/depth/000003.png                  split, scene, image: 16-bit depth
+///     DATASET/test/000001/mask/000003_000000.png            image, instance: 8 bits, 255 on it
+///     DATASET/test/000001/mask_visib/000003_000000.png      ... on what is visible of it
 ///     DATASET/test/000001/scene_camera.json, scene_gt.json, scene_gt_info.json
+///     DATASET/test/000001/scene_gt_coco.json                masks and boxes (storage/datasets/coco.hpp)
 ///     DATASET/test_targets_bop19.json, test_targets_bop24.json
 ///
 /// Source: bop_toolkit, docs/bop_datasets_format.md. All lengths are millimeters.
@@ -12,6 +15,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,6 +27,9 @@ namespace trivet {
 
 /// Instances of which less is visible are no targets of BOP, and count neither way.
 inline constexpr double kBopMinVisibleFraction = 0.1;
+
+/// How far behind a measurement a surface still counts as visible [mm].
+inline constexpr double kBopDeltaMm = 15;
 
 /// An entry of models_info.json.
 struct BopObject {
@@ -36,7 +43,8 @@ struct BopObject {
 struct BopInstance {
   int object_id = 0;
   Pose T_camera_model;  ///< camera with OpenCV axes; mm
-  /// x, y, width, height [pixel] of the silhouette and of its visible part; -1s without any pixel.
+  /// x, y, width - 1, height - 1 [pixel] of the silhouette, beyond the image too, and of its visible
+  /// part; -1s where nothing is visible. The toolkit takes the last column less the first.
   std::array<int, 4> bbox_obj{-1, -1, -1, -1}, bbox_visib{-1, -1, -1, -1};
   int px_count_all = 0;    ///< pixels of the silhouette, as if nothing stood before it
   int px_count_valid = 0;  ///< ... that have a measured depth
@@ -61,5 +69,10 @@ std::string bop_model_name(int object_id);
 std::filesystem::path bop_scene_folder(const std::filesystem::path& split_folder, int scene_id);
 /// SCENE/depth/000003.png
 std::filesystem::path bop_depth_file(const std::filesystem::path& scene_folder, int image_id);
+/// SCENE/mask/000003_000000.png, or in mask_visib. instance: its index in the image.
+std::filesystem::path bop_mask_file(const std::filesystem::path& scene_folder, int image_id,
+                                    std::size_t instance);
+std::filesystem::path bop_visible_mask_file(const std::filesystem::path& scene_folder, int image_id,
+                                            std::size_t instance);
 
 }  // namespace trivet

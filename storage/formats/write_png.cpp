@@ -77,6 +77,17 @@ Result<std::vector<std::byte>> encode(const Rows& rows) {
                            rows.height, sink.fault.data())};
 }
 
+Result<void> write_gray(const std::filesystem::path& file, std::span<const std::byte> pixels,
+                        int bits, std::uint32_t width) {
+  const std::size_t stride = std::size_t{width} * static_cast<std::size_t>(bits) / 8;
+  assert(stride > 0 && pixels.size() % stride == 0 && "whole rows");
+  const auto bytes =
+      encode({width, static_cast<std::uint32_t>(pixels.size() / stride), bits, PNG_COLOR_TYPE_GRAY,
+              reinterpret_cast<const png_byte*>(pixels.data()), stride});
+  if (!bytes) return bytes.error();
+  return publish_file(file, *bytes);
+}
+
 }  // namespace
 
 Result<std::vector<std::byte>> encode_png(const Picture& picture) {
@@ -88,12 +99,12 @@ Result<std::vector<std::byte>> encode_png(const Picture& picture) {
 
 Result<void> write_depth_png(const std::filesystem::path& file,
                              std::span<const std::uint16_t> depths, std::uint32_t width) {
-  assert(width > 0 && depths.size() % width == 0 && "whole rows");
-  const auto bytes =
-      encode({width, static_cast<std::uint32_t>(depths.size() / width), 16, PNG_COLOR_TYPE_GRAY,
-              reinterpret_cast<const png_byte*>(depths.data()), std::size_t{2} * width});
-  if (!bytes) return bytes.error();
-  return publish_file(file, *bytes);
+  return write_gray(file, std::as_bytes(depths), 16, width);
+}
+
+Result<void> write_gray_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels,
+                            std::uint32_t width) {
+  return write_gray(file, std::as_bytes(pixels), 8, width);
 }
 
 }  // namespace trivet

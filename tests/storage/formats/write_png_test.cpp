@@ -35,6 +35,22 @@ TEST(WriteDepthPng, NamesAFolderThatIsNotThere) {
   EXPECT_NE(written.error().message.find("/nowhere/at/all"), std::string::npos);
 }
 
+TEST(WriteGrayPng, KeepsEveryPixel) {
+  const test::TempDir folder;
+  const std::vector<std::uint8_t> pixels{0, 255, 1, 0, 0, 128};
+  ASSERT_TRUE(write_gray_png(folder / "mask.png", pixels, 3));
+  const std::string bytes = test::read_bytes(folder / "mask.png");
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+  EXPECT_EQ(image.width, 3U);
+  EXPECT_EQ(image.height, 2U);
+  EXPECT_EQ(image.format, static_cast<png_uint_32>(PNG_FORMAT_GRAY)) << "8 bits, one channel";
+  std::vector<std::uint8_t> read(PNG_IMAGE_SIZE(image));
+  ASSERT_TRUE(png_image_finish_read(&image, nullptr, read.data(), 0, nullptr));
+  EXPECT_EQ(read, pixels);
+}
+
 TEST(EncodePng, KeepsEveryColor) {
   const Picture picture{2, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 1, 2, 3}};
   const auto bytes = encode_png(picture);
