@@ -11,6 +11,7 @@
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
+#include "apps/results/coco_results.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/recognition_text.hpp"
@@ -22,7 +23,7 @@ namespace trivet::apps {
 namespace {
 
 struct CommandArguments {
-  std::string library, calibration, unit, json, bop_csv, report;
+  std::string library, calibration, unit, json, bop_csv, coco, report;
   SceneArguments scenes;
   RecognizeArguments recognize;
   bool estimate_camera = false;
@@ -56,10 +57,13 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   if (arguments.json.empty()) options->max_rejected = 1;  // the best one is told of an empty scene
   if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
   RecognizeOptions kept = *options;
-  if (!arguments.bop_csv.empty()) {
+  std::vector<std::string> bop_files{arguments.bop_csv, arguments.coco};
+  std::erase(bop_files, "");
+  if (!bop_files.empty()) {
     const Result<void> checked = check_bop_ids(*scenes, library, options->models);
     if (!checked) return checked;
-    if (const auto warning = bop_name_warning(arguments.bop_csv)) context.console.warning(*warning);
+    for (const std::string& file : bop_files)
+      if (const auto warning = bop_name_warning(file)) context.console.warning(*warning);
     kept.doubtful_score = std::min(kLowestKeptScore, options->min_score);
   }
 
@@ -68,6 +72,8 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
                                   {"scenes", nlohmann::ordered_json::array()},
                                   {"cameras", nlohmann::ordered_json::array()}};
   std::vector<BopResult> bop_results;
+  std::vector<CocoResult> coco_results;
+  Result<void> seen;              // in the depth images
   std::vector<SceneResult> told;  // for the report
   std::vector<CameraCheck> checks;
   Result<void> printed;  // what fails first, which more would not mend
@@ -76,6 +82,8 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
       context.console.progress("recognized", context.stop),
       [&](std::size_t index, const SceneResult& all) {
         if (!arguments.bop_csv.empty()) add_bop_results(*scenes, index, all, bop_results);
+        if (!arguments.coco.empty() && seen)
+          seen = add_coco_results(*scenes, index, recognizer, all, coco_results);
         const SceneResult result = reported_part(all, kept);
         const SceneInput& scene = scenes->sources[index];
         if (!arguments.json.empty()) {
@@ -87,6 +95,7 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
         if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
       });
   if (!done) return done;
+  if (!seen) return seen;
   for (const CameraCheck& check : join_checks(checks)) {
     document["cameras"].push_back(camera_check_json(check));
     if (arguments.json.empty() && printed) printed = write_output(camera_text(check));
@@ -94,6 +103,10 @@ Result<void> recognize(const CommandArguments& arguments, const Context& context
   if (!printed) return printed;
   if (!arguments.bop_csv.empty()) {
     const Result<void> written = write_bop_results(arguments.bop_csv, bop_results);
+    if (!written) return written;
+  }
+  if (!arguments.coco.empty()) {
+    const Result<void> written = write_coco_results(arguments.coco, coco_results);
     if (!written) return written;
   }
   if (!arguments.json.empty()) {
@@ -154,6 +167,11 @@ void add_recognize(CLI::App& app, Context& context) {
       ->add_option("--bop-csv", arguments->bop_csv,
                    "Write the poses found in BOP data sets to this file, as BOP takes them: also "
                    "those that are too low to be reported, down to a score of 0.1")
+      ->type_name("FILE");
+  command
+      ->add_option("--coco", arguments->coco,
+                   "Write masks and boxes of the same poses to this file (JSON), as BOP takes them "
+                   "for detection and segmentation in images")
       ->type_name("FILE");
   add_calibration_option(*command, arguments->calibration);
   command->add_flag("--estimate-camera", arguments->estimate_camera,

@@ -11,7 +11,7 @@ namespace trivet::apps {
 namespace {
 
 Error refuse(std::string_view what, std::string_view found) {
-  return {ErrorCode::usage, fmt::format("--bop-csv: expected {}, found {}", what, found)};
+  return {ErrorCode::usage, fmt::format("--bop-csv, --coco: expected {}, found {}", what, found)};
 }
 
 }  // namespace

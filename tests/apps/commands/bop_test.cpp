@@ -149,6 +149,40 @@ TEST_F(Bop, WritesWhatIsTooLowToBeReportedToo) {
   EXPECT_NE(page.find("rejected"), std::string::npos);
 }
 
+TEST_F(Bop, WritesMasksOfWhatWasFound) {
+  const test::Outcome outcome = run({"recognize", "set.h5", "set", "--coco", "trivet_set-test.json",
+                                     "--bop-csv", "trivet_set-test.csv"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.error.find("METHOD_DATASET-SPLIT"), std::string::npos) << outcome.error;
+  const auto poses = read_bop_results(*folder_ / "trivet_set-test.csv");
+  const nlohmann::json masks =
+      nlohmann::json::parse(test::read_bytes(*folder_ / "trivet_set-test.json"));
+  ASSERT_TRUE(poses);
+  ASSERT_GE(masks.size(), 3U);
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    const nlohmann::json& mask = masks[i];
+    EXPECT_EQ(mask["image_id"], (*poses)[i].image_id);
+    EXPECT_EQ(mask["category_id"], (*poses)[i].object_id);
+    EXPECT_EQ(mask["score"], (*poses)[i].score);
+    // Each stands free: its box is about its mask, and the pixel of its middle is on it or near.
+    std::size_t pixels = 0, sum = 0;
+    const auto& counts = mask["segmentation"]["counts"];
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+      sum += counts[k].get<std::size_t>();
+      pixels += k % 2 == 1 ? counts[k].get<std::size_t>() : 0;
+    }
+    EXPECT_EQ(sum, mask["segmentation"]["size"][0].get<std::size_t>() *
+                       mask["segmentation"]["size"][1].get<std::size_t>());
+    const double area = mask["bbox"][2].get<double>() * mask["bbox"][3].get<double>();
+    EXPECT_GT(static_cast<double>(pixels), 0.1 * area);
+    EXPECT_LE(static_cast<double>(pixels), area);
+    const Camera& camera = scenes_[0].images[0].camera;
+    const Eigen::Vector3d& t = (*poses)[i].t_mm;
+    EXPECT_NEAR(mask["bbox"][0].get<double>() + mask["bbox"][2].get<double>() / 2,
+                camera.fx * t.x() / t.z() + camera.cx, mask["bbox"][2].get<double>());
+  }
+}
+
 TEST_F(Bop, WarnsOfNamesThatTheBenchmarkDoesNotKnow) {
   const test::Outcome written = run({"recognize", "set.h5", "set", "--bop-csv", "found.csv"});
   EXPECT_EQ(written.exit_code, 0);
