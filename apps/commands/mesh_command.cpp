@@ -27,6 +27,11 @@ std::string_view method_name(SurfaceMethod method) {
   return std::ranges::find(kSurfaceMethods, method, &SurfaceMethodName::method)->name;
 }
 
+/// Two digits, and whole numbers from ten percent on.
+std::string percent_of_edges(double share) {
+  return share < 0.1 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
+
 Result<void> mesh(const MeshArguments& arguments, const Context& context) {
   const auto start = std::chrono::steady_clock::now();
   ReadOptions reading;
@@ -53,10 +58,11 @@ Result<void> mesh(const MeshArguments& arguments, const Context& context) {
   if (!written) return written;
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   context.console.line(
-      fmt::format("{}: {}, {} of them used, {} ({}), {:.2g} % of the edges open, {:.2f} s",
+      fmt::format("{}: {}, {} of them used, {} ({}), {} of the edges open, {:.2f} s",
                   arguments.output, counted(surface->mesh.points.size(), "vertex", "vertices"),
                   surface->num_used, counted(surface->mesh.triangles.size(), "triangle"),
-                  method_name(surface->method), 100 * surface->open_share, seconds.count()));
+                  method_name(surface->method), percent_of_edges(surface->open_share),
+                  seconds.count()));
   return {};
 }
 

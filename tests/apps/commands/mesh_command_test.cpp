@@ -56,6 +56,12 @@ TEST_F(MeshCommand, KeepsTheFacesOfAFile) {
   EXPECT_EQ(cloud.triangles.b, (Column<std::uint32_t>{2, 1}));
 }
 
+TEST_F(MeshCommand, TellsSharesAsWholeNumbersWhereTheyAreLarge) {
+  folder_.write("triangle.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 2 1\n");
+  const test::Outcome outcome = run({"mesh", "triangle.off", "-o", "out.ply"});
+  EXPECT_NE(outcome.error.find(", 100 % of the edges open,"), std::string::npos) << outcome.error;
+}
+
 TEST_F(MeshCommand, SpansTheSquaresOfADepthImage) {
   // A plane with a step of its right half and one pixel missing.
   std::vector<std::uint16_t> depths;
