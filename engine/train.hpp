@@ -66,8 +66,8 @@ struct LibraryStats {
 
 /// Read, train and write all sources; models appear in the file by name. The file is replaced as a
 /// whole at the end. A few models are in flight at a time, so memory does not grow with the
-/// library. Errors: of reading, training and writing, and resumable when stopped; the old file then
-/// stays as it was.
+/// library. Errors: of reading and training, all models' together; of writing; resumable when stopped.
+/// The old file then stays as it was.
 Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthUnit unit,
                                    const TrainOptions& options, const std::filesystem::path& file,
                                    const Progress& progress);

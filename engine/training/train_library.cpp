@@ -2,6 +2,7 @@
 #include <tbb/flow_graph.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -52,6 +53,32 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
   return trained;
 }
 
+/// Why models cannot be trained, of each that cannot; none are missed but those that only pairs or
+/// features tell. In the order of the sources.
+std::vector<Error> find_faults(std::span<const ModelSource* const> sources, TrainOptions options,
+                               const std::stop_token& stop) {
+  options.point_pairs = options.tri_spin_images = false;
+  std::vector<std::optional<Error>> found(sources.size());
+  engine::for_each_index(sources.size(), [&](std::size_t k) {
+    if (stop.stop_requested()) return;
+    const Result<TrainedModel> trained = read_and_train(*sources[k], options, {});
+    if (!trained) found[k] = trained.error();
+  });
+  std::vector<Error> faults;
+  for (const std::optional<Error>& fault : found) {
+    if (fault) faults.push_back(*fault);
+  }
+  return faults;
+}
+
+Error join_faults(std::span<const Error> faults, std::size_t num_models) {
+  if (faults.size() == 1) return faults[0];
+  Error joined{faults[0].code, fmt::format("{} of {} models cannot be trained; nothing was written",
+                                           faults.size(), num_models)};
+  for (const Error& fault : faults) joined.message += "\n" + fault.message;
+  return joined;
+}
+
 /// All options, whatever their values: {"methods": ["ppf", "trisi"], "relative-step": 0.04, ...}.
 std::string parameters_json(const TrainOptions& options) {
   nlohmann::ordered_json json;
@@ -85,7 +112,11 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
     std::vector<ModelSource> by_name;
     for (const ModelSource* source : order) by_name.push_back(*source);
     Result<TriSpinBasis> found = find_basis(by_name, options, progress.stop);
-    if (!found) return found.error();
+    if (!found) {
+      std::vector<Error> faults = find_faults(order, options, progress.stop);
+      if (faults.empty()) faults.push_back(found.error());
+      return join_faults(faults, order.size());
+    }
     basis = std::move(*found);
     if (basis.components.size() > 0) {
       if (const Result<void> added = writer->add(basis); !added) return added.error();
@@ -93,11 +124,12 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   }
 
   LibraryStats stats;
-  std::optional<Error> failure;
+  std::optional<Error> failure, fault;  // of writing, of a model
+  std::atomic<bool> failed{false};
   flow::graph graph;
   std::size_t next = 0;
   flow::input_node<Job> jobs(graph, [&](tbb::flow_control& control) {
-    if (next == order.size() || progress.stop.stop_requested()) {
+    if (next == order.size() || failed || progress.stop.stop_requested()) {
       control.stop();
       return Job{};
     }
@@ -113,12 +145,14 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   flow::sequencer_node<Finished> in_order(graph,
                                           [](const Finished& finished) { return finished.id; });
   flow::function_node<Finished> write(graph, flow::serial, [&](const Finished& finished) {
-    if (failure) return flow::continue_msg{};
+    if (failed) return flow::continue_msg{};
     Result<TrainedModel>& trained = *finished.trained;
     if (!trained) {
-      failure = trained.error();
+      fault = trained.error();
+      failed = true;
     } else if (const Result<void> added = writer->add(trained->model); !added) {
       failure = added.error();
+      failed = true;
     } else {
       stats.models.emplace_back(trained->model.name, std::move(trained->stats));
       progress(finished.id + 1, order.size(), trained->model.name);
@@ -134,6 +168,12 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   graph.wait_for_all();
 
   if (failure) return *failure;
+  if (fault) {
+    const auto later = std::span(std::as_const(order)).subspan(stats.models.size() + 1);
+    std::vector<Error> faults = find_faults(later, options, progress.stop);
+    faults.insert(faults.begin(), *fault);
+    return join_faults(faults, order.size());
+  }
   if (stats.models.size() < order.size()) {
     return Error{ErrorCode::resumable,
                  fmt::format("{}: stopped after {} of {} models; nothing was written",

@@ -109,6 +109,34 @@ TEST_F(CommandLine, GivesSixtySixForAMissingInputAndNamesIt) {
   EXPECT_TRUE(fails({"train", "empty", "-o", "l.h5"}, 66, "empty"));
 }
 
+TEST_F(CommandLine, TellsEveryModelThatCannotBeTrained) {
+  const std::string box =
+      "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  std::filesystem::create_directory(folder_ / "models");
+  for (const char name : std::string("abcdefghijklmnopqrstuvwxyz"))
+    folder_.write(std::string("models/") + name + ".off", box);
+  folder_.write("models/b.off", "");
+  folder_.write("models/p.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 one 0\n3 0 1 2\n");
+  folder_.write("models/z.off", "OFF\n3 1 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n");
+  // With features all are sampled for the basis first, by the method ppf each is trained in turn.
+  for (const std::string methods : {"ppf", "ppf,trisi"}) {
+    const test::Outcome outcome =
+        run({"train", "models", "-o", "l.h5", "--preset", "fast", "--methods", methods});
+    EXPECT_EQ(outcome.exit_code, 65);
+    const std::size_t all = outcome.error.find("3 of 26 models cannot be trained; nothing was");
+    const std::size_t b = outcome.error.find("b.off: the file is empty");
+    const std::size_t p = outcome.error.find("p.off, line 5: expected three numbers");
+    const std::size_t z = outcome.error.find("z.off: model 'z': expected a surface with extent");
+    EXPECT_TRUE(all < b && b < p && p < z && z != std::string::npos) << outcome.error;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "l.h5"));
+  folder_.write("models/p.off", box);
+  folder_.write("models/z.off", box);
+  EXPECT_TRUE(fails({"train", "models", "-o", "l.h5", "--preset", "fast"}, 65,
+                    "error: models/b.off: the file is empty"))
+      << "one alone is told as it is";
+}
+
 TEST_F(CommandLine, GivesSixtyFiveForBadDataAndNamesIt) {
   folder_.write("broken.ply", "ply\nformat ascii 1.0\nelement vertex ninety\n");
   folder_.write("point.xyz", "1 2 3\n");
