@@ -57,6 +57,7 @@ Result<void> scan(const ScanArguments& arguments, const Context& context) {
   }
   const Result<ModelInputs> inputs = collect_models(arguments.models);
   if (!inputs) return inputs.error();
+  for (const std::string& note : inputs->notes) context.console.line(note);
   const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
   if (!unit) return unit.error();
   ScanOptions options;

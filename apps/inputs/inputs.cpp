@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <span>
 
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/datasets/read_bop.hpp"
+#include "storage/model_name.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -24,6 +24,25 @@ bool has_extension(const fs::path& file, std::string_view extension) {
   return own == extension;
 }
 
+/// What a folder without geometry holds, and what to give instead of it.
+std::string describe_folder(const fs::path& folder) {
+  fs::path listing;
+  std::size_t num_images = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    num_images += is_depth_file(entry.path()) ? 1 : 0;
+    const bool first = listing.empty() || entry.path() < listing;
+    if (has_extension(entry.path(), ".json") && first && read_manifest(entry.path()))
+      listing = entry.path();
+  }
+  if (!listing.empty())
+    return fmt::format("the manifest {}; give that file", listing.filename().string());
+  if (num_images > 0) {
+    return fmt::format("{} images; as scenes, depth images need a manifest or --camera",
+                       num_images);
+  }
+  return "none";
+}
+
 /// The files of a folder that `readable` accepts, by name. Errors: missing_input, bad_data (none).
 template <class Readable>
 Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& readable) {
@@ -36,8 +55,9 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
     return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
   if (files.empty()) {
     return Error{ErrorCode::missing_input,
-                 fmt::format("{}: expected files that end with one of .{}, found none",
-                             folder.string(), fmt::join(cloud_extensions(), " ."))};
+                 fmt::format("{}: expected files that end with one of .{}, found {}",
+                             folder.string(), fmt::join(cloud_extensions(), " ."),
+                             describe_folder(folder))};
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -54,6 +74,43 @@ Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSourc
     for (ModelSource& source : sources) {
       if (source.name == bop_model_name(object.id) && !object.symmetry.trivial())
         source.symmetry = object.symmetry;
+    }
+  }
+  return {};
+}
+
+/// A model of a file that nothing names.
+void add_unnamed(const fs::path& file, ModelInputs& inputs) {
+  const std::string name = model_name_of(file);
+  inputs.sources.push_back({name, file, 1, {}});
+  if (name != cloud_name(file)) {
+    inputs.notes.push_back(fmt::format(
+        "{}: the model is called {}; NAME=FILE gives it another name", file.string(), name));
+  }
+}
+
+/// Errors: usage (a name that is none or stands twice), bad_data (an image).
+Result<void> check_models(std::span<const ModelSource> sources) {
+  std::map<std::string_view, const ModelSource*> by_name;
+  for (const ModelSource& source : sources) {
+    if (!is_model_name(source.name)) {
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: expected a name of {}, found '{}'", source.file.string(),
+                               kModelNameRule, source.name)};
+    }
+    const auto [known, is_new] = by_name.emplace(source.name, &source);
+    if (!is_new) {
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: expected each model's name once, found '{}' again, the name of "
+                               "{}; name it as NAME=FILE",
+                               source.file.string(), source.name, known->second->file.string())};
+    }
+    if (has_extension(source.file, ".png")) {
+      return Error{
+          ErrorCode::bad_data,
+          fmt::format("{}: expected a mesh or a cloud of the whole object, found an image, "
+                      "which shows one side of it",
+                      source.file.string())};
     }
   }
   return {};
@@ -132,7 +189,7 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
       const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
       if (!files) return files.error();
       const std::size_t first = inputs.sources.size();
-      for (const fs::path& file : *files) inputs.sources.push_back({cloud_name(file), file, 1, {}});
+      for (const fs::path& file : *files) add_unnamed(file, inputs);
       const Result<void> declared =
           declare_bop_symmetries(argument, std::span(inputs.sources).subspan(first));
       if (!declared) return declared.error();
@@ -140,18 +197,10 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
                equals != std::string::npos && !fs::exists(argument)) {
       inputs.sources.push_back({argument.substr(0, equals), argument.substr(equals + 1), 1, {}});
     } else {
-      inputs.sources.push_back({cloud_name(argument), argument, 1, {}});
+      add_unnamed(argument, inputs);
     }
   }
-  std::set<std::string> names;
-  for (const ModelSource& source : inputs.sources) {
-    if (!names.insert(source.name).second) {
-      return Error{ErrorCode::usage,
-                   fmt::format("{}: expected each model's name once, found '{}' again; name it as "
-                               "NAME=FILE",
-                               source.file.string(), source.name)};
-    }
-  }
+  if (const Result<void> checked = check_models(inputs.sources); !checked) return checked.error();
   return inputs;
 }
 

@@ -25,11 +25,12 @@ Result<Manifest> read_listing(const std::string& argument);
 struct ModelInputs {
   std::vector<ModelSource> sources;
   std::optional<LengthUnit> unit;  ///< of the manifests and BOP data sets among them
+  std::vector<std::string> notes;  ///< names that were made from those of files, for a person
 };
 
 /// Each argument is a file, NAME=FILE, a folder (every readable file in it, by name), a manifest or
-/// the folder of a BOP data set.
-/// Errors: missing_input, bad_data, usage (two models of one name).
+/// the folder of a BOP data set. A file's model is called as model_name_of says.
+/// Errors: missing_input, bad_data, usage (two models of one name, or a name that is none).
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 
 /// The unit of the models: what their manifests say, else `given`, else meters. Errors: usage (they

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 
 #include "storage/files/json_file.hpp"
+#include "storage/model_name.hpp"
 
 namespace trivet {
 namespace {
@@ -37,22 +37,9 @@ std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
   return declared ? std::optional(symmetry) : std::nullopt;
 }
 
-bool is_name(std::string_view name) {
-  const auto letter = [](char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-  };
-  const auto other = [&](char c) { return letter(c) || c == '.' || c == '_' || c == '-'; };
-  return !name.empty() && name.size() <= 128 && letter(name[0]) &&
-         std::all_of(name.begin(), name.end(), other);
-}
-
 ManifestModel parse_model(const std::string& name, const JsonNode& node,
                           const std::filesystem::path& folder) {
-  if (!is_name(name)) {
-    node.refuse(
-        "expected a name of up to 128 letters, digits, '.', '_' and '-', beginning with a letter "
-        "or digit");
-  }
+  if (!is_model_name(name)) node.refuse(fmt::format("expected a name of {}", kModelNameRule));
   ManifestModel model;
   model.name = name;
   model.file = folder / node.at("file").string();

@@ -7,6 +7,7 @@
 
 #include "storage/counted.hpp"
 #include "storage/library/library_format.hpp"
+#include "storage/model_name.hpp"
 
 namespace trivet::format {
 namespace {
@@ -214,12 +215,9 @@ Result<void> check_basis(const TriSpinBasis& basis) {
 
 Result<void> check_model(const Model& model) {
   if (!is_model_name(model.name)) {
-    return Error{
-        ErrorCode::bad_data,
-        fmt::format(
-            "model name '{}': expected a letter or digit, then at most 127 letters, digits, dots, "
-            "dashes and underscores, without '..'; rename the model with NAME=FILE",
-            model.name)};
+    return Error{ErrorCode::bad_data,
+                 fmt::format("model name '{}': expected {}; rename the model with NAME=FILE",
+                             model.name, kModelNameRule)};
   }
   const auto checks = {
       +[](const Model& m) { return check_scalars(m); },

@@ -1,6 +1,5 @@
 #include "storage/library/library_format.hpp"
 
-#include <algorithm>
 #include <span>
 
 #include "storage/file.hpp"
@@ -55,16 +54,6 @@ std::string digest(const StoredGroup& group) {
   for (const auto& [name, dataset] : group.datasets) children.emplace(name, digest(dataset));
   for (const auto& [name, below] : group.groups) children.emplace(name, digest(below));
   return digest(group.attributes, children);
-}
-
-bool is_model_name(std::string_view name) noexcept {
-  const auto alphanumeric = [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-  };
-  return !name.empty() && name.size() <= 128 && alphanumeric(name.front()) &&
-         std::ranges::all_of(
-             name, [&](char c) { return alphanumeric(c) || c == '.' || c == '_' || c == '-'; }) &&
-         name.find("..") == std::string_view::npos;
 }
 
 }  // namespace trivet::format

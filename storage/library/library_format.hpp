@@ -134,9 +134,6 @@ std::string digest(const StoredAttributes& attributes,
                    const std::map<std::string, std::string>& children);
 std::string digest(const StoredGroup& group);
 
-/// [A-Za-z0-9][A-Za-z0-9._-]{0,127} without "..".
-bool is_model_name(std::string_view name) noexcept;
-
 /// Check what recognition relies on: lengths, index ranges, order, finite values, unit normals.
 /// Linear in the size of the model. Errors: bad_data (names the model, the dataset and the row).
 Result<void> check_model(const Model& model);

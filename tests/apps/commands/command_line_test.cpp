@@ -109,6 +109,26 @@ TEST_F(CommandLine, GivesSixtySixForAMissingInputAndNamesIt) {
   EXPECT_TRUE(fails({"train", "empty", "-o", "l.h5"}, 66, "empty"));
 }
 
+TEST_F(CommandLine, CallsModelsByTheirFilesWhateverTheseAreCalled) {
+  const std::string box =
+      "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  folder_.write("my part (1).off", box);
+  folder_.write("my part [1].off", box);
+  const test::Outcome outcome = run({"train", "my part (1).off", "-o", "l.h5", "--preset", "fast"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.error.find("my part (1).off: the model is called my_part_1; NAME=FILE gives it "
+                               "another name"),
+            std::string::npos)
+      << outcome.error;
+  EXPECT_EQ(run({"library", "list", "l.h5"}).out, "my_part_1\n");
+  EXPECT_TRUE(
+      fails({"train", "my part (1).off", "my part [1].off", "-o", "l.h5"}, 2,
+            "my part [1].off: expected each model's name once, found 'my_part_1' again, the "
+            "name of my part (1).off; name it as NAME=FILE"));
+  EXPECT_TRUE(fails({"train", "my part=my part (1).off", "-o", "l.h5"}, 2,
+                    "expected a name of a letter or digit"));
+}
+
 TEST_F(CommandLine, TellsEveryModelThatCannotBeTrained) {
   const std::string box =
       "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
@@ -135,6 +155,21 @@ TEST_F(CommandLine, TellsEveryModelThatCannotBeTrained) {
   EXPECT_TRUE(fails({"train", "models", "-o", "l.h5", "--preset", "fast"}, 65,
                     "error: models/b.off: the file is empty"))
       << "one alone is told as it is";
+}
+
+TEST_F(CommandLine, SaysWhatToGiveInsteadOfAFolderOrAnImage) {
+  std::filesystem::create_directory(folder_ / "scans");
+  folder_.write("scans/manifest.json", "{\"unit\": \"m\"}");
+  folder_.write("scans/camera.json", "{\"fx\": 500, \"fy\": 500, \"cx\": 1, \"cy\": 1}");
+  EXPECT_TRUE(fails({"train", "scans", "-o", "l.h5"}, 66,
+                    "scans: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found the manifest "
+                    "manifest.json; give that file"));
+  std::filesystem::create_directory(folder_ / "depth");
+  folder_.write("depth/1.png", "");
+  folder_.write("depth/2.png", "");
+  EXPECT_TRUE(fails({"train", "depth", "-o", "l.h5"}, 66, "found 2 images; as scenes, depth"));
+  EXPECT_TRUE(fails({"train", "depth/1.png", "-o", "l.h5"}, 65,
+                    "depth/1.png: expected a mesh or a cloud of the whole object, found an image"));
 }
 
 TEST_F(CommandLine, GivesSixtyFiveForBadDataAndNamesIt) {
