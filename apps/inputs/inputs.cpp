@@ -28,7 +28,8 @@ bool has_extension(const fs::path& file, std::string_view extension) {
 std::string describe_folder(const fs::path& folder) {
   fs::path listing;
   std::size_t num_images = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     num_images += is_depth_file(entry.path()) ? 1 : 0;
     const bool first = listing.empty() || entry.path() < listing;
     if (has_extension(entry.path(), ".json") && first && read_manifest(entry.path()))

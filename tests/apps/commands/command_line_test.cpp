@@ -164,6 +164,11 @@ TEST_F(CommandLine, SaysWhatToGiveInsteadOfAFolderOrAnImage) {
   EXPECT_TRUE(fails({"train", "scans", "-o", "l.h5"}, 66,
                     "scans: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found the manifest "
                     "manifest.json; give that file"));
+  folder_.write("box.off",
+                "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  ASSERT_EQ(run({"train", "box.off", "-o", "box.h5", "--preset", "fast"}).exit_code, 0);
+  EXPECT_TRUE(
+      fails({"recognize", "box.h5", "scans"}, 66, "found the manifest manifest.json; give"));
   std::filesystem::create_directory(folder_ / "depth");
   folder_.write("depth/1.png", "");
   folder_.write("depth/2.png", "");
