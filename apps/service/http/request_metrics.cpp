@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "apps/service/http/process_metrics.hpp"
+
 namespace trivet::apps::service {
 namespace {
 
@@ -26,6 +28,11 @@ RequestMetrics::RequestMetrics()
       .Register(registry_)
       .Add({{"version", TRIVET_VERSION}})
       .Set(1);
+}
+
+void RequestMetrics::expect_requests(const std::string& route, std::span<const unsigned> codes) {
+  for (const unsigned code : codes)
+    requests_.Add({{"route", route}, {"code", std::to_string(code)}});
 }
 
 void RequestMetrics::count_request(const std::string& route, unsigned code) {
@@ -51,6 +58,7 @@ HttpResponse RequestMetrics::tell(std::vector<prometheus::MetricFamily> now) con
                       [](const auto& a, const auto& b) { return a.label < b.label; });
   }
   std::ranges::move(now, std::back_inserter(all));
+  std::ranges::move(process_metrics(), std::back_inserter(all));
   return {200, prometheus::TextSerializer().Serialize(all), "text/plain; version=0.0.4", {}};
 }
 

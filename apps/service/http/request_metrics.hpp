@@ -5,8 +5,10 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +16,7 @@
 
 namespace trivet::apps::service {
 
-/// One for each value of the labels that was seen.
+/// One for each value of the labels.
 using Counters = prometheus::Family<prometheus::Counter>;
 using Durations = prometheus::Family<prometheus::Histogram>;
 
@@ -23,6 +25,9 @@ using Durations = prometheus::Family<prometheus::Histogram>;
 class RequestMetrics {
  public:
   RequestMetrics();
+  /// Tell of requests that may come before they do: rates of series that appear with their first
+  /// count miss it.
+  void expect_requests(const std::string& route, std::span<const unsigned> codes);
   void count_request(const std::string& route, unsigned code);
   void observe_request(double seconds);  ///< from its arrival to its answer; recognitions only
 
@@ -30,7 +35,7 @@ class RequestMetrics {
   ~RequestMetrics() = default;
   Counters& counters(const std::string& name, const std::string& help);
   Durations& durations(const std::string& name, const std::string& help);
-  /// What was counted, and what is only read when somebody asks.
+  /// What was counted, and what is only read when somebody asks: of the service, and of the process.
   HttpResponse tell(std::vector<prometheus::MetricFamily> now) const;
 
  private:
@@ -41,6 +46,11 @@ class RequestMetrics {
 
 /// The one with these labels, from five milliseconds to a minute.
 prometheus::Histogram& duration_of(Durations& durations, const prometheus::Labels& labels);
+
+/// Codes that routes answer with at any time.
+inline constexpr std::array<unsigned, 3> kUsualCodes{200, 400, 404};
+inline constexpr std::array<unsigned, 3> kCodesOfOthers{400, 404, 405};
+inline constexpr std::array<unsigned, 7> kCodesOfWork{200, 400, 404, 499, 500, 503, 504};
 
 /// A gauge of as many values as are told.
 prometheus::MetricFamily gauge_now(std::string name, std::string help,

@@ -7,7 +7,19 @@ namespace trivet::apps::service {
 RouteMetrics::RouteMetrics()
     : shard_requests_(counters("trivet_shard_requests_total", "Recognitions asked of shards.")),
       shards_(durations("trivet_shard_request_duration_seconds",
-                        "Until a shard answered, or failed to.")) {}
+                        "Until a shard answered, or failed to.")) {
+  expect_requests("recognize", kCodesOfWork);
+  for (const char* const route : {"models", "live", "ready", "metrics"})
+    expect_requests(route, kUsualCodes);
+  expect_requests("other", kCodesOfOthers);
+}
+
+void RouteMetrics::expect_shard(const std::string& shard) {
+  for (const char* const outcome :
+       {"answered", "refused", "deadline", "unreachable", "broken", "gone"})
+    shard_requests_.Add({{"shard", shard}, {"outcome", outcome}});
+  duration_of(shards_, {{"shard", shard}});
+}
 
 void RouteMetrics::observe_shard(const std::string& shard, const std::string& outcome,
                                  double seconds) {

@@ -13,6 +13,8 @@ namespace trivet::apps::service {
 class RouteMetrics : public RequestMetrics {
  public:
   RouteMetrics();
+  /// Tell of a shard before it is asked.
+  void expect_shard(const std::string& shard);
   /// outcome  answered, refused, deadline, unreachable, broken or gone
   void observe_shard(const std::string& shard, const std::string& outcome, double seconds);
 

@@ -213,7 +213,10 @@ struct Router::State {
 Router::Router(const std::vector<ShardAddress>& shards, const RouterOptions& options,
                RequestLog& log)
     : state_(std::make_unique<State>(options, log)) {
-  for (const ShardAddress& address : shards) state_->shards.push_back({address});
+  for (const ShardAddress& address : shards) {
+    state_->shards.push_back({address});
+    state_->metrics.expect_shard(address.name);
+  }
   for (Shard& shard : state_->shards)
     asio::co_spawn(state_->context, state_->watch(shard), asio::detached);
   state_->thread = std::thread([&context = state_->context] { context.run(); });

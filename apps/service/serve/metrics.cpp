@@ -1,13 +1,28 @@
 #include "apps/service/serve/metrics.hpp"
 
+#include "apps/service/http/http_messages.hpp"
+
 namespace trivet::apps::service {
+namespace {
+
+/// In the order in which a scene goes through them.
+constexpr const char* kStages[]{"decode",       "prepare",   "subsample",   "vote",   "match",
+                                "cluster",      "preselect", "refine",      "verify", "examine",
+                                "alternatives", "select",    "check camera"};
+
+}  // namespace
 
 Metrics::Metrics()
     : rejections_(counters("trivet_rejected_total", "Recognitions not done.")),
       reloads_(counters("trivet_reload_total", "Libraries read anew.")),
       stages_(durations("trivet_stage_duration_seconds", "Of a scene, by stage.")),
       queue_(duration_of(
-          durations("trivet_queue_wait_seconds", "Of recognitions, before they begin."), {})) {}
+          durations("trivet_queue_wait_seconds", "Of recognitions, before they begin."), {})) {
+  for (const Refusal refusal : {Refusal::full, Refusal::too_late, Refusal::gone, Refusal::closed})
+    rejections_.Add({{"reason", std::string(reason_of(refusal))}});
+  for (const char* const result : {"good", "bad"}) reloads_.Add({{"result", result}});
+  for (const char* const stage : kStages) duration_of(stages_, {{"stage", stage}});
+}
 
 void Metrics::count_rejection(const std::string& reason) {
   rejections_.Add({{"reason", reason}}).Increment();

@@ -41,6 +41,27 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
   return all;
 }
 
+ServiceRoutes::ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
+                             const RouteOptions& options, std::vector<Example> examples,
+                             Reload reload)
+    : service_(service),
+      metrics_(metrics),
+      log_(log),
+      replies_(metrics, log, RequestWords::route_and_body),
+      options_(options),
+      examples_(std::move(examples)),
+      reload_(std::move(reload)) {
+  for (const Route& route : routes()) {
+    const std::string name(route.name);
+    if (route.is_work) {
+      metrics_.expect_requests(name, kCodesOfWork);
+    } else {
+      metrics_.expect_requests(name, kUsualCodes);
+    }
+  }
+  metrics_.expect_requests("other", kCodesOfOthers);
+}
+
 void ServiceRoutes::handle(HttpRequest request, HttpAnswer answer) {
   const auto call = std::make_shared<Call>(std::move(request), std::move(answer));
   Result<Target> target = parse_target(call->request.target);

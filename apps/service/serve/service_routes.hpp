@@ -34,14 +34,7 @@ class ServiceRoutes {
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
   /// All that is given outlives the routes.
   ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
-                const RouteOptions& options, std::vector<Example> examples, Reload reload)
-      : service_(service),
-        metrics_(metrics),
-        log_(log),
-        replies_(metrics, log, RequestWords::route_and_body),
-        options_(options),
-        examples_(std::move(examples)),
-        reload_(std::move(reload)) {}
+                const RouteOptions& options, std::vector<Example> examples, Reload reload);
 
   void handle(HttpRequest request, HttpAnswer answer);
   /// What needs work is refused before its body is read where no more is taken.

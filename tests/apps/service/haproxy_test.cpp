@@ -142,8 +142,8 @@ TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
   a_ = serve(a_->port());
   EXPECT_TRUE(test::comes([&] {
     EXPECT_EQ(recognize().status, 200);
-    return ask(a_->port(), "GET", "/metrics").body.find("route=\"recognize\",code=\"200\"") !=
-           std::string::npos;
+    return std::regex_search(ask(a_->port(), "GET", "/metrics").body,
+                             std::regex("route=\"recognize\",code=\"200\"} [1-9]"));
   })) << "asked again once it is ready";
 }
 

@@ -1,7 +1,10 @@
 #include "apps/service/serve/metrics.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <ctime>
 #include <string>
 #include <thread>
 #include <vector>
@@ -50,6 +53,36 @@ TEST(Metrics, TellsWhatIsNow) {
         "\n# TYPE trivet_log_dropped_total counter\ntrivet_log_dropped_total 7\n"}) {
     EXPECT_NE(told.body.find(line), std::string::npos) << line << " in\n" << told.body;
   }
+}
+
+TEST(Metrics, TellsOfItsProcess) {
+  const Metrics metrics;
+  const auto value = [&](const std::string& name) {
+    const std::string text = metrics.tell({}).body;
+    const std::size_t at = text.find("\n" + name + " ");
+    EXPECT_NE(at, std::string::npos) << name << " in\n" << text;
+    return at == std::string::npos ? 0 : std::stod(text.substr(at + name.size() + 2));
+  };
+  const double seconds = value("process_cpu_seconds_total"), open = value("process_open_fds");
+  EXPECT_GT(open, 2);
+  EXPECT_GE(value("process_max_fds"), open);
+  const int file = ::open("/dev/null", O_RDONLY);
+  EXPECT_EQ(value("process_open_fds"), open + 1);
+  ::close(file);
+  // What is touched is resident; and touching it takes time.
+  constexpr std::size_t kBytes = 64 << 20;
+  const double resident = value("process_resident_memory_bytes");
+  std::vector<char> memory(kBytes);
+  volatile char* const touched = memory.data();
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t i = 0; i < kBytes; i += 64) touched[i] = static_cast<char>(round);
+  }
+  EXPECT_GT(value("process_resident_memory_bytes"), resident + 0.9 * kBytes);
+  EXPECT_GT(value("process_virtual_memory_bytes"), value("process_resident_memory_bytes"));
+  EXPECT_GT(value("process_cpu_seconds_total"), seconds);
+  const double now = static_cast<double>(std::time(nullptr));
+  EXPECT_LE(value("process_start_time_seconds"), now + 1);
+  EXPECT_GT(value("process_start_time_seconds"), now - 3600);
 }
 
 }  // namespace

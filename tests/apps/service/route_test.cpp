@@ -221,7 +221,11 @@ TEST_F(Route, AnswersAsTheWholeLibrary) {
   EXPECT_EQ(ask(router->port(), "GET", "/v2/health/live").status, 200);
   const std::string metrics = ask(router->port(), "GET", "/metrics").body;
   for (const std::string& line :
-       {std::string("trivet_requests_total{route=\"recognize\",code=\"200\"} 4"),
+       {fmt::format("trivet_shard_requests_total{{shard=\"{}\",outcome=\"broken\"}} 0",
+                    first->address()),
+        std::string("trivet_requests_total{route=\"recognize\",code=\"504\"} 0"),
+        std::string("process_open_fds "),
+        std::string("trivet_requests_total{route=\"recognize\",code=\"200\"} 4"),
         fmt::format("trivet_shard_requests_total{{shard=\"{}\",outcome=\"answered\"}} 4",
                     first->address()),
         fmt::format("trivet_shard_ready{{shard=\"{}\"}} 1", second->address()),

@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -29,6 +30,16 @@ using test::Connection;
 using test::read_bytes;
 
 class Serve : public test::ServeFixture {};
+
+/// The series that a service tells, without their values.
+std::set<std::string> series_of(int port) {
+  std::istringstream lines(ask(port, "GET", "/metrics").body);
+  std::set<std::string> series;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with('#')) series.insert(line.substr(0, line.rfind(' ')));
+  }
+  return series;
+}
 
 TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
   const test::Outcome direct =
@@ -58,6 +69,40 @@ TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
           "trivet_stage_duration_seconds_count{stage=\"vote\"} 1"}) {
       EXPECT_NE(metrics.find(line), std::string::npos) << line << " in\n" << metrics;
     }
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(Serve, HasAllItsMetricsFromTheStart) {
+  const test::Outcome outcome = serve({"--examples", "scans/manifest.json"}, [&](int port) {
+    const std::set<std::string> before = series_of(port);
+    for (const char* const name :
+         {"trivet_requests_total{route=\"recognize\",code=\"503\"}",
+          "trivet_requests_total{route=\"infer\",code=\"200\"}",
+          "trivet_rejected_total{reason=\"full\"}", "trivet_reload_total{result=\"bad\"}",
+          "trivet_stage_duration_seconds_count{stage=\"verify\"}", "process_cpu_seconds_total",
+          "process_resident_memory_bytes", "process_virtual_memory_bytes", "process_open_fds",
+          "process_max_fds", "process_start_time_seconds"}) {
+      EXPECT_TRUE(before.contains(name)) << name;
+    }
+    const std::string scan = read_bytes(depth_);
+    const std::string camera = parameters_.substr(parameters_.find("camera="));
+    EXPECT_EQ(ask(port, "POST", query_, scan).status, 200);
+    EXPECT_EQ(ask(port, "POST", "/v1/recognize?format=png&" + camera, scan).status, 200);
+    EXPECT_EQ(ask(port, "POST", query_, "no PNG").status, 400);
+    EXPECT_EQ(ask(port, "POST", query_, scan, "X-Deadline-Ms: 0.1\r\n").status, 504);
+    EXPECT_EQ(ask(port, "POST", "/v1/points?format=png&" + camera, scan).status, 200);
+    EXPECT_EQ(ask(port, "POST", "/v2/models/l/infer", "{}").status, 400);
+    EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);
+    EXPECT_EQ(ask(port, "GET", "/nowhere").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/recognize").status, 405);
+    EXPECT_EQ(ask(port, "GET", "/v1/models/spoon/mesh.ply").status, 404);
+    for (const char* const target :
+         {"/v1/models", "/v1/examples", "/v1/examples/0", "/v1/score-parts", "/v1/openapi.json",
+          "/v2", "/v2/health/live", "/v2/health/ready", "/v2/models/l", "/v2/models/stats"})
+      EXPECT_EQ(ask(port, "GET", target).status, 200) << target;
+    EXPECT_EQ(ask(port, "POST", "/v2/repository/index").status, 200);
+    EXPECT_EQ(series_of(port), before);
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
