@@ -1,4 +1,6 @@
 // A request of the Open Inference Protocol: JSON, then binary tensors.
+#include <nlohmann/json.hpp>
+
 #include "apps/service/serve/inference_protocol.hpp"
 #include "fuzz/targets.hpp"
 
@@ -12,6 +14,7 @@ void parse_inference(std::string_view input) {
     header_size = zero;
     body.erase(zero, 1);
   }
+  (void)apps::service::inference_timeout(body.substr(0, header_size.value_or(body.size())));
   const Result<apps::service::InferenceRequest> request =
       apps::service::parse_inference(body, header_size);
   if (!request) {
@@ -37,6 +40,10 @@ std::vector<std::string> parse_inference_seeds() {
               R"({"name":"viewpoint","datatype":"FP32","shape":[3],"data":[0,0,1]}]})",
           R"({"parameters":{"binary_data_output":true},"inputs":[)" + point + packed + "]}" +
               std::string(1, '\0') + zeros,
+          R"({"parameters":{"timeout":1000,"priority":1,"sequence_id":"a","sequence_end":true},)"
+          R"("outputs":[{"name":"poses","parameters":{"binary_data":true}},{"name":"models"}],)"
+          R"("inputs":[)" +
+              point + packed + "]}" + std::string(1, '\0') + zeros,
           R"({"inputs":[],"outputs":[{"name":"poses","parameters":{"binary_data":true}}]})"};
 }
 

@@ -5,6 +5,9 @@
 namespace trivet::fuzz {
 
 void parse_target(std::string_view input) {
+  const Result<std::string> origin = apps::service::origin_form(input);
+  require(!origin || *origin == input || origin->starts_with('/'),
+          "what names a host asks for a path of it");
   const Result<apps::service::Target> target = apps::service::parse_target(input);
   if (!target) return require(target.error().code == ErrorCode::usage, "faults are the client's");
   for (const auto& [name, value] : target->parameters)
