@@ -53,7 +53,7 @@ p.key{margin:6px 4px 8px;color:var(--dim)}
 circle.ppf{fill:var(--ppf)}circle.trisi{fill:var(--trisi)}circle.fused{fill:var(--fused)}
 .dot.ppf{background:var(--ppf)}.dot.trisi{background:var(--trisi)}.dot.fused{background:var(--fused)}
 .findings{max-width:74rem;padding-left:1.3em;margin:10px 0}.findings li{margin:7px 0}.about{max-width:62rem}
-.charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));gap:12px}
+.charts{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:12px}.charts .chart{max-width:none}.charts h4{margin:8px 2px 0;font-size:.95rem;font-weight:600}
 .panel{margin-bottom:20px}.panel>h3{font-size:1rem;margin:18px 0 8px}.panel>.table{margin-top:12px}.usual td{background:var(--range)}
 figure h3{font-size:1rem;margin:16px 2px 4px;font-weight:600}.wrap{overflow-x:auto}.words{white-space:normal;min-width:15em;overflow-wrap:anywhere}
 figure td:first-child{min-width:0}figure td.id{min-width:2.2em;width:2.2em;white-space:nowrap;color:var(--dim)}.table+figure{margin-top:18px}
@@ -67,9 +67,9 @@ border-radius:6px 6px 0 0;color:var(--dim);font-size:.9rem;cursor:pointer}.layer
 .part i{display:block;height:100%;background:var(--bar)}.parts .dim{font-size:.75rem}
 pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{color:var(--bar)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
-@media(max-width:760px){.pair,.scene{grid-template-columns:minmax(0,1fr)}.views{position:static}.scene h3:first-child{margin-top:14px}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
+@media(max-width:760px){.pair,.scene,.charts{grid-template-columns:minmax(0,1fr)}.views{position:static}.scene h3:first-child{margin-top:14px}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
-@media(max-width:520px){td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):is(:nth-child(2),:nth-child(4)){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
+@media(max-width:520px){.charts .chart :is(text,.name){font-size:14.5px}td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):is(:nth-child(2),:nth-child(4)){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
 .parts :is(td,th):is(:nth-child(2),:nth-child(3)){display:none}.found :is(.head>td,th):nth-child(5){display:none}.found .words{min-width:0}.parts th{writing-mode:vertical-rl;padding:0 0 4px}.parts th span{display:none}.parts td:not(.id){padding-right:3px}.parts .dim{font-size:.68rem}}
 @media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
 .tables{columns:auto;display:grid;grid-template-columns:1fr 1fr;gap:0 12px;align-items:start}.tables>.wide{grid-column:1/-1}.table{overflow:visible}

@@ -13,9 +13,10 @@ namespace trivet::apps::study {
 namespace {
 
 // In the units of the drawing.
-constexpr double kWidth = 460;
-constexpr double kLeft = 58, kRight = 14, kTop = 22, kPlotHeight = 230;              // of curves
-constexpr double kNamesLeft = 176, kRowHeight = 13, kRowGap = 12, kLineHeight = 13;  // of rows
+constexpr double kWidth = 520;
+constexpr double kLeft = 62, kRight = 14, kTop = 22, kPlotHeight = 250;              // of curves
+constexpr double kNamesLeft = 190, kRowHeight = 13, kRowGap = 12, kLineHeight = 13;  // of rows
+constexpr double kRowsTop = 26;
 constexpr double kMarkStep = 8;  // between methods at one place of a curve
 
 /// From values to 0..1, and where to put numbers.
@@ -80,13 +81,22 @@ struct Mark {
 /// What is drawn of a panel: of each method, one mark a row, or none.
 struct Drawing {
   Scale scale;
-  std::string unit, label;  ///< of the numbers, and of the axis
+  std::string label, unit;  ///< of the axis, and of its numbers
   std::vector<std::vector<std::optional<Mark>>> marks;
 
   std::string number(double value) const {
-    return unit == "%" ? fmt::format("{:.0f} %", 100 * value) : fmt::format("{:g}{}", value, unit);
+    return unit == "%" ? fmt::format("{:.0f}", 100 * value) : fmt::format("{:g}", value);
+  }
+  std::string axis() const {
+    return fmt::format("{} [{}]{}", label, unit, scale.logarithmic ? ", logarithmic" : "");
   }
 };
+
+/// What the rows are, with the unit of bins of truths, whose names have theirs.
+std::string rows_axis(const Panel& panel) {
+  if (panel.axis.empty()) return "variant";
+  return panel.has_total ? panel.axis + " [share of the area]" : panel.axis;
+}
 
 std::string dot(Method method, double x, double y, const std::string& title) {
   return svg_dot(choice_name(method), 3.6, x, y, title);
@@ -103,7 +113,7 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
     return kLeft + plot * (static_cast<double>(row) + 0.5) / n;
   };
   const auto down = [&](double value) { return bottom - kPlotHeight * drawing.scale(value); };
-  std::string out = svg_start(kWidth, bottom + 46, drawing.label + " over " + panel.axis);
+  std::string out = svg_start(kWidth, bottom + 46, drawing.axis() + " over " + rows_axis(panel));
   for (const double tick : drawing.scale.ticks) {
     out += fmt::format("<path class=\"grid\" d=\"M{} {:.1f}H{}\"/>", kLeft, down(tick),
                        kWidth - kRight) +
@@ -112,8 +122,8 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
   for (std::size_t row = 0; row < num_drawn(panel); ++row) {
     out += svg_text("mid", across(row), bottom + 17, panel.rows[row]);
   }
-  out += svg_text("mid name", kLeft + plot / 2, bottom + 38, panel.axis);
-  out += svg_upward_name(11, bottom - kPlotHeight / 2, drawing.label);
+  out += svg_text("mid name", kLeft + plot / 2, bottom + 38, rows_axis(panel));
+  out += svg_upward_name(13, bottom - kPlotHeight / 2, drawing.axis());
   if (panel.reference == Reference::fixed) {
     const double x = across(panel.reference_row);
     out += fmt::format("<path class=\"ideal\" d=\"M{:.1f} {}V{}\"/>", x, kTop, bottom) +
@@ -161,16 +171,18 @@ std::string row_chart(const Panel& panel, const Drawing& drawing) {
   for (const std::string& name : panel.rows) num_lines = std::max(num_lines, lines_of(name).size());
   const double row_height =
       std::max(kRowHeight * num_methods, kLineHeight * static_cast<double>(num_lines)) + kRowGap;
-  const double bottom = 8 + row_height * static_cast<double>(panel.rows.size());
+  const double bottom = kRowsTop + row_height * static_cast<double>(panel.rows.size());
   const auto across = [&](double value) { return kNamesLeft + plot * drawing.scale(value); };
-  std::string out = svg_start(kWidth, bottom + 44, drawing.label);
+  std::string out = svg_start(kWidth, bottom + 44, drawing.axis() + " over " + rows_axis(panel)) +
+                    svg_text("end name", kNamesLeft - 10, kRowsTop - 10, rows_axis(panel));
   for (const double tick : drawing.scale.ticks) {
-    out += fmt::format("<path class=\"grid\" d=\"M{:.1f} 8V{:.1f}\"/>", across(tick), bottom) +
+    out += fmt::format("<path class=\"grid\" d=\"M{:.1f} {}V{:.1f}\"/>", across(tick), kRowsTop,
+                       bottom) +
            svg_text("mid", across(tick), bottom + 17, drawing.number(tick));
   }
-  out += svg_text("mid name", kNamesLeft + plot / 2, bottom + 37, drawing.label);
+  out += svg_text("mid name", kNamesLeft + plot / 2, bottom + 37, drawing.axis());
   for (std::size_t row = 0; row < panel.rows.size(); ++row) {
-    const double top = 8 + row_height * static_cast<double>(row);
+    const double top = kRowsTop + row_height * static_cast<double>(row);
     const bool usual = panel.reference == Reference::fixed && row == panel.reference_row;
     const std::vector<std::string> lines = lines_of(panel.rows[row]);
     for (std::size_t k = 0; k < lines.size(); ++k) {
@@ -201,7 +213,7 @@ std::string draw(const Panel& panel, const Drawing& drawing) {
 }  // namespace
 
 std::string rate_chart(const Panel& panel) {
-  Drawing drawing{rate_scale(panel), "%", "found", {}};
+  Drawing drawing{rate_scale(panel), "share found", "%", {}};
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {
     std::vector<std::optional<Mark>> marks;
     for (std::size_t row = 0; row < panel.rows.size(); ++row) {
@@ -223,7 +235,7 @@ std::string rate_chart(const Panel& panel) {
 
 std::string time_chart(const Panel& panel) {
   if (panel.has_total) return "";  // times are of scenes, not of bins of truths
-  Drawing drawing{{}, " s", "a scene on one core", {}};
+  Drawing drawing{{}, "time of a scene on one core", "s", {}};
   double least = 0, most = 0;
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {
     std::vector<std::optional<Mark>> marks;

@@ -120,11 +120,13 @@ std::string method_table(const Experiment& experiment, const Panel& panel, std::
 std::string panel_section(const Experiment& experiment, const Panel& panel) {
   std::string out = "<div class=\"panel\">\n";
   if (!panel.title.empty()) out += fmt::format("<h3>{}</h3>\n", escape_html(panel.title));
-  out += "<div class=\"charts\"><div class=\"table\">" + rate_chart(panel) + chart_key(panel) +
-         "</div>";
-  if (const std::string times = time_chart(panel); !times.empty())
-    out += "<div class=\"table\">" + times + chart_key(panel) + "</div>";
-  out += "</div>\n";
+  const auto card = [&](std::string_view title, const std::string& chart) {
+    if (chart.empty()) return std::string();
+    return fmt::format("<div class=\"table\"><h4>{}</h4>{}{}</div>", title, chart,
+                       chart_key(panel));
+  };
+  out += "<div class=\"charts\">" + card("What was found", rate_chart(panel)) +
+         card("What it takes", time_chart(panel)) + "</div>\n";
   for (std::size_t m = 0; m < panel.methods.size(); ++m) out += method_table(experiment, panel, m);
   return out + "</div>\n";
 }

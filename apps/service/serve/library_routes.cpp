@@ -24,17 +24,24 @@ Json symmetry_json(const Symmetry& symmetry) {
   return {{"poses", symmetry.poses.size()}, {"axis", symmetry.axis.has_value()}};
 }
 
-/// What the model nearly looks the same by, with the keys that declare it in a manifest.
+/// What the model nearly looks the same by, and what declares it in a manifest: with the symmetries
+/// that it has, since a declaration stands for all.
 Json near_symmetry_json(const Model& model) {
-  const auto vector = [](const auto& v) { return std::array{v.x(), v.y(), v.z()}; };
-  Json poses = Json::array();
-  for (const Pose& pose : model.near_symmetries) poses.push_back(apps::matrix_json(pose));
-  Json axis;
-  if (model.near_axis) {
-    axis = {{"axis", vector(model.near_axis->direction)},
-            {"offset", vector(model.near_axis->point)}};
+  Json declaration;
+  if (!model.near_symmetries.empty() || model.near_axis) {
+    declaration["symmetries"] = Json::array();
+    for (const std::vector<Pose>* poses : {&model.symmetry.poses, &model.near_symmetries}) {
+      for (const Pose& pose : *poses) declaration["symmetries"].push_back(apps::matrix_json(pose));
+    }
+    if (const auto& axis = model.near_axis ? model.near_axis : model.symmetry.axis) {
+      const auto vector = [](const auto& v) { return std::array{v.x(), v.y(), v.z()}; };
+      declaration["symmetry_axis"] = {{"axis", vector(axis->direction)},
+                                      {"offset", vector(axis->point)}};
+    }
   }
-  return {{"symmetries", std::move(poses)}, {"symmetry_axis", std::move(axis)}};
+  return {{"poses", model.near_symmetries.size()},
+          {"axis", model.near_axis.has_value()},
+          {"declaration", std::move(declaration)}};
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ class Study : public testing::Test {
     // A chart of times stands second in its panel.
     std::string out;
     for (std::size_t at = 0;;) {
-      const std::size_t chart = text.find("aria-label=\"a scene on one core", at);
+      const std::size_t chart = text.find("aria-label=\"time of a scene on one core", at);
       out += text.substr(at, chart == std::string::npos ? chart : chart - at);
       if (chart == std::string::npos) return std::regex_replace(out, std::regex(name), "OUT");
       at = text.find("</svg>", chart);
