@@ -1,19 +1,9 @@
 import words from "./advice.json";
 import { element } from "./dom.js";
+import { extents } from "./extents.js";
 import { lengthWords, scoreWords } from "./words.js";
 
 const fill = (sentence, values) => sentence.replace(/\{(\w+)\}/g, (_, name) => values[name]);
-
-/** Lengths of a scan along its axes, in its unit. */
-function extents(positions) {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positions.length; ++i) {
-    low[i % 3] = Math.min(low[i % 3], positions[i]);
-    high[i % 3] = Math.max(high[i % 3], positions[i]);
-  }
-  return low.map((value, axis) => high[axis] - value);
-}
 
 /**
  * What to check when no model was found. `trivet recognize` says the same, in the words of

@@ -1,3 +1,4 @@
+import { copiesOnClick } from "./copy.js";
 import { byId, element, terms } from "./dom.js";
 
 /**
@@ -13,13 +14,8 @@ export function showAnswer({ text, answer }, scanName) {
       ["library", `${answer.library.file}, generation ${answer.library.generation}`],
     ]),
   );
-  const copy = byId("copy");
-  copy.hidden = !navigator.clipboard; // of a page that is neither local nor encrypted
-  copy.textContent = "Copy JSON";
-  copy.onclick = async () => {
-    await navigator.clipboard.writeText(text);
-    copy.textContent = "Copied";
-  };
+  byId("copy").textContent = "Copy JSON";
+  copiesOnClick(byId("copy"), text);
   const download = byId("download");
   URL.revokeObjectURL(download.href);
   download.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));

@@ -1,5 +1,30 @@
+import { copyButton } from "./copy.js";
 import { byId, element, moveByArrows } from "./dom.js";
-import { lengthWords, numbered, symmetryWords } from "./words.js";
+import { lengthWords, nearSymmetryWords, numbered, symmetryWords } from "./words.js";
+
+const kDigits = 7; // of the numbers of a declaration, which were floats
+
+/** Advice on a model that nearly looks the same in other poses; null where there are none. */
+function adviceOnNear({ near_symmetry: near }) {
+  if (!near.declaration) return null;
+  const rounded = (_, value) =>
+    typeof value === "number" ? Number(value.toPrecision(kDigits)) : value;
+  const text = JSON.stringify(near.declaration, rounded).slice(1, -1); // entries, not an object
+  return element(
+    "details",
+    { className: "near" },
+    element("summary", {}, nearSymmetryWords(near)),
+    element(
+      "p",
+      { className: "dim" },
+      "Where a scan does not show what tells these poses apart, a detection is ambiguous and its " +
+        "score lower. If it does not matter to you which one it is, declare it: put this into the " +
+        "model’s entry of the manifest that you train from, and none is asked for.",
+    ),
+    element("pre", { tabIndex: 0 }, text),
+    element("p", { className: "buttons" }, copyButton("Copy declaration", text)),
+  );
+}
 
 /** The models of the library: a list to filter; a click shows one in the view. */
 export class LibraryPanel {
@@ -11,7 +36,7 @@ export class LibraryPanel {
   constructor(onShow) {
     this.onShow = onShow;
     this.#filter.addEventListener("input", () => this.#narrow());
-    moveByArrows(this.#list, "button");
+    moveByArrows(this.#list, "button.model");
   }
 
   /** library  { unit, models } */
@@ -22,7 +47,7 @@ export class LibraryPanel {
         : element("span", { className: "no-picture" });
       const button = element(
         "button",
-        { type: "button", onclick: () => this.onShow(model) },
+        { type: "button", className: "model", onclick: () => this.onShow(model) },
         picture,
         element("span", { className: "name" }, model.name),
         element(
@@ -31,7 +56,7 @@ export class LibraryPanel {
           `${lengthWords(model.diameter, unit)} across, ${symmetryWords(model.symmetry)}`,
         ),
       );
-      return { model, button, item: element("li", {}, button) };
+      return { model, button, item: element("li", {}, button, adviceOnNear(model)) };
     });
     this.#list.replaceChildren(...this.#rows.map(({ item }) => item));
     this.#narrow();

@@ -6,9 +6,11 @@ import { detectionColors } from "./colors.js";
 import { byId, element, moveByArrows } from "./dom.js";
 import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
+import { unitThatFits } from "./extents.js";
 import { listenForFiles } from "./open_files.js";
 import { PoseList } from "./pose_list.js";
 import { worthTelling } from "./rejected.js";
+import { showScale } from "./scale_bar.js";
 import { readFiles, scanOfExample } from "./scan.js";
 import * as service from "./service.js";
 import { Settings } from "./settings.js";
@@ -19,6 +21,7 @@ import {
   countWords,
   lengthWords,
   numbered,
+  placeWords,
   pointWords,
   rejectionWords,
   secondsWords,
@@ -38,7 +41,7 @@ let library = { unit: "m", models: [], generation: 0 };
 let scoreParts = null;
 let settings = null;
 let scan = null;
-let points = null; // of the scan: { key, positions, total }
+let points = null; // of the scan: { key, positions, total, viewpoint }
 let running = null; // the AbortController of what is being asked
 let selected = null;
 
@@ -64,12 +67,15 @@ function setBusy(busy) {
   byId("result").setAttribute("aria-busy", busy);
 }
 
-function showProblem(message, again) {
+/** action  { label, run } of what may help, if anything */
+function showProblem(message, action) {
   byId("problem").replaceChildren(
     element("p", {}, message),
-    again ? element("button", { type: "button", onclick: again }, "Try again") : "",
+    action ? element("button", { type: "button", onclick: action.run }, action.label) : "",
   );
 }
+
+const tryAgain = (act) => ({ label: "Try again", run: act });
 
 function clearResult() {
   selected = null;
@@ -88,6 +94,7 @@ function tellScan(scene) {
       points.total > points.positions.length / 3 &&
       `${countWords(points.positions.length / 3)} drawn`,
     scene?.invalid_points > 0 && `${countWords(scene.invalid_points)} invalid`,
+    points?.viewpoint && `sensor at ${placeWords(points.viewpoint, settings.unit)}`,
     scene?.noise > 0 && `noise ${lengthWords(scene.noise, library.unit)}`,
   ];
   byId("scan-facts").textContent = facts.filter(Boolean).slice(1).join(", ");
@@ -129,7 +136,7 @@ async function showPoints(signal) {
   if (points?.key === key) return;
   const fetched = await service.fetchPoints(scan, parameters, signal);
   points = { key, ...fetched };
-  view?.showScan(points.positions, settings.viewpoint);
+  view?.showScan(points.positions, points.viewpoint ?? [0, 0, 0]);
   showTools();
   byId("canvas").setAttribute("aria-label", `Scan ${scan.name}`);
   tellScan();
@@ -150,20 +157,45 @@ async function run() {
     return showProblem(fault.message);
   }
   say("Recognizing …");
+  let shown = Promise.resolve();
   try {
     scan.body ??= await service.fetchBytes(scan.url, asking.signal);
+    shown = showPoints(asking.signal);
     const [result] = await Promise.all([
       service.recognize(scan, settings.parameters(scan), asking.signal),
-      showPoints(asking.signal),
+      shown,
     ]);
     await showResult(result, asking.signal);
   } catch (error) {
+    await shown.catch(() => {}); // its points may tell why
     if (asking.signal.aborted) return;
     say(error instanceof service.ServiceError ? "Not recognized" : "Not shown");
-    showProblem(error.message, error.mayPass && run);
+    if (!proposeUnit()) showProblem(error.message, error.mayPass && tryAgain(run));
   } finally {
     if (running === asking) setBusy(false);
   }
+}
+
+/** Propose the other unit if that makes the scan fit to the models; whether it does. */
+function proposeUnit() {
+  const found = unitThatFits(points?.positions, settings.unit, library);
+  if (!found) return false;
+  const { smallest, largest, fitting } = found;
+  const across = Number(found.across.toPrecision(3));
+  settings.markUnit();
+  showProblem(
+    `In ${settings.unit} the scan is ${across} ${settings.unit} across, the models ` +
+      `${lengthWords(smallest, library.unit)} to ${lengthWords(largest, library.unit)}. ` +
+      `It fits to them if its unit is ${fitting}: ${across} ${fitting} across.`,
+    {
+      label: `Read it in ${fitting}`,
+      run: () => {
+        settings.unit = fitting;
+        run();
+      },
+    },
+  );
+  return true;
 }
 
 // Results.
@@ -188,7 +220,7 @@ async function showResult(result, signal) {
       kind: "rejected",
       label: `R${k + 1}`,
       pose,
-      reason: rejectionWords(pose, detections, settings.minScore),
+      reason: rejectionWords(pose),
     })),
   ];
 
@@ -351,6 +383,8 @@ function listen() {
       ? `looking at ${pointWords(point, unit)}, from ${lengthWords(distance, unit)}`
       : "";
   };
+  view.onScale = (length) =>
+    showScale(length, view.showsModel ? library.unit : settings.unit);
 }
 
 function onShortcut(event) {
@@ -388,7 +422,10 @@ async function start() {
     say("Ready for a scan");
   } catch (error) {
     say("Not ready");
-    showProblem(error.message, () => location.reload());
+    showProblem(
+      error.message,
+      tryAgain(() => location.reload()),
+    );
   }
 }
 

@@ -1,61 +1,51 @@
+import { copyButton } from "./copy.js";
 import { element, moveByArrows, terms } from "./dom.js";
 import { scoreBars } from "./score_bars.js";
 import {
   lengthWords,
   methodWords,
   numbered,
+  orientationOf,
   percentWords,
   pointWords,
+  quaternionWords,
   scoreWords,
+  turnWords,
+  visibilityWords,
 } from "./words.js";
-
-/** A score below this share of what the evidence alone makes of it is worth a word. */
-const HARDLY_LOWER = 0.95;
 
 const position = (pose) => pose.T_scene_model.slice(0, 3).map((row) => row[3]);
 
 function noteOf({ kind, pose, reason }, unit) {
   if (kind === "rejected") return reason;
-  return `${percentWords(pose.visible_fraction)} visible, rmse ${lengthWords(pose.rmse, unit)}`;
-}
-
-function copyPose(pose) {
-  if (!navigator.clipboard) return null; // of a page that is neither local nor encrypted
-  const button = element(
-    "button",
-    {
-      type: "button",
-      onclick: async () => {
-        await navigator.clipboard.writeText(JSON.stringify(pose.T_scene_model));
-        button.textContent = "Copied";
-      },
-    },
-    "Copy pose",
-  );
-  return button;
+  return `${visibilityWords(pose)}, rmse ${lengthWords(pose.rmse, unit)}`;
 }
 
 function detailsOf({ kind, pose }, unit, scoreParts) {
   const found = kind === "found";
+  const orientation = orientationOf(pose.T_scene_model);
   return [
     terms([
       ["position", pointWords(position(pose), unit)],
+      ["turned by", turnWords(orientation)],
+      ["quaternion", `${quaternionWords(orientation)} (x, y, z, w)`],
       found && ["outline free", percentWords(pose.contour)],
       found && ["looked through", percentWords(pose.violation)],
       found && ["proposed by", methodWords(pose.method)],
+      found && pose.words && ["costs it most", pose.words],
       pose.ambiguous && [
         "ambiguous",
         `the scan cannot tell it from ${numbered(pose.alternatives.length, "other pose", "other poses")},` +
           " drawn as outlines",
       ],
       pose.siblings?.length > 0 && ["may as well be", pose.siblings.join(", ")],
-      pose.alone > pose.score / HARDLY_LOWER && [
-        "by itself",
-        `${percentWords(pose.alone)}; alternatives, look-alikes or doubtful answers beside it lower that`,
-      ],
     ]),
     pose.evidence && scoreParts && scoreBars(pose, scoreParts),
-    element("p", { className: "buttons" }, copyPose(pose)),
+    element(
+      "p",
+      { className: "buttons" },
+      copyButton("Copy pose", JSON.stringify(pose.T_scene_model)),
+    ),
   ].flat();
 }
 

@@ -1,5 +1,5 @@
 import { element } from "./dom.js";
-import { signed } from "./words.js";
+import { scoreWords, signed } from "./words.js";
 
 /** An element as wide as this share of the one around it. */
 function share(className, value) {
@@ -8,40 +8,77 @@ function share(className, value) {
   return made;
 }
 
+/** Less is rounding, and nothing that other answers took. */
+const kNothing = 0.005;
+const kLeast = 1e-6; // beyond it the odds of a float are rounding
+
+function logOdds(score) {
+  const inside = Math.min(1 - kLeast, Math.max(kLeast, score));
+  return Math.log(inside / (1 - inside));
+}
+
+function row({ label, meaning, track, number }) {
+  return element(
+    "li",
+    { title: meaning },
+    element("span", { className: "label" }, label),
+    track ?? element("span", {}),
+    element("span", { className: "number" }, number),
+    element("span", { className: "meaning dim" }, meaning),
+  );
+}
+
+function partRow({ label, meaning, limit, added }, most) {
+  const track = element("span", { className: "track" });
+  track.append(share("limit", limit / most), share("added", added / most));
+  const number = [added.toFixed(1), element("span", { className: "dim" }, ` of ${limit.toFixed(1)}`)];
+  return row({ label, meaning, track, number });
+}
+
 /**
- * What a score is made of: each part's log odds beside the most it could add.
+ * What a score is made of, in rows that add up to its log odds: where they begin, each part beside
+ * the most that it could add, and what other answers take off.
  *
- * pose        { evidence: { part: log odds }, parts: { correlation } } of the service
+ * pose        { score, evidence: { part: log odds }, parts: { correlation } } of the service
  * scoreParts  { bias, parts: [{ name, label, meaning, most_evidence }] }, where bias and
  *             most_evidence are two numbers: for a correlation of 0, and for one of 1
  */
-export function scoreBars({ evidence, parts: { correlation } }, scoreParts) {
+export function scoreBars({ score, evidence, parts: { correlation } }, scoreParts) {
   const mixed = ([none, full]) => none + (full - none) * (correlation ?? 0);
   const bias = mixed(scoreParts.bias);
   const order = scoreParts.parts
-    .map((part) => ({ ...part, limit: mixed(part.most_evidence) }))
+    .map((part) => ({
+      ...part,
+      limit: mixed(part.most_evidence),
+      added: evidence[part.name] ?? 0,
+    }))
     .sort((a, b) => b.limit - a.limit);
   const most = order[0]?.limit || 1;
-  const sum = order.reduce((total, { name }) => total + (evidence[name] ?? 0), bias);
-  const rows = order.map(({ name, label, meaning, limit }) => {
-    const added = evidence[name] ?? 0;
-    const track = element("span", { className: "track" });
-    track.append(share("limit", limit / most), share("added", added / most));
-    return element(
-      "li",
-      { title: meaning },
-      element("span", { className: "label" }, label),
-      track,
-      element(
-        "span",
-        { className: "number" },
-        added.toFixed(1),
-        element("span", { className: "dim" }, ` of ${limit.toFixed(1)}`),
-      ),
-      element("span", { className: "meaning dim" }, meaning),
-    );
-  });
-  const list = element("ul", { className: "score-bars" }, rows);
+  const alone = order.reduce((total, { added }) => total + added, bias);
+  const others = logOdds(score) - Math.max(-14, Math.min(14, alone));
+  const told = order.filter(({ limit }) => limit >= 0.05); // else "0.0 of 0.0"
+  const list = element(
+    "ul",
+    { className: "score-bars" },
+    row({
+      label: "begins at",
+      meaning: "what is believed before anything is seen",
+      number: signed(bias),
+    }),
+    told.map((part) => partRow(part, most)),
+    others < -kNothing &&
+      row({
+        label: "other answers",
+        meaning: "alternatives, look-alikes or doubtful answers beside it take this off",
+        track: element("span", { className: "track" }, share("taken", -others / most)),
+        number: signed(others),
+      }),
+    row({
+      label: "log odds",
+      meaning: `the sum; as a probability it is the score, ${scoreWords(score)}`,
+      number: element("b", {}, signed(alone + Math.min(0, others))),
+    }),
+  );
   const explain = element(
     "button",
     {
@@ -58,11 +95,7 @@ export function scoreBars({ evidence, parts: { correlation } }, scoreParts) {
   );
   return [
     element("h3", {}, "What the score is made of"),
-    element(
-      "p",
-      { className: "dim" },
-      `Log odds ${signed(sum)}: they begin at ${signed(bias)}, and each part adds up to its limit.`,
-    ),
+    element("p", { className: "dim" }, "Log odds of the score: the rows add up."),
     list,
     explain,
   ];

@@ -44,7 +44,8 @@ const getJson = async (target) => (await ask(target)).json();
 
 /**
  * { library, generation, unit,
- *   models: [{ name, diameter, symmetry: { poses, axis }, thumbnail, mesh }] }
+ *   models: [{ name, diameter, symmetry: { poses, axis }, thumbnail, mesh,
+ *     near_symmetry: { poses, axis, declaration: entries of a manifest, or null } }] }
  */
 export const fetchLibrary = () => getJson("/v1/models");
 
@@ -73,12 +74,15 @@ const post = (path, parameters, body, signal) =>
 /**
  * Points of a scan, thinned to what can be drawn.
  *
- * Returns { positions: x, y, z of each in the scan's unit and frame, total: before thinning }.
+ * Returns { positions: x, y, z of each in the scan's unit and frame, total: before thinning,
+ *   viewpoint: of the sensor, where it is known, else null }.
  */
 export async function fetchPoints(scan, parameters, signal) {
   const response = await post("/v1/points", parameters, scan.body, signal);
   const positions = new Float32Array(await response.arrayBuffer());
-  return { positions, total: Number(response.headers.get("X-Points")) || positions.length / 3 };
+  const viewpoint = response.headers.get("X-Viewpoint")?.split(",").map(Number) ?? null;
+  const total = Number(response.headers.get("X-Points")) || positions.length / 3;
+  return { positions, total, viewpoint };
 }
 
 /**

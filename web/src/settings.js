@@ -74,10 +74,14 @@ export class Settings {
     return field("unit").value;
   }
 
-  /** Where the sensor was, as far as the page knows. */
-  get viewpoint() {
-    const numbers = triple(field("viewpoint").value).map(Number);
-    return numbers.length === 3 && numbers.every(Number.isFinite) ? numbers : [0, 0, 0];
+  set unit(unit) {
+    field("unit").value = unit;
+    this.#summarize();
+  }
+
+  /** Show that the unit is in doubt. */
+  markUnit() {
+    this.mark({ field: field("unit") });
   }
 
   /** The first field that cannot be sent, and what it needs: { field, message }; null: none. */

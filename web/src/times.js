@@ -2,7 +2,20 @@ import { element } from "./dom.js";
 import { secondsWords } from "./words.js";
 
 const kShortest = 5e-5; // [s]: what would read as 0.0 ms goes untold
-const kTones = 6; // classes tone-0 … of the style sheet
+
+/** What people call the stages of recognition, in their order; the colors are those of the style. */
+const kGroups = [
+  { name: "waiting for its turn", stages: ["queue"] },
+  { name: "reading the scan", stages: ["read", "prepare", "subsample"] },
+  { name: "proposing poses", stages: ["vote", "cluster", "match"] },
+  { name: "refining them", stages: ["preselect", "refine", "verify"] },
+  { name: "testing the best", stages: ["examine", "select", "alternatives", "check camera"] },
+  { name: "transfer and the rest", stages: ["other work", "transfer"] },
+];
+const groupOf = (stage) => {
+  const known = kGroups.findIndex(({ stages }) => stages.includes(stage));
+  return known < 0 ? kGroups.length - 1 : known;
+};
 
 /**
  * Where the time of an answer went: a stacked bar, and its numbers.
@@ -13,28 +26,31 @@ const kTones = 6; // classes tone-0 … of the style sheet
 export function timesView(answer, seconds) {
   const { queue = 0, work = 0 } = answer.seconds ?? {};
   const { total = 0, ...stages } = answer.scenes[0]?.seconds ?? {};
-  const rest = {
+  const groups = kGroups.map(({ name }, k) => ({ name, tone: k, seconds: 0, stages: [] }));
+  for (const [stage, value] of Object.entries({
     queue,
     ...stages,
     "other work": Math.max(0, work - total),
     transfer: Math.max(0, seconds - queue - work),
-  };
-  const all = Object.entries(rest).filter(([, value]) => value >= kShortest);
-  const sum = all.reduce((so_far, [, value]) => so_far + value, 0) || 1;
+  })) {
+    const group = groups[groupOf(stage)];
+    group.seconds += value;
+    if (value >= kShortest) group.stages.push(`${stage} ${secondsWords(value)}`);
+  }
+  const told = groups.filter((group) => group.seconds >= kShortest);
+  const sum = told.reduce((so_far, group) => so_far + group.seconds, 0) || 1;
   const bar = element("div", { className: "stack", "aria-hidden": "true" });
-  const rows = all.map(([name, value], k) => {
-    const piece = element("span", {
-      className: `tone-${k % kTones}`,
-      title: `${name} ${secondsWords(value)}`,
-    });
-    piece.style.width = `${(100 * value) / sum}%`;
+  const rows = told.map((group) => {
+    const title = group.stages.join(", ");
+    const piece = element("span", { className: `tone-${group.tone}`, title });
+    piece.style.width = `${(100 * group.seconds) / sum}%`;
     bar.append(piece);
     return element(
       "li",
-      {},
-      element("span", { className: `swatch tone-${k % kTones}`, "aria-hidden": "true" }),
-      element("span", {}, name),
-      element("span", { className: "number" }, secondsWords(value)),
+      { title },
+      element("span", { className: `swatch tone-${group.tone}`, "aria-hidden": "true" }),
+      element("span", {}, group.name),
+      element("span", { className: "number" }, secondsWords(group.seconds)),
     );
   });
   return [

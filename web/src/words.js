@@ -16,13 +16,21 @@ export function pointWords(point, unit) {
   return `${point.map(number).join(", ")} ${unit}`;
 }
 
+export const placeWords = (point, unit) =>
+  point.every((value) => value === 0) ? "the origin" : pointWords(point, unit);
+
 export function secondsWords(value) {
   if (value >= 1) return `${value.toFixed(2)} s`;
   const ms = value * 1000;
   return `${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`;
 }
 
-export const scoreWords = (score) => score.toFixed(3);
+/** A probability, of which no digit is made up: none is 0 or 1. */
+export function scoreWords(score) {
+  if (score < 0.001) return "< 0.001";
+  return score > 0.999 ? "> 0.999" : score.toFixed(3);
+}
+
 export const countWords = (count) => count.toLocaleString("en");
 export const numbered = (count, one, many) => `${countWords(count)} ${count === 1 ? one : many}`;
 
@@ -47,28 +55,59 @@ export function symmetryWords({ poses, axis }) {
   return "no symmetry";
 }
 
-/**
- * Why a pose was rejected.
- *
- * detections  what was found instead, in the order of the answer
- * minScore    the limit that was asked for
- */
-export function rejectionWords(rejected, detections, minScore) {
-  const by = detections[rejected.explained_by];
-  const taken = by
-    ? `${by.model} (${rejected.explained_by + 1}, score ${scoreWords(by.score)}) ` +
-      `already explains ${percentWords(rejected.explained_share)} of its pixels`
-    : "a better pose already explains its pixels";
-  switch (rejected.reason) {
-    case "too_low": {
-      const low = `score ${scoreWords(rejected.score)} is below the limit ${minScore}`;
-      return by ? `${low}; ${taken}` : low;
-    }
-    case "explained":
-      return taken;
-    case "too_many":
-      return "as many of this model as asked for have better scores";
-    default:
-      return rejected.reason;
-  }
+/** poses  beside the model's own; axis  whether it nearly turns about one */
+export function nearSymmetryWords({ poses, axis }) {
+  if (axis) return "nearly turns freely about an axis";
+  return `looks nearly the same in ${poses + 1} poses`;
 }
+
+/** Why a pose was rejected, as the service says it, with the place of what explains it. */
+export function rejectionWords({ words, explained_by: by }) {
+  return by === null ? words : `${words} (${by + 1})`;
+}
+
+/** What of the whole object was measured, and where the rest is, as far as that is worth a word. */
+export function visibilityWords(pose) {
+  const kHardly = 0.005;
+  return [
+    `${percentWords(pose.visible_fraction)} visible`,
+    pose.hidden_fraction >= kHardly && `${percentWords(pose.hidden_fraction)} hidden`,
+    pose.outside_fraction >= kHardly && `${percentWords(pose.outside_fraction)} outside the scan`,
+  ]
+    .filter(Boolean)
+    .join(", ");
+}
+
+/**
+ * How a pose turns the model.
+ *
+ * rows  of the matrix of a rigid motion
+ * Returns { quaternion: [x, y, z, w], w >= 0; angle: [degrees], 0 to 180; axis: unit vector }.
+ * Source: Shepperd, J. Guidance and Control, 1978.
+ */
+export function orientationOf(rows) {
+  const at = (row, column) => rows[row][column];
+  const trace = at(0, 0) + at(1, 1) + at(2, 2);
+  // Four times the products of w, x, y, z with the largest of them.
+  const products = [
+    [1 + trace, at(2, 1) - at(1, 2), at(0, 2) - at(2, 0), at(1, 0) - at(0, 1)],
+    [at(2, 1) - at(1, 2), 1 - trace + 2 * at(0, 0), at(1, 0) + at(0, 1), at(0, 2) + at(2, 0)],
+    [at(0, 2) - at(2, 0), at(1, 0) + at(0, 1), 1 - trace + 2 * at(1, 1), at(2, 1) + at(1, 2)],
+    [at(1, 0) - at(0, 1), at(0, 2) + at(2, 0), at(2, 1) + at(1, 2), 1 - trace + 2 * at(2, 2)],
+  ];
+  const largest = [0, 1, 2, 3].reduce((a, b) => (products[b][b] > products[a][a] ? b : a));
+  const sign = products[largest][0] < 0 ? -1 : 1;
+  const length = sign * Math.hypot(...products[largest]);
+  const [w, x, y, z] = products[largest].map((product) => product / length);
+  const sine = Math.hypot(x, y, z);
+  return {
+    quaternion: [x, y, z, w],
+    angle: (360 / Math.PI) * Math.atan2(sine, w),
+    axis: sine > 0 ? [x / sine, y / sine, z / sine] : [0, 0, 1],
+  };
+}
+
+const fixed = (digits) => (value) => value.toFixed(digits).replace("-", "−");
+export const turnWords = ({ angle, axis }) =>
+  `${angle.toFixed(1)}° about ${axis.map(fixed(2)).join(", ")}`;
+export const quaternionWords = ({ quaternion }) => quaternion.map(fixed(4)).join(", ");

@@ -71,6 +71,31 @@ test.describe("a service that is full", () => {
   });
 });
 
+test.describe("a scan in another unit", () => {
+  test.use({ allowed: /status of 4\d\d/ });
+
+  test("is told to be, in Settings, and read in the one that fits", async ({ page, request }) => {
+    const { unit } = await (await request.get("/v1/models")).json();
+    const other = { m: "mm", mm: "m" }[unit];
+    await page.addInitScript(
+      (wrong) => localStorage.setItem("trivet.settings", JSON.stringify({ unit: wrong })),
+      other,
+    );
+    await openPage(page);
+    await chooseFiles(page, await exampleFiles(request));
+    await expect(page.getByRole("alert")).toContainText(
+      new RegExp(`fits to them if its unit is ${unit}: [\\d.]+ ${unit} across`),
+    );
+    await expect(page.locator("#settings-box")).toHaveAttribute("open", "");
+    await expect(page.getByLabel("Unit of the scan")).toBeFocused();
+    const scene = await recognized(page, () =>
+      page.getByRole("button", { name: `Read it in ${unit}` }).click(),
+    );
+    await expect(page.getByRole("alert")).toBeEmpty();
+    await expect(foundRows(page)).toHaveCount(scene.detections.length);
+  });
+});
+
 test("files that are no scans are refused with what was expected", async ({ page }) => {
   await openPage(page);
   await drop(page, [file("scan.tif", "II")]);

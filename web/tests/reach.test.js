@@ -114,8 +114,140 @@ for (const colorScheme of ["light", "dark"]) {
     expect(canvas.y + canvas.height).toBeLessThanOrEqual(list.y + 1);
     await page.getByText("Settings").click();
     await fits();
+    await page.getByText("More options").click();
+    await fits();
     await page.getByRole("tab", { name: "Models" }).click();
     await fits();
+    for (const near of await page.locator(".near summary").all()) await near.click();
+    await fits();
+  });
+}
+
+test("what nearly looks the same is told, with what declares it", async ({ page }) => {
+  const declaration = {
+    symmetries: [
+      [
+        [-1, 0, 0, 0],
+        [0, -1, 0, 0],
+        [0, 0, 1, 0],
+        [0, 0, 0, 1],
+      ],
+    ],
+    symmetry_axis: { axis: [0, 0, 1], offset: [0.25, 0, 0] },
+  };
+  await page.route("**/v1/models", async (route) => {
+    const response = await route.fetch();
+    const library = await response.json();
+    for (const model of library.models) {
+      model.near_symmetry = { poses: 0, axis: false, declaration: null };
+    }
+    library.models[0].near_symmetry = { poses: 1, axis: false, declaration };
+    await route.fulfill({ response, json: library });
+  });
+  await openPage(page);
+  await page.keyboard.press("m");
+  await expect(page.locator(".near")).toHaveCount(1);
+  await page.getByText("looks nearly the same in 2 poses").click();
+  await expect(page.getByText("declare it")).toBeVisible();
+  const text = await page.locator(".near pre").textContent();
+  expect(JSON.parse(`{${text}}`)).toEqual(declaration);
+  await expect(page.getByRole("button", { name: "Copy declaration" })).toBeVisible();
+});
+
+test("a bar tells how long things are where the view looks", async ({ page }) => {
+  await openExample(page);
+  const kTangent = Math.tan((20 * Math.PI) / 180); // of half the field of view
+  const meters = (text) => parseFloat(text) * (text.endsWith("mm") ? 0.001 : 1);
+  const check = async () => {
+    // All of one picture.
+    const { length, width, height, look } = await page.evaluate(() => ({
+      length: document.querySelector("#scale").textContent,
+      width: document.querySelector("#scale .bar").getBoundingClientRect().width,
+      height: document.querySelector("#canvas").clientHeight,
+      look: document.querySelector("#look").textContent,
+    }));
+    const pixels = (meters(length) * height) / (2 * kTangent * meters(look.split("from ")[1]));
+    expect(Math.abs(width - pixels)).toBeLessThan(0.02 * pixels + 2);
+    expect(width).toBeLessThanOrEqual(121);
+    return meters(length);
+  };
+  const before = await check();
+  await page.getByRole("application").focus();
+  for (let k = 0; k < 8; ++k) await page.keyboard.press("+");
+  await expect.poll(check).toBeLessThan(before);
+});
+
+test("where the sensor was is shown, unless the view is its own", async ({ page }) => {
+  await openExample(page);
+  const sensor = page.locator(".mark.sensor");
+  await expect(sensor).toBeHidden();
+  await page.getByRole("application").focus();
+  for (let k = 0; k < 6; ++k) await page.keyboard.press("ArrowLeft");
+  await expect(sensor).toHaveText("sensor →");
+  const view = await page.getByRole("application").boundingBox();
+  const box = await sensor.boundingBox();
+  expect(box.x + box.width).toBeLessThanOrEqual(view.x + view.width);
+  for (let k = 0; k < 12; ++k) await page.keyboard.press("-");
+  await expect(sensor).toHaveText("sensor");
+  await page.keyboard.press("f");
+});
+
+// Machado, Oliveira, Fernandes, IEEE Trans. Visualization and Computer Graphics 2009: severity 1.
+const kSights = {
+  normal: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+  protanopia: [
+    0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998,
+  ],
+  deuteranopia: [
+    0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.01182, 0.04294, 0.968881,
+  ],
+  tritanopia: [
+    1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.3039,
+  ],
+};
+
+/** Lightness and two opponents (Ottosson's Oklab, 2020) of a color as an eye sees it. */
+function seen(color, sight) {
+  const linear = color.map((value) => {
+    const share = value / 255;
+    return share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4;
+  });
+  const [r, g, b] = [0, 1, 2].map((k) =>
+    Math.min(1, Math.max(0, linear.reduce((sum, value, j) => sum + sight[3 * k + j] * value, 0))),
+  );
+  const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+  const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+  const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+  return [
+    0.2104542553 * l + 0.793617785 * m - 0.0040720468 * s,
+    1.9779984951 * l - 2.428592205 * m + 0.4505937099 * s,
+    0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s,
+  ];
+}
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`every eye tells the colors of the times apart (${colorScheme})`, async ({ page }) => {
+    await page.emulateMedia({ colorScheme });
+    await openPage(page);
+    const colors = await page.evaluate(() =>
+      [0, 1, 2, 3, 4, 5].map((k) => {
+        const made = document.createElement("span");
+        made.className = `tone-${k}`;
+        document.body.append(made);
+        const color = getComputedStyle(made).backgroundColor.match(/\d+/g).map(Number);
+        made.remove();
+        return color;
+      }),
+    );
+    for (const sight of Object.values(kSights)) {
+      const looks = colors.map((color) => seen(color, sight));
+      looks.forEach((look, k) => {
+        for (const other of looks.slice(0, k)) {
+          const difference = Math.hypot(...look.map((value, j) => value - other[j]));
+          expect(difference).toBeGreaterThan(0.15);
+        }
+      });
+    }
   });
 }
 

@@ -28,7 +28,8 @@ function quantile(values, share) {
  * (OpenGL); whatever looks elsewhere stands on a floor with z up (ROS, REP 103), as models do.
  *
  * Returns { center, radius: both in its own frame; toWorld; sample: some of the points, in the
- * world; direction: from the center to where it is best seen from, in the world }.
+ * world; direction: from the center to where it is best seen from, in the world; sensor: where it
+ * was, in the world, or null }.
  */
 export function frameOf(positions, viewpoint) {
   const sample = sampleOf(positions);
@@ -60,7 +61,8 @@ export function frameOf(positions, viewpoint) {
   const direction = isSeen
     ? toSensor.transformDirection(rotation)
     : new Vector3(0, 0.55, 1).normalize();
-  return { center, radius, toWorld, sample, direction };
+  const sensor = isSeen ? new Vector3(...viewpoint).applyMatrix4(toWorld) : null;
+  return { center, radius, toWorld, sample, direction, sensor };
 }
 
 /**

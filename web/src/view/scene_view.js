@@ -24,6 +24,8 @@ import { element } from "../dom.js";
 import { distanceToSee, frameOf } from "./frame.js";
 import { outlineMaterial, Picture } from "./picture.js";
 import { makeScanPoints } from "./scan_points.js";
+import { SeenParts } from "./seen_parts.js";
+import { Sensor } from "./sensor.js";
 
 const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
@@ -31,6 +33,7 @@ const kStray = 0.005; // share of a scan's points that need not be seen when all
 const kRoom = 1.6; // radii of a thing that are seen around its center when it is looked at
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
+const kRestSeconds = 0.15; // after which the view counts as at rest
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
 /** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
@@ -61,7 +64,8 @@ function makeAxes() {
  *
  * It draws only when something changed. Things are posed in the scan's frame; `onPick(id)` tells
  * which one was clicked (null: none), `onLook(point, distance)` where the camera looks, in the
- * scan's frame and unit.
+ * scan's frame and unit, and `onScale(length)` how long a pixel is there, in the unit of what is
+ * shown (null: nothing is).
  */
 export class SceneView {
   #canvas;
@@ -74,20 +78,25 @@ export class SceneView {
   #outlined = new Scene();
   #lamp = new DirectionalLight("#ffffff", 2.2);
   #axes = makeAxes();
+  #seenParts = new SeenParts();
+  #sensor;
   #frame = null;
   #points = null;
   #found = new Group();
   #model = null; // shown by itself
-  #things = []; // { id, kind, mesh, outline, mark, center, radius, color, axes, alternatives }
+  #things = []; // { id, kind, mesh, outline, mark, center, place, radius, color, alternatives }
   #layers = { scan: true, found: true, rejected: false };
   #selected = null;
   #saved = null; // the camera of the scan while a model is shown
   #asked = 0;
   #flight = 0;
+  #rest = 0;
   #isFitted = false;
+  #isNew = false; // no mark was placed yet
 
   onPick = () => {};
   onLook = () => {};
+  onScale = () => {};
 
   /** Errors: there is no WebGL 2. */
   constructor(canvas, marks) {
@@ -102,7 +111,8 @@ export class SceneView {
     this.#solid.add(new HemisphereLight("#ffffff", "#6f7680", 1.4), this.#camera, this.#found);
     this.#lamp.position.set(-0.4, 0.6, 1);
     this.#camera.add(this.#lamp);
-    this.#solid.add(this.#axes);
+    this.#sensor = new Sensor(marks);
+    this.#solid.add(this.#axes, this.#sensor.pyramid);
     this.#camera.position.set(0, 0.5, 3);
     this.readColors();
 
@@ -124,6 +134,7 @@ export class SceneView {
     };
     this.#solid.background = color("--view");
     if (this.#points) this.#points.material.uniforms.color.value = this.colors.scan;
+    this.#sensor.setColor(this.colors.rejected);
     for (const thing of this.#things) this.#paint(thing);
     this.#draw();
   }
@@ -164,8 +175,9 @@ export class SceneView {
     for (const { outline } of this.#things) freeMaterials(outline);
     this.#found.clear();
     this.#outlined.clear();
-    this.#marks.replaceChildren();
+    for (const { mark } of this.#things) mark.remove();
     this.#things = this.#frame ? things.map((thing, k) => this.#make(thing, k)) : [];
+    this.#isNew = true;
     this.#arrange();
     if (this.#isFitted && !this.#model) this.fit(false);
   }
@@ -210,6 +222,7 @@ export class SceneView {
       mesh,
       mark,
       center: sphere.center,
+      place: sphere.center, // of the mark
       radius: sphere.radius,
     };
     this.#paint(made);
@@ -246,6 +259,7 @@ export class SceneView {
       thing.mark.classList.toggle("selected", thing === chosen);
       this.#paint(thing);
     }
+    this.#sensor.show(this.#model ? null : (this.#frame?.sensor ?? null));
     this.#axes.visible = Boolean(chosen) && !this.#model;
     if (chosen) {
       const length = (1.1 * chosen.radius) / chosen.matrix.getMaxScaleOnAxis();
@@ -283,6 +297,10 @@ export class SceneView {
     this.#solid.add(mesh);
     this.#arrange();
     this.fit(false);
+  }
+
+  get showsModel() {
+    return this.#model !== null;
   }
 
   /** Show the scan again, from where it was seen. */
@@ -419,32 +437,69 @@ export class SceneView {
     this.#camera.near = Math.max(0.002, distance / 100);
     this.#camera.far = distance + 20;
     this.#camera.updateProjectionMatrix();
-    const pixelsPerUnit = this.#canvas.height / 2 / Math.tan((kFieldOfView * Math.PI) / 360);
-    const uniforms = this.#points?.material.uniforms;
-    if (uniforms) {
-      uniforms.pixelsPerUnit.value = pixelsPerUnit;
-      uniforms.smallest.value = 1.2 * this.#renderer.getPixelRatio();
-    }
-    const spacing = uniforms?.spacing.value ?? 0;
+    const smallest = 1.2 * this.#renderer.getPixelRatio();
+    const pixelsPerUnit = this.#setPointSize(this.#canvas.height, smallest);
+    this.#sensor.prepare(this.#camera, this.#controls.target);
+    const spacing = this.#points?.material.uniforms.spacing.value ?? 0;
     this.#picture.render(this.#solid, this.#outlined, this.#camera, pixelsPerUnit, spacing);
+    clearTimeout(this.#rest);
+    if (this.#isNew) this.#settle();
+    else this.#rest = setTimeout(() => this.#settle(), 1000 * kRestSeconds);
     this.#placeMarks();
     this.#tellLook(distance);
+  }
+
+  /** At rest, put the marks on what is seen of their things; they stay there when it turns. */
+  #settle() {
+    this.#isNew = false;
+    const seen = this.#things.filter(({ mesh }) => mesh?.visible);
+    if (!seen.length) return;
+    const hidden = [this.#axes, this.#sensor.pyramid].filter((thing) => thing.visible);
+    for (const thing of hidden) thing.visible = false;
+    const meshes = seen.map(({ mesh }) => mesh);
+    const places = this.#seenParts.find(
+      this.#renderer,
+      this.#solid,
+      this.#camera,
+      meshes,
+      (height) => this.#setPointSize(height, 1),
+    );
+    for (const thing of hidden) thing.visible = true;
+    seen.forEach((thing, k) => {
+      thing.place = places[k] ?? thing.center;
+      thing.mark.classList.toggle("behind", !places[k]);
+    });
+    this.#placeMarks();
+  }
+
+  /** For a picture of this height [pixel]; smallest  size of a point. Returns pixelsPerUnit. */
+  #setPointSize(height, smallest) {
+    const pixelsPerUnit = height / 2 / Math.tan((kFieldOfView * Math.PI) / 360);
+    const uniforms = this.#points?.material.uniforms;
+    if (!uniforms) return pixelsPerUnit;
+    uniforms.pixelsPerUnit.value = pixelsPerUnit;
+    uniforms.smallest.value = smallest;
+    return pixelsPerUnit;
   }
 
   #placeMarks() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     for (const thing of this.#things) {
       if (thing.mark.hidden) continue;
-      const seen = thing.center.clone().project(this.#camera);
+      const seen = thing.place.clone().project(this.#camera);
       const x = (((seen.x + 1) / 2) * width).toFixed(1);
       const y = (((1 - seen.y) / 2) * height).toFixed(1);
       const { style } = thing.mark;
       style.visibility = Math.abs(seen.z) < 1 ? "visible" : "hidden";
       style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
     }
+    this.#sensor.place(this.#camera, width, height);
   }
 
   #tellLook(distance) {
+    const shown = this.#model?.frame ?? this.#frame;
+    const halfHeight = distance * Math.tan((kFieldOfView * Math.PI) / 360);
+    this.onScale(shown ? (2 * halfHeight * shown.radius) / this.#canvas.clientHeight : null);
     const frame = this.#model ? null : this.#frame;
     if (!frame) return this.onLook(null);
     const point = this.#controls.target

@@ -1,0 +1,36 @@
+import { element } from "./dom.js";
+
+/** For pages that are neither local nor encrypted, where browsers give no clipboard. */
+function copySelected(text) {
+  const focused = document.activeElement;
+  const field = element("textarea", { className: "unseen", value: text, readOnly: true });
+  document.body.append(field);
+  field.select();
+  const copied = document.execCommand("copy");
+  field.remove();
+  focused?.focus();
+  if (!copied) throw new Error("the browser refused");
+}
+
+async function copy(text) {
+  if (!navigator.clipboard) return copySelected(text);
+  return navigator.clipboard.writeText(text);
+}
+
+/** Make a button copy a text, and say whether it did. */
+export function copiesOnClick(button, text) {
+  const label = button.textContent;
+  button.onclick = async () => {
+    try {
+      await copy(text);
+      button.textContent = "Copied";
+    } catch {
+      button.textContent = "Not copied: the browser refused";
+      setTimeout(() => (button.textContent = label), 3000);
+    }
+  };
+  return button;
+}
+
+export const copyButton = (label, text) =>
+  copiesOnClick(element("button", { type: "button" }, label), text);
