@@ -22,7 +22,7 @@ struct ManifestModel {
   double scale = 1;            ///< multiplies the file's coordinates, giving the manifest's unit
   std::optional<Symmetry> symmetry;      ///< absent: to be found by the program
   std::filesystem::path eval_file = {};  ///< mesh that errors are measured on; empty: `file`
-  int object_id = 0;                     ///< BOP obj_id, from 1 on; 0: none
+  int object_id = 0;                     ///< of BOP, where scenes have their ids
   std::optional<double> diameter = {};   ///< that errors are measured in, where a data set says
 };
 
