@@ -1,11 +1,16 @@
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <numeric>
+#include <vector>
 
 #include "apps/commands/commands.hpp"
+#include "apps/commands/in_child.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/library_summary.hpp"
 #include "apps/results/standard_output.hpp"
 #include "storage/library.hpp"
+#include "storage/library/copy_models.hpp"
+#include "storage/library/import_library.hpp"
 #include "storage/library/split_library.hpp"
 
 namespace trivet::apps {
@@ -41,10 +46,27 @@ Result<void> split(const LibraryArguments& arguments) {
   return write_output(text);
 }
 
+Result<void> unpack(const LibraryArguments& arguments) {
+  const Result<Library> library = read_repacked_library(arguments.file);
+  if (!library) return library.error();
+  std::vector<std::uint32_t> models(library->models.size());
+  std::iota(models.begin(), models.end(), 0U);
+  return copy_models(*library, models, arguments.output);
+}
+
+/// HDF5 may break down over a damaged file whose structure has no checksums.
+Result<void> import_file(const LibraryArguments& arguments) {
+  return in_child(
+      [&] { return unpack(arguments); },
+      {ErrorCode::bad_data, arguments.file + ": HDF5 broke down over it: the file is "
+                                             "damaged; copy it again or train it anew"});
+}
+
 }  // namespace
 
 void add_library(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("library", "Look into a library file, or split it");
+  CLI::App* command =
+      app.add_subcommand("library", "Look into a library file, split it, or take one in again");
   command->require_subcommand(1);
   auto arguments = std::make_shared<LibraryArguments>();
   const auto add = [&](const char* name, const char* help,
@@ -65,6 +87,14 @@ void add_library(CLI::App& app, Context& context) {
   split_command->add_option("-n,--parts", arguments->num_parts, "Parts, of about equal size")
       ->capture_default_str();
   split_command->add_option("-o,--output", arguments->output, "Folder for them")->required();
+  add("import",
+      "Take in a library that another program stored anew\n\n"
+      "HDF5's tools can chunk, compress and rearrange a file, as h5repack does. Such a library\n"
+      "cannot be mapped; this checks it, unpacks it and writes it as trivet train does.",
+      import_file)
+      ->add_option("-o,--output", arguments->output,
+                   "Library file to write; it appears whole or not at all")
+      ->required();
 }
 
 }  // namespace trivet::apps

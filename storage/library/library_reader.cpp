@@ -11,6 +11,7 @@
 #include "storage/files/looks_like.hpp"
 #include "storage/library.hpp"
 #include "storage/library/library_format.hpp"
+#include "storage/library/parse_library.hpp"
 #include "storage/library/stored_tree.hpp"
 
 namespace trivet {
@@ -318,8 +319,8 @@ Result<void> check_superblock(const fs::path& file, std::span<const std::byte> b
   const auto version = std::to_integer<unsigned>(bytes[kVersion]);
   if (version < 2 || version > 3 || bytes[kOffsetSize] != std::byte{8}) {
     return bad(fmt::format(
-        "expected an HDF5 superblock of version 2 or 3 with 8-byte offsets, found version {}; "
-        "write it with the library bounds v110",
+        "expected an HDF5 superblock of version 2 or 3 with 8-byte offsets, found version {}: "
+        "another program wrote it; `trivet library import` takes such a file in",
         version));
   }
   std::uint64_t end = 0;
@@ -347,31 +348,38 @@ Result<Library> read_library(const fs::path& file) {
   if (auto good = check_superblock(file, bytes); !good) return good.error();
   const auto root = read_stored_tree(file, bytes.size());
   if (!root) return root.error();
+  return parse_library(file, *root, bytes, mapped->owner());
+}
 
+}  // namespace
+
+Result<Library> parse_library(const fs::path& file, const StoredGroup& root,
+                              std::span<const std::byte> bytes,
+                              const std::shared_ptr<const std::byte>& owner) {
   Taker take(file, bytes);
-  const std::uint32_t minor = take.u32(root->attributes, "format_version_minor", "/");
+  const std::uint32_t minor = take.u32(root.attributes, "format_version_minor", "/");
   take.set_version(minor);
   Library out{file, {}, minor, bytes.size(), {}, {}, {}};
-  out.header.producer = take.text(root->attributes, "producer", "/");
-  out.header.parameters = take.text(root->attributes, "parameters", "/");
-  const std::string unit = take.text(root->attributes, "length_unit", "/");
+  out.header.producer = take.text(root.attributes, "producer", "/");
+  out.header.parameters = take.text(root.attributes, "parameters", "/");
+  const std::string unit = take.text(root.attributes, "length_unit", "/");
   if (unit != "m" && unit != "mm")
     take.refuse("/@length_unit", fmt::format("expected m or mm, found '{}'", unit));
   out.header.unit = unit == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
-  const std::string expected = take.text(root->attributes, std::string(format::kChecksum), "/");
-  if (const std::string sum = format::digest(*root); sum != expected) {
+  const std::string expected = take.text(root.attributes, std::string(format::kChecksum), "/");
+  if (const std::string sum = format::digest(root); sum != expected) {
     take.refuse(
         "/@checksum",
         fmt::format("expected {}, found {}: names or attributes were changed or are damaged",
                     expected, sum));
   }
 
-  const auto models = root->groups.find("models");
-  if (models == root->groups.end()) {
+  const auto models = root.groups.find("models");
+  if (models == root.groups.end()) {
     take.refuse("/models", "expected this group, found none");
   } else {
-    take.expect_only(*root, "/", {"models", "trisi"}, "");
-    if (const StoredGroup* const basis = minor >= 3 ? take.below(*root, "trisi") : nullptr) {
+    take.expect_only(root, "/", {"models", "trisi"}, "");
+    if (const StoredGroup* const basis = minor >= 3 ? take.below(root, "trisi") : nullptr) {
       out.basis = take_basis(take, *basis);
       if (take.fault()) return *take.fault();
       if (auto good = format::check_basis(out.basis); !good) {
@@ -380,14 +388,14 @@ Result<Library> read_library(const fs::path& file) {
       }
       take.set_components(out.basis.components.size());
     }
-    const std::uint32_t count = take.u32(root->attributes, "num_models", "/");
+    const std::uint32_t count = take.u32(root.attributes, "num_models", "/");
     if (count != models->second.groups.size() || !models->second.datasets.empty()) {
       take.refuse("/models",
                   fmt::format("expected {} groups, found {} and {} datasets", count,
                               models->second.groups.size(), models->second.datasets.size()));
     }
     for (const auto& [name, group] : models->second.groups) {
-      Model model = take_model(take, name, group, mapped->owner());
+      Model model = take_model(take, name, group, owner);
       if (take.fault()) return *take.fault();
       if (auto good = format::check_model(model); !good) {
         return Error{ErrorCode::bad_data,
@@ -399,13 +407,11 @@ Result<Library> read_library(const fs::path& file) {
   if (take.fault()) return *take.fault();
 
   std::vector<std::pair<std::uint64_t, DatasetInfo>> datasets;
-  list_datasets(*root, "", datasets);
+  list_datasets(root, "", datasets);
   std::ranges::stable_sort(datasets, {}, &std::pair<std::uint64_t, DatasetInfo>::first);
   for (auto& [offset, info] : datasets) out.datasets.push_back(std::move(info));
   return out;
 }
-
-}  // namespace
 
 Result<Library> open_library(const fs::path& file) {
   try {

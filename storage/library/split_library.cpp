@@ -6,6 +6,8 @@
 #include <numeric>
 #include <system_error>
 
+#include "storage/library/copy_models.hpp"
+
 namespace trivet {
 namespace {
 
@@ -61,15 +63,8 @@ Result<std::vector<std::filesystem::path>> split_library(const Library& library,
   for (const std::vector<std::uint32_t>& models : split_models(library, num_parts)) {
     files.push_back(folder /
                     fmt::format("{}-{}.h5", library.file.stem().string(), files.size() + 1));
-    Result<LibraryWriter> writer = LibraryWriter::create(files.back(), library.header);
-    if (!writer) return writer.error();
-    if (library.basis.components.size() > 0) {
-      if (const Result<void> added = writer->add(library.basis); !added) return added.error();
-    }
-    for (const std::uint32_t m : models) {
-      if (const Result<void> added = writer->add(library.models[m]); !added) return added.error();
-    }
-    if (const Result<void> published = writer->publish(); !published) return published.error();
+    if (const Result<void> copied = copy_models(library, models, files.back()); !copied)
+      return copied.error();
   }
   return files;
 }

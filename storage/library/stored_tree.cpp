@@ -20,13 +20,24 @@ static_assert(std::endian::native == std::endian::little,
 constexpr int kMaxRank = 4;
 constexpr int kMaxDepth = 6;  // the format needs four: /models/NAME/ppf/DATASET
 constexpr std::uint64_t kMaxAttributeBytes = 1 << 20;
+constexpr std::uint64_t kMostPacking = 1100;  // deflate makes 1 byte of 1032 at most
+constexpr std::uint64_t kUnpackedAlignment = 64;
 __extension__ typedef unsigned __int128 Wide;
+
+/// How datasets may lie in the file.
+enum class Storing {
+  in_place,  ///< as they lie in memory
+  packed,    ///< in chunks, by filters: HDF5 has to read them
+};
 
 /// Walks the objects of one file; every failure names the object.
 class Scanner {
  public:
-  Scanner(const std::filesystem::path& file, std::uint64_t file_bytes)
-      : file_(file), file_bytes_(file_bytes) {}
+  Scanner(const std::filesystem::path& file, std::uint64_t file_bytes, Storing storing)
+      : file_(file), file_bytes_(file_bytes), storing_(storing) {}
+
+  /// Where the last dataset ends, unpacked.
+  std::uint64_t unpacked_bytes() const noexcept { return unpacked_bytes_; }
 
   Result<StoredGroup> group(hid_t id, const std::string& path, int depth);
   Result<StoredAttribute> attribute(hid_t object, const std::string& name,
@@ -38,14 +49,22 @@ class Scanner {
 
  private:
   Result<StoredDataset> dataset(hid_t id, const std::string& path);
+  Result<void> check_in_place(hid_t creation, const std::string& path) const;
+  Result<void> check_packed(hid_t creation, const std::string& path) const;
+  Result<void> place(hid_t id, const std::string& path, StoredDataset& dataset);
   Result<StoredAttributes> attributes(hid_t object, const std::string& path) const;
   Result<void> type_and_shape(hid_t type, hid_t space, const std::string& path,
                               StoredAttribute& out) const;
   Result<void> visit_once(hid_t object, const std::string& path);
+  std::uint64_t most_unpacked() const noexcept {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 62U;
+    return file_bytes_ < kMost / kMostPacking ? kMostPacking * file_bytes_ : kMost;
+  }
 
   const std::filesystem::path& file_;
   std::uint64_t file_bytes_;
-  std::uint64_t dataset_bytes_ = 0;
+  Storing storing_;
+  std::uint64_t dataset_bytes_ = 0, unpacked_bytes_ = 0;
   std::set<haddr_t> visited_;
 };
 
@@ -159,17 +178,67 @@ Result<void> Scanner::visit_once(hid_t object, const std::string& path) {
   return {};
 }
 
+Result<void> Scanner::check_in_place(hid_t creation, const std::string& path) const {
+  constexpr const char* kMend = "; `trivet library import` takes such a file in";
+  if (H5Pget_layout(creation) != H5D_CONTIGUOUS)
+    return bad(path, fmt::format("expected a contiguous dataset, found another layout{}", kMend));
+  if (H5Pget_nfilters(creation) != 0) {
+    return bad(path, fmt::format("expected a dataset without filters, found compression or another "
+                                 "filter{}",
+                                 kMend));
+  }
+  return {};
+}
+
+/// No filter that would be looked for outside of HDF5.
+Result<void> Scanner::check_packed(hid_t creation, const std::string& path) const {
+  const H5D_layout_t layout = H5Pget_layout(creation);
+  if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT)
+    return bad(path, "expected a contiguous, chunked or compact dataset, found another layout");
+  const int num_filters = H5Pget_nfilters(creation);
+  for (int k = 0; k < num_filters; ++k) {
+    unsigned flags = 0, config = 0;
+    std::size_t num_values = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(k), &flags,
+                                               &num_values, nullptr, 0, nullptr, &config);
+    if (filter < 0 || filter > H5Z_FILTER_SCALEOFFSET || H5Zfilter_avail(filter) <= 0) {
+      return bad(path, fmt::format("expected filters of HDF5 itself, found filter {}; unpack the "
+                                   "file with h5repack -f NONE where that filter is known",
+                                   filter));
+    }
+  }
+  return {};
+}
+
+/// Where the bytes of a dataset begin.
+Result<void> Scanner::place(hid_t id, const std::string& path, StoredDataset& dataset) {
+  if (storing_ == Storing::packed) {
+    dataset.offset = unpacked_bytes_;
+    unpacked_bytes_ += (dataset.bytes + kUnpackedAlignment - 1) & ~(kUnpackedAlignment - 1);
+    return {};
+  }
+  if (dataset.bytes == 0) return {};
+  const haddr_t offset = H5Dget_offset(id);
+  if (H5Dget_storage_size(id) != dataset.bytes || offset == HADDR_UNDEF || offset > file_bytes_ ||
+      dataset.bytes > file_bytes_ - offset) {
+    return bad(path,
+               fmt::format("expected {} bytes inside the file of {}, found them to lie elsewhere",
+                           dataset.bytes, file_bytes_));
+  }
+  dataset.offset = offset;
+  return {};
+}
+
 Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
   if (auto once = visit_once(id, path); !once) return once.error();
 
   // Where the data lies, before anything is asked that could follow it out of the file.
   const hdf5::Handle creation(H5Dget_create_plist(id));
-  if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS)
-    return bad(path, "expected a contiguous dataset, found another layout");
   if (H5Pget_external_count(creation.get()) != 0)
     return bad(path, "expected data inside the file, found external storage");
-  if (H5Pget_nfilters(creation.get()) != 0)
-    return bad(path, "expected a dataset without filters, found compression or another filter");
+  const Result<void> allowed = storing_ == Storing::in_place ? check_in_place(creation.get(), path)
+                                                             : check_packed(creation.get(), path);
+  if (!allowed) return allowed.error();
 
   const hdf5::Handle type(H5Dget_type(id));
   const hdf5::Handle space(H5Dget_space(id));
@@ -178,24 +247,17 @@ Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
     return known.error();
 
   StoredDataset out{shaped.type, shaped.shape, 0, 0, {}};
-  const auto bytes = bytes_of(out.shape, H5Tget_size(type.get()), file_bytes_);
+  const std::uint64_t most = storing_ == Storing::in_place ? file_bytes_ : most_unpacked();
+  const auto bytes = bytes_of(out.shape, H5Tget_size(type.get()), most);
   if (!bytes)
-    return bad(path, fmt::format("declares more bytes than the {} of the file", file_bytes_));
+    return bad(path, fmt::format("declares more bytes than the {} that the file can hold", most));
   out.bytes = *bytes;
-  dataset_bytes_ += out.bytes;  // both are at most the file's size here: no overflow
-  if (dataset_bytes_ > file_bytes_)
-    return bad(path,
-               fmt::format("the datasets declare more bytes than the {} of the file", file_bytes_));
-  if (out.bytes > 0) {
-    const haddr_t offset = H5Dget_offset(id);
-    if (H5Dget_storage_size(id) != out.bytes || offset == HADDR_UNDEF || offset > file_bytes_ ||
-        out.bytes > file_bytes_ - offset) {
-      return bad(path,
-                 fmt::format("expected {} bytes inside the file of {}, found them to lie elsewhere",
-                             out.bytes, file_bytes_));
-    }
-    out.offset = offset;
-  }
+  dataset_bytes_ += out.bytes;  // both are at most `most` here: no overflow
+  if (dataset_bytes_ > most)
+    return bad(
+        path,
+        fmt::format("the datasets declare more bytes than the {} that the file can hold", most));
+  if (auto placed = place(id, path, out); !placed) return placed.error();
 
   auto read = attributes(id, path);
   if (!read) return read.error();
@@ -246,6 +308,26 @@ Result<StoredGroup> Scanner::group(hid_t id, const std::string& path, int depth)
   return out;
 }
 
+/// Let HDF5 unpack all datasets below a group to their places.
+Result<void> read_datasets(const Scanner& scanner, hid_t id, const StoredGroup& group,
+                           const std::string& path, std::span<std::byte> out) {
+  for (const auto& [name, dataset] : group.datasets) {
+    const hdf5::Handle opened(H5Dopen2(id, name.c_str(), H5P_DEFAULT));
+    const hdf5::Handle type(H5Dget_type(opened.get()));
+    if (!opened || !type ||
+        (dataset.bytes > 0 && H5Dread(opened.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                      out.data() + dataset.offset) < 0)) {
+      return scanner.bad(path + "/" + name, "HDF5 cannot unpack it: the file is damaged");
+    }
+  }
+  for (const auto& [name, below] : group.groups) {
+    const hdf5::Handle opened(H5Gopen2(id, name.c_str(), H5P_DEFAULT));
+    const Result<void> read = read_datasets(scanner, opened.get(), below, path + "/" + name, out);
+    if (!read) return read;
+  }
+  return {};
+}
+
 std::string text_of(const StoredAttribute& attribute) {
   std::string text(reinterpret_cast<const char*>(attribute.bytes.data()), attribute.bytes.size());
   text.resize(std::min(text.size(), text.find('\0')));
@@ -278,6 +360,24 @@ Result<void> check_version(const Scanner& scanner, hid_t root) {
                     version));
   }
   return {};
+}
+
+struct OpenFile {
+  hdf5::Handle file, root;
+};
+
+/// A library of this major version.
+Result<OpenFile> open_file(const std::filesystem::path& file, const Scanner& scanner) {
+  hdf5::start();
+  const hdf5::Handle access = hdf5::file_access();
+  OpenFile out{hdf5::Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get())), {}};
+  if (!out.file)
+    return scanner.bad("",
+                       "HDF5 cannot open the file: it is damaged; copy it again or train it anew");
+  out.root = hdf5::Handle(H5Gopen2(out.file.get(), "/", H5P_DEFAULT));
+  if (!out.root) return scanner.bad("", "the root group cannot be opened: the file is damaged");
+  if (auto version = check_version(scanner, out.root.get()); !version) return version.error();
+  return out;
 }
 
 }  // namespace
@@ -319,17 +419,24 @@ const char* name_of(ElementType type) noexcept {
 }
 
 Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes) {
-  hdf5::start();
-  Scanner scanner(file, file_bytes);
-  const hdf5::Handle access = hdf5::file_access();
-  const hdf5::Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()));
-  if (!opened)
-    return scanner.bad("",
-                       "HDF5 cannot open the file: it is damaged; copy it again or train it anew");
-  const hdf5::Handle root(H5Gopen2(opened.get(), "/", H5P_DEFAULT));
-  if (!root) return scanner.bad("", "the root group cannot be opened: the file is damaged");
-  if (auto version = check_version(scanner, root.get()); !version) return version.error();
-  return scanner.group(root.get(), "", 0);
+  Scanner scanner(file, file_bytes, Storing::in_place);
+  const Result<OpenFile> opened = open_file(file, scanner);
+  if (!opened) return opened.error();
+  return scanner.group(opened->root.get(), "", 0);
+}
+
+Result<UnpackedTree> read_unpacked_tree(const std::filesystem::path& file,
+                                        std::uint64_t file_bytes) {
+  Scanner scanner(file, file_bytes, Storing::packed);
+  const Result<OpenFile> opened = open_file(file, scanner);
+  if (!opened) return opened.error();
+  Result<StoredGroup> root = scanner.group(opened->root.get(), "", 0);
+  if (!root) return root.error();
+  UnpackedTree tree{*std::move(root), {}};
+  tree.bytes.resize(scanner.unpacked_bytes());
+  const Result<void> read = read_datasets(scanner, opened->root.get(), tree.root, "", tree.bytes);
+  if (!read) return read.error();
+  return tree;
 }
 
 }  // namespace trivet

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/columns.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
@@ -47,5 +48,18 @@ struct StoredGroup {
 /// file_bytes   size of the file: bounds every extent and the sum of all datasets
 /// Errors: bad_data (names the object), io.
 Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes);
+
+/// A library's structure, and all its data as HDF5 unpacked it.
+struct UnpackedTree {
+  StoredGroup root;         ///< offsets of datasets count from the beginning of `bytes`
+  Column<std::byte> bytes;  ///< each dataset begins at a multiple of 64
+};
+
+/// Read what another program has stored anew: of any superblock, chunked, packed by the filters
+/// that HDF5 itself has. The rest is as for read_stored_tree, but that datasets may take more than
+/// the file: as much more as their filters can pack.
+/// Errors: bad_data (names the object), io (no memory).
+Result<UnpackedTree> read_unpacked_tree(const std::filesystem::path& file,
+                                        std::uint64_t file_bytes);
 
 }  // namespace trivet

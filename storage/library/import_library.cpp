@@ -1,0 +1,45 @@
+#include "storage/library/import_library.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <memory>
+#include <new>
+
+#include "storage/file.hpp"
+#include "storage/library/parse_library.hpp"
+#include "storage/library/stored_tree.hpp"
+
+namespace trivet {
+namespace {
+
+Result<Library> read_repacked(const std::filesystem::path& file) {
+  const auto mapped = MappedFile::open(file, std::numeric_limits<std::uint64_t>::max());
+  if (!mapped) return mapped.error();
+  Result<UnpackedTree> read = read_unpacked_tree(file, mapped->bytes().size());
+  if (!read) return read.error();
+  const auto tree = std::make_shared<const UnpackedTree>(*std::move(read));
+  Result<Library> library =
+      parse_library(file, tree->root, tree->bytes, {tree, tree->bytes.data()});
+  if (library && library->version_minor > kLibraryVersionMinor) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected format {}.{} or an older one, found {}.{}, of which "
+                             "something would be lost; import it with the program that wrote it",
+                             file.string(), kLibraryVersionMajor, kLibraryVersionMinor,
+                             kLibraryVersionMajor, library->version_minor)};
+  }
+  return library;
+}
+
+}  // namespace
+
+Result<Library> read_repacked_library(const std::filesystem::path& file) {
+  try {
+    return read_repacked(file);
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::io,
+                 fmt::format("{}: not enough memory to unpack the library", file.string())};
+  }
+}
+
+}  // namespace trivet

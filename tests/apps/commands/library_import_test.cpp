@@ -1,0 +1,122 @@
+/// Libraries that HDF5's own tools have rewritten.
+#include <gtest/gtest.h>
+
+#include "apps/program.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+class LibraryImport : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<test::TempDir>();
+    ASSERT_TRUE(write_ply(*folder_ / "bracket.ply", test::cloud_of(test::bracket())));
+    ASSERT_TRUE(write_ply(*folder_ / "lever.ply", test::cloud_of(test::lever())));
+    const test::Outcome trained =
+        trivet({"train", "bracket.ply", "lever.ply", "-o", "library.h5", "--preset", "fast"});
+    ASSERT_EQ(trained.exit_code, 0) << trained.error;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  void SetUp() override {
+    if (std::string(TRIVET_H5REPACK).empty()) GTEST_SKIP() << "needs h5repack";
+  }
+
+  static test::Setting here() {
+    return {.folder = folder_->path(), .environment = {}, .watch = {}};
+  }
+  static test::Outcome trivet(const std::vector<std::string>& arguments) {
+    return test::run_trivet(arguments, here());
+  }
+  /// Rewrites the library as repacked.h5.
+  static void repack(std::vector<std::string> options) {
+    options.insert(options.end(), {"library.h5", "repacked.h5"});
+    const test::Outcome outcome = test::run_program(TRIVET_H5REPACK, options, here());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.error;
+  }
+  static test::Outcome import_repacked() {
+    std::filesystem::remove(*folder_ / "imported.h5");
+    return trivet({"library", "import", "repacked.h5", "-o", "imported.h5"});
+  }
+  static std::string bytes(const std::string& name) { return test::read_bytes(*folder_ / name); }
+  static inline std::unique_ptr<test::TempDir> folder_;
+};
+
+// Filters need chunks, which an empty dataset cannot have: -m spares it.
+TEST_F(LibraryImport, GivesTheBytesThatWereRepacked) {
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{},
+        {"-m", "1024", "-f", "SHUF", "-f", "GZIP=6"},
+        {"-L", "-m", "1024", "-f", "GZIP=1", "-f", "FLET"},
+        {"-L"},
+        {"-l", "CONTI", "-f", "NONE"}}) {
+    const std::string told = testing::PrintToString(options);
+    repack(options);
+    EXPECT_NE(bytes("repacked.h5"), bytes("library.h5")) << told;
+    const test::Outcome imported = import_repacked();
+    ASSERT_EQ(imported.exit_code, 0) << told << imported.error;
+    EXPECT_TRUE(bytes("imported.h5") == bytes("library.h5")) << told;
+  }
+}
+
+TEST_F(LibraryImport, IsWhatAnErrorOfOpeningAdvises) {
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{}, {"-L", "-m", "1024", "-f", "GZIP=1"}}) {
+    repack(options);
+    const test::Outcome refused = trivet({"library", "list", "repacked.h5"});
+    EXPECT_EQ(refused.exit_code, 65);
+    EXPECT_NE(refused.error.find("trivet library import"), std::string::npos) << refused.error;
+  }
+}
+
+TEST_F(LibraryImport, RefusesWhatIsDamagedAndSaysWhere) {
+  repack({"-m", "1024", "-f", "GZIP=1"});
+  const std::string whole = bytes("repacked.h5");
+  folder_->write("repacked.h5", whole.substr(0, whole.size() / 2));
+  EXPECT_EQ(import_repacked().exit_code, 65);
+
+  repack({});  // nothing of HDF5 notices a change of contiguous data
+  std::string changed = bytes("repacked.h5");
+  const std::size_t middle = changed.size() / 2;
+  changed[middle] = static_cast<char>(changed[middle] ^ 1);
+  folder_->write("repacked.h5", changed);
+  const test::Outcome outcome = import_repacked();
+  EXPECT_EQ(outcome.exit_code, 65) << outcome.error;
+  EXPECT_NE(outcome.error.find("expected checksum"), std::string::npos) << outcome.error;
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "imported.h5"));
+}
+
+// Structures of the old kind have no checksums, and HDF5 believes them.
+TEST_F(LibraryImport, SurvivesWhatBreaksHdf5) {
+  repack({});
+  const std::string whole = bytes("repacked.h5");
+  for (std::size_t i = 0; i < 60; ++i) {
+    std::string changed = whole;
+    changed[(97 * i) % 4096] = static_cast<char>(0xFF - changed[(97 * i) % 4096]);
+    folder_->write("repacked.h5", changed);
+    const test::Outcome outcome = import_repacked();
+    EXPECT_TRUE(outcome.exit_code == 65 || outcome.exit_code == 0)
+        << i << ": " << outcome.exit_code << outcome.error;
+    if (outcome.exit_code == 0) {
+      EXPECT_TRUE(bytes("imported.h5") == bytes("library.h5")) << i;
+    }
+  }
+}
+
+// The root's attributes say what the file is, and h5copy leaves them behind.
+TEST_F(LibraryImport, RefusesACopyWithoutTheRoot) {
+  if (std::string(TRIVET_H5COPY).empty()) GTEST_SKIP() << "needs h5copy";
+  const test::Outcome copied = test::run_program(
+      TRIVET_H5COPY, {"-i", "library.h5", "-o", "repacked.h5", "-s", "/models", "-d", "/all"},
+      here());
+  ASSERT_EQ(copied.exit_code, 0) << copied.error;
+  const test::Outcome outcome = import_repacked();
+  EXPECT_EQ(outcome.exit_code, 65);
+  EXPECT_NE(outcome.error.find("@format"), std::string::npos) << outcome.error;
+  std::filesystem::remove(*folder_ / "repacked.h5");
+}
+
+}  // namespace
+}  // namespace trivet
