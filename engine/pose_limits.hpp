@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "storage/file_pose.hpp"
 #include "storage/model.hpp"
 
 namespace trivet {
@@ -12,7 +13,7 @@ namespace trivet {
 /// Poses beyond the limits are neither searched for nor reported.
 struct PoseLimits {
   struct Region {
-    Eigen::Vector3f low{0, 0, 0}, high{0, 0, 0};
+    Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};
     bool operator==(const Region&) const = default;
   };
   struct Tilt {
@@ -20,7 +21,7 @@ struct PoseLimits {
     float max_angle_deg = 180;
     bool operator==(const Tilt&) const = default;
   };
-  std::optional<Region> region{};  ///< box that holds the models' centers [scene file's unit]
+  std::optional<Region> region{};  ///< box that holds the models' centers [file's frame and unit]
   std::optional<Tilt> tilt{};      ///< the model's direction is within this angle of the scene's
   bool operator==(const PoseLimits&) const = default;
 
@@ -33,7 +34,7 @@ struct PoseLimits {
 /// A pose that may be expected, as of an earlier scene.
 struct ExpectedPose {
   std::string model;
-  Pose T_scene_model = Pose::Identity();  ///< in the scene file's unit
+  FilePose T_scene_model = FilePose::Identity();
 
   bool operator==(const ExpectedPose& other) const {
     return model == other.model && T_scene_model.matrix() == other.T_scene_model.matrix();

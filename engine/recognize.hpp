@@ -21,7 +21,7 @@ namespace trivet {
 struct SceneInput {
   std::filesystem::path file{};
   std::optional<Camera> camera{};              ///< of a depth image
-  std::optional<Eigen::Vector3f> viewpoint{};  ///< position of the sensor in the scene's frame
+  std::optional<Eigen::Vector3d> viewpoint{};  ///< position of the sensor in the file's frame
   /// No sensor: a whole surface, normals by its faces. Found by itself for a mesh whose faces no one
   /// place sees; a scene whose file holds a pixel grid or a viewpoint is a scan all the same.
   bool closed_surface = false;

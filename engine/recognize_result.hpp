@@ -29,7 +29,7 @@ struct Detection {
   /// Probability that the object is here, in this pose or one that the scan cannot tell from it,
   /// 0..1.
   float score = 0;
-  Pose T_scene_model;  ///< model point -> scene point, in the scene file's unit
+  Pose T_scene_model;  ///< model point -> point of the cloud, in the scene file's unit
   /// Share of the model's whole silhouette that was measured as it says.
   float visible_fraction = 0;
   float violation = 0;          ///< share of what was measured there that the sensor looked through
@@ -62,7 +62,7 @@ enum class Rejection {
 struct RejectedPose {
   std::string model;
   float score = 0;              ///< as of a detection
-  Pose T_scene_model;           ///< model point -> scene point, in the scene file's unit
+  Pose T_scene_model;           ///< model point -> point of the cloud, in the scene file's unit
   kernels::ScoreParts parts{};  ///< what the score is made of
   Rejection reason = Rejection::too_low;
   /// Index of the detection that explains most of its pixels, and what share of them: with the
@@ -107,11 +107,13 @@ struct SceneStats {
                 num_refined = 0, num_examined = 0;
 };
 
+/// Poses are of the cloud; in_file_frame(pose, offset) gives them as the scene's file has them.
 struct SceneResult {
   std::vector<Detection> detections;    ///< by falling score, then model name
   std::vector<RejectedPose> rejected;   ///< by falling score; no two of one placement
   std::optional<SceneClaims> claims{};  ///< if they are asked for
   SceneStats stats;
+  Eigen::Vector3d offset{0, 0, 0};  ///< of the cloud (Cloud::offset)
 };
 
 }  // namespace trivet

@@ -25,7 +25,7 @@ enum class ViewSource : std::uint8_t {
 struct SceneView {
   SceneKind kind = SceneKind::points;
   ViewSource source = ViewSource::assumed;
-  std::optional<Eigen::Vector3f> viewpoint{};  ///< in the scene file's frame and unit; no surface's
+  std::optional<Eigen::Vector3d> viewpoint{};  ///< in the scene file's frame and unit; no surface's
 };
 
 constexpr std::string_view name_of(SceneKind kind) noexcept {

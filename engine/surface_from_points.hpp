@@ -35,8 +35,8 @@ inline constexpr std::array<SurfaceMethodName, 3> kSurfaceMethods{
 struct SurfaceOptions {
   /// Absent: the first one that the cloud has what it takes for.
   std::optional<SurfaceMethod> method{};
-  /// Where the sensor stood, in the cloud's frame; absent: where the cloud says, else the origin.
-  std::optional<Eigen::Vector3f> viewpoint{};
+  /// Where the sensor stood, in the file's frame; absent: where the file says, else its origin.
+  std::optional<Eigen::Vector3d> viewpoint{};
   kernels::GridTriangulationOptions grid{};
   kernels::GreedyOptions greedy{};
   bool operator==(const SurfaceOptions&) const = default;

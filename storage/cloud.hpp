@@ -10,6 +10,9 @@
 
 namespace trivet {
 
+/// The largest coordinate that is read, in any unit: the Earth in millimeters.
+inline constexpr double kMaxCoordinate = 1e10;
+
 /// Pinhole camera, OpenCV axes (x right, y down, z forward): u = fx x / z + cx, v = fy y / z + cy
 /// [pixel].
 struct Camera {
@@ -41,6 +44,10 @@ struct PixelGrid {
 /// Points with whatever else came along. All values are finite; lengths are in the file's unit.
 struct Cloud {
   Points points;
+  /// What was subtracted from the file's coordinates, as floats are too coarse far from zero; mostly
+  /// zero. A point of the file is points[i] + offset; whatever else has a place, has it as the
+  /// points have.
+  Eigen::Vector3d offset{0, 0, 0};
   Normals normals;  ///< as in the file, not checked for length; empty or one a point; zero: none
   Triangles triangles;  ///< empty for a plain cloud; every index < points.size()
   std::optional<PixelGrid> grid;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "storage/cloud.hpp"
+#include "storage/file_pose.hpp"
 #include "storage/library.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
@@ -33,6 +34,10 @@ struct TruthInstance {
   bool ignore = false;              ///< too little of it is visible: counts neither way
   std::optional<double> visible_fraction = {};  ///< 0..1, of the silhouette's pixels (BOP)
   std::optional<double> clutter = {};  ///< 0..1: share of the scene's area that others have
+  /// What rounding to floats took off the translation: of scenes far from zero more than a little.
+  Eigen::Vector3d rounded_off{0, 0, 0};
+
+  FilePose file_pose() const { return in_file_frame(T_scene_model, rounded_off); }
 };
 
 /// How many instances of a model a scene is known to hold, where that is told to the recognizer.
@@ -45,7 +50,7 @@ struct ManifestScene {
   std::filesystem::path file;  ///< resolved
   std::string name;            ///< as written in the manifest
   std::optional<Camera> camera;
-  std::optional<Eigen::Vector3f> viewpoint;
+  std::optional<Eigen::Vector3d> viewpoint;  ///< in the frame of the scene's file
   bool closed_surface = false;  ///< neither camera nor viewpoint: a surface without a sensor
   std::vector<TruthInstance> truth;
   std::vector<SceneTarget> targets = {};  ///< of BOP's localization task; empty: not given

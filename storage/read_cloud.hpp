@@ -19,6 +19,9 @@ struct ReadOptions {
   std::uint64_t max_file_bytes = 4ULL << 30;  ///< larger files are refused, packed or unpacked
   std::uint64_t max_points = 100'000'000;     ///< more points are refused
   std::uint64_t max_pixels = 64'000'000;      ///< larger depth images are refused before decoding
+  /// Of models, whose poses speak of the file's origin: subtract no offset, and refuse points so far
+  /// from the origin that floats would be too coarse.
+  bool keep_origin = false;
 };
 
 /// Read a PLY, PCD, OBJ, STL, OFF, text (.xyz .txt .asc .csv .pts) or 16-bit depth PNG file, chosen
@@ -28,8 +31,9 @@ struct ReadOptions {
 ///
 /// Points with a non-finite coordinate are dropped and counted; triangles that use one go with
 /// them. Polygons become triangles that cover them, also concave ones and those with bridged holes;
-/// tristrips become theirs. Values are converted to float; coordinates beyond 1e7, and clouds too
-/// far from the origin for float to tell their points apart, are refused.
+/// tristrips become theirs. Values become floats: of clouds that lie far from the origin beside
+/// their extent an offset is subtracted first, in double (Cloud::offset). Larger clouds with
+/// coordinates beyond 1e7 are refused.
 /// Errors: missing_input, io, bad_data (file, line or byte, expected, found, what to do).
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
 
@@ -53,7 +57,7 @@ bool is_depth_file(const std::filesystem::path& file);
 std::string cloud_name(const std::filesystem::path& file);
 
 /// Points, with normals and triangles where there are any, as the bytes of a binary little-endian
-/// PLY file.
+/// PLY file in the frame that the cloud was read in: with an offset, coordinates are doubles.
 std::string encode_ply(const Cloud& cloud);
 
 /// Write them to a file, which appears whole or not at all. Errors: cannot_create, io.

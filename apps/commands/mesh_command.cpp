@@ -19,7 +19,7 @@ namespace {
 struct MeshArguments {
   std::string cloud, output, camera, method;
   std::optional<int> image_id;
-  std::vector<float> viewpoint;
+  std::vector<double> viewpoint;
   SurfaceOptions options;
 };
 
@@ -42,8 +42,8 @@ Result<void> mesh(const MeshArguments& arguments, const Context& context) {
     reading.camera = *camera;
   }
   SurfaceOptions options = arguments.options;
-  if (const std::vector<float>& v = arguments.viewpoint; !v.empty())
-    options.viewpoint = Eigen::Vector3f(v[0], v[1], v[2]);
+  if (const std::vector<double>& v = arguments.viewpoint; !v.empty())
+    options.viewpoint = Eigen::Vector3d(v[0], v[1], v[2]);
   for (const SurfaceMethodName& known : kSurfaceMethods) {
     if (known.name == arguments.method) options.method = known.method;
   }
@@ -79,7 +79,9 @@ void add_mesh(CLI::App& app, Context& context) {
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "PLY file to write, in the unit of the input; it appears whole or not at all")
+                   "PLY file to write, in the frame and unit of the input, far from its origin "
+                   "with doubles; "
+                   "it appears whole or not at all")
       ->required();
   std::string methods = "Where the triangles come from; default: the first that the file allows";
   std::vector<std::string> names;

@@ -219,7 +219,7 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
   common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
   if (!arguments.viewpoint.empty()) {
     common.viewpoint =
-        Eigen::Vector3f(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
+        Eigen::Vector3d(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
   }
 
   SceneInputs inputs;

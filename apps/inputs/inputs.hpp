@@ -41,7 +41,7 @@ struct SceneArguments {
   std::vector<std::string> scenes;  ///< files, folders, manifests or BOP data sets
   std::string camera;               ///< file, or empty
   std::optional<int> image_id;      ///< in it; absent: the number that is the scene's file name
-  std::vector<float> viewpoint;     ///< empty or three numbers
+  std::vector<double> viewpoint;    ///< empty or three numbers
   std::optional<LengthUnit> unit;   ///< of the scenes; absent: the library's
 };
 

@@ -69,8 +69,8 @@ struct Plan {
 
 Plan plan_scene(const ReportInput& input, std::size_t s) {
   Plan plan;
-  const auto add = [&](const std::string& name, const Pose& pose, const Style& style, bool filled,
-                       std::string label) {
+  const auto add = [&](const std::string& name, const FilePose& pose, const Style& style,
+                       bool filled, std::string label) {
     const EvaluationMesh* const mesh = find_mesh(input.meshes, name);
     if (!mesh) return;
     plan.overlays.push_back({mesh, pose, style.outline, model_color(input.meshes, *mesh), filled});
@@ -79,12 +79,12 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
   for (const JudgedDetection& judged : input.evaluation.scenes[s].detections) {
     if (!judged.reported) continue;
     const Detection& detection = detection_of(input, s, judged);
-    add(detection.model, detection.T_scene_model, style_of(judged), true,
-        detection.model + " " + score_text(detection.score));
+    add(detection.model, in_file_frame(detection.T_scene_model, input.results[s]->offset),
+        style_of(judged), true, detection.model + " " + score_text(detection.score));
   }
   for (const std::size_t t : input.evaluation.scenes[s].missed) {
     const TruthInstance& truth = input.manifest.scenes[s].truth[t];
-    add(truth.model, truth.T_scene_model, kMissed, false, truth.model + " missed");
+    add(truth.model, truth.file_pose(), kMissed, false, truth.model + " missed");
   }
   return plan;
 }
@@ -246,9 +246,14 @@ Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhi
 
   std::vector<Overlay> overlays;
   if (const EvaluationMesh* const mesh = find_mesh(input.meshes, model)) {
-    if (truth) overlays.push_back({mesh, truth->T_scene_model, kMissed.outline, {}, false});
+    if (truth) overlays.push_back({mesh, truth->file_pose(), kMissed.outline, {}, false});
     if (detection)
-      overlays.push_back({mesh, detection->T_scene_model, style_of(*answer).outline, {}, false});
+      overlays.push_back(
+          {mesh,
+           in_file_frame(detection->T_scene_model, input.results[exhibit.scene]->offset),
+           style_of(*answer).outline,
+           {},
+           false});
   }
   const Result<ScenePictures> pictures = drawing.draw_around(overlays, overlays);
   if (!pictures) return pictures.error();

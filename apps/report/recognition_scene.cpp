@@ -15,6 +15,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/report/html.hpp"
 #include "apps/results/camera_words.hpp"
+#include "apps/results/place_text.hpp"
 #include "apps/results/rejection_words.hpp"
 #include "apps/results/score_words.hpp"
 #include "apps/results/view_words.hpp"
@@ -48,14 +49,13 @@ std::string percent(float share) { return fmt::format("{:.0f} %", 100 * share); 
 std::string score_cell(float score) { return escape_html(score_text(score)); }
 
 /// "at 0.2204, 0.09953, 0.5979 m, turned by 123.4° about 0.10, -0.98, 0.17".
-std::string placement(const Pose& T_scene_model, std::string_view unit) {
+std::string placement(const Subject& subject, const Detection& detection, std::string_view unit) {
   constexpr float kDegreesPerRadian = 57.29578F;
-  const Eigen::Vector3f t = T_scene_model.translation();
-  const Eigen::AngleAxisf turn(T_scene_model.linear());
+  const Eigen::AngleAxisf turn(detection.T_scene_model.linear());
   const Eigen::Vector3f& axis = turn.axis();
-  return fmt::format("at {:.4g}, {:.4g}, {:.4g} {}, turned by {:.1f}° about {:.2f}, {:.2f}, {:.2f}",
-                     t.x(), t.y(), t.z(), unit, kDegreesPerRadian * turn.angle(), axis.x(),
-                     axis.y(), axis.z());
+  return fmt::format("at {} {}, turned by {:.1f}° about {:.2f}, {:.2f}, {:.2f}",
+                     place_text(detection, subject.result.offset), unit,
+                     kDegreesPerRadian * turn.angle(), axis.x(), axis.y(), axis.z());
 }
 
 const char* scene_unit(const Subject& subject) {
@@ -168,7 +168,7 @@ std::string found_table(const Subject& subject) {
         "class=\"words\">{}<td class=\"n\">{:.3g}\n<tr><td class=\"id\"><td class=\"words dim\" "
         "colspan=\"4\">{}",
         d + 1, model_label(subject.models, detection.model), score_cell(detection.score),
-        visibility(detection), detection.rmse, placement(detection.T_scene_model, unit));
+        visibility(detection), detection.rmse, placement(subject, detection, unit));
     if (const std::string others = other_than(detection); !others.empty())
       rows += fmt::format("; <span class=\"doubtful\">ambiguous with {}</span>", others);
     if (const std::string costs = cost_words(detection, subject.score()); !costs.empty())
@@ -350,8 +350,8 @@ struct FigurePlan {
   std::vector<Overlay> overlays;
   std::vector<PictureLabel> labels;
 
-  void add(const EvaluationMesh& mesh, const Pose& pose, const Color& outline, const Color& surface,
-           bool filled, std::string label) {
+  void add(const EvaluationMesh& mesh, const FilePose& pose, const Color& outline,
+           const Color& surface, bool filled, std::string label) {
     overlays.push_back({&mesh, pose, outline, surface, filled});
     labels.push_back({outline, std::move(label)});
   }
@@ -363,8 +363,8 @@ FigurePlan plan_found(const Subject& subject) {
     const Detection& detection = subject.result.detections[d];
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
     const Color color = model_color(subject.models, mesh);
-    plan.add(mesh, detection.T_scene_model, brighter(color), color, true,
-             fmt::format("{} {}", d + 1, detection.model));
+    plan.add(mesh, in_file_frame(detection.T_scene_model, subject.result.offset), brighter(color),
+             color, true, fmt::format("{} {}", d + 1, detection.model));
   }
   return plan;
 }
@@ -375,11 +375,13 @@ FigurePlan plan_rejected(const Subject& subject) {
   if (shown.empty()) return {};
   for (const Detection& detection : subject.result.detections) {
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
-    plan.add(mesh, detection.T_scene_model, kQuiet, kQuiet, true, "");
+    plan.add(mesh, in_file_frame(detection.T_scene_model, subject.result.offset), kQuiet, kQuiet,
+             true, "");
   }
   for (std::size_t i = shown.size(); i-- > 0;) {  // the best one drawn last
     const RejectedPose& rejected = subject.result.rejected[shown[i]];
-    plan.add(*find_mesh(subject.models, rejected.model), rejected.T_scene_model,
+    plan.add(*find_mesh(subject.models, rejected.model),
+             in_file_frame(rejected.T_scene_model, subject.result.offset),
              reason_of(rejected).outline, {}, false, rejected_id(i));
   }
   return plan;

@@ -56,7 +56,7 @@ void add_bop_results(const SceneInputs& scenes, std::size_t index, const SceneRe
     result.object_id = scenes.object_ids.at(detection.model);
     result.score = detection.score;
     result.R = detection.T_scene_model.linear().cast<double>();
-    result.t_mm = detection.T_scene_model.translation().cast<double>();
+    result.t_mm = in_file_frame(detection.T_scene_model, found.offset).translation();
     result.seconds = found.stats.total_seconds;
     results.push_back(result);
   }

@@ -49,7 +49,7 @@ nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const Sce
     json.push_back(
         {{"model", pose.model},
          {"score", pose.score},
-         {"T_scene_model", matrix_json(pose.T_scene_model)},
+         {"T_scene_model", matrix_json(in_file_frame(pose.T_scene_model, result.offset))},
          {"parts", parts_json(pose.parts)},
          {"evidence", evidence_json(score, pose.parts)},
          {"reason", name_of(pose.reason)},
@@ -60,9 +60,11 @@ nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const Sce
   return json;
 }
 
-nlohmann::ordered_json alternatives_json(const std::vector<Pose>& alternatives) {
+nlohmann::ordered_json alternatives_json(const std::vector<Pose>& alternatives,
+                                         const Eigen::Vector3d& offset) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const Pose& alternative : alternatives) json.push_back(matrix_json(alternative));
+  for (const Pose& alternative : alternatives)
+    json.push_back(matrix_json(in_file_frame(alternative, offset)));
   return json;
 }
 
@@ -106,14 +108,15 @@ struct StoredScene {
   SceneResult result;
 };
 
-Detection parse_detection(const JsonNode& node) {
+/// offset  of the cloud that the detection was found in
+Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
   const auto number = [&](std::string_view key) {
     return node.has(key) ? static_cast<float>(node.at(key).number())
                          : std::numeric_limits<float>::quiet_NaN();
   };
   Detection detection{node.at("model").string(),
                       static_cast<float>(node.at("score").number()),
-                      node.at("T_scene_model").pose(),
+                      in_cloud_frame(node.at("T_scene_model").file_pose(), offset),
                       number("visible_fraction"),
                       number("violation"),
                       number("contour"),
@@ -124,11 +127,22 @@ Detection parse_detection(const JsonNode& node) {
   return detection;
 }
 
+/// As it is told; results of other programs far from zero are compared near their first pose.
+Eigen::Vector3d offset_of(const JsonNode& scene) {
+  constexpr double kFar = 1e5;
+  if (scene.has("offset")) return scene.at("offset").vector3();
+  const std::vector<JsonNode> detections = scene.at("detections").elements();
+  if (detections.empty()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d first = detections[0].at("T_scene_model").file_pose().translation();
+  if (first.cwiseAbs().maxCoeff() < kFar) return Eigen::Vector3d::Zero();
+  return first.array().round();
+}
+
 StoredScene parse_scene(const JsonNode& node) {
   StoredScene scene{node.at("scene").string(), {}};
-  for (const JsonNode& detection : node.at("detections").elements()) {
-    scene.result.detections.push_back(parse_detection(detection));
-  }
+  scene.result.offset = offset_of(node);
+  for (const JsonNode& detection : node.at("detections").elements())
+    scene.result.detections.push_back(parse_detection(detection, scene.result.offset));
   if (!node.has("seconds")) return scene;
   for (const auto& [stage, seconds] : node.at("seconds").members()) {
     if (stage == "total") {
@@ -146,9 +160,9 @@ bool ends_with(const std::filesystem::path& path, const std::string& name) {
 
 }  // namespace
 
-nlohmann::ordered_json matrix_json(const Pose& pose) {
+nlohmann::ordered_json matrix_json(const FilePose& pose) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  const Eigen::Matrix4f matrix = pose.matrix();
+  const Eigen::Matrix4d matrix = pose.matrix();
   for (Eigen::Index row = 0; row < 4; ++row) {
     rows.push_back({matrix(row, 0), matrix(row, 1), matrix(row, 2), matrix(row, 3)});
   }
@@ -188,25 +202,26 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
   for (const auto& [stage, value] : result.stats.times.seconds) seconds[stage] = value;
   seconds["total"] = result.stats.total_seconds;
   for (const Detection& detection : result.detections) {
-    detections.push_back({{"model", detection.model},
-                          {"score", detection.score},
-                          {"T_scene_model", matrix_json(detection.T_scene_model)},
-                          {"visible_fraction", detection.visible_fraction},
-                          {"hidden_fraction", detection.hidden_fraction},
-                          {"outside_fraction", detection.outside_fraction},
-                          {"violation", detection.violation},
-                          {"contour", detection.contour},
-                          {"rmse", detection.rmse},
-                          {"parts", parts_json(detection.parts)},
-                          {"evidence", evidence_json(score, detection.parts)},
-                          {"alone", kernels::pose_probability(score, detection.parts)},
-                          {"ambiguous", !detection.alternatives.empty()},
-                          {"pose_share", detection.pose_share},
-                          {"turns", turns_json(detection.turns)},
-                          {"alternatives", alternatives_json(detection.alternatives)},
-                          {"siblings", detection.siblings},
-                          {"method", name_of(detection.source)},
-                          {"words", cost_words(detection, score)}});
+    detections.push_back(
+        {{"model", detection.model},
+         {"score", detection.score},
+         {"T_scene_model", matrix_json(in_file_frame(detection.T_scene_model, result.offset))},
+         {"visible_fraction", detection.visible_fraction},
+         {"hidden_fraction", detection.hidden_fraction},
+         {"outside_fraction", detection.outside_fraction},
+         {"violation", detection.violation},
+         {"contour", detection.contour},
+         {"rmse", detection.rmse},
+         {"parts", parts_json(detection.parts)},
+         {"evidence", evidence_json(score, detection.parts)},
+         {"alone", kernels::pose_probability(score, detection.parts)},
+         {"ambiguous", !detection.alternatives.empty()},
+         {"pose_share", detection.pose_share},
+         {"turns", turns_json(detection.turns)},
+         {"alternatives", alternatives_json(detection.alternatives, result.offset)},
+         {"siblings", detection.siblings},
+         {"method", name_of(detection.source)},
+         {"words", cost_words(detection, score)}});
   }
   const SceneStats& stats = result.stats;
   nlohmann::ordered_json json{
@@ -227,6 +242,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
         {"refined", stats.num_refined},
         {"examined", stats.num_examined}}},
       {"detections", std::move(detections)}};
+  if (const Eigen::Vector3d& o = result.offset; !o.isZero(0))
+    json["offset"] = {o.x(), o.y(), o.z()};
   if (options) json["rejected"] = rejected_json(score, result, *options);
   if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;
@@ -237,7 +254,8 @@ Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::pat
   const Result<void> done = with_json(file, [&](const JsonNode& root) {
     for (const JsonNode& scene : root.at("scenes").elements()) {
       for (const JsonNode& detection : scene.at("detections").elements())
-        expected.push_back({detection.at("model").string(), detection.at("T_scene_model").pose()});
+        expected.push_back(
+            {detection.at("model").string(), detection.at("T_scene_model").file_pose()});
     }
   });
   if (!done) return done.error();

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "engine/recognize.hpp"
+#include "storage/file_pose.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet::apps {
 
 /// Four rows of four numbers.
-nlohmann::ordered_json matrix_json(const Pose& pose);
+nlohmann::ordered_json matrix_json(const FilePose& pose);
 
 /// One element of "scenes", with the evidence of the score that it was recognized with, and with
 /// "claims" where the result holds them.

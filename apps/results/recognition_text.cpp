@@ -11,6 +11,7 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/results/camera_words.hpp"
+#include "apps/results/place_text.hpp"
 #include "apps/results/view_words.hpp"
 #include "storage/counted.hpp"
 
@@ -44,12 +45,11 @@ std::string sizes_advice(const Eigen::Vector3f& size, LengthUnit unit, const Lib
       fmt::arg("largest", length_words(largest->diameter, library.header.unit)));
 }
 
-std::string detection_text(const Detection& detection, const char* unit) {
-  const Eigen::Vector3f t = detection.T_scene_model.translation();
-  return fmt::format(
-      "  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g} {}  at ({:.4g}, {:.4g}, {:.4g}) {}\n",
-      detection.model, detection.score, detection.visible_fraction, detection.rmse, unit, t.x(),
-      t.y(), t.z(), unit);
+std::string detection_text(const Detection& detection, const Eigen::Vector3d& offset,
+                           const char* unit) {
+  return fmt::format("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g} {}  at ({}) {}\n",
+                     detection.model, detection.score, detection.visible_fraction, detection.rmse,
+                     unit, place_text(detection, offset), unit);
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ std::string scene_text(const SceneInput& scene, const SceneResult& result, const
   const std::optional<std::string> view = stats.view ? view_words(*stats.view) : std::nullopt;
   if (view) text += fmt::format("  {}\n", *view);
   for (const Detection& detection : result.detections)
-    text += detection_text(detection, unit_name(unit));
+    text += detection_text(detection, result.offset, unit_name(unit));
   if (result.detections.empty()) {
     for (const std::string& check : advice_on_nothing(scene, result, library, min_score))
       text += "  check: " + check + '\n';

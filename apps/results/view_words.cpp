@@ -6,7 +6,7 @@ namespace trivet::apps {
 
 std::optional<std::string> view_words(const SceneView& view) {
   const auto place = [&] {
-    const Eigen::Vector3f& v = *view.viewpoint;
+    const Eigen::Vector3d& v = *view.viewpoint;
     return v.isZero(0) ? std::string("the origin")
                        : fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x(), v.y(), v.z());
   };

@@ -187,7 +187,8 @@ void measure_distances(const ManifestScene& scene, const SceneResult& result, co
   engine::for_each_index(group.detections.size(), [&](std::size_t e) {
     const Isometry3d estimate(result.detections[group.detections[e]].T_scene_model.cast<double>());
     for (std::size_t t = 0; t < group.truths.size(); ++t) {
-      const Isometry3d truth(scene.truth[group.truths[t]].T_scene_model.cast<double>());
+      const Isometry3d truth(
+          in_cloud_frame(scene.truth[group.truths[t]].file_pose(), result.offset).cast<double>());
       group.mssd(e, t) = kernels::mssd(vertices, estimate, truth, gauge.symmetries);
       if (!measured) continue;
       group.mspd(e, t) =

@@ -14,6 +14,7 @@
 #include "kernels/surfaces/subsample_grid_minimum.hpp"
 #include "kernels/surfaces/subsample_local_maximum.hpp"
 #include "kernels/surfaces/subsample_voxel_grid.hpp"
+#include "storage/file_pose.hpp"
 #include "storage/formats/keep_points.hpp"
 
 namespace trivet {
@@ -128,7 +129,9 @@ Result<void> degrade_scene(Cloud& cloud, const DegradeOptions& options, float di
     resolution = static_cast<float>(*found);
   }
   const Vector3f viewpoint =
-      cloud.camera ? Vector3f::Zero() : cloud.viewpoint.value_or(Vector3f::Zero());
+      cloud.camera
+          ? Vector3f::Zero()
+          : cloud.viewpoint.value_or(in_cloud_frame(Eigen::Vector3d::Zero(), cloud.offset));
   scatter(viewpoint, cloud);
 
   if (options.ray_noise > 0) {

@@ -104,11 +104,13 @@ struct Match {
 /// Of the truths of a detection's model that are `eligible`, the one that it is nearest to.
 template <class Eligible>
 std::optional<Match> nearest_truth(const PoseJudge& judge, const Detection& detection,
-                                   const ManifestScene& scene, Eligible&& eligible) {
+                                   const ManifestScene& scene, const Eigen::Vector3d& offset,
+                                   Eligible&& eligible) {
   std::optional<Match> best;
   for (std::size_t t = 0; t < scene.truth.size(); ++t) {
     if (scene.truth[t].model != detection.model) continue;
-    const PoseError error = judge.error(detection.T_scene_model, scene.truth[t].T_scene_model);
+    const PoseError error =
+        judge.error(detection.T_scene_model, in_cloud_frame(scene.truth[t].file_pose(), offset));
     if (eligible(t, error) && (!best || error.rank() < best->error.rank())) best = Match{t, error};
   }
   return best;
@@ -127,7 +129,8 @@ class Judge {
     for (const EvaluationMesh& mesh : meshes) judges_.try_emplace(mesh.name, mesh);
   }
 
-  SceneEvaluation judge(const ManifestScene& scene, std::span<const Detection> detections) {
+  SceneEvaluation judge(const ManifestScene& scene, const SceneResult& result) {
+    const std::vector<Detection>& detections = result.detections;
     SceneEvaluation out;
     for (const TruthInstance& truth : scene.truth)
       out.truths.push_back({!truth.ignore && is_scored(truth.model), {}});
@@ -137,7 +140,7 @@ class Judge {
       return detections[a].score > detections[b].score;
     });
     for (const std::size_t i : order) {
-      JudgedDetection judged = judge_detection(scene, detections[i], out.truths);
+      JudgedDetection judged = judge_detection(scene, detections[i], result.offset, out.truths);
       judged.detection = i;
       if (judged.found) out.truths[*judged.truth].found_by = out.detections.size();
       out.detections.push_back(judged);
@@ -156,6 +159,7 @@ class Judge {
   }
 
   JudgedDetection judge_detection(const ManifestScene& scene, const Detection& detection,
+                                  const Eigen::Vector3d& offset,
                                   std::span<const TruthOutcome> truths) {
     JudgedDetection judged;
     judged.reported = asked_score(detection, require_pose_) >= min_score_;
@@ -164,21 +168,22 @@ class Judge {
     if (found == judges_.end()) return judged;
     PoseJudge& judge = found->second;
     std::optional<Match> match =
-        nearest_truth(judge, detection, scene, [&](std::size_t t, const PoseError& error) {
+        nearest_truth(judge, detection, scene, offset, [&](std::size_t t, const PoseError& error) {
           return error.right() && !truths[t].found_by;
         });
     judged.found = match.has_value();
     if (match) {
       judged.verdict = truths[match->truth].counts ? Verdict::right : Verdict::neutral;
     } else {
-      match = nearest_truth(judge, detection, scene,
+      match = nearest_truth(judge, detection, scene, offset,
                             [](std::size_t, const PoseError&) { return true; });
     }
     if (!match) return judged;
     judged.truth = match->truth;
     judged.translation_error = match->error.translation;
     judged.rotation_error_deg = match->error.rotation_deg;
-    judged.add = judge.add(detection.T_scene_model, scene.truth[match->truth].T_scene_model);
+    judged.add = judge.add(detection.T_scene_model,
+                           in_cloud_frame(scene.truth[match->truth].file_pose(), offset));
     return judged;
   }
 
@@ -215,8 +220,9 @@ Result<Evaluation> evaluate(const Manifest& manifest, std::span<const Evaluation
   for (std::size_t s = 0; s < manifest.scenes.size(); ++s) {
     const ManifestScene& scene = manifest.scenes[s];
     static const SceneResult kNothing;
-    const std::vector<Detection>& detections = (results[s] ? *results[s] : kNothing).detections;
-    SceneEvaluation judged = judge.judge(scene, detections);
+    const SceneResult& result = results[s] ? *results[s] : kNothing;
+    const std::vector<Detection>& detections = result.detections;
+    SceneEvaluation judged = judge.judge(scene, result);
     judged.missing = !results[s];
     out.num_missing += judged.missing ? 1 : 0;
 

@@ -15,7 +15,7 @@ namespace {
 
 Result<EvaluationMesh> read_mesh(const ManifestModel& model) {
   const std::filesystem::path& file = model.eval_file.empty() ? model.file : model.eval_file;
-  Result<Cloud> cloud = read_cloud(file);
+  Result<Cloud> cloud = read_cloud(file, {.keep_origin = true});
   if (!cloud) return cloud.error();
   EvaluationMesh mesh;
   mesh.name = model.name;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "storage/file_pose.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
@@ -66,7 +67,7 @@ Result<SceneResult> recognize_cell(const OpenLibrary& library, const Recognition
   read_options.camera = cell.scene.camera;
   Result<Cloud> cloud = read_cloud(cell.scene.file, read_options);
   if (!cloud) return cloud.error();
-  if (cell.scene.viewpoint) cloud->viewpoint = cell.scene.viewpoint;
+  if (cell.scene.viewpoint) cloud->viewpoint = in_cloud_frame(*cell.scene.viewpoint, cloud->offset);
   const float diameter = library.mean_diameter / static_cast<float>(cell.scene.scale);
   if (const Result<void> done = degrade_scene(*cloud, cell.degrade, diameter, cell.degrade_seed);
       !done) {

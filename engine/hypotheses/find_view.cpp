@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "engine/common/find_viewpoint.hpp"
 #include "engine/common/parallel.hpp"
 #include "kernels/meshing/boundary_share.hpp"
 #include "kernels/surfaces/solid_angles.hpp"
@@ -69,32 +70,37 @@ std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud) {
   return eye;
 }
 
-SceneView view_of_faces(const Cloud& cloud) {
-  if (seen_from_origin(cloud))
-    return {SceneKind::points, ViewSource::faces, Eigen::Vector3f::Zero()};
+/// Nothing where the faces do not tell.
+std::optional<SceneView> view_of_faces(const Cloud& cloud) {
+  // What has an offset is far from its origin, and seen from elsewhere.
+  if (cloud.offset.isZero(0) && seen_from_origin(cloud))
+    return SceneView{SceneKind::points, ViewSource::faces, Vector3d::Zero().eval()};
   if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud))
-    return {SceneKind::points, ViewSource::faces, eye->cast<float>()};
+    return SceneView{SceneKind::points, ViewSource::faces, *eye + cloud.offset};
   if (!cloud.grid && kernels::boundary_share(cloud.triangles) < kMostlyClosed)
-    return {SceneKind::surface, ViewSource::faces};
-  return {SceneKind::points, ViewSource::assumed, Eigen::Vector3f::Zero()};
+    return SceneView{SceneKind::surface, ViewSource::faces};
+  return std::nullopt;
+}
+
+/// What says where the sensor stood, triangles left aside.
+ViewSource source_of(const Cloud& cloud, const SceneInput& input) {
+  if (input.viewpoint || cloud.camera) return ViewSource::given;
+  return cloud.viewpoint ? ViewSource::file : ViewSource::assumed;
 }
 
 }  // namespace
 
-SceneView find_view(const Cloud& cloud, const SceneInput& input) {
-  const auto seen_from = [](ViewSource source, const Eigen::Vector3f& viewpoint) {
-    return SceneView{SceneKind::points, source, viewpoint};
-  };
-  if (input.viewpoint) return seen_from(ViewSource::given, *input.viewpoint);
-  if (cloud.viewpoint) {
-    return seen_from(cloud.camera ? ViewSource::given : ViewSource::file, *cloud.viewpoint);
+Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
+  const ViewSource source = source_of(cloud, input);
+  if (source == ViewSource::assumed && !cloud.triangles.empty()) {
+    if (input.closed_surface && !cloud.grid)
+      return SceneView{SceneKind::surface, ViewSource::given};
+    if (const std::optional<SceneView> view = view_of_faces(cloud)) return *view;
   }
-  if (cloud.camera) return seen_from(ViewSource::given, Eigen::Vector3f::Zero());
-  if (!cloud.triangles.empty()) {
-    if (input.closed_surface && !cloud.grid) return {SceneKind::surface, ViewSource::given};
-    return view_of_faces(cloud);
-  }
-  return seen_from(ViewSource::assumed, Eigen::Vector3f::Zero());
+  const Result<Eigen::Vector3f> place =
+      find_viewpoint(cloud, input.viewpoint, input.file.string());
+  if (!place) return place.error();
+  return SceneView{SceneKind::points, source, place->cast<double>() + cloud.offset};
 }
 
 }  // namespace trivet::engine

@@ -4,6 +4,7 @@
 #include "engine/recognize.hpp"
 #include "engine/scene_view.hpp"
 #include "storage/cloud.hpp"
+#include "storage/result.hpp"
 
 namespace trivet::engine {
 
@@ -12,8 +13,9 @@ namespace trivet::engine {
 /// their front to a far place that its faces point to, from that place; of those left, one with
 /// hardly any border is whole. Anything else is taken as seen from the origin.
 ///
+/// Errors: bad_data (a viewpoint that is too far from the points for floats).
 /// Returns the kind as `surface` or `points`; whether points form an image shows when they are
 /// arranged in one.
-SceneView find_view(const Cloud& cloud, const SceneInput& input);
+Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input);
 
 }  // namespace trivet::engine

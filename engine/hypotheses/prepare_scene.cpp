@@ -14,6 +14,7 @@
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
+#include "storage/file_pose.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -215,7 +216,8 @@ void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& opti
 
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                                   const PrepareOptions& options, PreparedScene& scene) {
-  const Eigen::Vector3f viewpoint = *scene.view.viewpoint * static_cast<float>(input.scale);
+  const Eigen::Vector3f viewpoint =
+      in_cloud_frame(*scene.view.viewpoint, cloud.offset) * static_cast<float>(input.scale);
   const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
   if (!view) {
     return Error{ErrorCode::bad_data,
@@ -367,6 +369,7 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
   PreparedScene scene;
   scene.points = cloud.points;
   scene.scale = input.scale;
+  scene.offset = cloud.offset;
   if (input.scale != 1) {
     const PointsSpan span = scene.points;
     const auto scale = static_cast<float>(input.scale);
@@ -374,7 +377,9 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
       for (float& value : column) value *= scale;
     }
   }
-  scene.view = find_view(cloud, input);
+  Result<SceneView> view = find_view(cloud, input);
+  if (!view) return view.error();
+  scene.view = *view;
   const bool closed = scene.view.kind == SceneKind::surface;
   if (!closed && cloud.points.size() < 50) {
     return Error{ErrorCode::bad_data,

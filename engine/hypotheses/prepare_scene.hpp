@@ -29,7 +29,8 @@ struct PreparedScene {
   float spacing = 0;                   ///< typical distance between neighboring measurements
   float window = 2;  ///< half-width of the windows that normals were fitted to [spacing]
   float plane_tolerance = 0;
-  double scale = 1;  ///< the file's lengths were multiplied by it
+  double scale = 1;                 ///< the file's lengths were multiplied by it
+  Eigen::Vector3d offset{0, 0, 0};  ///< of the cloud (Cloud::offset) [file's unit]
 };
 
 inline constexpr float kPlaneAngleRad = 0.35F;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/common/check_range.hpp"
+#include "engine/common/find_viewpoint.hpp"
 #include "engine/common/parallel.hpp"
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/meshing/boundary_share.hpp"
@@ -162,8 +163,11 @@ Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
     return Error{ErrorCode::bad_data, fmt::format("{}: expected at least 3 points, found {}", name,
                                                   cloud.points.size())};
   }
-  const Eigen::Vector3f viewpoint =
-      options.viewpoint.value_or(cloud.viewpoint.value_or(Eigen::Vector3f::Zero()));
+  const Result<Eigen::Vector3f> place = engine::find_viewpoint(cloud, options.viewpoint, name);
+  const bool is_seen =
+      *method == SurfaceMethod::grid || (*method == SurfaceMethod::greedy && cloud.normals.empty());
+  if (is_seen && !place) return place.error();
+  const Eigen::Vector3f viewpoint = place ? *place : Eigen::Vector3f::Zero();
 
   Surface surface;
   surface.method = *method;

@@ -69,16 +69,14 @@ struct FieldTraits<std::optional<PoseLimits::Region>> {
   static OptionValue get(const std::optional<PoseLimits::Region>& field) {
     std::vector<double> numbers;
     if (!field) return numbers;
-    for (const float x : field->low) numbers.push_back(decimal_of(x));
-    for (const float x : field->high) numbers.push_back(decimal_of(x));
+    numbers.assign(field->low.begin(), field->low.end());
+    numbers.insert(numbers.end(), field->high.begin(), field->high.end());
     return numbers;
   }
   static void set(std::optional<PoseLimits::Region>& field, const OptionValue& value) {
     const auto& n = std::get<std::vector<double>>(value);
     field.reset();
-    if (!n.empty())
-      field = {Eigen::Vector3d(n[0], n[1], n[2]).cast<float>(),
-               Eigen::Vector3d(n[3], n[4], n[5]).cast<float>()};
+    if (!n.empty()) field = {Eigen::Vector3d(n[0], n[1], n[2]), Eigen::Vector3d(n[3], n[4], n[5])};
   }
 };
 

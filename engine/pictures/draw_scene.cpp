@@ -195,9 +195,16 @@ Result<RayScene> surface_of(const EvaluationMesh& mesh) {
 
 using Surfaces = std::map<const EvaluationMesh*, RayScene>;
 
+/// Where an overlay lies in the prepared scene, in its unit.
+Pose placed_in(const engine::PreparedScene& scene, const Overlay& overlay) {
+  Pose pose = in_cloud_frame(overlay.T_scene_model, scene.offset);
+  pose.translation() *= static_cast<float>(scene.scale);
+  return pose;
+}
+
 /// Render the overlays of these indices.
 Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const Overlay> overlays,
-                         std::span<const std::uint32_t> which, double scene_scale,
+                         std::span<const std::uint32_t> which, const engine::PreparedScene& scene,
                          Surfaces& surfaces) {
   std::vector<RayScene::Instance> instances;
   for (const std::uint32_t i : which) {
@@ -207,8 +214,7 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
       if (!surface) return surface.error();
       found = surfaces.emplace(overlays[i].mesh, std::move(*surface)).first;
     }
-    Pose pose = overlays[i].T_scene_model;
-    pose.translation() *= static_cast<float>(scene_scale);
+    const Pose pose = placed_in(scene, overlays[i]);
     instances.push_back({&found->second, geometry.T_camera_scene * pose});
   }
   const Result<RayScene> rays = RayScene::from_instances(instances);
@@ -340,12 +346,11 @@ void place_labels(const Frame& frame, const Rendering& rendering, std::span<cons
 /// The square around the vertices of the overlays as the scan's image shows them; none where they
 /// lie behind the sensor.
 std::optional<Window> window_around(const kernels::ImageGeometry& geometry,
-                                    std::span<const Overlay> overlays, double scene_scale) {
+                                    std::span<const Overlay> overlays,
+                                    const engine::PreparedScene& scene) {
   Eigen::AlignedBox2f box;
   for (const Overlay& overlay : overlays) {
-    Pose pose = overlay.T_scene_model;
-    pose.translation() *= static_cast<float>(scene_scale);
-    const Pose T_camera_model = geometry.T_camera_scene * pose;
+    const Pose T_camera_model = geometry.T_camera_scene * placed_in(scene, overlay);
     for (std::size_t i = 0; i < overlay.mesh->vertices.size(); ++i) {
       const Vector3f p = T_camera_model * overlay.mesh->vertices[i];
       if (!(p.z() > 0)) continue;
@@ -367,11 +372,10 @@ std::optional<Window> window_around(const kernels::ImageGeometry& geometry,
 }  // namespace
 
 struct SceneDrawing::State {
-  State(engine::PreparedScene scene, double scale, float largest_diameter)
+  State(engine::PreparedScene scene, float largest_diameter)
       : prepared(std::move(scene)),
         image(fullest_image(prepared.images)),
-        background(prepared, image, largest_diameter),
-        scene_scale(scale) {}
+        background(prepared, image, largest_diameter) {}
 
   Result<ScenePictures> draw(std::span<const Overlay> overlays, const Window& window,
                              const Widths& widths) {
@@ -382,7 +386,7 @@ struct SceneDrawing::State {
     out.scan = to_picture(canvas, widths.most);
     const auto add = [&](std::span<const std::uint32_t> which) -> Result<void> {
       const Result<Rendering> rendering =
-          render(frame.geometry, overlays, which, scene_scale, surfaces);
+          render(frame.geometry, overlays, which, prepared, surfaces);
       if (!rendering) return rendering.error();
       draw_overlays(frame, *rendering, overlays, widths.outlines, canvas);
       extend_boxes(frame.geometry, *rendering, out.boxes);
@@ -406,7 +410,6 @@ struct SceneDrawing::State {
   engine::PreparedScene prepared;
   const RangeImage& image;
   Background background;
-  double scene_scale;
   Surfaces surfaces;
 };
 
@@ -420,7 +423,7 @@ Result<SceneDrawing> SceneDrawing::prepare(const Cloud& cloud, const SceneInput&
   StageTimes times;
   Result<engine::PreparedScene> prepared = engine::prepare_scene(cloud, input, times);
   if (!prepared) return prepared.error();
-  return SceneDrawing(std::make_unique<State>(std::move(*prepared), input.scale, largest_diameter));
+  return SceneDrawing(std::make_unique<State>(std::move(*prepared), largest_diameter));
 }
 
 Result<ScenePictures> SceneDrawing::draw(std::span<const Overlay> overlays) {
@@ -431,7 +434,7 @@ Result<ScenePictures> SceneDrawing::draw(std::span<const Overlay> overlays) {
 Result<ScenePictures> SceneDrawing::draw_around(std::span<const Overlay> models,
                                                 std::span<const Overlay> overlays) {
   const std::optional<Window> window =
-      window_around(state_->image.geometry, models, state_->scene_scale);
+      window_around(state_->image.geometry, models, state_->prepared);
   if (!window) {
     return Error{ErrorCode::bad_data,
                  "expected models in front of the sensor to draw, found none; check the poses"};

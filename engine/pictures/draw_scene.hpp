@@ -22,7 +22,7 @@ struct Color {
 /// to (SceneInput::scale).
 struct Overlay {
   const EvaluationMesh* mesh = nullptr;
-  Pose T_scene_model;  ///< in the scene file's unit
+  FilePose T_scene_model;
   Color outline;
   Color surface;
   bool filled = true;  ///< else the outline only

@@ -10,7 +10,8 @@ bool PoseLimits::allow(const Pose& T_scene_model, const Eigen::Vector3f& model_c
   if (region) {
     const Eigen::Array3f center =
         (T_scene_model * model_center).array() * static_cast<float>(scale);
-    if (!(center >= region->low.array()).all() || !(center <= region->high.array()).all())
+    if (!(center >= region->low.cast<float>().array()).all() ||
+        !(center <= region->high.cast<float>().array()).all())
       return false;
   }
   if (tilt) {

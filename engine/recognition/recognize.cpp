@@ -45,7 +45,19 @@ Result<ModelGroups> group_models(const Library& library, const std::vector<std::
   return groups;
 }
 
-bool is_place(const Eigen::Vector3f& v) { return v.cwiseAbs().maxCoeff() <= 1e9F && v.allFinite(); }
+bool is_place(const Eigen::Vector3d& v) {
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate;
+}
+
+/// What the options say of places in the scene's file, said of the cloud.
+RecognizeOptions in_cloud_frame(RecognizeOptions options, const Eigen::Vector3d& offset) {
+  for (ExpectedPose& expected : options.expected) expected.T_scene_model.translation() -= offset;
+  if (auto& region = options.limits.region) {
+    region->low -= offset;
+    region->high -= offset;
+  }
+  return options;
+}
 
 /// A method alone must have been trained for; both together take what there is.
 Result<void> check_methods(const Library& library, Method method) {
@@ -100,8 +112,8 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
                               std::stop_token stop) {
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
   if (input.viewpoint && !is_place(*input.viewpoint))
-    return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e9"};
-  const RecognizeOptions options = engine::ablate(asked);
+    return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e10"};
+  const RecognizeOptions options = in_cloud_frame(engine::ablate(asked), cloud.offset);
   const Library& library = recognizer.library();
   if (const Result<void> trained = check_methods(library, options.method); !trained)
     return trained.error();
@@ -114,6 +126,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   stats.size = size_of(cloud.points);
   if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) {
     SceneResult nothing;
+    nothing.offset = cloud.offset;
     nothing.stats = std::move(stats);
     if (options.tell_claims) nothing.claims = SceneClaims{};
     return nothing;
@@ -132,6 +145,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
     stats.camera_check = engine::check_camera(recognizer, *scene, *cloud.camera, found->detections);
   }
   SceneResult result = engine::report(library, *scene, std::move(*found), std::move(stats));
+  result.offset = cloud.offset;
   result.stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

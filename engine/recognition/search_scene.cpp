@@ -27,8 +27,8 @@ void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, f
                          SceneLevel& level) {
   if (!limits.region) return;
   const auto scale = static_cast<float>(scene.scale);
-  const Eigen::Array3f low = limits.region->low.array() * scale - reach;
-  const Eigen::Array3f high = limits.region->high.array() * scale + reach;
+  const Eigen::Array3f low = limits.region->low.cast<float>().array() * scale - reach;
+  const Eigen::Array3f high = limits.region->high.cast<float>().array() * scale + reach;
   std::erase_if(level.references, [&](std::uint32_t i) {
     const Eigen::Array3f p = level.points[i].array();
     return !((p >= low).all() && (p <= high).all());
@@ -114,7 +114,7 @@ SceneSearch::AllProposals SceneSearch::propose_expected() const {
       std::vector<kernels::Hypothesis> hypotheses;
       for (const ExpectedPose& expected : options_.expected) {
         if (expected.model != library_.models[m].name) continue;
-        hypotheses.push_back({expected.T_scene_model, 1});
+        hypotheses.push_back({expected.T_scene_model.cast<float>(), 1});
         hypotheses.back().T_scene_model.translation() *= static_cast<float>(scene_.scale);
       }
       proposals[m].push_back({Source::expected, std::move(hypotheses)});

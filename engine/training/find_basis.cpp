@@ -62,7 +62,7 @@ Result<TriSpinBasis> find_basis(std::span<const ModelSource> sources, const Trai
   engine::for_each_index(num_models, [&](std::size_t k) {
     if (stop.stop_requested()) return;
     const ModelSource& source = sources[k * sources.size() / num_models];
-    const Result<Cloud> cloud = read_cloud(source.file);
+    const Result<Cloud> cloud = read_cloud(source.file, {.keep_origin = true});
     found[k] = cloud ? engine::sample_images(*cloud, source, options, kMostImages / num_models)
                      : cloud.error();
   });

@@ -41,7 +41,7 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
     Result<MappedFile> bytes = MappedFile::open(source.file, ReadOptions{}.max_file_bytes);
     if (!bytes) return bytes.error();
     hash = xxh3_hex(bytes->bytes());
-    return read_cloud(source.file);
+    return read_cloud(source.file, {.keep_origin = true});
   }();
   if (!surface) return surface.error();
   Result<TrainedModel> trained = train_model(*surface, source, options, basis);

@@ -49,7 +49,9 @@ ManifestModel parse_model(const std::string& name, const JsonNode& node,
 }
 
 TruthInstance parse_truth(const JsonNode& node) {
-  TruthInstance truth{node.at("model").string(), node.at("T_scene_model").pose(), {}, false};
+  const FilePose pose = node.at("T_scene_model").file_pose();
+  TruthInstance truth{node.at("model").string(), pose.cast<float>(), {}, false};
+  truth.rounded_off = pose.translation() - truth.T_scene_model.translation().cast<double>();
   if (node.has("occlusion")) truth.occlusion = node.at("occlusion").number();
   if (node.has("visible_fraction")) truth.visible_fraction = node.at("visible_fraction").number();
   if (node.has("clutter")) truth.clutter = node.at("clutter").number();
@@ -62,7 +64,7 @@ ManifestScene parse_scene(const JsonNode& node, const std::filesystem::path& fol
   scene.name = node.at("file").string();
   scene.file = folder / scene.name;
   if (node.has("camera")) scene.camera = node.at("camera").camera();
-  if (node.has("viewpoint")) scene.viewpoint = node.at("viewpoint").vector3().cast<float>();
+  if (node.has("viewpoint")) scene.viewpoint = node.at("viewpoint").vector3();
   scene.closed_surface = !scene.camera && !scene.viewpoint;
   if (node.has("truth")) {
     for (const JsonNode& truth : node.at("truth").elements())

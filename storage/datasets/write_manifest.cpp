@@ -8,10 +8,13 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json vector_json(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+template <class T>
+ordered_json vector_json(const T& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
-ordered_json pose_json(const Pose& pose) {
-  const Eigen::Matrix4f m = pose.matrix();
+ordered_json pose_json(const FilePose& pose) {
+  const Eigen::Matrix4d m = pose.matrix();
   ordered_json rows = ordered_json::array();
   for (Eigen::Index row = 0; row < 4; ++row)
     rows.push_back({m(row, 0), m(row, 1), m(row, 2), m(row, 3)});
@@ -23,7 +26,8 @@ ordered_json model_json(const ManifestModel& model, const std::filesystem::path&
                    {"scale", model.scale}};
   if (!model.symmetry) return out;
   out["symmetries"] = ordered_json::array();
-  for (const Pose& pose : model.symmetry->poses) out["symmetries"].push_back(pose_json(pose));
+  for (const Pose& pose : model.symmetry->poses)
+    out["symmetries"].push_back(pose_json(pose.cast<double>()));
   if (model.symmetry->axis) {
     out["symmetry_axis"] = {{"axis", vector_json(model.symmetry->axis->direction)},
                             {"offset", vector_json(model.symmetry->axis->point)}};
@@ -43,7 +47,7 @@ ordered_json scene_json(const ManifestScene& scene, const std::filesystem::path&
   if (scene.viewpoint) out["viewpoint"] = vector_json(*scene.viewpoint);
   out["truth"] = ordered_json::array();
   for (const TruthInstance& truth : scene.truth) {
-    ordered_json entry{{"model", truth.model}, {"T_scene_model", pose_json(truth.T_scene_model)}};
+    ordered_json entry{{"model", truth.model}, {"T_scene_model", pose_json(truth.file_pose())}};
     if (truth.visible_fraction) entry["visible_fraction"] = *truth.visible_fraction;
     if (truth.occlusion) entry["occlusion"] = *truth.occlusion;
     if (truth.clutter) entry["clutter"] = *truth.clutter;

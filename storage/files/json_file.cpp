@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::uint64_t kMaxBytes = 256ULL << 20;
 constexpr int kMaxDepth = 32;
-constexpr double kMaxCoordinate = 1e9;
 
 using Matrix3d = Eigen::Matrix3d;
 using Matrix4d = Eigen::Matrix4d;
@@ -124,7 +123,7 @@ std::vector<double> JsonNode::flat_numbers() const {
 }
 
 double JsonNode::coordinate() const {
-  if (!(std::abs(number()) <= kMaxCoordinate)) refuse("expected a number of at most 1e9");
+  if (!(std::abs(number()) <= kMaxCoordinate)) refuse("expected a number of at most 1e10");
   return number();
 }
 
@@ -165,12 +164,14 @@ Eigen::Matrix3f JsonNode::rotation() const {
   return true_rotation(*this, linear);
 }
 
-Pose JsonNode::pose() const {
+Pose JsonNode::pose() const { return file_pose().cast<float>(); }
+
+FilePose JsonNode::file_pose() const {
   const std::vector<double> numbers = flat_numbers();
   if (numbers.size() != 16)
     refuse(fmt::format("expected 4 x 4 numbers instead of {}", numbers.size()));
   for (const double number : numbers) {
-    if (!(std::abs(number) <= kMaxCoordinate)) refuse("expected numbers of at most 1e9");
+    if (!(std::abs(number) <= kMaxCoordinate)) refuse("expected numbers of at most 1e10");
   }
 
   const Matrix4d matrix =
@@ -179,9 +180,9 @@ Pose JsonNode::pose() const {
   if (!matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-6)) {
     refuse("expected 0 0 0 1 in the last row");
   }
-  Pose pose = Pose::Identity();
-  pose.linear() = rotation;
-  pose.translation() = matrix.topRightCorner<3, 1>().cast<float>();
+  FilePose pose = FilePose::Identity();
+  pose.linear() = rotation.cast<double>();
+  pose.translation() = matrix.topRightCorner<3, 1>();
   return pose;
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "storage/cloud.hpp"
+#include "storage/file_pose.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
 
@@ -46,11 +47,13 @@ class JsonNode {
   std::string string() const;
   /// Of an array of numbers, or of rows of them; needs little memory beside them.
   std::vector<double> flat_numbers() const;
-  double coordinate() const;        ///< a number of at most 1e9
+  double coordinate() const;        ///< a number of at most kMaxCoordinate
   Eigen::Vector3d vector3() const;  ///< three coordinates
   /// A rigid motion as four rows of four numbers, or 16 numbers row by row. A rotation within 1e-2
   /// is replaced by the nearest true one.
   Pose pose() const;
+  /// The same with the translation as it stands there; the rotation is rounded to floats.
+  FilePose file_pose() const;
   Eigen::Matrix3f rotation() const;  ///< 9 numbers row by row; else as for a pose
   /// {"axis": three coordinates, "offset": three, 0 if absent}: a line that the object turns about.
   Symmetry::Axis symmetry_axis() const;

@@ -10,7 +10,9 @@ namespace trivet::formats {
 namespace {
 
 constexpr float kLargestCoordinate = 1e7F;
-constexpr float kSmallestExtent = 1e-5F;  ///< beside the distance; float steps are 6e-8 of it
+/// Extents beside the distance; a float's rounding is 6e-8 of it. Poses turn models about their
+/// origin, and the float that says where it is must not be coarse beside the model.
+constexpr float kSmallestExtent = 1e-5F, kSmallestModel = 1e-3F;
 
 void drop_invalid(Cloud& cloud) {
   std::vector<std::uint8_t> is_finite(cloud.points.size());
@@ -21,7 +23,8 @@ void drop_invalid(Cloud& cloud) {
   if (cloud.num_invalid > 0) keep_points(is_finite, cloud);
 }
 
-Result<void> check_range(PointsView points, const Input& input) {
+Result<void> check_range(const Cloud& cloud, const Input& input) {
+  const PointsView points = cloud.points;
   Eigen::Vector3f low = points[0], high = points[0];
   for (std::size_t i = 1; i < points.size(); ++i) {
     low = low.cwiseMin(points[i]);
@@ -35,11 +38,18 @@ Result<void> check_range(PointsView points, const Input& input) {
                     "meters or millimeters near its own origin",
                     kLargestCoordinate, distance));
   }
-  if (points.size() > 1 && extent < kSmallestExtent * distance) {
+  if (cloud.offset.cwiseAbs().maxCoeff() > kMaxCoordinate) {
     return input.refuse(
-        fmt::format("the points span {:g} at {:g} from the origin: float cannot tell "
-                    "them apart; subtract a constant offset from all coordinates",
-                    extent, distance));
+        fmt::format("expected coordinates up to {:g}, found some near ({:g}, {:g}, {:g})",
+                    kMaxCoordinate, cloud.offset.x(), cloud.offset.y(), cloud.offset.z()));
+  }
+  const float smallest = input.options.keep_origin ? kSmallestModel : kSmallestExtent;
+  if (points.size() > 1 && extent < smallest * distance) {
+    const Eigen::Vector3f middle = (low + high) / 2;
+    return input.refuse(fmt::format(
+        "the points span {:g} at {:g} from the origin, of which poses would speak: too far for "
+        "floats; subtract about ({:.0f}, {:.0f}, {:.0f}) from all coordinates",
+        extent, distance, middle.x(), middle.y(), middle.z()));
   }
   return {};
 }
@@ -55,7 +65,7 @@ Result<Cloud> finish(Cloud cloud, const Input& input) {
     return input.refuse(
         fmt::format("expected at least one point, found {} of which none is finite", num_read));
   }
-  if (auto checked = check_range(cloud.points, input); !checked) return checked.error();
+  if (auto checked = check_range(cloud, input); !checked) return checked.error();
   for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
     if (!cloud.normals[i].allFinite()) cloud.normals.set(i, Eigen::Vector3f::Zero());
   }

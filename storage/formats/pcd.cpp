@@ -9,6 +9,7 @@
 #include "storage/files/text.hpp"
 #include "storage/formats/lzf.hpp"
 #include "storage/formats/pcd_header.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -17,13 +18,13 @@ namespace {
 /// A field that is wanted, and the column it goes to.
 struct Target {
   const PcdField* field;
-  std::span<float> column;
+  std::span<double> column;
 };
 
 /// One point a line.
 Result<void> read_ascii(const Input& input, const PcdHeader& header,
                         std::span<const Target> targets) {
-  std::vector<float*> column_of(header.point_columns, nullptr);
+  std::vector<double*> column_of(header.point_columns, nullptr);
   for (const Target& target : targets) column_of[target.field->column] = target.column.data();
 
   TextCursor cursor(input.text().substr(header.body_begin));
@@ -43,7 +44,7 @@ Result<void> read_ascii(const Input& input, const PcdHeader& header,
             fmt::format("{} numbers as point {} of {}", column_of.size(), i, header.num_points),
             word);
       }
-      if (column_of[c]) column_of[c][i] = to_float(*number);
+      if (column_of[c]) column_of[c][i] = *number;
     }
     if (const auto word = cursor.word(); !word.empty()) {
       return refuse(
@@ -59,7 +60,7 @@ Result<void> read_ascii(const Input& input, const PcdHeader& header,
 /// Value i of a field lies at first + i * stride.
 void copy_column(const std::byte* first, std::size_t stride, const Target& target) {
   for (std::size_t i = 0; i < target.column.size(); ++i) {
-    target.column[i] = to_float(load(first + i * stride, target.field->type, std::endian::little));
+    target.column[i] = load(first + i * stride, target.field->type, std::endian::little);
   }
 }
 
@@ -159,13 +160,12 @@ Result<Cloud> read_pcd(const Input& input) {
   if (auto held = check_body(input, *header); !held) return held.error();
 
   Cloud cloud;
-  cloud.points.resize(header->num_points);
-  const PointsSpan points = cloud.points.span();
+  Positions positions, normals;
+  positions.resize(header->num_points);
   std::vector<Target> targets{
-      {position[0], points.x}, {position[1], points.y}, {position[2], points.z}};
+      {position[0], positions.x}, {position[1], positions.y}, {position[2], positions.z}};
   if (normal[0] && normal[1] && normal[2]) {
-    cloud.normals.resize(header->num_points);
-    const NormalsSpan normals = cloud.normals.span();
+    normals.resize(header->num_points);
     targets.insert(targets.end(),
                    {{normal[0], normals.x}, {normal[1], normals.y}, {normal[2], normals.z}});
   }
@@ -183,6 +183,8 @@ Result<Cloud> read_pcd(const Input& input) {
       break;
   }
   if (!done) return done.error();
+  place(std::move(positions), input, cloud);
+  cloud.normals = round_to_floats(std::move(normals));
 
   const bool organized = header->width > 1 && header->height > 1;
   if (organized) {
@@ -192,7 +194,7 @@ Result<Cloud> read_pcd(const Input& input) {
     std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
   }
   // Zero is what writers put when they do not know; for an organized cloud it is the camera.
-  if (organized || !header->viewpoint.isZero(0)) cloud.viewpoint = header->viewpoint;
+  if (organized || !header->viewpoint.isZero(0)) place_viewpoint(header->viewpoint, cloud);
   return cloud;
 }
 

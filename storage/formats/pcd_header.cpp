@@ -110,7 +110,7 @@ Result<PcdHeader> make_header(const Input& input, const Lines& lines, const Text
       return input.refuse(
           fmt::format("VIEWPOINT: expected a number, found {}", quote(lines.viewpoint[i])));
     }
-    header.viewpoint[static_cast<Eigen::Index>(i)] = to_float(*number);
+    header.viewpoint[static_cast<Eigen::Index>(i)] = *number;
   }
   if (!header.viewpoint.allFinite()) return input.refuse("VIEWPOINT: expected finite numbers");
 

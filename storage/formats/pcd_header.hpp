@@ -28,7 +28,7 @@ struct PcdHeader {
   std::uint64_t point_bytes = 0;                        ///< of a binary point, at most 2^32
   std::uint64_t point_columns = 0;                      ///< values of a point
   std::uint64_t width = 0, height = 1, num_points = 0;  ///< width * height == num_points
-  Eigen::Vector3f viewpoint{0, 0, 0};
+  Eigen::Vector3d viewpoint{0, 0, 0};
   PcdEncoding encoding = PcdEncoding::ascii;
   std::size_t body_begin = 0;  ///< first byte behind the header
   std::size_t body_line = 1;   ///< its line number

@@ -8,6 +8,7 @@
 #include "storage/files/text.hpp"
 #include "storage/formats/faces.hpp"
 #include "storage/formats/ply_header.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -131,7 +132,7 @@ Result<void> skip_property(PlyBody& body, const PlyElement& element, std::uint64
 
 /// Read the rows of an element; columns[p], where not null, takes the scalar property p.
 Result<void> read_scalars(PlyBody& body, const PlyElement& element,
-                          std::span<float* const> columns) {
+                          std::span<double* const> columns) {
   if (element.properties.empty()) return {};  // any number of rows without a byte
   for (std::uint64_t row = 0; row < element.count; ++row) {
     body.begin_row();
@@ -145,7 +146,7 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
       double value = 0;
       if (!body.read(element.properties[p].type, value))
         return body.fault(element, row, "a number");
-      columns[p][row] = to_float(value);
+      columns[p][row] = value;
     }
     if (auto ended = body.end_row(element, row); !ended) return ended;
   }
@@ -275,14 +276,13 @@ std::optional<std::array<std::size_t, 3>> find_three(const PlyElement& element,
   return found;
 }
 
-/// Send three properties of an element to the columns of `points`, made as long as the element.
-void send(const std::array<std::size_t, 3>& properties, const PlyElement& element, Points& points,
-          std::vector<float*>& columns) {
-  points.resize(element.count);
-  const PointsSpan span = points.span();
-  columns[properties[0]] = span.x.data();
-  columns[properties[1]] = span.y.data();
-  columns[properties[2]] = span.z.data();
+/// Send three properties of an element to three columns, made as long as the element.
+void send(const std::array<std::size_t, 3>& properties, const PlyElement& element,
+          Positions& positions, std::vector<double*>& columns) {
+  positions.resize(element.count);
+  columns[properties[0]] = positions.x.data();
+  columns[properties[1]] = positions.y.data();
+  columns[properties[2]] = positions.z.data();
 }
 
 Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input& input,
@@ -292,24 +292,28 @@ Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input
     return input.refuse(
         "expected the properties x, y and z in the element vertex, found no such three");
   }
-  std::vector<float*> columns(element.properties.size(), nullptr);
-  send(*position, element, cloud.points, columns);
-  if (const auto normal = find_three(element, {"nx", "ny", "nz"})) {
-    send(*normal, element, cloud.normals, columns);
-  }
-  return read_scalars(body, element, columns);
+  std::vector<double*> columns(element.properties.size(), nullptr);
+  Positions positions, normals;
+  send(*position, element, positions, columns);
+  const auto normal = find_three(element, {"nx", "ny", "nz"});
+  if (normal) send(*normal, element, normals, columns);
+  if (auto done = read_scalars(body, element, columns); !done) return done;
+  place(std::move(positions), input, cloud);
+  if (normal) cloud.normals = round_to_floats(std::move(normals));
+  return {};
 }
 
 /// PCL's camera element: where the sensor stood; all zero is what it writes when it does not know.
-Result<void> read_viewpoint(PlyBody& body, const PlyElement& element, Cloud& cloud) {
-  Points viewpoint;
-  std::vector<float*> columns(element.properties.size(), nullptr);
+Result<void> read_viewpoint(PlyBody& body, const PlyElement& element,
+                            std::optional<Eigen::Vector3d>& viewpoint) {
+  Positions found;
+  std::vector<double*> columns(element.properties.size(), nullptr);
   const auto position = find_three(element, {"view_px", "view_py", "view_pz"});
-  if (position) send(*position, element, viewpoint, columns);
+  if (position) send(*position, element, found, columns);
   auto done = read_scalars(body, element, columns);
-  if (done && position && viewpoint[0].allFinite() && !viewpoint[0].isZero(0)) {
-    cloud.viewpoint = viewpoint[0];
-  }
+  if (!done || !position) return done;
+  const Eigen::Vector3d place(found.x[0], found.y[0], found.z[0]);
+  if (place.allFinite() && !place.isZero(0)) viewpoint = place;
   return done;
 }
 
@@ -356,13 +360,14 @@ Result<void> check_room(const PlyBody& body, const PlyElement& element) {
 }
 
 Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHeader& header,
-                          const Input& input, Faces& faces, Cloud& cloud) {
+                          const Input& input, Faces& faces, Cloud& cloud,
+                          std::optional<Eigen::Vector3d>& viewpoint) {
   if (auto held = check_room(body, element); !held) return held;
   if (element.name == "vertex") return read_vertices(body, element, input, cloud);
   const Role role = role_of(element);
-  if (role == Role::camera) return read_viewpoint(body, element, cloud);
+  if (role == Role::camera) return read_viewpoint(body, element, viewpoint);
   if (role == Role::other) {
-    return read_scalars(body, element, std::vector<float*>(element.properties.size(), nullptr));
+    return read_scalars(body, element, std::vector<double*>(element.properties.size(), nullptr));
   }
   const auto list = index_list_of(element);
   if (!list) {
@@ -389,11 +394,13 @@ Result<Cloud> read_ply(const Input& input) {
   if (auto held = check_room(body, *vertex); !held) return held.error();
   if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
   cloud.points.resize(vertex->count);
+  std::optional<Eigen::Vector3d> viewpoint;
   for (const PlyElement& element : header->elements) {
-    auto done = read_element(body, element, *header, input, faces, cloud);
+    auto done = read_element(body, element, *header, input, faces, cloud, viewpoint);
     if (!done) return done.error();
   }
   if (auto ended = body.end(); !ended) return ended.error();
+  if (viewpoint) place_viewpoint(*viewpoint, cloud);
   if (auto split = std::move(faces).put_into(cloud, input); !split) return split.error();
   return cloud;
 }

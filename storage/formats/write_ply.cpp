@@ -21,17 +21,20 @@ void append(std::string& out, T value) {
   out.append(bytes.data(), bytes.size());
 }
 
-void append(std::string& out, const Eigen::Vector3f& v) {
+template <class T>
+void append(std::string& out, const Eigen::Matrix<T, 3, 1>& v) {
   append(out, v.x());
   append(out, v.y());
   append(out, v.z());
 }
 
+bool is_far(const Cloud& cloud) { return !cloud.offset.isZero(0); }
+
 std::string header_of(const Cloud& cloud) {
   std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n",
-      cloud.points.size());
+      "ply\nformat binary_little_endian 1.0\nelement vertex {1}\n"
+      "property {0} x\nproperty {0} y\nproperty {0} z\n",
+      is_far(cloud) ? "double" : "float", cloud.points.size());
   if (!cloud.normals.empty()) header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!cloud.triangles.empty()) {
     header += fmt::format("element face {}\nproperty list uchar int vertex_indices\n",
@@ -46,7 +49,11 @@ std::string encode_ply(const Cloud& cloud) {
   std::string out = header_of(cloud);
   out.reserve(out.size() + 24 * cloud.points.size() + 13 * cloud.triangles.size());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    append(out, cloud.points[i]);
+    if (is_far(cloud)) {
+      append<double>(out, cloud.points[i].cast<double>() + cloud.offset);
+    } else {
+      append(out, cloud.points[i]);
+    }
     if (!cloud.normals.empty()) append(out, cloud.normals[i]);
   }
   for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 #include "storage/formats/text_table.hpp"
 
@@ -64,8 +65,11 @@ class XyzReader {
       if (auto done = is_count() ? begin_block() : read_point(); !done) return done.error();
     }
     if (auto done = end_block(); !done) return done.error();
-    if (!columns_.named && !are_directions(cloud_.normals)) cloud_.normals = {};
-    return std::move(cloud_);
+    Cloud cloud;
+    place(std::move(positions_), input_, cloud);
+    cloud.normals = round_to_floats(std::move(normals_));
+    if (!columns_.named && !are_directions(cloud.normals)) cloud.normals = {};
+    return cloud;
   }
 
  private:
@@ -100,14 +104,14 @@ class XyzReader {
 
   Result<void> begin_block() {
     if (auto done = end_block(); !done) return done;
-    if (!announced_ && !cloud_.points.empty()) return refuse_width();
+    if (!announced_ && !positions_.size() == 0) return refuse_width();
     announced_ = parse_integer(fields_[0]);
     announced_line_ = cursor_.line();
-    block_begin_ = cloud_.points.size();
+    block_begin_ = positions_.size();
     return {};
   }
   Result<void> end_block() const {
-    const auto found = static_cast<std::int64_t>(cloud_.points.size() - block_begin_);
+    const auto found = static_cast<std::int64_t>(positions_.size() - block_begin_);
     if (!announced_ || *announced_ == found) return {};
     return input_.refuse_line(
         announced_line_,
@@ -182,8 +186,8 @@ class XyzReader {
                               quote({&mark_, 1}), quote(field)));
   }
 
-  Result<Eigen::Vector3f> read_three(const Three& columns, std::string_view what) {
-    Eigen::Vector3f values;
+  Result<Eigen::Vector3d> read_three(const Three& columns, std::string_view what) {
+    Eigen::Vector3d values;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto field = fields_[columns[i]];
       const auto number = parse_column(field, delimiter_);
@@ -193,7 +197,7 @@ class XyzReader {
                                   field.empty() ? "an empty column" : quote(field)));
       }
       if (auto marked = check_mark(field); !marked) return marked.error();
-      values[static_cast<Eigen::Index>(i)] = to_float(*number);
+      values[static_cast<Eigen::Index>(i)] = *number;
     }
     return values;
   }
@@ -202,27 +206,26 @@ class XyzReader {
     // A delimiter behind the last column makes no column.
     if (fields_.size() == columns_.count + 1 && fields_.back().empty()) fields_.pop_back();
     if (fields_.size() != columns_.count) return refuse_width();
-    if (cloud_.points.size() == input_.max_points())
-      return input_.refuse_count(cloud_.points.size() + 1);
+    if (positions_.size() == input_.max_points()) return input_.refuse_count(positions_.size() + 1);
 
     const auto point = read_three(columns_.position, "xyz");
     if (!point) return point.error();
-    cloud_.points.push_back(*point);
+    positions_.push_back(*point);
     if (!columns_.normal) return {};
     const auto normal = read_three(*columns_.normal, "xyz");
     if (!normal && columns_.named) return normal.error();
     if (normal) {
-      cloud_.normals.push_back(*normal);
+      normals_.push_back(*normal);
     } else {  // words in columns four to six
       columns_.normal.reset();
-      cloud_.normals = {};
+      normals_ = {};
     }
     return {};
   }
 
   const Input& input_;
   TextCursor cursor_;
-  Cloud cloud_;
+  Positions positions_, normals_;
   Columns columns_;
   Delimiter delimiter_ = Delimiter::blanks;
   std::vector<std::string_view> fields_;

@@ -216,6 +216,8 @@ std::vector<SampleFile> sample_files() {
 testing::AssertionResult is_valid(const Cloud& cloud) {
   const std::size_t n = cloud.points.size();
   if (n == 0 && !cloud.grid) return testing::AssertionFailure() << "no points";
+  if (!(cloud.offset.cwiseAbs().maxCoeff() <= kMaxCoordinate))
+    return testing::AssertionFailure() << "offset";
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f p = cloud.points[i];
     if (!(p.allFinite() && p.cwiseAbs().maxCoeff() <= 1e7F))

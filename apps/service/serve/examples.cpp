@@ -19,7 +19,7 @@ Result<std::vector<Example>> list_examples(const std::string& listing) {
       query += fmt::format("&camera={},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale);
     }
     if (scene.viewpoint) {
-      const Eigen::Vector3f& v = *scene.viewpoint;
+      const Eigen::Vector3d& v = *scene.viewpoint;
       query += fmt::format("&viewpoint={},{},{}", v.x(), v.y(), v.z());
     }
     examples.push_back({scene.name, scene.file, std::move(query)});

@@ -130,7 +130,7 @@ void ServiceRoutes::infer(const CallPtr& call, std::string_view rest) {
     Result<RecognizeQuery> query = parse_recognize_query(state->request.options);
     if (!query) return query.error();
     SceneInput input = query->scene.input(answering.recognizer.library().header.unit);
-    if (state->request.viewpoint) input.viewpoint = state->request.viewpoint;
+    if (state->request.viewpoint) input.viewpoint = state->request.viewpoint->cast<double>();
     const Cloud cloud = take_cloud(state->request);
     state->input_seconds = seconds_since(begun);
     Result<SceneResult> result =

@@ -111,9 +111,14 @@ void ServiceRoutes::points(const CallPtr& call, std::string_view) {
                                   shown_points(cloud->points, max_points),
                                   kBytes,
                                   {{"X-Points", std::to_string(cloud->points.size())}}};
-               if (const auto& v = scan.scene.viewpoint ? scan.scene.viewpoint : cloud->viewpoint)
+               std::optional<Eigen::Vector3d> v = scan.scene.viewpoint;
+               if (!v && cloud->viewpoint) v = cloud->viewpoint->cast<double>() + cloud->offset;
+               if (v)
                  shown.headers.emplace_back("X-Viewpoint",
                                             fmt::format("{},{},{}", v->x(), v->y(), v->z()));
+               if (const Eigen::Vector3d& o = cloud->offset; !o.isZero(0))
+                 shown.headers.emplace_back("X-Offset",
+                                            fmt::format("{},{},{}", o.x(), o.y(), o.z()));
                return shown;
              });
 }

@@ -46,14 +46,13 @@ Option<ServedScene> viewpoint_option() {
            .kind = OptionKind::numbers},
           [](const ServedScene& scene) {
             std::vector<double> numbers;
-            for (const float x : scene.viewpoint.value_or(Eigen::Vector3f::Zero()))
-              if (scene.viewpoint) numbers.push_back(static_cast<double>(x));
+            if (const auto& v = scene.viewpoint) numbers.assign(v->begin(), v->end());
             return OptionValue(numbers);
           },
           [](ServedScene& scene, const OptionValue& value) {
             const auto& v = std::get<std::vector<double>>(value);
             scene.viewpoint.reset();
-            if (!v.empty()) scene.viewpoint = Eigen::Vector3d(v[0], v[1], v[2]).cast<float>();
+            if (!v.empty()) scene.viewpoint = Eigen::Vector3d(v[0], v[1], v[2]);
           }};
 }
 

@@ -17,7 +17,7 @@ namespace trivet::apps::service {
 
 struct ServedScene {
   std::optional<Camera> camera{};
-  std::optional<Eigen::Vector3f> viewpoint{};  ///< of the sensor, in the scan's frame and unit
+  std::optional<Eigen::Vector3d> viewpoint{};  ///< of the sensor, in the scan's frame and unit
   std::optional<LengthUnit> unit{};            ///< absent: the library's
 
   SceneInput input(LengthUnit library_unit) const;

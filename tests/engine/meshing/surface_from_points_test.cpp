@@ -101,7 +101,7 @@ TEST(SurfaceFromPoints, GivesTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST(SurfaceFromPoints, WarnsOfAViewpointThatCouldNotSeeTheScan) {
-  const Surface surface = surface_of(part_scan(), {.viewpoint = Vector3f(0.5F, 0, 0.9F)});
+  const Surface surface = surface_of(part_scan(), {.viewpoint = Eigen::Vector3d(0.5, 0, 0.9)});
   EXPECT_NE(surface.warning.find("--viewpoint"), std::string::npos) << surface.warning;
 }
 
@@ -132,9 +132,25 @@ TEST(SurfaceFromPoints, RefusesOptionsOutOfTheirRange) {
   EXPECT_TRUE(validate(SurfaceOptions{}));
 }
 
+TEST(SurfaceFromPoints, NeedsASensorNearPointsThatAreFarFromZero) {
+  Cloud cloud;
+  for (int i = 0; i < 100; ++i)
+    cloud.points.push_back({static_cast<float>(i % 10), static_cast<float>(i / 10), 0});
+  cloud.offset = {512345, 5403210, 400};
+  const Result<Surface> blind = surface_from_points(cloud, "far.xyz");
+  ASSERT_FALSE(blind);
+  EXPECT_NE(blind.error().message.find("far.xyz: the points lie around (512349.5, 5403214.5, 400)"),
+            std::string::npos)
+      << blind.error().message;
+  const Eigen::Vector3d above = cloud.offset + Eigen::Vector3d(5, 5, 20);
+  const Surface seen = surface_of(cloud, {.viewpoint = above});
+  EXPECT_GT(share_facing(seen.mesh, Vector3f(5, 5, 20)), 0.99);
+  EXPECT_EQ(seen.mesh.offset, cloud.offset);
+}
+
 struct RealScan {
   const char* file;
-  std::optional<Vector3f> viewpoint;
+  std::optional<Eigen::Vector3d> viewpoint;
   std::optional<SurfaceMethod> method;
   double triangles_per_point, open_share;
 };
@@ -142,7 +158,7 @@ struct RealScan {
 TEST(SurfaceFromPoints, CoversRealScans) {
   const std::filesystem::path data = TRIVET_DATA;
   if (!std::filesystem::exists(data)) GTEST_SKIP() << data << " is absent: set TRIVET_DATA";
-  const Vector3f bunny_sensor(-0.024021F, 0.096585F, 2.509732F);
+  const Eigen::Vector3d bunny_sensor(-0.024021, 0.096585, 2.509732);
   for (const RealScan& scan : std::initializer_list<RealScan>{
            {"stanford_bunny_scans/bun000.ply", bunny_sensor, {}, 1.93, 0.025},
            {"stanford_bunny_scans/bun000.ply", bunny_sensor, SurfaceMethod::greedy, 1.97, 0.01},

@@ -34,9 +34,9 @@ EvaluationMesh cube() {
   return {"cube", shape.vertices, shape.triangles, 0.2 * std::sqrt(3.0), {}};
 }
 
-Pose ahead(float z) {
-  Pose pose = Pose::Identity();
-  pose.translation() << 0, 0, z;
+FilePose ahead(float z) {
+  FilePose pose = FilePose::Identity();
+  pose.translation() << 0, 0, static_cast<double>(z);
   return pose;
 }
 

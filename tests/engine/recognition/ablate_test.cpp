@@ -131,7 +131,7 @@ TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
 TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
   RecognizeOptions options;
   options.pose.rounds = 0;
-  options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F})}};
+  options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F}).cast<double>()}};
   options.ablated = {Improvement::contour};  // which the wall runs on beyond
   const auto known = recognize(recognizer_, scene_, {}, options);
   options.ablated.insert(Improvement::background);

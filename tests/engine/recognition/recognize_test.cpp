@@ -131,7 +131,7 @@ TEST_F(Recognize, SettlesToOneResultFromADozenStarts) {
   for (int start = 0; start < 12; ++start) {
     const Pose off = test::pose_of(0.05F * random.direction(), 0.004F * random.direction());
     RecognizeOptions options{.min_score = 0};
-    options.expected = {{"bracket", bracket_pose() * off}};
+    options.expected = {{"bracket", (bracket_pose() * off).cast<double>()}};
     options.pose.rounds = 0;
     const auto result = recognize(recognizer_, scan, {}, options);
     ASSERT_TRUE(result) << result.error().message;
@@ -198,10 +198,11 @@ TEST_F(Recognize, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
     return result->detections.at(0);
   };
   const Pose farther = test::pose_of({0, 0, 0}, {0.04F, 0, 0}) * pose;
-  const Detection alone = found_of({{"plank", pose}});
+  const Detection alone = found_of({{"plank", pose.cast<double>()}});
   EXPECT_TRUE(alone.alternatives.empty());
   EXPECT_EQ(alone.score, kernels::pose_probability(recognizer.score(), alone.parts));
-  const Detection ambiguous = found_of({{"plank", pose}, {"plank", farther}});
+  const Detection ambiguous =
+      found_of({{"plank", pose.cast<double>()}, {"plank", farther.cast<double>()}});
   EXPECT_EQ(ambiguous.alternatives.size(), 1U);
   EXPECT_LT(ambiguous.pose_share, 0.9F);
   EXPECT_EQ(
@@ -442,7 +443,7 @@ TEST_F(Recognize, ConfirmsNoPoseThatWasMostlyNotMeasured) {
   const Cloud scan = test::render_scan({{&bracket_, bracket_pose()}});
   RecognizeOptions options;
   options.pose.rounds = 0;
-  options.expected = {{"bracket", bracket_pose()}};
+  options.expected = {{"bracket", bracket_pose().cast<double>()}};
   const auto more = recognize(recognizer_, left_part(scan, 0.6), {}, options);
   ASSERT_TRUE(more) << more.error().message;
   EXPECT_EQ(more->detections.size(), 1U);
@@ -478,7 +479,8 @@ TEST_F(Recognize, SearchesWithinTheLimitsOnly) {
     RecognizeOptions options;
     options.pose.rounds = 1;
     const Eigen::Vector3f reach = Eigen::Vector3f::Constant(0.1F);
-    options.limits.region = PoseLimits::Region{middle - reach, middle + reach};
+    options.limits.region =
+        PoseLimits::Region{(middle - reach).cast<double>(), (middle + reach).cast<double>()};
     return options;
   };
   const auto all = recognize(recognizer_, clutter(), {}, {.pose = {.rounds = 1}});
@@ -498,7 +500,8 @@ TEST_F(Recognize, TestsExpectedPosesWithoutVoting) {
   options.pose.rounds = 0;
   Pose off = lever_pose();
   off.translation() += Eigen::Vector3f(0.003F, -0.002F, 0.004F);
-  options.expected = {{"lever", off}, {"bracket", test::pose_of({1, 1, 1}, {0, 0, 0.9F})}};
+  options.expected = {{"lever", off.cast<double>()},
+                      {"bracket", test::pose_of({1, 1, 1}, {0, 0, 0.9F}).cast<double>()}};
   const auto result = recognize(recognizer_, clutter(), {}, options);
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->stats.num_votes, 0U);
@@ -509,6 +512,43 @@ TEST_F(Recognize, TestsExpectedPosesWithoutVoting) {
   const auto both = recognize(recognizer_, clutter(), {}, options);
   ASSERT_TRUE(both);
   EXPECT_EQ(both->detections.size(), 2U) << "voting finds what was not expected";
+}
+
+/// Points alone, as of a scan whose coordinates are far from zero.
+TEST_F(Recognize, SpeaksOfTheFilesFrameFarFromZero) {
+  Cloud near;
+  near.points = clutter().points;
+  Cloud far = near;
+  far.offset = {512345, 5403210, 400};
+  const auto expected = recognize(recognizer_, near, {.viewpoint = Eigen::Vector3d(0, 0, 0)}, {});
+  const auto found = recognize(recognizer_, far, {.viewpoint = far.offset}, {});
+  ASSERT_TRUE(expected && found) << found.error().message;
+  ASSERT_EQ(found->detections.size(), 2U);
+  EXPECT_EQ(found->offset, far.offset);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(found->detections[i].T_scene_model.matrix(),
+              expected->detections[i].T_scene_model.matrix());
+  }
+
+  RecognizeOptions options;
+  options.pose.rounds = 0;
+  options.expected = {{"bracket", in_file_frame(bracket_pose(), far.offset)},
+                      {"lever", in_file_frame(lever_pose(), far.offset)}};
+  const Eigen::Vector3d middle = in_file_frame(bracket_pose(), far.offset) *
+                                 recognizer_.library().models[0].center.cast<double>();
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.1);
+  options.limits.region = PoseLimits::Region{middle - reach, middle + reach};
+  const auto limited = recognize(recognizer_, far, {.viewpoint = far.offset}, options);
+  ASSERT_TRUE(limited) << limited.error().message;
+  ASSERT_EQ(limited->detections.size(), 1U);
+  expect_pose(find(*limited, "bracket"), bracket_pose(), 0.2F);
+
+  const auto blind = recognize(recognizer_, far, {}, {});
+  ASSERT_FALSE(blind) << "from the file's origin, floats cannot tell the points apart";
+  EXPECT_NE(blind.error().message.find("--viewpoint"), std::string::npos);
+  Cloud placed = far;
+  placed.viewpoint = Eigen::Vector3f(0, 0, 0);
+  EXPECT_TRUE(recognize(recognizer_, placed, {}, {})) << "where the cloud knows its sensor";
 }
 
 TEST_F(Recognize, ConvertsTheScenesUnit) {

@@ -74,7 +74,7 @@ TEST_F(ReadManifest, TakesScenesWithCamerasViewpointsAndTruth) {
   EXPECT_EQ(scenes[0].truth[0].model, "ant");
   EXPECT_EQ(scenes[0].truth[0].occlusion, 0.25);
   EXPECT_TRUE(scenes[0].truth[0].ignore);
-  EXPECT_EQ(scenes[1].viewpoint, Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(scenes[1].viewpoint, Eigen::Vector3d(1, 2, 3));
   EXPECT_FALSE(scenes[1].truth[0].occlusion || scenes[1].truth[0].ignore);
   EXPECT_TRUE(scenes[2].closed_surface);
   EXPECT_TRUE(scenes[2].truth.empty());
@@ -120,7 +120,7 @@ TEST_F(ReadManifest, NamesThePathOfWhatIsWrong) {
   expect_refused(truth("[[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]"), "expected a rotation");
   expect_refused(truth("[[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]"), "expected a rotation");
   expect_refused(truth("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]"), "last row");
-  expect_refused(truth("[[1,0,0,1e300],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"), "at most 1e9");
+  expect_refused(truth("[[1,0,0,1e300],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"), "at most 1e10");
   expect_refused(truth("[[1,0,0,null],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"),
                  "T_scene_model[0][3]: expected a number");
   expect_refused(R"({"unit": "m", "scenes": [{"file": "a", "camera": {"fx": 1}}]})",

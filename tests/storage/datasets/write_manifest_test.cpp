@@ -29,7 +29,7 @@ TEST(WriteManifest, ReadsBackTheSame) {
                        false,
                        {{"ant", pose, 0.25, true, 0.75, 0.5}, {"zebra", pose, {}, false}}};
   written.scenes[1].file = folder / "b.ply";
-  written.scenes[1].viewpoint = Eigen::Vector3f(1, 2, 3);
+  written.scenes[1].viewpoint = Eigen::Vector3d(1, 2, 3);
 
   ASSERT_TRUE(write_manifest(folder / "manifest.json", written));
   const Result<Manifest> read = read_manifest(folder / "manifest.json");

@@ -1,0 +1,16 @@
+/// Where a model was found, in words of few digits.
+#pragma once
+
+#include <string>
+
+#include "engine/recognize_result.hpp"
+
+namespace trivet::apps {
+
+/// "x, y, z" of the model's origin in the frame of the scene's file, to four digits of what is left
+/// without the offset.
+///
+/// offset  of the scene (SceneResult::offset)
+std::string place_text(const Detection& detection, const Eigen::Vector3d& offset);
+
+}  // namespace trivet::apps

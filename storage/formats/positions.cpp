@@ -1,0 +1,78 @@
+#include "storage/formats/positions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "storage/files/text.hpp"
+
+namespace trivet::formats {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The box around the finite ones.
+struct Box {
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Vector3d high = -low;
+};
+
+Box box_of(const Positions& positions) {
+  Box box;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vector3d p(positions.x[i], positions.y[i], positions.z[i]);
+    if (!p.allFinite()) continue;
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
+/// Zero on the axes where floats hold the positions well enough.
+Vector3d choose_offset(const Box& box) {
+  const double extent = (box.high - box.low).maxCoeff();
+  Vector3d offset = Vector3d::Zero();
+  if (!(extent > 0 && std::isfinite(extent))) return offset;
+  const double unit = std::exp2(std::ceil(std::log2(extent)));
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double low = box.low[axis], high = box.high[axis];
+    if (std::max(std::abs(low), std::abs(high)) > kMostDistance * extent)
+      offset[axis] = std::round((low + high) / 2 / unit) * unit;
+  }
+  return offset;
+}
+
+void round_column(Column<double>&& from, double offset, std::span<float> to) {
+  std::transform(from.begin(), from.end(), to.begin(),
+                 [&](double value) { return to_float(value - offset); });
+  Column<double>().swap(from);
+}
+
+Points round_to_floats(Positions&& positions, const Vector3d& offset) {
+  Points points(positions.size());
+  const PointsSpan span = points.span();
+  round_column(std::move(positions.x), offset.x(), span.x);
+  round_column(std::move(positions.y), offset.y(), span.y);
+  round_column(std::move(positions.z), offset.z(), span.z);
+  return points;
+}
+
+}  // namespace
+
+void place(Positions positions, const Input& input, Cloud& cloud) {
+  cloud.offset = Vector3d::Zero();
+  if (!input.options.keep_origin) cloud.offset = choose_offset(box_of(positions));
+  cloud.points = round_to_floats(std::move(positions), cloud.offset);
+}
+
+Points round_to_floats(Positions vectors) {
+  return round_to_floats(std::move(vectors), Vector3d::Zero());
+}
+
+void place_viewpoint(const Vector3d& viewpoint, Cloud& cloud) {
+  const Vector3d shifted = viewpoint - cloud.offset;
+  cloud.viewpoint =
+      Eigen::Vector3f(to_float(shifted.x()), to_float(shifted.y()), to_float(shifted.z()));
+}
+
+}  // namespace trivet::formats

@@ -1,0 +1,48 @@
+/// Coordinates on their way from a file, which holds them as exactly as it likes, to a cloud of
+/// floats.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+#include "storage/cloud.hpp"
+#include "storage/columns.hpp"
+#include "storage/files/input.hpp"
+
+namespace trivet::formats {
+
+/// Three columns of equal length, as the file gives them; may be non-finite.
+struct Positions {
+  Column<double> x, y, z;
+
+  std::size_t size() const noexcept { return x.size(); }
+  void resize(std::size_t n) {
+    x.resize(n);
+    y.resize(n);
+    z.resize(n);
+  }
+  void push_back(const Eigen::Vector3d& p) {
+    x.push_back(p.x());
+    y.push_back(p.y());
+    z.push_back(p.z());
+  }
+};
+
+/// How many times farther from the origin than they extend points may lie without an offset. A
+/// float's rounding is then at most 2^-17 of the extent, well below the spacing of a million points.
+inline constexpr double kMostDistance = 128;
+
+/// Round the positions to the cloud's points. Along the axes where they lie so far from the origin
+/// that floats would lose digits that matter (more than kMostDistance times their extent), an offset
+/// is subtracted first and kept in cloud.offset; ReadOptions::keep_origin forbids it. The offset is a
+/// multiple of a power of two no smaller than the extent, so subtracting and adding it are exact.
+/// The memory of the positions is freed column by column.
+void place(Positions positions, const Input& input, Cloud& cloud);
+
+/// The same of what is no place, such as normals.
+Points round_to_floats(Positions vectors);
+
+/// Set where the sensor stood, given in the file's frame, once the points are placed.
+void place_viewpoint(const Eigen::Vector3d& viewpoint, Cloud& cloud);
+
+}  // namespace trivet::formats
