@@ -136,7 +136,7 @@ async function showPoints(signal) {
   if (points?.key === key) return;
   const fetched = await service.fetchPoints(scan, parameters, signal);
   points = { key, ...fetched };
-  view?.showScan(points.positions, points.viewpoint ?? [0, 0, 0]);
+  view?.showScan(points.positions, points.viewpoint ? beside(points.viewpoint) : [0, 0, 0]);
   showTools();
   byId("canvas").setAttribute("aria-label", `Scan ${scan.name}`);
   tellScan();
@@ -266,11 +266,19 @@ function rejectedNote(all, told) {
   );
 }
 
-/** Vertices of a model, in the library's unit, to the scan's frame and unit. */
+/** A place in the scan's frame as the points are drawn, which may have an offset. */
+function beside(place) {
+  return place.map((x, axis) => x - (points?.offset[axis] ?? 0));
+}
+
+/** Vertices of a model, in the library's unit, to the points as they are drawn. */
 function poseMatrix(rows) {
   const perMetre = { m: 1, mm: 1000 };
   const scale = perMetre[settings.unit] / perMetre[library.unit];
-  return new Matrix4().set(...rows.flat()).scale(new Vector3().setScalar(scale));
+  return new Matrix4()
+    .set(...rows.flat())
+    .setPosition(...beside(rows.slice(0, 3).map((row) => row[3])))
+    .scale(new Vector3().setScalar(scale));
 }
 
 /** Draw the things into the view. */

@@ -74,15 +74,16 @@ const post = (path, parameters, body, signal) =>
 /**
  * Points of a scan, thinned to what can be drawn.
  *
- * Returns { positions: x, y, z of each in the scan's unit and frame, total: before thinning,
- *   viewpoint: of the sensor, where it is known, else null }.
+ * Returns { positions: x, y, z of each in the scan's unit, offset: to be added for the scan's frame,
+ *   total: before thinning, viewpoint: of the sensor in the scan's frame, where known, else null }.
  */
 export async function fetchPoints(scan, parameters, signal) {
   const response = await post("/v1/points", parameters, scan.body, signal);
   const positions = new Float32Array(await response.arrayBuffer());
+  const offset = (response.headers.get("X-Offset") ?? "0,0,0").split(",").map(Number);
   const viewpoint = response.headers.get("X-Viewpoint")?.split(",").map(Number) ?? null;
   const total = Number(response.headers.get("X-Points")) || positions.length / 3;
-  return { positions, total, viewpoint };
+  return { positions, offset, total, viewpoint };
 }
 
 /**
