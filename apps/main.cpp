@@ -18,6 +18,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/help/command_help.hpp"
 #include "apps/help/exit_codes.hpp"
+#include "apps/options/add_options.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/progress.hpp"
 
@@ -99,6 +100,15 @@ int main(int argc, char** argv) {
                  "Threads to use; 0 means all cores. The output does not depend on it.")
       ->check(CLI::Range(0U, 1024U));
   app.add_flag("--quiet", context.console.quiet, "Print results and errors only");
+  apps::limit_to(
+      app.add_option_function<std::string>(
+          "--progress",
+          [&](const std::string& form) { context.console.json_progress = form == "json"; },
+          "How progress is told on standard error: text, or json, an object a line with "
+          "stage, done, total, item and seconds, also with --quiet"),
+      {"text", "json"})
+      ->type_name("FORM")
+      ->default_str("text");
   apps::add_train(app, context);
   apps::add_recognize(app, context);
   apps::add_evaluate(app, context);

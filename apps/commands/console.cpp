@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace trivet::apps {
@@ -17,6 +19,16 @@ std::string remaining(double elapsed_seconds, std::size_t done, std::size_t tota
       elapsed_seconds / static_cast<double>(done) * static_cast<double>(total - done);
   return left < 90 ? fmt::format(", {:.0f} s left", left)
                    : fmt::format(", {:.0f} min left", left / 60);
+}
+
+std::string progress_json(const std::string& verb, std::size_t done, std::size_t total,
+                          std::string_view item, double seconds) {
+  const nlohmann::ordered_json line{{"stage", verb},
+                                    {"done", done},
+                                    {"total", total},
+                                    {"item", item},
+                                    {"seconds", std::round(1000 * seconds) / 1000}};
+  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 /// At once, and whole. There is nobody to tell that it failed.
@@ -39,10 +51,19 @@ void Console::error(std::string_view text) const { tell(fmt::format("error: {}\n
 Progress Console::progress(std::string_view verb, std::stop_token stop) const {
   Progress progress;
   progress.stop = std::move(stop);
+  const auto start = std::chrono::steady_clock::now();
+  if (json_progress) {
+    progress.report = [verb = std::string(verb), start](std::size_t done, std::size_t total,
+                                                        std::string_view item) {
+      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+      tell(progress_json(verb, done, total, item, elapsed.count()) + '\n');
+    };
+    return progress;
+  }
   if (quiet) return progress;
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  progress.report = [terminal, verb = std::string(verb), start = std::chrono::steady_clock::now()](
-                        std::size_t done, std::size_t total, std::string_view item) {
+  progress.report = [terminal, verb = std::string(verb), start](std::size_t done, std::size_t total,
+                                                                std::string_view item) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     const std::string left = remaining(elapsed.count(), done, total);
     if (!terminal) {

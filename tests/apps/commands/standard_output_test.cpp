@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
@@ -128,6 +129,27 @@ TEST_F(StandardOutput, CountsOneThingAsOne) {
   EXPECT_NE(run("evaluate library.h5 set.json").out.find("1 scene "), std::string::npos);
   const test::Outcome trained = run("train bracket.ply -o one.h5 --preset fast --methods ppf");
   EXPECT_NE(trained.error.find("one.h5: 1 model, "), std::string::npos) << trained.error;
+}
+
+TEST_F(StandardOutput, TellsProgramsOfProgress) {
+  const test::Outcome outcome =
+      run("recognize library.h5 scan.ply scan.ply --progress json --quiet");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  std::istringstream lines(outcome.error);
+  std::size_t done = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json json = nlohmann::json::parse(line);
+    EXPECT_EQ(json.at("stage"), "recognized");
+    EXPECT_EQ(json.at("done"), ++done);
+    EXPECT_EQ(json.at("total"), 2);
+    EXPECT_EQ(json.at("item"), "scan.ply");
+    EXPECT_GE(json.at("seconds"), 0);
+  }
+  EXPECT_EQ(done, 2U) << outcome.error;
+  const test::Outcome trained =
+      run("train bracket.ply -o one.h5 --preset fast --methods ppf --progress json --quiet");
+  EXPECT_EQ(nlohmann::json::parse(trained.error).at("stage"), "trained") << trained.error;
+  EXPECT_EQ(run("library list library.h5 --progress xml").exit_code, 2);
 }
 
 // Whoever sets NO_COLOR sees none, and so does everybody else.
