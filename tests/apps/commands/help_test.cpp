@@ -111,7 +111,7 @@ TEST_F(Help, CompletesInFish) {
     return outcome.out;
   };
   EXPECT_EQ(offered("trivet rec"), "recognize\n");
-  EXPECT_EQ(offered("trivet library i"), "info\n");
+  EXPECT_EQ(offered("trivet library inf"), "info\n");
   EXPECT_EQ(offered("trivet recognize --method "), "fused\nppf\ntrisi\n");
   EXPECT_EQ(offered("trivet recognize --ablate clusters,pl"), "clusters,planes\n");
 }
