@@ -32,8 +32,8 @@ struct Detection {
   Pose T_scene_model;  ///< model point -> point of the cloud, in the scene file's unit
   /// Share of the model's whole silhouette that was measured as it says.
   float visible_fraction = 0;
-  float violation = 0;          ///< share of what was measured there that the sensor looked through
-  float contour = 0;            ///< share of the outline that the scene does not run on beyond
+  float violation = 0;  ///< share of what was measured there that the sensor looked through
+  float contour = 0;    ///< share of the outline that the scene does not run on beyond
   /// Root mean square of the distances between both surfaces where they agree, in the scene file's
   /// unit.
   float rmse = 0;

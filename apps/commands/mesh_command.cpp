@@ -57,12 +57,11 @@ Result<void> mesh(const MeshArguments& arguments, const Context& context) {
   const Result<void> written = write_ply(arguments.output, surface->mesh);
   if (!written) return written;
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  context.console.line(
-      fmt::format("{}: {}, {} of them used, {} ({}), {} of the edges open, {:.2f} s",
-                  arguments.output, counted(surface->mesh.points.size(), "vertex", "vertices"),
-                  surface->num_used, counted(surface->mesh.triangles.size(), "triangle"),
-                  method_name(surface->method), percent_of_edges(surface->open_share),
-                  seconds.count()));
+  context.console.line(fmt::format(
+      "{}: {}, {} of them used, {} ({}), {} of the edges open, {:.2f} s", arguments.output,
+      counted(surface->mesh.points.size(), "vertex", "vertices"), surface->num_used,
+      counted(surface->mesh.triangles.size(), "triangle"), method_name(surface->method),
+      percent_of_edges(surface->open_share), seconds.count()));
   return {};
 }
 

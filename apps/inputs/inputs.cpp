@@ -55,10 +55,10 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
   if (error)
     return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
   if (files.empty()) {
-    return Error{ErrorCode::missing_input,
-                 fmt::format("{}: expected files that end with one of .{}, found {}",
-                             folder.string(), fmt::join(cloud_extensions(), " ."),
-                             describe_folder(folder))};
+    return Error{
+        ErrorCode::missing_input,
+        fmt::format("{}: expected files that end with one of .{}, found {}", folder.string(),
+                    fmt::join(cloud_extensions(), " ."), describe_folder(folder))};
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -234,7 +234,7 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
     std::vector<fs::path> files{argument};
     if (fs::is_directory(argument)) {
       Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
-          return is_cloud_file(file) || (!arguments.camera.empty() && is_depth_file(file));
+        return is_cloud_file(file) || (!arguments.camera.empty() && is_depth_file(file));
       });
       if (!listed) return listed.error();
       files = std::move(*listed);

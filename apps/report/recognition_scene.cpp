@@ -297,8 +297,7 @@ std::string caption(const Subject& subject) {
   if (ambiguous > 0) out += fmt::format("<span class=\"doubtful\">{} ambiguous</span>", ambiguous);
   return out + fmt::format("<span class=\"dim\">{}, noise {:.3g} {}, {:.2f} s</span>",
                            counted(result.stats.num_points, "point", "points"), result.stats.noise,
-                           scene_unit(subject),
-                           result.stats.total_seconds);
+                           scene_unit(subject), result.stats.total_seconds);
 }
 
 /// "0.4 mm", "0.9 m", of a length in the scene's unit.

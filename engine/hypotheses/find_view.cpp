@@ -97,8 +97,7 @@ Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
       return SceneView{SceneKind::surface, ViewSource::given};
     if (const std::optional<SceneView> view = view_of_faces(cloud)) return *view;
   }
-  const Result<Eigen::Vector3f> place =
-      find_viewpoint(cloud, input.viewpoint, input.file.string());
+  const Result<Eigen::Vector3f> place = find_viewpoint(cloud, input.viewpoint, input.file.string());
   if (!place) return place.error();
   return SceneView{SceneKind::points, source, place->cast<double>() + cloud.offset};
 }

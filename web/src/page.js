@@ -95,7 +95,8 @@ function tellScan(scene) {
       `${countWords(points.positions.length / 3)} drawn`,
     scene?.invalid_points > 0 && `${countWords(scene.invalid_points)} invalid`,
     points?.viewpoint && `sensor at ${placeWords(points.viewpoint, settings.unit)}`,
-    scene?.noise > 0 && `noise ${lengthWords(scene.noise, library.unit)}`,
+    scene?.noise > 0 && `noise ${lengthWords(scene.noise, settings.unit)}`,
+    scene?.view?.words,
   ];
   byId("scan-facts").textContent = facts.filter(Boolean).slice(1).join(", ");
   byId("view-title").textContent = scan.name;

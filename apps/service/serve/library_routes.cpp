@@ -31,7 +31,8 @@ Json near_symmetry_json(const Model& model) {
   if (!model.near_symmetries.empty() || model.near_axis) {
     declaration["symmetries"] = Json::array();
     for (const std::vector<Pose>* poses : {&model.symmetry.poses, &model.near_symmetries}) {
-      for (const Pose& pose : *poses) declaration["symmetries"].push_back(apps::matrix_json(pose.cast<double>()));
+      for (const Pose& pose : *poses)
+        declaration["symmetries"].push_back(apps::matrix_json(pose.cast<double>()));
     }
     if (const auto& axis = model.near_axis ? model.near_axis : model.symmetry.axis) {
       const auto vector = [](const auto& v) { return std::array{v.x(), v.y(), v.z()}; };

@@ -11,6 +11,7 @@
 namespace trivet {
 namespace {
 
+using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 /// Parts before a wall, scanned from the origin, with triangles between neighboring pixels: a mesh
@@ -40,8 +41,14 @@ Cloud wound_the_other_way(Cloud cloud) {
   return cloud;
 }
 
+SceneView find_view(const Cloud& cloud, const SceneInput& input) {
+  const Result<SceneView> view = engine::find_view(cloud, input);
+  EXPECT_TRUE(view) << view.error().message;
+  return view ? *view : SceneView{};
+}
+
 void expect_view(const SceneView& view, SceneKind kind, ViewSource source,
-                 const std::optional<Vector3f>& viewpoint) {
+                 const std::optional<Vector3d>& viewpoint) {
   EXPECT_EQ(name_of(view.kind), name_of(kind));
   EXPECT_EQ(name_of(view.source), name_of(source));
   EXPECT_EQ(view.viewpoint, viewpoint);
@@ -49,19 +56,19 @@ void expect_view(const SceneView& view, SceneKind kind, ViewSource source,
 
 TEST(FindView, TakesATriangulatedScanAsSeenFromTheOrigin) {
   const Cloud scan = triangulated_scan();
-  expect_view(engine::find_view(scan, {}), SceneKind::points, ViewSource::faces, Vector3f::Zero());
-  expect_view(engine::find_view(wound_the_other_way(scan), {}), SceneKind::points,
-              ViewSource::faces, Vector3f::Zero());
+  expect_view(find_view(scan, {}), SceneKind::points, ViewSource::faces, Vector3d::Zero());
+  expect_view(find_view(wound_the_other_way(scan), {}), SceneKind::points, ViewSource::faces,
+              Vector3d::Zero());
 }
 
 TEST(FindView, FindsWhereATriangulatedScanThatWasMovedIsSeenFrom) {
   const Pose motion = test::pose_of({0.4F, -1.2F, 2}, {0.1F, 0.2F, 0});
   const Cloud scan = moved(triangulated_scan(), motion * Eigen::Translation3f(0, 0, -1));
-  const SceneView view = engine::find_view(scan, {});
+  const SceneView view = find_view(scan, {});
   EXPECT_EQ(view.kind, SceneKind::points);
   EXPECT_EQ(view.source, ViewSource::faces);
   ASSERT_TRUE(view.viewpoint);
-  const Vector3f towards = (*view.viewpoint - motion.translation()).normalized();
+  const Vector3f towards = (view.viewpoint->cast<float>() - motion.translation()).normalized();
   EXPECT_GT(towards.dot(motion.linear() * -Vector3f::UnitZ()), 0.98F);
 }
 
@@ -70,28 +77,38 @@ TEST(FindView, TakesAClosedMeshAsAWholeSurfaceWhereverItIs) {
   EXPECT_LT(kernels::boundary_share(closed.triangles), 0.02);
   for (const Vector3f& place : {Vector3f(0, 0, 0), Vector3f(0, 0, 1), Vector3f(3, -200, 5)}) {
     const Cloud there = moved(closed, test::pose_of({1, 0.2F, -0.4F}, place));
-    expect_view(engine::find_view(there, {}), SceneKind::surface, ViewSource::faces, std::nullopt);
-    expect_view(engine::find_view(wound_the_other_way(there), {}), SceneKind::surface,
-                ViewSource::faces, std::nullopt);
+    expect_view(find_view(there, {}), SceneKind::surface, ViewSource::faces, std::nullopt);
+    expect_view(find_view(wound_the_other_way(there), {}), SceneKind::surface, ViewSource::faces,
+                std::nullopt);
   }
 }
 
 TEST(FindView, BelievesTheCallerThenTheFile) {
   Cloud lever = test::cloud_of(test::lever());
-  expect_view(engine::find_view(lever, {.closed_surface = true}), SceneKind::surface,
-              ViewSource::given, std::nullopt);
+  expect_view(find_view(lever, {.closed_surface = true}), SceneKind::surface, ViewSource::given,
+              std::nullopt);
   lever.viewpoint = Vector3f(0, 0, 2);
-  expect_view(engine::find_view(lever, {.closed_surface = true}), SceneKind::points,
-              ViewSource::file, Vector3f(0, 0, 2));
-  expect_view(engine::find_view(lever, {.viewpoint = Vector3f(1, 2, 3)}), SceneKind::points,
-              ViewSource::given, Vector3f(1, 2, 3));
+  expect_view(find_view(lever, {.closed_surface = true}), SceneKind::points, ViewSource::file,
+              Vector3d(0, 0, 2));
+  expect_view(find_view(lever, {.viewpoint = Vector3d(1, 2, 3)}), SceneKind::points,
+              ViewSource::given, Vector3d(1, 2, 3));
 }
 
 TEST(FindView, AssumesTheOriginForPoints) {
   Cloud points = triangulated_scan();
   points.triangles = {};
-  expect_view(engine::find_view(points, {}), SceneKind::points, ViewSource::assumed,
-              Vector3f::Zero());
+  expect_view(find_view(points, {}), SceneKind::points, ViewSource::assumed, Vector3d::Zero());
+}
+
+// The far place that the faces turn to is told in the file's frame.
+TEST(FindView, TellsAViewOfFacesFarFromZero) {
+  Cloud scan = triangulated_scan();
+  scan.offset = {4e5, 5.4e6, 0};
+  const SceneView view = find_view(scan, {});
+  EXPECT_EQ(view.source, ViewSource::faces);
+  ASSERT_TRUE(view.viewpoint);
+  const Vector3d towards = (*view.viewpoint - scan.offset).normalized();
+  EXPECT_LT(towards.z(), -0.95);
 }
 
 }  // namespace
