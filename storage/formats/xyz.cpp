@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -26,9 +27,33 @@ struct Columns {
   bool named = false;
 };
 
+/// Whether the points whose normal is an axis lie flat across it.
+bool are_faces(PointsView points, NormalsView normals) {
+  constexpr std::size_t kFewest = 3;
+  constexpr float kFlat = 0.01F;  // of the extent of all points
+  using Box = Eigen::AlignedBox3f;
+  Box all;
+  std::array<Box, 3> faces;
+  std::array<std::size_t, 3> counts{};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    all.extend(points[i]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (normals[i][static_cast<Eigen::Index>(axis)] != 1) continue;
+      faces[axis].extend(points[i]);
+      ++counts[axis];
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float thickness = faces[axis].sizes()[static_cast<Eigen::Index>(axis)];
+    const bool is_flat = thickness <= kFlat * all.sizes().maxCoeff();
+    if (counts[axis] > 0 && (counts[axis] < kFewest || !is_flat)) return false;
+  }
+  return counts[0] + counts[1] + counts[2] > 0;
+}
+
 /// Whether columns four to six are directions: colors and intensities stand there as well. Values
-/// that are all zero or one are colors as well as directions, and taken for neither.
-bool are_directions(PointsView normals) {
+/// that are all zero or one may be both; they are directions of flat faces.
+bool are_directions(PointsView points, NormalsView normals) {
   bool all_bits = true;
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const Eigen::Vector3f normal = normals[i];
@@ -36,7 +61,7 @@ bool are_directions(PointsView normals) {
     if (std::isfinite(length) && length != 0 && std::abs(length - 1) > 0.1F) return false;
     for (const float value : normal) all_bits = all_bits && (value == 0 || value == 1);
   }
-  return !all_bits;
+  return !normals.empty() && (!all_bits || are_faces(points, normals));
 }
 
 using Names = std::array<std::string_view, 3>;
@@ -68,7 +93,7 @@ class XyzReader {
     Cloud cloud;
     place(std::move(positions_), input_, cloud);
     cloud.normals = round_to_floats(std::move(normals_));
-    if (!columns_.named && !are_directions(cloud.normals)) cloud.normals = {};
+    if (!columns_.named && !are_directions(cloud.points, cloud.normals)) cloud.normals = {};
     return cloud;
   }
 

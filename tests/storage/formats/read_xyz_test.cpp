@@ -88,6 +88,17 @@ TEST_F(ReadXyz, TakesColorsOfZeroAndOneForNoNormals) {
   EXPECT_TRUE(colors->normals.empty());
   EXPECT_EQ(box->normals.size(), 3U);
   EXPECT_EQ(named->normals.size(), 2U);
+
+  // Two walls of a corner with their normals, and a table in two colors.
+  std::string walls, table;
+  for (const char* row : {"0 0", "0 1", "1 0", "1 1", "2 0", "2 1"}) {
+    walls += std::string(row) + " 0 0 0 1\n" + row[0] + " 0 " + row[2] + " 0 1 0\n";
+    table += std::string(row) + " 5" + (row[0] == '1' ? " 0 1 0\n" : " 0 0 1\n");
+  }
+  const auto corner = read(walls), mottled = read(table);
+  ASSERT_TRUE(corner && mottled);
+  EXPECT_EQ(corner->normals.size(), 12U) << "each wall lies flat across its normal";
+  EXPECT_TRUE(mottled->normals.empty());
 }
 
 TEST_F(ReadXyz, TakesColumnsByTheirNames) {
