@@ -113,8 +113,8 @@ std::string tally_row(std::string_view name, const Tally& tally, bool with_false
 
 std::string tally_table(std::string_view title, const std::string& rows, bool with_false) {
   return fmt::format(
-      "<div{}><h2>{}</h2><div class=\"table tally\"><table><tr><th><th class=\"n\">found<th "
-      "class=\"n\">recall<th><th class=\"n\">95 %{}<th class=\"n\">ADD\n{}</table></div></div>\n",
+      "<div{}><h2>{}</h2><div class=\"table tally\"><table><tr><td><th class=\"n\">found<th "
+      "class=\"n\">recall<td><th class=\"n\">95 %{}<th class=\"n\">ADD\n{}</table></div></div>\n",
       with_false ? " class=\"wide\"" : "", title,
       with_false ? "<th class=\"n\">false<th class=\"n\">precision" : "", rows);
 }
@@ -141,7 +141,7 @@ std::string time_table(const std::vector<StageSeconds>& stages) {
   }
   return fmt::format(
       "<div><h2>Time a scene</h2><div class=\"table\"><table><tr><th>stage<th "
-      "class=\"n\">median<th class=\"n\">95 %<th>\n{}</table></div></div>\n",
+      "class=\"n\">median<th class=\"n\">95 %<td>\n{}</table></div></div>\n",
       rows);
 }
 
@@ -157,7 +157,7 @@ std::string bop_table(const BopScores& bop) {
   const BopRecall& recall = bop.localization;
   const BopPrecision& precision = bop.detection;
   return fmt::format(
-      "<div><h2>BOP scores</h2><div class=\"table\"><table><tr><th><th class=\"n\">AR, "
+      "<div><h2>BOP scores</h2><div class=\"table\"><table><tr><td><th class=\"n\">AR, "
       "localization<th class=\"n\">AP, detection\n{}</table></div></div>\n",
       row("mean", recall.mean, precision.mean) + row("VSD", recall.vsd, {}) +
           row("MSSD", recall.mssd, precision.mssd) + row("MSPD", recall.mspd, precision.mspd));

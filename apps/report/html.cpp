@@ -8,9 +8,9 @@ namespace {
 /// Colors follow the reader's light or dark setting; on a phone the pictures of a scene stand
 /// below each other.
 constexpr std::string_view kStyle = R"css(
-:root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
+:root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--link:#2f62bd;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
 --right:#16803f;--wrong:#c92a2a;--missed:#1f66c7;--neutral:#6b7380;--doubtful:#946200;--ppf:#3b6fd1;--trisi:#c9700c;--fused:#14866d}
-@media(prefers-color-scheme:dark){:root{--page:#111318;--card:#1a1d24;--text:#e7eaf0;--dim:#98a1b0;--line:#2c313b;--bar:#6f9df0;
+@media(prefers-color-scheme:dark){:root{--page:#111318;--card:#1a1d24;--link:#6f9df0;--text:#e7eaf0;--dim:#98a1b0;--line:#2c313b;--bar:#6f9df0;
 --range:#6f9df040;--right:#3ecf7f;--wrong:#ff6b6b;--missed:#5aa6ff;--neutral:#9aa3b0;--doubtful:#f2b83b;--ppf:#7aa7f7;--trisi:#f0a04b;--fused:#46c9a8}}
 *{box-sizing:border-box}
 body{margin:0 auto;padding:20px 16px 48px;max-width:1360px;background:var(--page);color:var(--text);
@@ -38,7 +38,7 @@ line-height:1.35;white-space:nowrap;border-bottom:2px solid;pointer-events:none}
 .right{color:var(--right)}.wrong{color:var(--wrong)}.missed{color:var(--missed)}.neutral{color:var(--neutral)}
 .doubtful{color:var(--doubtful)}
 .headline{font-size:1.15rem;max-width:62rem;margin:14px 0}
-.gallery{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,430px),1fr));gap:16px}.exhibit{margin:0}
+.gallery{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,300px),1fr));gap:16px}.exhibit{margin:0}
 .exhibit p{margin:6px 2px 0;font-size:.9rem}
 .chart{display:block;width:100%;max-width:460px;height:auto;margin:8px auto 0}
 .chart text{font-size:12px;fill:var(--dim)}.chart .name{font-size:13px;fill:var(--text)}.chart .number{font-size:10.5px;fill:var(--text)}
@@ -54,10 +54,10 @@ circle.ppf{fill:var(--ppf)}circle.trisi{fill:var(--trisi)}circle.fused{fill:var(
 .dot.ppf{background:var(--ppf)}.dot.trisi{background:var(--trisi)}.dot.fused{background:var(--fused)}
 .findings{max-width:74rem;padding-left:1.3em;margin:10px 0}.findings li{margin:7px 0}.about{max-width:62rem}
 .charts{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:12px}.charts .chart{max-width:none}.charts h4{margin:8px 2px 0;font-size:.95rem;font-weight:600}
-.panel{margin-bottom:20px}.panel>h3{font-size:1rem;margin:18px 0 8px}.panel>.table{margin-top:12px}.usual td{background:var(--range)}
-figure h3{font-size:1rem;margin:16px 2px 4px;font-weight:600}.wrap{overflow-x:auto}.words{white-space:normal;min-width:15em;overflow-wrap:anywhere}
+.panel{margin-bottom:20px}.panel>h3{font-size:1rem;margin:18px 0 8px}.panel>.table{margin-top:12px}.usual td{background:var(--range)}.usual .dim{color:var(--text)}
+figure h2{font-size:1rem;margin:16px 2px 4px;font-weight:600}.wrap{overflow-x:auto}.words{white-space:normal;min-width:15em;overflow-wrap:anywhere}
 figure td:first-child{min-width:0}figure td.id{min-width:2.2em;width:2.2em;white-space:nowrap;color:var(--dim)}.table+figure{margin-top:18px}
-.scene{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:0 18px;align-items:start}.scene h3:first-child{margin-top:0}
+.scene{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:0 18px;align-items:start}.scene h2:first-child{margin-top:0}
 .views{position:sticky;top:8px;display:grid;gap:10px}.found .head td{border-bottom:0;padding-bottom:0}.found tr:not(.head) td{padding-top:0}
 .layers{display:flex;flex-wrap:wrap}.layers>input{position:absolute;opacity:0}.layers>label{padding:3px 12px;border:1px solid var(--line);border-bottom:0;
 border-radius:6px 6px 0 0;color:var(--dim);font-size:.9rem;cursor:pointer}.layers>:checked+label{color:var(--text);font-weight:600;background:var(--page)}
@@ -65,9 +65,9 @@ border-radius:6px 6px 0 0;color:var(--dim);font-size:.9rem;cursor:pointer}.layer
 .layers>:nth-of-type(1):checked~.view:nth-of-type(1),.layers>:nth-of-type(2):checked~.view:nth-of-type(2),.layers>:nth-of-type(3):checked~.view:nth-of-type(3){display:block}
 .parts td{vertical-align:top}.part{display:block;height:8px;border-radius:4px;background:var(--line);overflow:hidden;margin-top:6px;min-width:8px}
 .part i{display:block;height:100%;background:var(--bar)}.parts .dim{font-size:.75rem}
-pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{color:var(--bar)}
+pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{color:var(--link)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
-@media(max-width:760px){.pair,.scene,.charts{grid-template-columns:minmax(0,1fr)}.views{position:static}.scene h3:first-child{margin-top:14px}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
+@media(max-width:760px){.pair,.scene,.charts{grid-template-columns:minmax(0,1fr)}.views{position:static}.scene h2:first-child{margin-top:14px}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
 @media(max-width:520px){.charts .chart :is(text,.name){font-size:14.5px}td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):is(:nth-child(2),:nth-child(4)){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
 .parts :is(td,th):is(:nth-child(2),:nth-child(3)){display:none}.found :is(.head>td,th):nth-child(5){display:none}.found .words{min-width:0}.parts th{writing-mode:vertical-rl;padding:0 0 4px}.parts th span{display:none}.parts td:not(.id){padding-right:3px}.parts .dim{font-size:.68rem}}
@@ -84,7 +84,7 @@ std::string html_page(std::string_view title, std::string_view content) {
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" "
       "content=\"width=device-width,initial-scale=1\">\n<title>{}</title>\n<style>{}</style>\n"
-      "</head>\n<body>\n{}</body>\n</html>\n",
+      "</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
       escape_html(title), kStyle, content);
 }
 

@@ -65,7 +65,7 @@ std::string contents(const RecognitionReport& report) {
         s, escape_html(report.scenes[s].file.filename().string()), result.detections.size(), found,
         result.stats.total_seconds);
   }
-  return "<div class=\"table\"><table><tr><th>scene<th class=\"n\">found<th><th "
+  return "<div class=\"table\"><table><tr><th>scene<th class=\"n\">found<th>models<th "
          "class=\"n\">time\n" +
          rows + "</table></div>\n";
 }

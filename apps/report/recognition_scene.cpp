@@ -129,8 +129,9 @@ std::string reason_cell(const Subject& subject, const RejectedPose& rejected) {
 
 std::string table(std::string_view title, std::string_view head, const std::string& rows) {
   return fmt::format(
-      "<h3>{}</h3><div "
-      "class=\"wrap\"><table><thead><tr>{}</thead><tbody>\n{}</tbody></table></div>\n",
+      "<h2>{}</h2><div "
+      "class=\"wrap\" "
+      "tabindex=\"0\"><table><thead><tr>{}</thead><tbody>\n{}</tbody></table></div>\n",
       title, head, rows);
 }
 
@@ -158,7 +159,7 @@ std::string visibility(const Detection& detection) {
 /// Two rows for each: numbers, then the place and what speaks against it.
 std::string found_table(const Subject& subject) {
   const std::vector<Detection>& detections = subject.result.detections;
-  if (detections.empty()) return "<h3>Found</h3><p class=\"dim\">None of the models.</p>\n";
+  if (detections.empty()) return "<h2>Found</h2><p class=\"dim\">None of the models.</p>\n";
   const std::string unit = scene_unit(subject);
   std::string rows;
   for (std::size_t d = 0; d < detections.size(); ++d) {
@@ -177,7 +178,7 @@ std::string found_table(const Subject& subject) {
   }
   return "<div class=\"found\">" +
          table("Found",
-               fmt::format("<th><th>model<th class=\"n\">score<th>visible<th class=\"n\">rmse [{}]",
+               fmt::format("<td><th>model<th class=\"n\">score<th>visible<th class=\"n\">rmse [{}]",
                            unit),
                rows) +
          "</div>";
@@ -198,8 +199,8 @@ std::string rejected_table(const Subject& subject) {
         fmt::format("<p class=\"dim\">{} more {}below {} or a worse guess at what was found.</p>\n",
                     more, more == 1 ? "is " : "are ", kHopeful);
   }
-  if (rows.empty()) return "<h3>Rejected</h3><p class=\"dim\">Nothing worth a look.</p>\n" + rest;
-  return table("Rejected", "<th><th>model<th class=\"n\">score<th>why not", rows) + rest;
+  if (rows.empty()) return "<h2>Rejected</h2><p class=\"dim\">Nothing worth a look.</p>\n" + rest;
+  return table("Rejected", "<td><th>model<th class=\"n\">score<th>why not", rows) + rest;
 }
 
 /// One row that adds up: the log odds, where they begin, what other answers take off, and bars as
@@ -234,7 +235,7 @@ std::string parts_row(const Subject& subject, const std::string& id, const std::
 std::string parts_table(const Subject& subject) {
   const auto most = subject.most();
   std::string head =
-      "<th><th>model<th class=\"n\">score<th class=\"n\" title=\"of the score: the sum of what "
+      "<td><th>model<th class=\"n\">score<th class=\"n\" title=\"of the score: the sum of what "
       "follows\">log odds<th class=\"n\" title=\"before anything is seen\">begin at<th class=\"n\" "
       "title=\"alternatives, look-alikes and doubtful answers beside it\">other answers";
   std::string rows;

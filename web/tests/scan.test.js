@@ -96,7 +96,7 @@ test("a detection that is clicked is looked at, and says what its score is made 
 
 /** The numbers of the open pose's score: [label, number], the sum last. */
 const scoreRows = (page) =>
-  page.locator(".score-bars > li").evaluateAll((rows) =>
+  page.locator(".details:not([hidden]) .score-bars > li").evaluateAll((rows) =>
     rows.map((row) => [
       row.querySelector(".label").textContent,
       Number(row.querySelector(".number").textContent.split(" of ")[0].replace("−", "-")),
