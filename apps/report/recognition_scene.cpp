@@ -147,7 +147,7 @@ std::string other_than(const Detection& detection) {
 
 /// "93 %", and of an object that reaches beyond the scan "46 %, 30 % outside the scan".
 std::string visibility(const Detection& detection) {
-  constexpr float kHardly = 0.005F;
+  constexpr float kHardly = 0.01F;
   std::string out = percent(detection.visible_fraction);
   if (detection.hidden_fraction >= kHardly)
     out += fmt::format(", {} hidden", percent(detection.hidden_fraction));

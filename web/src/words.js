@@ -68,7 +68,7 @@ export function rejectionWords({ words, explained_by: by }) {
 
 /** What of the whole object was measured, and where the rest is, as far as that is worth a word. */
 export function visibilityWords(pose) {
-  const kHardly = 0.005;
+  const kHardly = 0.01;
   return [
     `${percentWords(pose.visible_fraction)} visible`,
     pose.hidden_fraction >= kHardly && `${percentWords(pose.hidden_fraction)} hidden`,

@@ -201,6 +201,23 @@ test("labels lie on what is seen of their models", async ({ page }) => {
   }
 });
 
+test("a reason is in the words of the service, with the place of what explains the pose", async ({
+  page,
+}) => {
+  const words = "place taken: 83 % of its pixels are explained by gear";
+  await page.route("**/v1/recognize?*", async (route) => {
+    const response = await route.fetch();
+    const answer = await response.json();
+    const [scene] = answer.scenes;
+    const refused = { reason: "explained", words, explained_by: 1, explained_share: 0.83 };
+    scene.rejected = [{ ...scene.detections[0], ...refused, score: 0.9 }];
+    await route.fulfill({ response, json: answer });
+  });
+  await openExample(page);
+  await page.keyboard.press("r");
+  await expect(page.locator("#rejected .note")).toHaveText(`${words} (2)`);
+});
+
 test("a model that is clicked in the view is opened in the list", async ({ page }) => {
   await openExample(page);
   const mark = page.locator(".mark.found").first();
