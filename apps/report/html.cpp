@@ -58,7 +58,7 @@ circle.ppf{fill:var(--ppf)}circle.trisi{fill:var(--trisi)}circle.fused{fill:var(
 figure h2{font-size:1rem;margin:16px 2px 4px;font-weight:600}.wrap{overflow-x:auto}.words{white-space:normal;min-width:15em;overflow-wrap:anywhere}
 figure td:first-child{min-width:0}figure td.id{min-width:2.2em;width:2.2em;white-space:nowrap;color:var(--dim)}.table+figure{margin-top:18px}
 .scene{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:0 18px;align-items:start}.scene h2:first-child{margin-top:0}
-.views{position:sticky;top:8px;display:grid;gap:10px}.found .head td{border-bottom:0;padding-bottom:0}.found tr:not(.head) td{padding-top:0}
+.views{align-self:stretch;display:grid;gap:10px;align-content:start}.views>:only-child{position:sticky;top:8px}.found .head td{border-bottom:0;padding-bottom:0}.found tr:not(.head) td{padding-top:0}
 .layers{display:flex;flex-wrap:wrap}.layers>input{position:absolute;opacity:0}.layers>label{padding:3px 12px;border:1px solid var(--line);border-bottom:0;
 border-radius:6px 6px 0 0;color:var(--dim);font-size:.9rem;cursor:pointer}.layers>:checked+label{color:var(--text);font-weight:600;background:var(--page)}
 .layers>:focus-visible+label{outline:2px solid var(--bar)}.layers>.view{flex:0 0 100%;display:none;border-top-left-radius:0}
@@ -67,13 +67,13 @@ border-radius:6px 6px 0 0;color:var(--dim);font-size:.9rem;cursor:pointer}.layer
 .part i{display:block;height:100%;background:var(--bar)}.parts .dim{font-size:.75rem}
 pre{white-space:pre-wrap;overflow-wrap:anywhere;margin:8px 0;font-size:.85rem}a{color:var(--link)}
 details{margin:10px 2px 0}summary{cursor:pointer;color:var(--dim);font-size:.9rem}details div{overflow-x:auto}
-@media(max-width:760px){.pair,.scene,.charts{grid-template-columns:minmax(0,1fr)}.views{position:static}.scene h2:first-child{margin-top:14px}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
+@media(max-width:760px){.pair,.scene,.charts{grid-template-columns:minmax(0,1fr)}.views>:only-child{position:static}.scene h2:first-child{margin-top:14px}.exhibit .pair{grid-template-columns:1fr 1fr}body{padding:14px 10px 32px}figure{padding:8px}
 .table{padding:2px 10px 6px}th,td{padding-right:6px}.bar{min-width:44px}}
 @media(max-width:520px){.charts .chart :is(text,.name){font-size:14.5px}td:first-child{min-width:7.4em}.tally :is(td,th):is(:nth-child(4),:nth-child(7),:nth-child(8)){display:none}table{font-size:.87rem}.study :is(td,th):is(:nth-child(2),:nth-child(4)){display:none}.headline{font-size:1.05rem}.words{min-width:10.5em}
 .parts :is(td,th):is(:nth-child(2),:nth-child(3)){display:none}.found :is(.head>td,th):nth-child(5){display:none}.found .words{min-width:0}.parts th{writing-mode:vertical-rl;padding:0 0 4px}.parts th span{display:none}.parts td:not(.id){padding-right:3px}.parts .dim{font-size:.68rem}}
 @media print{html{font-size:11px}body{max-width:none;padding:0;font-size:1rem;background:none}
 .tables{columns:auto;display:grid;grid-template-columns:1fr 1fr;gap:0 12px;align-items:start}.tables>.wide{grid-column:1/-1}.table{overflow:visible}
-.cards{grid-template-columns:repeat(6,1fr);gap:6px}.card{padding:6px 8px}.gallery,.scene{grid-template-columns:1fr 1fr}.views{position:static}.layers>label{display:none}.pair{grid-template-columns:var(--left,1fr) 1fr}.wrap{overflow:visible}.key{break-after:avoid}
+.cards{grid-template-columns:repeat(6,1fr);gap:6px}.card{padding:6px 8px}.gallery,.scene{grid-template-columns:1fr 1fr}.views>:only-child{position:static}.layers>label{display:none}.pair{grid-template-columns:var(--left,1fr) 1fr}.wrap{overflow:visible}.key{break-after:avoid}
 figure,.card,.table,.chart,.charts,.pair,.layers,tr{break-inside:avoid}.charts{grid-template-columns:1fr 1fr}.study.table{break-inside:auto}figure.long{break-inside:auto}h2,h3,figcaption{break-after:avoid}.bar,.bar i,.part,.part i,.swatch,.tag,.dot,.usual td{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )css";
 
