@@ -4,15 +4,19 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 #include "engine/progress.hpp"
 #include "engine/recognize_options.hpp"
 #include "engine/recognize_result.hpp"
 #include "engine/recognizer.hpp"
 #include "storage/cloud.hpp"
+#include "storage/length_unit.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
@@ -26,7 +30,14 @@ struct SceneInput {
   /// place sees; a scene whose file holds a pixel grid or a viewpoint is a scan all the same.
   bool closed_surface = false;
   double scale = 1;  ///< multiplies the file's coordinates, giving the library's unit
+  /// What came over standard input; `file` is then a name only.
+  std::shared_ptr<const std::vector<std::byte>> bytes{};
+  std::string format{};              ///< one of cloud_extensions(); empty: by the name
+  std::optional<LengthUnit> unit{};  ///< of the coordinates; files that say another are converted
 };
+
+/// Read the cloud or depth image of a scene. Errors: those of read_cloud.
+Result<Cloud> read_scene(const SceneInput& input);
 
 /// Find the models in one scene that is already in memory. Same input, same bytes for any number of
 /// threads. With fewer than 50 measurements nothing is found. Errors: bad_data (sizes that cannot

@@ -52,8 +52,8 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
 /// Find what the features of a library have in common, from some of the features of some of its
 /// models: at most sixteen, spread over the list; of none once it is stopped. Errors: of reading
 /// and training.
-Result<TriSpinBasis> find_basis(std::span<const ModelSource> sources, const TrainOptions& options,
-                                const std::stop_token& stop = {});
+Result<TriSpinBasis> find_basis(std::span<const ModelSource> sources, LengthUnit unit,
+                                const TrainOptions& options, const std::stop_token& stop = {});
 
 /// The sampling step for a diameter: relative_step times the diameter, rounded to a quarter of an
 /// octave, so that models of like size share the scene's preparation and its pair features.

@@ -7,7 +7,9 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "storage/result.hpp"
 
@@ -25,6 +27,11 @@ class MappedFile {
   std::shared_ptr<const std::byte> data_;
   std::size_t size_ = 0;
 };
+
+/// All that an open descriptor gives until its end. `name` stands for it in messages.
+/// Errors: bad_data (more than max_bytes), io.
+Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
+                                        std::uint64_t max_bytes);
 
 /// A file written under a temporary name in the folder of its target, whose place it then takes:
 /// readers see the old file or the whole new one. Without publish the temporary file is removed.

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/length_unit.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
 
@@ -15,14 +16,6 @@ namespace trivet {
 
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
 inline constexpr std::uint32_t kLibraryVersionMinor = 3;  ///< a newer minor version is read
-
-enum class LengthUnit { meter, millimeter };
-
-/// What to multiply a length in one unit by to have it in the other.
-inline double unit_scale(LengthUnit from, LengthUnit to) noexcept {
-  if (from == to) return 1;
-  return from == LengthUnit::meter ? 1000 : 0.001;
-}
 
 struct LibraryHeader {
   LengthUnit unit = LengthUnit::meter;

@@ -10,12 +10,17 @@
 #include <string_view>
 
 #include "storage/cloud.hpp"
+#include "storage/length_unit.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
 
 struct ReadOptions {
-  std::optional<Camera> camera{};             ///< needed for depth images, ignored otherwise
+  std::optional<Camera> camera{};  ///< needed for depth images, ignored otherwise
+  /// What coordinates are wanted in. Formats that say their unit, as glTF does, are converted to it;
+  /// the others are taken to be in it. Absent: each file stays in its own.
+  std::optional<LengthUnit> unit{};
+  std::string_view format{};                  ///< one of cloud_extensions(); empty: as below
   std::uint64_t max_file_bytes = 4ULL << 30;  ///< larger files are refused, packed or unpacked
   std::uint64_t max_points = 100'000'000;     ///< more points are refused
   std::uint64_t max_pixels = 64'000'000;      ///< larger depth images are refused before decoding
@@ -44,6 +49,9 @@ Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem
 
 /// The extensions that read_cloud knows, without their dots.
 std::span<const std::string_view> cloud_extensions();
+
+/// The one of them whose files begin as these bytes; empty where nothing tells it, as of text.
+std::string_view format_by_content(std::span<const std::byte> bytes);
 
 /// Whether the extension, before .gz if there is one, is of a format that may hold a cloud or mesh
 /// (case-insensitive). .txt and .csv are excluded: such files of a folder are mostly notes and

@@ -73,8 +73,9 @@ void add_mesh(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("mesh", "Lay a surface of triangles through a scan");
   command
       ->add_option("CLOUD", arguments->cloud,
-                   "Scan or cloud (PLY, PCD, OBJ, STL, OFF, XYZ) or 16-bit depth PNG; a whole "
-                   "object needs normals")
+                   "Scan or cloud (PLY, PCD, OBJ, STL, OFF, XYZ, NPY) or depth image (PNG, "
+                   "TIFF, NPY); "
+                   "a whole object needs normals")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,

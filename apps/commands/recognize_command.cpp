@@ -18,6 +18,7 @@
 #include "apps/results/reported_part.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/estimate_camera.hpp"
+#include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -131,9 +132,18 @@ void add_recognize(CLI::App& app, Context& context) {
   command
       ->add_option(
           "SCENE", arguments->scenes.scenes,
-          "Scans (PLY, PCD, OBJ, STL, OFF, XYZ), 16-bit depth PNGs, folders, manifests, or "
-          "BOP data sets (the folder, or that of one split)")
+          "Scans (PLY, PCD, OBJ, STL, OFF, XYZ, NPY), depth images (PNG, TIFF, NPY), packed "
+          "by "
+          "gzip or not, folders, manifests, or BOP data sets (the folder, or that of one split); - "
+          "for standard input")
       ->required();
+  const std::span<const std::string_view> formats = cloud_extensions();
+  command
+      ->add_option(
+          "--format", arguments->scenes.format,
+          "Format of the files and of standard input; default: as the name tells, else how "
+          "the bytes begin")
+      ->check(CLI::IsMember(std::vector<std::string>(formats.begin(), formats.end())));
   command
       ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
       ->check(CLI::IsMember({"m", "mm"}));

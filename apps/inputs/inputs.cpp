@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <span>
 
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/datasets/read_bop.hpp"
+#include "storage/file.hpp"
+#include "storage/files/gunzip.hpp"
 #include "storage/model_name.hpp"
 #include "storage/read_cloud.hpp"
 
@@ -173,6 +177,11 @@ Result<Manifest> read_listing(const std::string& argument) {
 Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
   ModelInputs inputs;
   for (const std::string& argument : arguments) {
+    if (argument == "-") {
+      return Error{ErrorCode::usage,
+                   "-: expected files, as a library keeps its models' names and hashes, found "
+                   "standard input; write the model to a file first"};
+    }
     if (is_listing(argument)) {
       // Of a BOP data set the models alone: its scenes may be many, or not there.
       const Result<Manifest> manifest =
@@ -214,9 +223,35 @@ Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& giv
   return inputs.unit.value_or(parse_unit(given));
 }
 
+namespace {
+
+/// A scan that came over standard input: its bytes, unpacked, and their format.
+Result<SceneInput> read_standard_input(SceneInput input) {
+  constexpr std::string_view kName = "standard input";
+  if (::isatty(STDIN_FILENO) == 1)
+    return Error{ErrorCode::usage, "-: expected a scan on standard input, found a terminal"};
+  const std::uint64_t limit = ReadOptions{}.max_file_bytes;
+  Result<std::vector<std::byte>> bytes = read_all(STDIN_FILENO, kName, limit);
+  if (bytes && is_gzip(*bytes)) bytes = gunzip(*bytes, kName, limit);
+  if (!bytes) return bytes.error();
+  if (input.format.empty()) input.format = format_by_content(*bytes);
+  if (input.format.empty() && !bytes->empty()) {
+    return Error{ErrorCode::usage,
+                 fmt::format("standard input: its bytes do not tell the format; give --format, one "
+                             "of {}",
+                             fmt::join(cloud_extensions(), ", "))};
+  }
+  input.file = "-";
+  input.bytes = std::make_shared<const std::vector<std::byte>>(*std::move(bytes));
+  return input;
+}
+
+}  // namespace
+
 Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit) {
   SceneInput common;
-  common.scale = unit_scale(arguments.unit.value_or(library_unit), library_unit);
+  common.unit = arguments.unit.value_or(library_unit);
+  common.scale = unit_scale(*common.unit, library_unit);
   if (!arguments.viewpoint.empty()) {
     common.viewpoint =
         Eigen::Vector3d(arguments.viewpoint[0], arguments.viewpoint[1], arguments.viewpoint[2]);
@@ -225,6 +260,22 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
   SceneInputs inputs;
   CameraFile cameras(arguments.camera, arguments.image_id);
   for (const std::string& argument : arguments.scenes) {
+    if (argument == "-") {
+      if (std::ranges::any_of(inputs.sources, [](const SceneInput& s) { return bool{s.bytes}; }))
+        return Error{ErrorCode::usage, "-: expected standard input once, found it again"};
+      SceneInput asked = common;
+      asked.format = arguments.format;
+      if (!arguments.camera.empty()) {
+        const Result<Camera> camera = cameras.of("-");
+        if (!camera) return camera.error();
+        asked.camera = *camera;
+      }
+      Result<SceneInput> read = read_standard_input(std::move(asked));
+      if (!read) return read.error();
+      inputs.sources.push_back(*std::move(read));
+      inputs.ids.emplace_back();
+      continue;
+    }
     if (is_listing(argument)) {
       const Result<Manifest> manifest = read_listing(argument);
       if (!manifest) return manifest.error();
@@ -232,7 +283,8 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
       continue;
     }
     std::vector<fs::path> files{argument};
-    if (fs::is_directory(argument)) {
+    const bool is_folder = fs::is_directory(argument);
+    if (is_folder) {
       Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
         return is_cloud_file(file) || (!arguments.camera.empty() && is_depth_file(file));
       });
@@ -242,6 +294,7 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
     for (const fs::path& file : files) {
       inputs.sources.push_back(common);
       inputs.sources.back().file = file;
+      if (!is_folder) inputs.sources.back().format = arguments.format;
       inputs.ids.emplace_back();
       if (arguments.camera.empty()) continue;
       const Result<Camera> camera = cameras.of(file);

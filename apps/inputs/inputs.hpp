@@ -38,7 +38,8 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments);
 Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given);
 
 struct SceneArguments {
-  std::vector<std::string> scenes;  ///< files, folders, manifests or BOP data sets
+  std::vector<std::string> scenes;  ///< files, folders, manifests, BOP data sets, once "-"
+  std::string format;               ///< of files and of standard input; empty: as they tell
   std::string camera;               ///< file, or empty
   std::optional<int> image_id;      ///< in it; absent: the number that is the scene's file name
   std::vector<double> viewpoint;    ///< empty or three numbers
@@ -58,7 +59,9 @@ struct SceneInputs {
 /// Of a scene's file and of all lengths that are told of it.
 LengthUnit scene_unit(const SceneInput& scene, LengthUnit library_unit);
 
-/// Errors: missing_input, bad_data, usage (a depth image without a camera).
+/// "-" stands for standard input, which is read to its end.
+/// Errors: missing_input, bad_data, io, usage (a depth image without a camera; standard input twice,
+/// or of a format that its bytes do not tell).
 Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit library_unit);
 
 }  // namespace trivet::apps

@@ -8,7 +8,6 @@
 
 #include "apps/report/html.hpp"
 #include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -44,9 +43,7 @@ Result<std::string> PictureStore::add(const Picture& picture, const std::string&
 Result<SceneDrawing> open_scene(const SceneInput& scene, std::span<const EvaluationMesh> models) {
   double largest = 0;
   for (const EvaluationMesh& model : models) largest = std::max(largest, model.diameter);
-  ReadOptions options;
-  options.camera = scene.camera;
-  const Result<Cloud> cloud = read_cloud(scene.file, options);
+  const Result<Cloud> cloud = read_scene(scene);
   if (!cloud) return cloud.error();
   return SceneDrawing::prepare(*cloud, scene, static_cast<float>(largest));
 }

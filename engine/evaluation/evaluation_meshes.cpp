@@ -13,9 +13,9 @@
 namespace trivet {
 namespace {
 
-Result<EvaluationMesh> read_mesh(const ManifestModel& model) {
+Result<EvaluationMesh> read_mesh(const ManifestModel& model, LengthUnit unit) {
   const std::filesystem::path& file = model.eval_file.empty() ? model.file : model.eval_file;
-  Result<Cloud> cloud = read_cloud(file, {.keep_origin = true});
+  Result<Cloud> cloud = read_cloud(file, {.unit = unit, .keep_origin = true});
   if (!cloud) return cloud.error();
   EvaluationMesh mesh;
   mesh.name = model.name;
@@ -38,8 +38,8 @@ Result<EvaluationMesh> read_mesh(const ManifestModel& model) {
 
 Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manifest) {
   std::vector<std::optional<Result<EvaluationMesh>>> read(manifest.models.size());
-  engine::for_each_index(read.size(),
-                         [&](std::size_t i) { read[i] = read_mesh(manifest.models[i]); });
+  engine::for_each_index(
+      read.size(), [&](std::size_t i) { read[i] = read_mesh(manifest.models[i], manifest.unit); });
   std::vector<EvaluationMesh> meshes;
   for (std::optional<Result<EvaluationMesh>>& mesh : read) {
     if (!*mesh) return mesh->error();

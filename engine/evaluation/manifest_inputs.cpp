@@ -15,6 +15,7 @@ std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_u
   for (const ManifestScene& scene : manifest.scenes) {
     scenes.push_back({scene.file, scene.camera, scene.viewpoint, scene.closed_surface,
                       unit_scale(manifest.unit, library_unit)});
+    scenes.back().unit = manifest.unit;
   }
   return scenes;
 }

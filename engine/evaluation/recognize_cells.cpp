@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "storage/file_pose.hpp"
-#include "storage/read_cloud.hpp"
 
 namespace trivet {
 namespace {
@@ -63,9 +62,7 @@ class Shelf {
 
 Result<SceneResult> recognize_cell(const OpenLibrary& library, const RecognitionCell& cell,
                                    const std::stop_token& stop) {
-  ReadOptions read_options;
-  read_options.camera = cell.scene.camera;
-  Result<Cloud> cloud = read_cloud(cell.scene.file, read_options);
+  Result<Cloud> cloud = read_scene(cell.scene);
   if (!cloud) return cloud.error();
   if (cell.scene.viewpoint) cloud->viewpoint = in_cloud_frame(*cell.scene.viewpoint, cloud->offset);
   const float diameter = library.mean_diameter / static_cast<float>(cell.scene.scale);

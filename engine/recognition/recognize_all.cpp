@@ -6,7 +6,6 @@
 
 #include "engine/common/parallel.hpp"
 #include "engine/recognize.hpp"
-#include "storage/read_cloud.hpp"
 
 namespace trivet {
 namespace {
@@ -24,9 +23,7 @@ struct Finished {
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
                                        const RecognizeOptions& options, std::stop_token stop) {
   const auto start = std::chrono::steady_clock::now();
-  ReadOptions read_options;
-  read_options.camera = input.camera;
-  const Result<Cloud> cloud = read_cloud(input.file, read_options);
+  const Result<Cloud> cloud = read_scene(input);
   if (!cloud) return cloud.error();
   const double read_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -59,7 +59,7 @@ void keep_used(const Cloud& surface, double factor, ScanModel& model) {
 
 Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
                              const ScanModelOptions& options) {
-  const Result<Cloud> surface = read_cloud(source.file, {.keep_origin = true});
+  const Result<Cloud> surface = read_cloud(source.file, {.unit = unit, .keep_origin = true});
   if (!surface) return surface.error();
   if (surface->triangles.empty()) {
     return Error{ErrorCode::bad_data,

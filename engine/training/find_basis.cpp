@@ -55,14 +55,14 @@ TriSpinBasis basis_of(std::span<const float> images, const TrainOptions& options
 
 }  // namespace engine
 
-Result<TriSpinBasis> find_basis(std::span<const ModelSource> sources, const TrainOptions& options,
-                                const std::stop_token& stop) {
+Result<TriSpinBasis> find_basis(std::span<const ModelSource> sources, LengthUnit unit,
+                                const TrainOptions& options, const std::stop_token& stop) {
   const std::size_t num_models = std::min(kMostModels, sources.size());
   std::vector<Result<std::vector<float>>> found(num_models, std::vector<float>{});
   engine::for_each_index(num_models, [&](std::size_t k) {
     if (stop.stop_requested()) return;
     const ModelSource& source = sources[k * sources.size() / num_models];
-    const Result<Cloud> cloud = read_cloud(source.file, {.keep_origin = true});
+    const Result<Cloud> cloud = read_cloud(source.file, {.unit = unit, .keep_origin = true});
     found[k] = cloud ? engine::sample_images(*cloud, source, options, kMostImages / num_models)
                      : cloud.error();
   });

@@ -32,8 +32,8 @@ struct Finished {
   std::shared_ptr<Result<TrainedModel>> trained;
 };
 
-Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOptions& options,
-                                    const TriSpinBasis& basis) {
+Result<TrainedModel> read_and_train(const ModelSource& source, LengthUnit unit,
+                                    const TrainOptions& options, const TriSpinBasis& basis) {
   StageTimes times;
   std::string hash;
   const Result<Cloud> surface = [&]() -> Result<Cloud> {
@@ -41,7 +41,7 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
     Result<MappedFile> bytes = MappedFile::open(source.file, ReadOptions{}.max_file_bytes);
     if (!bytes) return bytes.error();
     hash = xxh3_hex(bytes->bytes());
-    return read_cloud(source.file, {.keep_origin = true});
+    return read_cloud(source.file, {.unit = unit, .keep_origin = true});
   }();
   if (!surface) return surface.error();
   Result<TrainedModel> trained = train_model(*surface, source, options, basis);
@@ -55,13 +55,13 @@ Result<TrainedModel> read_and_train(const ModelSource& source, const TrainOption
 
 /// Why models cannot be trained, of each that cannot; none are missed but those that only pairs or
 /// features tell. In the order of the sources.
-std::vector<Error> find_faults(std::span<const ModelSource* const> sources, TrainOptions options,
-                               const std::stop_token& stop) {
+std::vector<Error> find_faults(std::span<const ModelSource* const> sources, LengthUnit unit,
+                               TrainOptions options, const std::stop_token& stop) {
   options.point_pairs = options.tri_spin_images = false;
   std::vector<std::optional<Error>> found(sources.size());
   engine::for_each_index(sources.size(), [&](std::size_t k) {
     if (stop.stop_requested()) return;
-    const Result<TrainedModel> trained = read_and_train(*sources[k], options, {});
+    const Result<TrainedModel> trained = read_and_train(*sources[k], unit, options, {});
     if (!trained) found[k] = trained.error();
   });
   std::vector<Error> faults;
@@ -111,9 +111,9 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   if (options.tri_spin_images) {
     std::vector<ModelSource> by_name;
     for (const ModelSource* source : order) by_name.push_back(*source);
-    Result<TriSpinBasis> found = find_basis(by_name, options, progress.stop);
+    Result<TriSpinBasis> found = find_basis(by_name, unit, options, progress.stop);
     if (!found) {
-      std::vector<Error> faults = find_faults(order, options, progress.stop);
+      std::vector<Error> faults = find_faults(order, unit, options, progress.stop);
       if (faults.empty()) faults.push_back(found.error());
       return join_faults(faults, order.size());
     }
@@ -140,7 +140,7 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   flow::limiter_node<Job> gate(graph, kModelsInFlight);
   flow::function_node<Job, Finished> train(graph, flow::unlimited, [&](const Job& job) {
     return Finished{job.id, std::make_shared<Result<TrainedModel>>(
-                                read_and_train(*job.source, options, basis))};
+                                read_and_train(*job.source, unit, options, basis))};
   });
   flow::sequencer_node<Finished> in_order(graph,
                                           [](const Finished& finished) { return finished.id; });
@@ -170,7 +170,7 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
   if (failure) return *failure;
   if (fault) {
     const auto later = std::span(std::as_const(order)).subspan(stats.models.size() + 1);
-    std::vector<Error> faults = find_faults(later, options, progress.stop);
+    std::vector<Error> faults = find_faults(later, unit, options, progress.stop);
     faults.insert(faults.begin(), *fault);
     return join_faults(faults, order.size());
   }

@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -86,6 +87,29 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
                   [memory, size](const std::byte*) { ::munmap(memory, size); }};
   mapped.size_ = size;
   return mapped;
+}
+
+Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
+                                        std::uint64_t max_bytes) {
+  constexpr std::size_t kStep = 1 << 16;
+  std::vector<std::byte> bytes;
+  std::size_t size = 0;
+  while (true) {
+    // Doubled, so that what comes in small pieces is not copied for each.
+    if (bytes.size() < size + kStep) bytes.resize(std::max(2 * bytes.size(), kStep));
+    const ssize_t count = ::read(descriptor, bytes.data() + size, bytes.size() - size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0)
+      return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", name, reason())};
+    size += static_cast<std::size_t>(count);
+    if (size > max_bytes) {
+      return Error{ErrorCode::bad_data,
+                   fmt::format("{}: holds more than the limit of {} bytes", name, max_bytes)};
+    }
+    if (count > 0) continue;
+    bytes.resize(size);
+    return bytes;
+  }
 }
 
 Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {

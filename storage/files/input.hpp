@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +22,9 @@ struct Input {
   const std::filesystem::path& file;  ///< named in errors
   std::span<const std::byte> bytes;
   const ReadOptions& options;
+  /// Below which files may be read that this one names; absent: none may, as of bytes that a client
+  /// sent.
+  std::optional<std::filesystem::path> folder{};
 
   std::string_view text() const noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

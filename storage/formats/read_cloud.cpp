@@ -64,19 +64,14 @@ std::filesystem::path without_gz(const std::filesystem::path& file) {
   return extension_of(file) == ".gz" ? std::filesystem::path(file).replace_extension() : file;
 }
 
-const Format* format_by_name(const std::filesystem::path& file) {
-  const std::string extension = extension_of(without_gz(file));
-  const auto found = std::ranges::find_if(kFormats, [&](const Format& format) {
-    return extension == fmt::format(".{}", format.extension);
-  });
+const Format* find_format(std::string_view extension) {
+  const auto* const found = std::ranges::find(kFormats, extension, &Format::extension);
   return found == std::end(kFormats) ? nullptr : found;
 }
 
-const Format* format_by_content(std::string_view text) {
-  const auto found = std::ranges::find_if(kFormats, [&](const Format& format) {
-    return !format.begin.empty() && text.starts_with(format.begin);
-  });
-  return found == std::end(kFormats) ? nullptr : found;
+const Format* format_by_name(const std::filesystem::path& file) {
+  const std::string extension = extension_of(without_gz(file));
+  return extension.empty() ? nullptr : find_format(std::string_view(extension).substr(1));
 }
 
 /// A file that is plainly something else is refused as what it is, not by the first of its bytes
@@ -90,8 +85,9 @@ Error explain(Error error, const Format& format, const formats::Input& input) {
 
 Result<Cloud> read_unpacked(const formats::Input& input) {
   if (input.bytes.empty()) return input.refuse("the file is empty");
-  const Format* format = format_by_name(input.file);
-  if (!format) format = format_by_content(input.text());
+  const Format* format =
+      input.options.format.empty() ? format_by_name(input.file) : find_format(input.options.format);
+  if (!format) format = find_format(format_by_content(input.bytes));
   if (!format) {
     return input.refuse(fmt::format("expected a name that ends with one of .{}, found {}",
                                     fmt::join(kExtensions, " ."),
@@ -105,6 +101,14 @@ Result<Cloud> read_unpacked(const formats::Input& input) {
 }  // namespace
 
 std::span<const std::string_view> cloud_extensions() { return kExtensions; }
+
+std::string_view format_by_content(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto* const found = std::ranges::find_if(kFormats, [&](const Format& format) {
+    return !format.begin.empty() && text.starts_with(format.begin);
+  });
+  return found == std::end(kFormats) ? std::string_view() : found->extension;
+}
 
 bool is_cloud_file(const std::filesystem::path& file) {
   const Format* const format = format_by_name(file);
@@ -127,7 +131,7 @@ Result<Cloud> formats::read(const Input& input) {
         gunzip(input.bytes, input.file.string(), input.options.max_file_bytes);
     if (!unpacked) return unpacked.error();
     if (is_gzip(*unpacked)) return input.refuse("is packed by gzip twice; unpack it once");
-    return read_unpacked({input.file, *unpacked, input.options});
+    return read_unpacked({input.file, *unpacked, input.options, input.folder});
   } catch (const std::bad_alloc&) {
     return input.refuse("needs more memory than there is");
   } catch (const std::length_error&) {
@@ -138,7 +142,7 @@ Result<Cloud> formats::read(const Input& input) {
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
   const auto mapped = MappedFile::open(file, options.max_file_bytes);
   if (!mapped) return mapped.error();
-  return formats::read({file, mapped->bytes(), options});
+  return formats::read({file, mapped->bytes(), options, file.parent_path()});
 }
 
 Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,

@@ -52,16 +52,15 @@ void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
   job.work = [this, state](std::size_t i, const LibraryGeneration& generation,
                            const std::stop_token& stop) -> Result<void> {
     const ScanPart& scan = state->request.scans[i];
+    const LengthUnit unit = generation.recognizer.library().header.unit;
     const auto begun = ServiceClock::now();
     const Result<Cloud> cloud =
-        read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene);
+        read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene, unit);
     if (!cloud) return cloud.error();
     metrics_.observe_stage("decode",
                            std::chrono::duration<double>(ServiceClock::now() - begun).count());
-    Result<SceneResult> result =
-        trivet::recognize(generation.recognizer, *cloud,
-                          scan.scene.input(generation.recognizer.library().header.unit),
-                          state->request.options, stop);
+    Result<SceneResult> result = trivet::recognize(
+        generation.recognizer, *cloud, scan.scene.input(unit), state->request.options, stop);
     if (!result) return result.error();
     state->results[i] = std::move(*result);
     return {};
@@ -102,10 +101,11 @@ void ServiceRoutes::points(const CallPtr& call, std::string_view) {
     return reply(call, error_response(400, "form: expected one part scene"));
   submit_one(call,
              [asked = std::make_shared<ScanRequest>(std::move(*asked)),
-              max_points](const LibraryGeneration&) -> Result<HttpResponse> {
+              max_points](const LibraryGeneration& generation) -> Result<HttpResponse> {
                const ScanPart& scan = asked->scans.front();
                const Result<Cloud> cloud =
-                   read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene);
+                   read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene,
+                             generation.recognizer.library().header.unit);
                if (!cloud) return cloud.error();
                HttpResponse shown{200,
                                   shown_points(cloud->points, max_points),

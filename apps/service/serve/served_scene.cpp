@@ -99,9 +99,10 @@ SceneInput ServedScene::input(LengthUnit library_unit) const {
 }
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
-                        const ServedScene& scene) {
+                        const ServedScene& scene, LengthUnit library_unit) {
   return read_cloud(bytes, name,
                     {.camera = scene.camera,
+                     .unit = scene.unit.value_or(library_unit),
                      .max_file_bytes = kMaxScanBytes,
                      .max_points = kMaxScanPoints,
                      .max_pixels = kMaxScanPoints});

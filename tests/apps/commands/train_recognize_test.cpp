@@ -1,4 +1,5 @@
 /// Train and recognize as a script does: what the files hold, and that nothing around changes them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -9,6 +10,7 @@
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
 #include "storage/write_png.hpp"
+#include "support/geometry_files.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
@@ -278,6 +280,62 @@ TEST_F(TrainRecognize, ReportsScenesOfEveryKind) {
   ASSERT_EQ(depth.exit_code, 0) << depth.error;
   EXPECT_EQ(nlohmann::json::parse(bytes("depth.json"))["scenes"][0]["detections"].size(), 1U);
   EXPECT_NE(bytes("depth/index.html").find("1 bracket"), std::string::npos);
+}
+
+TEST_F(TrainRecognize, TakesAScanFromStandardInputInAnyFormat) {
+  nlohmann::json expected = recognized();
+  const Result<Cloud> scan = read_cloud(*folder_ / "scan.ply");
+  ASSERT_TRUE(scan) << scan.error().message;
+  std::string values, lines;
+  for (std::size_t i = 0; i < scan->points.size(); ++i) {
+    const Eigen::Vector3f p = scan->points[i];
+    values += test::little({p.x(), p.y(), p.z()});
+    lines += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  }
+  folder_->write("scan.npy",
+                 test::npy_file("<f4", fmt::format("({}, 3)", scan->points.size()), values));
+  folder_->write("scan.ply.gz", test::gzip_file(bytes("scan.ply")));
+  folder_->write("scan.dat", test::gzip_file(lines));
+  const auto piped = [&](const std::string& file, const std::string& options) {
+    return test::run_program(
+        "/bin/sh",
+        {"-c", "cat " + file + " | \"$0\" recognize library.h5 " + options, TRIVET_PROGRAM},
+        {.folder = folder_->path(), .environment = {}, .watch = {}});
+  };
+  for (const auto& [file, options] :
+       {std::pair("scan.ply", "-"), std::pair("scan.ply.gz", "-"), std::pair("scan.npy", "-"),
+        std::pair("scan.dat", "- --format xyz"), std::pair("/dev/null", "scan.ply.gz"),
+        std::pair("/dev/null", "scan.dat --format xyz"),
+        std::pair("scan.npy", "- --report piped")}) {
+    const test::Outcome outcome = piped(file, std::string(options) + " --json -");
+    ASSERT_EQ(outcome.exit_code, 0) << file << ": " << outcome.error;
+    nlohmann::json found = detections(outcome.out);
+    EXPECT_EQ(found["scenes"][0]["scene"],
+              std::string(options).substr(0, std::string_view(options).find(' ')));
+    EXPECT_EQ(found["scenes"][0]["detections"], expected["scenes"][0]["detections"]) << file;
+  }
+  EXPECT_TRUE(std::filesystem::exists(*folder_ / "piped/index.html"));
+
+  const auto fails = [&](const std::string& file, const std::string& options, int code,
+                         const std::string& text) {
+    const test::Outcome outcome = piped(file, options);
+    EXPECT_EQ(outcome.exit_code, code) << outcome.error;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+  };
+  fails("scan.dat", "-", 2, "give --format");
+  fails("scan.ply", "- -", 2, "once");
+  fails("scan.ply", "- --format pcd", 65, "standard input");
+  fails("scan.ply", "- --format doc", 2, "--format");
+  fails("/dev/null", "-", 65, "standard input: the file is empty");
+  EXPECT_EQ(run({"train", "-", "-o", "piped.h5"}).exit_code, 2);
+}
+
+TEST_F(TrainRecognize, NamesAPackedModelWithoutItsExtensions) {
+  folder_->write("packed.ply.gz", test::gzip_file(bytes("lever.ply")));
+  ASSERT_EQ(run({"train", "packed.ply.gz", "-o", "packed.h5", "--preset", "fast"}).exit_code, 0);
+  const test::Outcome listed = run({"library", "list", "packed.h5"});
+  EXPECT_NE(listed.out.find("packed"), std::string::npos) << listed.out;
+  EXPECT_EQ(listed.out.find("packed.ply"), std::string::npos) << listed.out;
 }
 
 TEST_F(TrainRecognize, GivesNoReportWhereItCannotBeWritten) {

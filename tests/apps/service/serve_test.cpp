@@ -19,6 +19,7 @@
 #include "apps/service/serve_fixture.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 #include "storage/read_cloud.hpp"
+#include "support/geometry_files.hpp"
 
 namespace trivet {
 namespace {
@@ -103,6 +104,40 @@ TEST_F(Serve, HasAllItsMetricsFromTheStart) {
       EXPECT_EQ(ask(port, "GET", target).status, 200) << target;
     EXPECT_EQ(ask(port, "POST", "/v2/repository/index").status, 200);
     EXPECT_EQ(series_of(port), before);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+// The same depths in other formats, and packed.
+TEST_F(Serve, TakesEveryFormatThatIsReadFromFiles) {
+  const Result<Cloud> cloud = read_cloud(depth_, {.camera = camera_});
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  const PixelGrid& grid = *cloud->grid;
+  std::string pixels;
+  for (const std::int32_t i : grid.point_index) {
+    const double z =
+        i == PixelGrid::kNone ? 0 : double{cloud->points[static_cast<std::size_t>(i)].z()};
+    pixels += test::little(static_cast<std::uint16_t>(std::lround(z / camera_.depth_scale)));
+  }
+  const std::string npy =
+      test::npy_file("<u2", fmt::format("({}, {})", grid.height, grid.width), pixels);
+  const std::vector<std::pair<std::string, std::string>> bodies{
+      {"png", read_bytes(depth_)},
+      {"png", test::gzip_file(read_bytes(depth_))},
+      {"npy", npy},
+      {"npy", test::gzip_file(npy)},
+      {"tif", test::tiff_file(grid.width, grid.height, 16, 1, pixels)}};
+  const test::Outcome outcome = serve({}, [&](int port) {
+    std::string expected;
+    for (const auto& [format, body] : bodies) {
+      const Answer answer =
+          ask(port, "POST", "/v1/recognize?format=" + format + "&" + parameters_, body);
+      ASSERT_EQ(answer.status, 200) << format << ": " << answer.body;
+      const std::string found = answer.json()["scenes"][0]["detections"].dump();
+      if (expected.empty()) expected = found;
+      EXPECT_EQ(found, expected) << format;
+      EXPECT_NE(found, "[]");
+    }
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
