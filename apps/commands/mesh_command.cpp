@@ -73,7 +73,7 @@ void add_mesh(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("mesh", "Lay a surface of triangles through a scan");
   command
       ->add_option("CLOUD", arguments->cloud,
-                   "Scan or cloud (PLY, PCD, OBJ, STL, OFF, XYZ, NPY) or depth image (PNG, "
+                   "Scan or cloud (PLY, PCD, OBJ, STL, OFF, XYZ, glTF, NPY) or depth image (PNG, "
                    "TIFF, NPY); "
                    "a whole object needs normals")
       ->required();

@@ -132,7 +132,7 @@ void add_recognize(CLI::App& app, Context& context) {
   command
       ->add_option(
           "SCENE", arguments->scenes.scenes,
-          "Scans (PLY, PCD, OBJ, STL, OFF, XYZ, NPY), depth images (PNG, TIFF, NPY), packed "
+          "Scans (PLY, PCD, OBJ, STL, OFF, XYZ, glTF, NPY), depth images (PNG, TIFF, NPY), packed "
           "by "
           "gzip or not, folders, manifests, or BOP data sets (the folder, or that of one split); - "
           "for standard input")

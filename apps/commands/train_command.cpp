@@ -53,10 +53,11 @@ void add_train(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<TrainArguments>();
   CLI::App* command = app.add_subcommand("train", "Train models into one library file");
   command
-      ->add_option("MODEL", arguments->models,
-                   "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ, NPY), packed by gzip or not, "
-                   "NAME=FILE, folders, manifests, or BOP "
-                   "data sets")
+      ->add_option(
+          "MODEL", arguments->models,
+          "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ, glTF, NPY), packed by gzip or not, "
+          "NAME=FILE, folders, manifests, or BOP "
+          "data sets")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,

@@ -42,6 +42,8 @@ constexpr Format kFormats[] = {
     {"txt", formats::read_xyz, {}, false},
     {"csv", formats::read_xyz, {}, false},
     {"npy", formats::read_npy, "\x93NUMPY"sv, true, true},
+    {"glb", formats::read_gltf, "glTF"},
+    {"gltf", formats::read_gltf, {}},
     {"png", formats::read_depth_png, "\x89PNG"sv, false, true},
     {"tif", formats::read_depth_tiff, "II*\0"sv, false, true},   // least significant byte first
     {"tiff", formats::read_depth_tiff, "MM\0*"sv, false, true},  // most significant byte first

@@ -31,6 +31,10 @@ Result<Cloud> read_off(const Input& input);
 /// Text of one point a line: x y z, or x y z nx ny nz, or what a header of names says.
 Result<Cloud> read_xyz(const Input& input);
 
+/// glTF 2.0, as JSON or binary (GLB): the triangles of the scene's meshes, each where its nodes put it;
+/// of a scene without triangles the points. Lines are left out. Lengths are in meters.
+Result<Cloud> read_gltf(const Input& input);
+
 /// A NumPy array: points (N, 3), with normals (N, 6), organized (height, width, 3 or 6), or depths
 /// (height, width), which need the camera in the options. Pixels at the origin or without a depth
 /// above zero are such without a measurement.

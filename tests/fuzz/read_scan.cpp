@@ -6,8 +6,8 @@
 namespace trivet::fuzz {
 namespace {
 
-constexpr std::array<std::string_view, 10> kFormats{"ply", "pcd", "obj",    "stl", "off",
-                                                    "xyz", "png", "xyz.gz", "npy", "tif"};
+constexpr std::array<std::string_view, 12> kFormats{"ply", "pcd",    "obj", "stl", "off", "xyz",
+                                                    "png", "xyz.gz", "npy", "tif", "glb", "gltf"};
 
 }  // namespace
 

@@ -100,6 +100,29 @@ std::string tiff_file(std::uint32_t width, std::uint32_t height, int bits, int f
   return out + little(std::uint32_t{0}) + std::string(pixels);
 }
 
+std::string glb_file(std::string json, std::string buffer) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  buffer.resize((buffer.size() + 3) / 4 * 4, '\0');
+  const auto length = [](std::size_t size) { return little(static_cast<std::uint32_t>(size)); };
+  const std::string version = little(std::uint32_t{2});
+  return "glTF" + version + length(12 + 8 + json.size() + 8 + buffer.size()) + length(json.size()) +
+         "JSON" + json + length(buffer.size()) + std::string("BIN\0", 4) + buffer;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kAlphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += i + k > bytes.size() ? '=' : kAlphabet[bits >> (18 - 6 * k) & 63];
+  }
+  return out;
+}
+
 std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
                      bool fortran_order, int version) {
   const std::string header = "{'descr': '" + type +
@@ -143,6 +166,14 @@ std::vector<SampleFile> sample_files() {
   for (const float v : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.5F})
     corners_big += big(v);
 
+  const std::string quad =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"accessors":[)"
+      R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+      R"({"bufferView":1,"componentType":5121,"count":6,"type":"SCALAR"}],"bufferViews":[)"
+      R"({"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":6}],)"
+      R"("buffers":[{"byteLength":54)";
+  const std::string quad_bytes = corners + std::string("\0\1\2\0\2\3", 6);
   std::string corners_big_with_normals;
   for (const float v : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 0.6F, -0.8F})
     corners_big_with_normals += big(v);
@@ -201,6 +232,9 @@ std::vector<SampleFile> sample_files() {
       {"points.xyz", "# x y z\n0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n"},
       {"named.csv", "id;\"Z [m]\";y;x\na;0;0;0\nb;0;0;1\nc;0;1;1\nd;0,5;1;0\n"},
       {"counted.pts", "4\n0 0 0 -9 1 2 3\n1 0 0 -9 1 2 3\n1 1 0 -9 1 2 3\n0 1 0.5 -9 1 2 3\n"},
+      {"quad.glb", glb_file(quad + "}]}", quad_bytes)},
+      {"quad.gltf",
+       quad + R"(,"uri":"data:application/octet-stream;base64,)" + base64(quad_bytes) + "\"}]}"},
       {"points.npy", npy_file("<f4", "(4, 3)", corners)},
       {"normals.npy", npy_file(">f4", "(2, 6)", corners_big_with_normals, false, 2)},
       {"organized.npy",

@@ -47,6 +47,10 @@ std::string depth_png(std::uint32_t width, std::uint32_t height,
 std::string tiff_file(std::uint32_t width, std::uint32_t height, int bits, int format,
                       std::string_view pixels, int samples = 1);
 
+/// Binary glTF of a document and a buffer.
+std::string glb_file(std::string json, std::string buffer);
+std::string base64(std::string_view bytes);
+
 /// A NumPy array; `type` as numpy.dtype.str and `shape` as in Python.
 std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
                      bool fortran_order = false, int version = 1);

@@ -54,10 +54,11 @@ TEST_F(HostileCloud, TruncationAtEveryByteIsSurvived) {
 
 TEST_F(HostileCloud, TruncatedBinaryFilesAreRefused) {
   for (const auto& file : test::sample_files()) {
-    const bool binary =
-        file.name == "little.ply" || file.name == "big.ply" || file.name == "binary.pcd" ||
-        file.name == "compressed.pcd" || file.name == "binary.stl" || file.name == "depth.png" ||
-        file.name.ends_with(".gz") || file.name.ends_with(".npy") || file.name.ends_with(".tif");
+    const bool binary = file.name == "little.ply" || file.name == "big.ply" ||
+                        file.name == "binary.pcd" || file.name == "compressed.pcd" ||
+                        file.name == "binary.stl" || file.name == "depth.png" ||
+                        file.name.ends_with(".gz") || file.name.ends_with(".npy") ||
+                        file.name.ends_with(".glb") || file.name.ends_with(".tif");
     for (std::size_t size = 0; binary && size < file.bytes.size(); ++size) {
       const auto cloud =
           read_cloud(folder_.write(file.name, file.bytes.substr(0, size)), kReadOptions);
@@ -102,7 +103,7 @@ TEST_F(HostileCloud, RandomDamageIsSurvived) {
 TEST_F(HostileCloud, EveryFormatUnderEveryExtensionIsSurvived) {
   for (const auto& file : test::sample_files()) {
     for (const char* name : {"a.ply", "a.pcd", "a.obj", "a.stl", "a.off", "a.xyz", "a.csv", "a.txt",
-                             "a.png", "a.npy", "a.tif", "a.gz", "a"}) {
+                             "a.png", "a.npy", "a.tif", "a.glb", "a.gltf", "a.gz", "a"}) {
       EXPECT_TRUE(survives(name, file.bytes)) << file.name << " as " << name;
     }
   }
@@ -140,7 +141,7 @@ TEST_F(HostileCloud, OnlyRegularFilesAreOpened) {
 
 TEST_F(HostileCloud, ExtensionsAreKnownInAnyCase) {
   for (const char* name : {"a.ply", "a.PLY", "b.Stl", "c.obj", "d.off", "e.pcd", "f.xyz", "g.pts",
-                           "h.asc", "g.npy", "a.ply.gz", "b.STL.GZ"})
+                           "h.asc", "g.npy", "h.glb", "i.gltf", "a.ply.gz", "b.STL.GZ"})
     EXPECT_TRUE(is_cloud_file(name)) << name;
   for (const char* name :
        {"a.png", "README.txt", "a.csv", "ply", ".ply", "a", "a.gz", "a.txt.gz", ".gz"})

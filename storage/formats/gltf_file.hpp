@@ -1,0 +1,79 @@
+/// The parts of a glTF file: its document, its buffers, and the accessors into them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "storage/file.hpp"
+#include "storage/files/input.hpp"
+#include "storage/files/json_file.hpp"
+#include "storage/files/scalar.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::formats {
+
+/// The document, and the buffer that a binary file has behind it.
+struct GltfParts {
+  std::span<const std::byte> json, binary;
+};
+
+/// Errors: bad_data (truncated, or chunks that are not as the container's version 2 says).
+/// Source: Khronos Group, glTF 2.0 Specification, 4.4.
+Result<GltfParts> split_gltf(const Input& input);
+
+/// An array of the document; of none when it is absent.
+std::vector<JsonNode> elements_of(const JsonNode& root, std::string_view array);
+
+/// The one of them whose index some member gives. Throws JsonFault when there is none.
+const JsonNode& element_at(const JsonNode& index, const std::vector<JsonNode>& elements);
+
+/// What an accessor gives, checked to lie within its buffer: `count` elements of some values each.
+class GltfAccessor {
+ public:
+  GltfAccessor(const std::byte* first, std::size_t stride, std::size_t count, Scalar type,
+               bool normalized)
+      : first_(first), stride_(stride), count_(count), type_(type), normalized_(normalized) {}
+
+  std::size_t size() const noexcept { return count_; }
+  /// Normalized integers as fractions of the largest one (glTF 2.0, 3.11).
+  double value(std::size_t element, std::size_t component) const noexcept;
+  std::uint32_t index(std::size_t element) const noexcept {
+    return static_cast<std::uint32_t>(value(element, 0));
+  }
+
+ private:
+  const std::byte* first_;
+  std::size_t stride_, count_;
+  Scalar type_;
+  bool normalized_;
+};
+
+/// Buffers are read when they are first used, and live as long as this.
+class GltfBuffers {
+ public:
+  GltfBuffers(const Input& input, const JsonNode& root, std::span<const std::byte> binary);
+
+  /// The accessor that a member of some object names. Throws JsonFault, with the path of what is
+  /// wrong: an index or range that is out of bounds, another type than asked for, what is
+  /// compressed.
+  ///
+  /// type   "SCALAR" of indices, "VEC3" of vectors
+  GltfAccessor accessor(const JsonNode& named, std::string_view type);
+
+ private:
+  std::span<const std::byte> buffer(std::size_t index);
+  std::span<const std::byte> load_uri(const JsonNode& node, std::size_t index);
+
+  const Input& input_;
+  std::span<const std::byte> binary_;
+  std::vector<JsonNode> accessors_, views_, buffers_;
+  std::map<std::size_t, std::variant<std::vector<std::byte>, MappedFile>> loaded_;
+};
+
+}  // namespace trivet::formats
