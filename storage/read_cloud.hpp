@@ -47,7 +47,7 @@ Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& o
 Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,
                          const ReadOptions& options = {});
 
-/// The extensions that read_cloud knows, without their dots.
+/// Known extensions without their dots. Those of STEP, read from files only, are left out.
 std::span<const std::string_view> cloud_extensions();
 
 /// The one of them whose files begin as these bytes; empty where nothing tells it, as of text.

@@ -30,6 +30,12 @@ struct Format {
   bool holds_clouds = true, holds_depths = false;
 };
 
+#ifdef TRIVET_BUILD_STEP
+constexpr bool kReadsStep = true;
+#else
+constexpr bool kReadsStep = false;  // folders are not refused for one
+#endif
+
 constexpr Format kFormats[] = {
     {"ply", formats::read_ply, "ply"},
     {"pcd", formats::read_pcd, "# .PCD"},
@@ -47,11 +53,14 @@ constexpr Format kFormats[] = {
     {"png", formats::read_depth_png, "\x89PNG"sv, false, true},
     {"tif", formats::read_depth_tiff, "II*\0"sv, false, true},   // least significant byte first
     {"tiff", formats::read_depth_tiff, "MM\0*"sv, false, true},  // most significant byte first
+    {"step", formats::read_step, "ISO-10303-21", kReadsStep},
+    {"stp", formats::read_step, {}, kReadsStep},
 };
 
 constexpr auto kExtensions = [] {
-  std::array<std::string_view, std::size(kFormats)> extensions;
-  std::ranges::transform(kFormats, extensions.begin(), &Format::extension);
+  constexpr std::size_t kFromFilesOnly = 2;  // STEP, the last ones
+  std::array<std::string_view, std::size(kFormats) - kFromFilesOnly> extensions;
+  for (std::size_t f = 0; f < extensions.size(); ++f) extensions[f] = kFormats[f].extension;
   return extensions;
 }();
 

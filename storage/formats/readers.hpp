@@ -35,6 +35,11 @@ Result<Cloud> read_xyz(const Input& input);
 /// of a scene without triangles the points. Lines are left out. Lengths are in meters.
 Result<Cloud> read_gltf(const Input& input);
 
+/// STEP (ISO 10303-21) by OpenCASCADE, cut into triangles no farther from its faces than a thousandth
+/// of the part's diagonal. Lengths are in millimeters, whatever the file's unit. From files only; and
+/// only in builds with TRIVET_BUILD_STEP.
+Result<Cloud> read_step(const Input& input);
+
 /// A NumPy array: points (N, 3), with normals (N, 6), organized (height, width, 3 or 6), or depths
 /// (height, width), which need the camera in the options. Pixels at the origin or without a depth
 /// above zero are such without a measurement.
