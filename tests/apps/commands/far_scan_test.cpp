@@ -83,7 +83,7 @@ TEST_F(FarScan, HasItsPosesInItsOwnFrame) {
   const test::Outcome told =
       run({"recognize", "library.h5", "far.xyz", "--viewpoint", kViewpoint, "--report", "out"});
   const Vector3d at = place(far["detections"][0]);
-  const std::string text = fmt::format("{:.10g}, {:.10g}", at.x(), at.y());
+  const std::string text = fmt::format("{:.5f}, {:.5f}", at.x(), at.y());
   EXPECT_NE(told.out.find("at (" + text), std::string::npos) << told.out;
   EXPECT_NE(test::read_bytes(*folder_ / "out" / "index.html").find(text), std::string::npos);
 }
