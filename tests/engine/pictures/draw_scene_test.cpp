@@ -165,8 +165,8 @@ TEST(DrawScene, ShowsWhatReachesOutOfTheImage) {
   const EvaluationMesh model = cube();
   Result<SceneDrawing> drawing = SceneDrawing::prepare(wall(), depth_image(), 0.35F);
   ASSERT_TRUE(drawing);
-  Pose corner = ahead(1);
-  corner.translation().x() = -0.53F;
+  FilePose corner = ahead(1);
+  corner.translation().x() = -0.53;
   const std::array overlays{Overlay{&model, corner, kGreen, kOrange, false}};
   const Result<ScenePictures> detail = drawing->draw_around(overlays, overlays);
   ASSERT_TRUE(detail) << detail.error().message;
