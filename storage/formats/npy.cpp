@@ -9,6 +9,7 @@
 #include "storage/files/text.hpp"
 #include "storage/formats/depth_image.hpp"
 #include "storage/formats/npy_header.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -41,9 +42,8 @@ class Table {
     }
     return load(body_ + place * size_of(header_.type), header_.type, header_.order);
   }
-  Eigen::Vector3f vector(std::size_t row, std::size_t first) const {
-    return {to_float(value(row, first)), to_float(value(row, first + 1)),
-            to_float(value(row, first + 2))};
+  Eigen::Vector3d vector(std::size_t row, std::size_t first) const {
+    return {value(row, first), value(row, first + 1), value(row, first + 2)};
   }
 
  private:
@@ -54,9 +54,9 @@ class Table {
 };
 
 /// Columns four to six must be directions, or none: colors stand there as well.
-Result<void> check_normal(const Input& input, const Eigen::Vector3f& normal, std::size_t row) {
-  const float length = normal.norm();
-  if (!std::isfinite(length) || length == 0 || std::abs(length - 1) < 0.1F) return {};
+Result<void> check_normal(const Input& input, const Eigen::Vector3d& normal, std::size_t row) {
+  const double length = normal.norm();
+  if (!std::isfinite(length) || length == 0 || std::abs(length - 1) < 0.1) return {};
   return input.refuse(
       fmt::format("row {}: expected a unit normal in columns 4 to 6, found a vector of length "
                   "{:.3g}; save the first three columns alone if these are colors",
@@ -71,23 +71,25 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
 
   const Table table(input, header, columns);
   const bool organized = header.shape.size() == 3 && header.shape[0] > 1 && header.shape[1] > 1;
-  Cloud cloud;
-  cloud.points.resize(count);
-  if (columns == 6) cloud.normals.resize(count);
+  Positions positions, normals;
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f point = table.vector(i, 0);
+    const Eigen::Vector3d point = table.vector(i, 0);
     // The camera itself is what pixels without a measurement are often set to.
     const bool missing = organized && point.isZero(0);
-    cloud.points.set(i, missing ? Eigen::Vector3f::Constant(std::nanf("")) : point);
+    positions.push_back(missing ? Eigen::Vector3d::Constant(std::nan("")) : point);
     if (columns != 6) continue;
-    cloud.normals.set(i, table.vector(i, 3));
-    if (auto checked = check_normal(input, cloud.normals[i], i); !checked) return checked.error();
+    const Eigen::Vector3d normal = table.vector(i, 3);
+    if (auto checked = check_normal(input, normal, i); !checked) return checked.error();
+    normals.push_back(normal);
   }
+  Cloud cloud;
+  place(std::move(positions), input, cloud);
+  cloud.normals = round_to_floats(std::move(normals));
   if (!organized) return cloud;
   cloud.grid = PixelGrid{static_cast<std::uint32_t>(header.shape[1]),
                          static_cast<std::uint32_t>(header.shape[0]), Column<std::int32_t>(count)};
   std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
-  cloud.viewpoint = Eigen::Vector3f::Zero();
+  place_viewpoint(Eigen::Vector3d::Zero(), cloud);
   return cloud;
 }
 

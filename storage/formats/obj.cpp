@@ -8,6 +8,7 @@
 
 #include "storage/files/text.hpp"
 #include "storage/formats/faces.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -46,11 +47,13 @@ class ObjReader {
       if (auto done = read_line(cursor_.word()); !done) return done.error();
     } while (cursor_.next_line());
 
-    if (highest_.index >= static_cast<std::int64_t>(cloud_.points.size())) {
+    if (highest_.index >= static_cast<std::int64_t>(positions_.size())) {
       return input_.refuse_line(highest_.line,
                                 fmt::format("the face names vertex {}, but the file has {}",
-                                            highest_.index + 1, cloud_.points.size()));
+                                            highest_.index + 1, positions_.size()));
     }
+    place(std::move(positions_), input_, cloud_);
+    cloud_.normals = round_to_floats(std::move(normals_));
     if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
     if (!paired_ || cloud_.normals.size() != cloud_.points.size()) cloud_.normals = {};
     return std::move(cloud_);
@@ -62,8 +65,8 @@ class ObjReader {
   Result<void> read_line(std::string_view key) {
     continues_ = false;
     if (key.empty() || key[0] == '#') return {};
-    if (key == "v") return read_vector(cloud_.points);
-    if (key == "vn") return read_vector(cloud_.normals);
+    if (key == "v") return read_vector(positions_);
+    if (key == "vn") return read_vector(normals_);
     if (key == "f" || key == "fo") return read_face();
     if (is_among(key, kNames)) return {};  // a backslash at their end is one of a folder
     if (is_among(key, kNumbers)) {
@@ -92,15 +95,15 @@ class ObjReader {
     }
   }
 
-  Result<void> read_vector(Points& points) {
+  Result<void> read_vector(Positions& points) {
     if (points.size() == input_.max_points()) return input_.refuse_count(points.size() + 1);
-    Eigen::Vector3f v;
+    Eigen::Vector3d v;
     for (Eigen::Index i = 0; i < 3; ++i) {
       const auto found = word();
       const auto number = parse_number(found);
       if (!number)
         return refuse(fmt::format("expected three numbers, found {}", quote_word(found)));
-      v[i] = to_float(*number);
+      v[i] = *number;
     }
     // A weight or a color.
     for (auto found = word(); !found.empty(); found = word()) {
@@ -124,17 +127,17 @@ class ObjReader {
     faces_.begin();
     for (auto corner = word(); !corner.empty(); corner = word()) {
       const auto slash = corner.find('/');
-      const std::int64_t vertex = resolve(corner.substr(0, slash), cloud_.points.size());
+      const std::int64_t vertex = resolve(corner.substr(0, slash), positions_.size());
       if (vertex < 0) {
         return refuse(
             fmt::format("expected the number of a vertex, counted from 1 or back from -1, "
                         "found {} behind {} vertices",
-                        quote(corner), cloud_.points.size()));
+                        quote(corner), positions_.size()));
       }
       highest_.note(vertex, cursor_.line());
       if (slash != corner.npos && corner.find('/', slash + 1) != corner.npos) {
         const auto normal = corner.substr(corner.find('/', slash + 1) + 1);
-        if (resolve(normal, cloud_.normals.size()) != vertex) paired_ = false;
+        if (resolve(normal, normals_.size()) != vertex) paired_ = false;
       }
       faces_.add(static_cast<std::uint32_t>(vertex));
     }
@@ -149,6 +152,7 @@ class ObjReader {
 
   const Input& input_;
   TextCursor cursor_;
+  Positions positions_, normals_;
   Cloud cloud_;
   Faces faces_;
   bool continues_ = false;  // the line, on the next one

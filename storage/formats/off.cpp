@@ -7,6 +7,7 @@
 #include "storage/formats/faces.hpp"
 #include "storage/formats/off_binary.hpp"
 #include "storage/formats/off_header.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -112,6 +113,8 @@ class OffReader {
     if (auto done = read_faces(faces); !done) return done.error();
     if (const auto more = text_.next_word(); !more.empty())
       return refuse("the end of the file behind the last face", more);
+    place(std::move(positions_), input_, cloud_);
+    cloud_.normals = round_to_floats(std::move(normals_));
     if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
     return std::move(cloud_);
   }
@@ -156,28 +159,27 @@ class OffReader {
     return {};
   }
 
-  Result<Eigen::Vector3f> read_vector(bool begins_row) {
-    Eigen::Vector3f v;
+  Result<Eigen::Vector3d> read_vector(bool begins_row) {
+    Eigen::Vector3d v;
     for (Eigen::Index i = 0; i < 3; ++i) {
       const auto found = row_word(begins_row && i == 0);
       const auto number = parse_number(found);
       if (!number) return refuse("three numbers of a vertex", found);
-      v[i] = to_float(*number);
+      v[i] = *number;
     }
     return v;
   }
 
   Result<void> read_vertices(std::uint64_t count, const OffKeyword& keyword) {
     constexpr std::uint64_t kMostNumbers = 4 + 2;  // a color and texture coordinates
-    cloud_.points.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto point = read_vector(true);
       if (!point) return point.error();
-      cloud_.points.push_back(*point);
+      positions_.push_back(*point);
       if (keyword.has_normals) {
         const auto normal = read_vector(false);
         if (!normal) return normal.error();
-        cloud_.normals.push_back(*normal);
+        normals_.push_back(*normal);
       }
       if (layout_ == Layout::rows_of_numbers) {
         for (std::uint32_t k = 0; k < keyword.num_others(); ++k) {
@@ -202,8 +204,8 @@ class OffReader {
       for (std::uint64_t corner = 0; corner < *size; ++corner) {
         const auto found = row_word(false);
         const auto value = parse_integer(found).value_or(-1);
-        if (value < 0 || static_cast<std::uint64_t>(value) >= cloud_.points.size()) {
-          return refuse(fmt::format("the index of a vertex below {}", cloud_.points.size()), found);
+        if (value < 0 || static_cast<std::uint64_t>(value) >= positions_.size()) {
+          return refuse(fmt::format("the index of a vertex below {}", positions_.size()), found);
         }
         faces_.add(static_cast<std::uint32_t>(value));
       }
@@ -216,6 +218,7 @@ class OffReader {
   const Input& input_;
   OffText text_;
   Layout layout_ = Layout::rows_of_numbers;
+  Positions positions_, normals_;
   Cloud cloud_;
   Faces faces_;
 };

@@ -11,6 +11,7 @@
 
 #include "storage/files/scalar.hpp"
 #include "storage/files/text.hpp"
+#include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 
 namespace trivet::formats {
@@ -47,18 +48,18 @@ Error refuse_size(const Input& input) {
 }
 
 /// Corners, three a triangle.
-Result<Points> read_binary(const Input& input) {
+Result<Positions> read_binary(const Input& input) {
   const std::size_t facets = (input.bytes.size() - kPreambleBytes) / kFacetBytes;
   if (3 * facets > input.max_points()) return input.refuse_count(3 * facets);
-  Points corners(3 * facets);
-  const PointsSpan out = corners.span();
+  Positions corners;
+  corners.resize(3 * facets);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     // A facet is its normal, three corners and two spare bytes.
     const std::byte* const from =
         input.bytes.data() + kPreambleBytes + (i / 3) * kFacetBytes + 12 + (i % 3) * 12;
-    out.x[i] = load<float>(from, std::endian::little);
-    out.y[i] = load<float>(from + 4, std::endian::little);
-    out.z[i] = load<float>(from + 8, std::endian::little);
+    corners.x[i] = load<float>(from, std::endian::little);
+    corners.y[i] = load<float>(from + 4, std::endian::little);
+    corners.z[i] = load<float>(from + 8, std::endian::little);
   }
   return corners;
 }
@@ -68,7 +69,7 @@ class TextReader {
  public:
   explicit TextReader(const Input& input) : input_(input), cursor_(input.text()) {}
 
-  Result<Points> read() {
+  Result<Positions> read() {
     for (std::string_view word = cursor_.next_word(); !word.empty(); word = cursor_.next_word()) {
       if (auto done = read_element(word); !done) return done.error();
     }
@@ -119,12 +120,12 @@ class TextReader {
 
   Result<void> read_corner() {
     if (corners_.size() >= input_.max_points()) return input_.refuse_count(corners_.size() + 1);
-    Eigen::Vector3f corner;
+    Eigen::Vector3d corner;
     for (Eigen::Index i = 0; i < 3; ++i) {
       const auto word = cursor_.word();
       const auto number = parse_number(word);
       if (!number) return refuse("three numbers", quote_word(word));
-      corner[i] = to_float(*number);
+      corner[i] = *number;
     }
     corners_.push_back(corner);
     return {};
@@ -138,7 +139,7 @@ class TextReader {
 
   const Input& input_;
   TextCursor cursor_;
-  Points corners_;
+  Positions corners_;
   std::size_t corners_before_ = 0;  // the facet
   bool inside_solid_ = false, inside_facet_ = false;
 };
@@ -185,9 +186,13 @@ Cloud weld(PointsView corners) {
 
 Result<Cloud> read_stl(const Input& input) {
   if (!is_binary(input) && is_damaged_binary(input)) return refuse_size(input);
-  const auto corners = is_binary(input) ? read_binary(input) : TextReader(input).read();
+  auto corners = is_binary(input) ? read_binary(input) : TextReader(input).read();
   if (!corners) return corners.error();
-  return weld(*corners);
+  Cloud soup;
+  place(std::move(*corners), input, soup);
+  Cloud cloud = weld(soup.points);
+  cloud.offset = soup.offset;
+  return cloud;
 }
 
 }  // namespace trivet::formats
