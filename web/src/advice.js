@@ -12,7 +12,7 @@ const fill = (sentence, values) => sentence.replace(/\{(\w+)\}/g, (_, name) => v
  * positions  of the scan's points, or null; unit  of the scan
  * library    { unit, models }; rejected  poses, best first
  */
-export function adviceOnNothing({ positions, unit, library, rejected, minScore, format }) {
+export function adviceOnNothing({ positions, unit, library, rejected, minScore, isDepth }) {
   const diameters = library.models.map((model) => model.diameter);
   const checks = [];
   if (rejected.length) {
@@ -38,7 +38,7 @@ export function adviceOnNothing({ positions, unit, library, rejected, minScore, 
       }),
     );
   }
-  checks.push(format === "png" ? words.camera : words.viewpoint);
+  checks.push(isDepth ? words.camera : words.viewpoint);
   return [
     element("p", {}, "What to check:"),
     element(

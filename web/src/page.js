@@ -11,7 +11,7 @@ import { listenForFiles } from "./open_files.js";
 import { PoseList } from "./pose_list.js";
 import { worthTelling } from "./rejected.js";
 import { showScale } from "./scale_bar.js";
-import { readFiles, scanOfExample } from "./scan.js";
+import { isDepthImage, mayBeDepthImage, readFiles, scanOfExample } from "./scan.js";
 import * as service from "./service.js";
 import { Settings } from "./settings.js";
 import { timesView } from "./times.js";
@@ -122,7 +122,7 @@ async function openFiles(files) {
     const read = await readFiles(files);
     if (read.scan) return await openScan(read.scan, read.camera);
     settings.setCamera(read.camera);
-    if (scan?.format === "png") return await run();
+    if (scan && mayBeDepthImage(scan)) return await run();
     showProblem("The camera is kept for the next depth image.");
   } catch (error) {
     showTab("result");
@@ -248,7 +248,7 @@ async function showResult(result, signal) {
         library,
         rejected,
         minScore: settings.minScore,
-        format: scan.format,
+        isDepth: isDepthImage(scan),
       }),
     );
   }

@@ -1,11 +1,23 @@
 /** What a user opens: scans, and camera files beside them. */
 
-const kFormats = ["ply", "pcd", "obj", "stl", "off", "xyz", "png"];
-export const kAccepted = [...kFormats, "json"].map((format) => `.${format}`).join(",");
+const kDepthFormats = ["png", "tif", "tiff"];
+const kCloudFormats = ["ply", "pcd", "obj", "stl", "off", "xyz", "asc", "pts", "txt", "csv", "glb"];
+const kFormats = [...kCloudFormats, ...kDepthFormats, "npy"];
+export const kAccepted = [...kFormats, "gz", "json"].map((format) => `.${format}`).join(",");
+
+/** Whether a scan is a depth image, which needs its camera. */
+export const isDepthImage = ({ format }) => kDepthFormats.includes(format);
+
+/** Whether it may be one: an array of numbers is, if it has a camera. */
+export const mayBeDepthImage = (scan) => isDepthImage(scan) || scan.format === "npy";
 
 export const kCameraKeys = ["fx", "fy", "cx", "cy", "depth_scale"];
 
-const extension = (name) => name.slice(name.lastIndexOf(".") + 1).toLowerCase();
+/** Of what is within, where the file is packed by gzip. */
+function extension(name) {
+  const unpacked = name.toLowerCase().replace(/\.gz$/, "");
+  return unpacked.slice(unpacked.lastIndexOf(".") + 1);
+}
 
 async function readCamera(file) {
   let camera;

@@ -1,6 +1,6 @@
 import { byId } from "./dom.js";
 import { Options } from "./options.js";
-import { kCameraKeys } from "./scan.js";
+import { kCameraKeys, isDepthImage, mayBeDepthImage } from "./scan.js";
 
 const kRemembered = "trivet.settings"; // of files; examples bring their own
 const kRejectedPerModel = 3;
@@ -56,7 +56,7 @@ export class Settings {
     numbers.forEach((number, k) => (field(kCameraKeys[k]).value = number));
     if (scan.query?.has("method")) field("method").value = scan.query.get("method");
     if (scan.query?.has("min-score")) field("min-score").value = scan.query.get("min-score");
-    byId("camera").hidden = scan.format !== "png";
+    byId("camera").hidden = !mayBeDepthImage(scan);
     if (camera) this.setCamera(camera);
     this.#summarize();
   }
@@ -95,7 +95,7 @@ export class Settings {
     if (viewpoint && !(triple(viewpoint).length === 3 && triple(viewpoint).every(isNumber))) {
       return wrong("viewpoint", "Sensor at: expected three numbers, as x, y, z.");
     }
-    if (scan.format !== "png") return null;
+    if (!isDepthImage(scan)) return null;
     const missing = kCameraKeys.find((name) => !isNumber(field(name).value));
     return missing
       ? wrong(
@@ -113,7 +113,8 @@ export class Settings {
     const viewpoint = field("viewpoint").value.trim();
     if (viewpoint) parameters.set("viewpoint", triple(viewpoint).join(","));
     else parameters.delete("viewpoint");
-    if (scan.format === "png") {
+    const hasCamera = kCameraKeys.every((name) => isNumber(field(name).value));
+    if (isDepthImage(scan) || (mayBeDepthImage(scan) && hasCamera)) {
       parameters.set("camera", kCameraKeys.map((name) => field(name).value.trim()).join(","));
     }
     return parameters;

@@ -1,4 +1,6 @@
 /** From a scan to a look at what was found in it. */
+import { gzipSync } from "node:zlib";
+
 import {
   chooseFiles,
   drawn,
@@ -287,6 +289,14 @@ test("a chosen depth image is read with the camera chosen beside it", async ({ p
   const scene = await recognized(page, () => chooseFiles(page, files));
   expect(scene.detections.length).toBeGreaterThan(0);
   await expect(foundRows(page)).toHaveCount(scene.detections.length);
+});
+
+test("a scan that is packed by gzip is read as what it is", async ({ page, request }) => {
+  const [scan, camera] = await exampleFiles(request);
+  const packed = { ...scan, name: `${scan.name}.gz`, buffer: gzipSync(scan.buffer) };
+  await openPage(page);
+  const scene = await recognized(page, () => chooseFiles(page, [packed, camera]));
+  expect(scene.detections.length).toBeGreaterThan(0);
 });
 
 test("a depth image without a camera asks for it, and the next one has it", async ({

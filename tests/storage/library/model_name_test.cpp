@@ -19,7 +19,8 @@ TEST(ModelName, IsMadeFromAnyOtherFile) {
   EXPECT_EQ(model_name_of("Schl\xC3\xBCssel 10 mm.stl"), "Schl_ssel_10_mm");
   EXPECT_EQ(model_name_of("a_ _b.stl"), "a___b") << "underscores of the file stay";
   EXPECT_EQ(model_name_of("\xE9\x9B\xB6\xE4\xBB\xB6.obj"), "model");
-  EXPECT_EQ(model_name_of(std::string(300, 'x') + ".obj"), std::string(128, 'x'));
+  const std::string long_name(300, 'x');
+  EXPECT_EQ(model_name_of(long_name + ".obj"), long_name.substr(0, 128));
 }
 
 TEST(ModelName, IsAlwaysAName) {
