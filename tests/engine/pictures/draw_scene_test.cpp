@@ -96,7 +96,7 @@ TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {
 // A nearer cube hides the middle and the right of the farther one's box.
 TEST(DrawScene, PutsLabelsOnWhatIsSeen) {
   const EvaluationMesh model = cube();
-  Pose near = ahead(0.8F), far = ahead(1);
+  FilePose near = ahead(0.8F), far = ahead(1);
   near.translation().x() = 0.05F;
   const std::array overlays{Overlay{&model, far, kGreen, kOrange, true},
                             Overlay{&model, near, kGreen, kOrange, true},
