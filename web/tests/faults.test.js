@@ -98,8 +98,8 @@ test.describe("a scan in another unit", () => {
 
 test("files that are no scans are refused with what was expected", async ({ page }) => {
   await openPage(page);
-  await drop(page, [file("scan.tif", "II")]);
-  await expect(page.getByRole("alert")).toContainText("scan.tif: expected a scan (ply, pcd");
+  await drop(page, [file("scan.jpg", "II")]);
+  await expect(page.getByRole("alert")).toContainText("scan.jpg: expected a scan (ply, pcd");
   await drop(page, [file("a.ply", ""), file("b.ply", "")]);
   await expect(page.getByRole("alert")).toContainText("Expected one scan, found 2");
   await drop(page, [file("camera.json", '{"fx": 1}')]);
