@@ -153,9 +153,8 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
   return {};
 }
 
-/// Read the rows of an element with one list of vertex indices: begin(row, count), which tells what
-/// count is expected instead, if this one is not good; then take(value) for each, which says whether
-/// the value is good.
+/// Read the rows of an element with one list of vertex indices: begin(row, count), then take(value)
+/// for each, which says whether the value is good.
 template <class Begin, class Take>
 Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::size_t list,
                               Begin&& begin, Take&& take) {
@@ -169,9 +168,9 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
       }
       const auto count = read_count(body, element, row, property);
       if (!count) return count.error();
-      if (const std::string_view expected = begin(row, *count); !expected.empty()) {
-        return body.refuse(fmt::format("{} {}: expected {} vertices, found {}", quote(element.name),
-                                       row, expected, *count));
+      if (!begin(row, *count)) {
+        return body.refuse(fmt::format("{} {}: a list of {} vertices is too long",
+                                       quote(element.name), row, *count));
       }
       for (std::uint64_t i = 0; i < *count; ++i) {
         double value = 0;
@@ -192,9 +191,9 @@ Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t li
                         std::size_t num_vertices, Faces& faces) {
   return read_index_lists(
       body, element, list,
-      [&](std::uint64_t, std::uint64_t count) {
+      [&](std::uint64_t, std::uint64_t) {
         faces.begin();
-        return std::string_view(count < 3 ? "three or more" : "");
+        return true;
       },
       [&](double value) {
         const auto index = to_index(value, num_vertices);
@@ -212,7 +211,7 @@ Result<void> read_strips(PlyBody& body, const PlyElement& element, std::size_t l
       body, element, list,
       [&](std::uint64_t, std::uint64_t) {
         seen = 0;
-        return std::string_view();
+        return true;
       },
       [&](double value) {
         if (value == -1) {
@@ -251,7 +250,7 @@ Result<void> read_range_grid(PlyBody& body, const PlyElement& element, std::size
       body, element, list,
       [&](std::uint64_t row, std::uint64_t count) {
         pixel = row;
-        return std::string_view(count > 1 ? "at most one of the" : "");
+        return count <= 1;
       },
       [&](double value) {
         const auto index = to_index(value, cloud.points.size());
