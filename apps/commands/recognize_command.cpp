@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
 #include "apps/inputs/open_recognizer.hpp"
+#include "apps/options/add_options.hpp"
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
@@ -133,17 +135,18 @@ void add_recognize(CLI::App& app, Context& context) {
       ->add_option(
           "SCENE", arguments->scenes.scenes,
           "Scans (PLY, PCD, OBJ, STL, OFF, XYZ, glTF, NPY), depth images (PNG, TIFF, NPY), packed "
-          "by "
-          "gzip or not, folders, manifests, or BOP data sets (the folder, or that of one split); - "
+          "by gzip or not, folders, manifests, or BOP data sets (the folder, or that of one "
+          "split); - "
           "for standard input")
       ->required();
   const std::span<const std::string_view> formats = cloud_extensions();
-  command
-      ->add_option(
-          "--format", arguments->scenes.format,
-          "Format of the files and of standard input; default: as the name tells, else how "
-          "the bytes begin")
-      ->check(CLI::IsMember(std::vector<std::string>(formats.begin(), formats.end())));
+  limit_to(command->add_option(
+               "--format", arguments->scenes.format,
+               fmt::format("Format of the files and of standard input: {}; default: as the name "
+                           "tells, else how the bytes begin",
+                           fmt::join(formats, ", "))),
+           {formats.begin(), formats.end()})
+      ->type_name("NAME");
   command
       ->add_option("--unit", arguments->unit, "Unit of the scenes, m or mm; default: the library's")
       ->check(CLI::IsMember({"m", "mm"}));

@@ -98,7 +98,9 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
     const Result<kernels::RayScene>& other_surface = recognizer_.surface(sibling);
     if (!other_surface) return other_surface.error();
     const kernels::ModelSamples samples = samples_of(models[sibling]);
-    double best = std::numeric_limits<double>::lowest();
+    // What was taken in this place first is as likely at least, by its score.
+    const bool first = holder != index && sibling == candidates_[holder].model;
+    double best = first ? 0 : std::numeric_limits<double>::lowest();
     for (const std::uint32_t c : poses) {
       const kernels::PoseComparison comparison = kernels::compare_poses(
           scene_.images, {*other_surface, samples, candidates_[c].T_scene_model},

@@ -28,6 +28,7 @@ struct Format {
   Result<Cloud> (*read)(const formats::Input&);
   std::string_view begin;  ///< of every such file; empty: nothing tells the format
   bool holds_clouds = true, holds_depths = false;
+  std::string_view looks{};  ///< the extension of what its files look like, if that is another one
 };
 
 #ifdef TRIVET_BUILD_STEP
@@ -49,12 +50,13 @@ constexpr Format kFormats[] = {
     {"csv", formats::read_xyz, {}, false},
     {"npy", formats::read_npy, "\x93NUMPY"sv, true, true},
     {"glb", formats::read_gltf, "glTF"},
-    {"gltf", formats::read_gltf, {}},
+    {"gltf", formats::read_gltf, {}, true, false, "json"},
     {"png", formats::read_depth_png, "\x89PNG"sv, false, true},
-    {"tif", formats::read_depth_tiff, "II*\0"sv, false, true},   // least significant byte first
-    {"tiff", formats::read_depth_tiff, "MM\0*"sv, false, true},  // most significant byte first
+    {"tif", formats::read_depth_tiff, "II*\0"sv, false, true},  // least significant byte first
+    {"tiff", formats::read_depth_tiff, "MM\0*"sv, false, true,
+     "tif"},  // most significant byte first
     {"step", formats::read_step, "ISO-10303-21", kReadsStep},
-    {"stp", formats::read_step, {}, kReadsStep},
+    {"stp", formats::read_step, {}, kReadsStep, false, "step"},
 };
 
 constexpr auto kExtensions = [] {
@@ -89,7 +91,8 @@ const Format* format_by_name(const std::filesystem::path& file) {
 /// that is out of place.
 Error explain(Error error, const Format& format, const formats::Input& input) {
   const formats::Appearance found = formats::looks_like(input.bytes);
-  if (!found || found.extension == fmt::format(".{}", format.extension)) return error;
+  const std::string_view looks = format.looks.empty() ? format.extension : format.looks;
+  if (!found || found.extension == fmt::format(".{}", looks)) return error;
   return input.refuse(fmt::format("expected a .{} file, found {}{}{}", format.extension, found.what,
                                   found.advice.empty() ? "" : "; ", found.advice));
 }

@@ -11,7 +11,8 @@ namespace trivet::formats {
 /// Unpack, read by the file's name or content, then check and clean what all formats have in common.
 Result<Cloud> read(const Input& input);
 
-/// Greg Turk's PLY 1.0, with Stanford's tristrips and range_grid, and PCL's camera element.
+/// Greg Turk's PLY 1.0, with Stanford's tristrips and range_grid, and PCL's camera element. Faces of one
+/// or two corners, as writers put lines, make no triangles.
 Result<Cloud> read_ply(const Input& input);
 
 /// The Point Cloud Library's PCD 0.7: ascii, binary, binary_compressed.

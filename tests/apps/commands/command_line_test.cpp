@@ -162,8 +162,7 @@ TEST_F(CommandLine, SaysWhatToGiveInsteadOfAFolderOrAnImage) {
   folder_.write("scans/manifest.json", "{\"unit\": \"m\"}");
   folder_.write("scans/camera.json", "{\"fx\": 500, \"fy\": 500, \"cx\": 1, \"cy\": 1}");
   EXPECT_TRUE(fails({"train", "scans", "-o", "l.h5"}, 66,
-                    "scans: expected PLY, PCD, OBJ, STL, OFF or XYZ files, found the manifest "
-                    "manifest.json; give that file"));
+                    "found the manifest manifest.json; give that file"));
   folder_.write("box.off",
                 "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
   ASSERT_EQ(run({"train", "box.off", "-o", "box.h5", "--preset", "fast"}).exit_code, 0);

@@ -108,8 +108,8 @@ def expect(status, method, template, target=None, body=None, headers=None):
     kind = content_type.split(";")[0]
     if kind not in response["content"]:
         return fault(f"{where}: {kind} is not described")
-    for name in response.get("headers", {}):
-        if not answer.getheader(name) and name != "Inference-Header-Content-Length":
+    for name, header in response.get("headers", {}).items():
+        if not answer.getheader(name) and header.get("required", True):
             fault(f"{where}: expected the header {name}")
     if kind == "application/json":
         for error in validator(response["content"][kind]["schema"]).iter_errors(json.loads(content)):

@@ -56,7 +56,7 @@ TEST(ScoreFile, NamesTheFaultOfABadFile) {
            Case{[](Json& j) { j["version"] = 2; }, "version"},
            Case{[](Json& j) { j.erase("origin"); }, "origin"},
            Case{[](Json& j) { j["bias"].erase("shared"); }, "bias: expected \"shared\", found"},
-           Case{[](Json& j) { j["parts"].erase("relief"); }, "with \"relief\""},
+           Case{[](Json& j) { j["parts"].erase("relief"); }, "parts: expected \"relief\""},
            Case{[](Json& j) { j["parts"]["luck"] = j["parts"]["relief"]; }, "luck"},
            Case{[](Json& j) { j["parts"]["relief"].erase("knots"); }, "parts.relief"},
            Case{[](Json& j) { j["parts"]["relief"]["knots"].push_back(9); }, "5 numbers instead"},
