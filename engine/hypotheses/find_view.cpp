@@ -45,8 +45,8 @@ Eigen::AlignedBox3d box_of(const Cloud& cloud) {
 
 /// From the origin, whichever way its writer winds triangles; but not from among the points, as no
 /// sensor sees more than half of all directions.
-bool seen_from_origin(const Cloud& cloud) {
-  if (box_of(cloud).contains(Vector3d::Zero().eval())) return false;
+bool seen_from_origin(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
+  if (box.contains(Vector3d::Zero().eval())) return false;
   const SolidAngles angles = solid_angles(cloud, Vector3d::Zero());
   const double all = angles.front + angles.back;
   return all > 0 && all < 2 * std::numbers::pi &&
@@ -54,7 +54,7 @@ bool seen_from_origin(const Cloud& cloud) {
 }
 
 /// A far place where the triangles point to on average, if they turn their fronts to it.
-std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud) {
+std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
   Vector3d area = Vector3d::Zero();
   for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
     const Vector3d a = cloud.points[cloud.triangles.a[t]].cast<double>(),
@@ -63,7 +63,6 @@ std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud) {
     area += (b - a).cross(c - a);
   }
   if (!(area.norm() > 0)) return std::nullopt;
-  const Eigen::AlignedBox3d box = box_of(cloud);
   const Vector3d eye = box.center() + 10 * box.diagonal().norm() * area.normalized();
   const SolidAngles angles = solid_angles(cloud, eye);
   if (angles.back > kTurnedAway * (angles.front + angles.back)) return std::nullopt;
@@ -72,10 +71,11 @@ std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud) {
 
 /// Nothing where the faces do not tell.
 std::optional<SceneView> view_of_faces(const Cloud& cloud) {
+  const Eigen::AlignedBox3d box = box_of(cloud);
   // What has an offset is far from its origin, and seen from elsewhere.
-  if (cloud.offset.isZero(0) && seen_from_origin(cloud))
+  if (cloud.offset.isZero(0) && seen_from_origin(cloud, box))
     return SceneView{SceneKind::points, ViewSource::faces, Vector3d::Zero().eval()};
-  if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud))
+  if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud, box))
     return SceneView{SceneKind::points, ViewSource::faces, *eye + cloud.offset};
   if (!cloud.grid && kernels::boundary_share(cloud.triangles) < kMostlyClosed)
     return SceneView{SceneKind::surface, ViewSource::faces};
