@@ -90,4 +90,10 @@ std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcep
   return static_cast<std::uint32_t>(value);
 }
 
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
 }  // namespace trivet::formats

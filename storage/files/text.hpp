@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace trivet::formats {
@@ -46,5 +47,8 @@ float to_float(double value) noexcept;
 
 /// A value as an index below `bound`; none when it is negative, broken or too large.
 std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept;
+
+/// The text with its ASCII capitals in lower case.
+std::string lower_case(std::string_view text);
 
 }  // namespace trivet::formats

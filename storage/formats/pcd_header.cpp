@@ -33,8 +33,7 @@ std::optional<Scalar> scalar_of(std::string_view type, std::string_view size) {
 
 /// In any case: some writers put capitals.
 std::optional<PcdEncoding> encoding_named(std::string_view name) {
-  std::string lower(name);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string lower = lower_case(name);
   if (lower == "ascii") return PcdEncoding::ascii;
   if (lower == "binary") return PcdEncoding::binary;
   if (lower == "binary_compressed") return PcdEncoding::binary_compressed;

@@ -15,6 +15,7 @@
 #include "storage/files/gunzip.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/looks_like.hpp"
+#include "storage/files/text.hpp"
 #include "storage/formats/finish.hpp"
 #include "storage/formats/readers.hpp"
 
@@ -68,9 +69,7 @@ constexpr auto kExtensions = [] {
 
 /// In lower case, with its dot.
 std::string extension_of(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension;
+  return formats::lower_case(file.extension().string());
 }
 
 std::filesystem::path without_gz(const std::filesystem::path& file) {

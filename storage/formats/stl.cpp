@@ -85,7 +85,7 @@ class TextReader {
   }
 
   Result<void> read_element(std::string_view word) {
-    const std::string key = lower(word);
+    const std::string key = lower_case(word);
     if (!inside_solid_ && key != "solid")
       return refuse("an STL file: \"solid\", or a binary file of 84 + 50 bytes a facet",
                     quote(word));
@@ -129,12 +129,6 @@ class TextReader {
     }
     corners_.push_back(corner);
     return {};
-  }
-
-  static std::string lower(std::string_view word) {
-    std::string out(word);
-    for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return out;
   }
 
   const Input& input_;

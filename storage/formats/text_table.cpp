@@ -71,9 +71,7 @@ std::vector<std::string> parse_names(std::string_view header, Delimiter delimite
   split_row(trim(header, " \t\r#/"), delimiter, columns);
   std::vector<std::string> names;
   for (const std::string_view column : columns) {
-    std::string name(trim(column.substr(0, column.find_first_of("[(")), " \t\"'"));
-    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    names.push_back(std::move(name));
+    names.push_back(lower_case(trim(column.substr(0, column.find_first_of("[(")), " \t\"'")));
   }
   return names;
 }
