@@ -17,6 +17,9 @@ constexpr std::size_t kNumPartialViews = 42;  // of the directions that samples 
 constexpr std::size_t kFewestSeen = 100;
 constexpr float kLikeImage = 0.3F;   // distance of two images of one keypoint that are one
 constexpr float kLikeFrame = 0.25F;  // ... and of their frames, about [rad]
+// Descriptions of a keypoint: those that most views give. All, some ten, make a library twice
+// as large and find no more.
+constexpr std::size_t kMostDescriptions = 5;
 
 struct Surface {
   Points points;
@@ -57,21 +60,45 @@ class Collection {
   void add(const Descriptions& some, std::span<const std::uint32_t> points) {
     for (std::size_t k = 0; k < some.size(); ++k) {
       std::vector<std::uint32_t>& known = of_point_[points[k]];
-      const auto image =
-          std::span(some.images).subspan(k * kernels::kTriSpinSize, kernels::kTriSpinSize);
-      if (std::ranges::any_of(known, [&](std::uint32_t i) {
-            return (some.frames[k] - all_.frames[i]).norm() < kLikeFrame && alike(image, i);
-          }))
+      const auto image = image_of(some, k);
+      const auto like = std::ranges::find_if(known, [&](std::uint32_t i) {
+        return (some.frames[k] - all_.frames[i]).norm() < kLikeFrame && alike(image, i);
+      });
+      if (like != known.end()) {
+        ++num_views_[*like];
         continue;
+      }
       known.push_back(static_cast<std::uint32_t>(all_.size()));
-      all_.keypoints.push_back(some.keypoints[k]);
-      all_.frames.push_back(some.frames[k]);
-      all_.images.insert(all_.images.end(), image.begin(), image.end());
+      num_views_.push_back(1);
+      append(some, k, all_);
     }
   }
-  Descriptions take() { return std::move(all_); }
+
+  /// Those of each keypoint that most views gave, in the order in which they came.
+  Descriptions take() && {
+    std::vector<std::uint32_t> kept;
+    for (std::vector<std::uint32_t>& known : of_point_) {
+      std::ranges::stable_sort(known, std::ranges::greater(),
+                               [&](std::uint32_t i) { return num_views_[i]; });
+      known.resize(std::min(known.size(), kMostDescriptions));
+      kept.insert(kept.end(), known.begin(), known.end());
+    }
+    std::ranges::sort(kept);
+    Descriptions out;
+    for (const std::uint32_t i : kept) append(all_, i, out);
+    return out;
+  }
 
  private:
+  static std::span<const float> image_of(const Descriptions& from, std::size_t i) {
+    return std::span(from.images).subspan(i * kernels::kTriSpinSize, kernels::kTriSpinSize);
+  }
+  static void append(const Descriptions& from, std::size_t i, Descriptions& to) {
+    const auto image = image_of(from, i);
+    to.keypoints.push_back(from.keypoints[i]);
+    to.frames.push_back(from.frames[i]);
+    to.images.insert(to.images.end(), image.begin(), image.end());
+  }
   bool alike(std::span<const float> image, std::size_t i) const {
     const float* const other = all_.images.data() + i * kernels::kTriSpinSize;
     float squared = 0;
@@ -83,6 +110,7 @@ class Collection {
   }
 
   Descriptions all_;
+  std::vector<std::uint32_t> num_views_;              // that gave each
   std::vector<std::vector<std::uint32_t>> of_point_;  // descriptions of each
 };
 
@@ -130,7 +158,7 @@ Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& o
     describe_part(
         [&](std::uint32_t i) { return kernels::is_visible(surface.views[i], partial_view(v)); });
   }
-  return collection.take();
+  return std::move(collection).take();
 }
 
 }  // namespace trivet::engine
