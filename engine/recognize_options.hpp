@@ -53,7 +53,7 @@ struct MatchOptions {
   std::uint32_t max_keypoints = 10000;  ///< of more, so many spread over all are described
   kernels::FrameLimits limits{};        ///< keypoints below are left out: flat, at a border, unsure
   std::uint32_t num_neighbors = 3;      ///< features of models that each is matched with
-  std::uint32_t max_checks = 256;       ///< features that it is compared with; more are more exact
+  std::uint32_t num_lists = 4;  ///< of the index that it is looked for in; more are more exact
   /// Largest distance of matched features.
   float max_distance = std::numeric_limits<float>::infinity();
   /// Largest ratio of it to that of the nearest feature of another model or of a place farther than

@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "descriptors/descriptors.hpp"
+#include "engine/hypotheses/build_code_index.hpp"
+#include "engine/hypotheses/search_codes.hpp"
 #include "engine/progress.hpp"
-#include "kernels/spin_images/feature_forest.hpp"
+#include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
 #include "spin_images/relief.hpp"
 #include "support/reference_descriptor.hpp"
 
 namespace trivet::bench {
 namespace {
-
-using kernels::FeatureForest;
 
 constexpr std::size_t kNumSupports = 200;
 
@@ -177,9 +177,21 @@ flann::Matrix<float> as_flann(std::span<const float> vectors) {
   return {const_cast<float*>(vectors.data()), vectors.size() / d, d};  // only read
 }
 
+/// Vectors as codes with a stride, with a step that reaches as far as those of the index.
+Column<std::uint8_t> as_codes(std::span<const float> vectors) {
+  const std::size_t d = features().pool.dimension;
+  const float step = kernels::code_step_for(features().pool.features);
+  Column<std::uint8_t> codes(vectors.size()), padded(vectors.size() / d * kernels::code_stride(d));
+  kernels::encode(vectors, step, codes);
+  kernels::pad_codes(codes, d, padded);
+  return padded;
+}
+
 const auto* const kBuild = add_row("index_build/ours", [](benchmark::State& state) {
+  const Column<std::uint8_t> codes = as_codes(features().pool.features);
   for (auto _ : state)
-    benchmark::DoNotOptimize(FeatureForest(features().pool.features, features().pool.dimension));
+    benchmark::DoNotOptimize(
+        engine::build_code_lists(codes, kernels::code_stride(features().pool.dimension)));
   return features().pool.size();
 });
 
@@ -192,16 +204,28 @@ const auto* const kFlannBuild = add_row("index_build/flann", [](benchmark::State
   return features().pool.size();
 });
 
-const auto* const kQuery = add_query_row("index_query/ours", [](benchmark::State& state) {
-  const FeatureForest forest(features().pool.features, features().pool.dimension);
-  std::vector<std::uint32_t> found(kNumKeypoints);
-  std::vector<float> distances(kNumKeypoints);
-  FeatureForest::Scratch scratch;
-  const auto checks = static_cast<std::size_t>(state.range(0));
-  for (auto _ : state) forest.k_nearest(features().queries, 1, checks, found, distances, scratch);
-  report_recall(state, found);
-  return kNumKeypoints;
-});
+/// A row for each number of lists that a query is looked for in.
+const auto* const kQuery =
+    add_row("index_query/ours", [](benchmark::State& state) {
+      const std::size_t stride = kernels::code_stride(features().pool.dimension);
+      const Column<std::uint8_t> codes = as_codes(features().pool.features),
+                                 queries = as_codes(features().queries);
+      const engine::CodeLists lists = engine::build_code_lists(codes, stride);
+      Column<std::uint8_t> in_order;
+      for (const std::uint32_t i : lists.order) {
+        const auto code = std::span(codes).subspan(i * stride, stride);
+        in_order.insert(in_order.end(), code.begin(), code.end());
+      }
+      const kernels::CodeIndexView index{stride, lists.centroids, lists.offsets, in_order};
+      engine::CodeNeighbors nearest;
+      for (auto _ : state)
+        nearest = engine::search_codes(index, queries, static_cast<std::size_t>(state.range(0)), 1);
+      std::vector<std::uint32_t> found;
+      for (std::size_t q = 0; q < kNumKeypoints; ++q)
+        found.push_back(lists.order[nearest.of(q)[0].index]);
+      report_recall(state, found);
+      return kNumKeypoints;
+    }) -> Arg(1) -> Arg(4) -> Arg(8);
 
 const auto* const kFlannQuery = add_query_row("index_query/flann", [](benchmark::State& state) {
   flann::Index<flann::L2<float>> index(as_flann(features().pool.features),

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "engine/common/parallel.hpp"
+#include "engine/hypotheses/search_codes.hpp"
 #include "engine/training/describe_surface.hpp"
 #include "kernels/common/pca.hpp"
+#include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/group_matches.hpp"
 #include "kernels/spin_images/keypoints_uniform.hpp"
 #include "kernels/spin_images/salient_points.hpp"
@@ -22,8 +24,8 @@ constexpr std::size_t kSmallestGroup = 3;
 constexpr std::uint32_t kDraws = 20000;
 
 struct MatchScratch {
-  kernels::FeatureForest::Scratch forest;
-  Column<float> features;
+  Column<float> numbers;
+  Column<std::uint8_t> codes;
 };
 
 /// Leave at most so many, spread over all.
@@ -52,55 +54,44 @@ Column<std::uint32_t> find_keypoints(const SceneSample& sample, Detector detecto
   return keypoints;
 }
 
-/// The nearest features of models to those of a scene.
-struct Neighbors {
-  std::size_t per_feature = 0;
-  std::vector<std::uint32_t> indices;
-  std::vector<float> squared;
-};
-
-Neighbors find_neighbors(const TriSpinBasis& basis, const kernels::FeatureForest& forest,
-                         const Descriptions& described, const MatchOptions& options) {
-  const bool needs_ratio = options.max_ratio < 1 || options.weigh_by_ratio;
-  const std::size_t n = described.size(), k = basis.components.size();
-  Neighbors found;
-  found.per_feature = options.num_neighbors + (needs_ratio ? kMoreForRatio : 0);
-  found.indices.resize(n * found.per_feature);
-  found.squared.resize(n * found.per_feature);
+/// Images in the library's components, as codes with the index's stride.
+Column<std::uint8_t> encode_images(const TriSpinBasis& basis, std::span<const float> images) {
+  const std::size_t n = images.size() / kernels::kTriSpinSize, k = basis.components.size();
+  const std::size_t stride = kernels::code_stride(k);
+  Column<std::uint8_t> padded(n * stride);
   PerThread<MatchScratch> per_thread;
   for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
     MatchScratch& scratch = per_thread.local();
-    scratch.features.resize(count * k);
+    scratch.numbers.resize(count * k);
+    scratch.codes.resize(count * k);
     kernels::project(basis.components,
-                     std::span(described.images)
-                         .subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
-                     scratch.features);
-    const auto rows = [&](auto& all) {
-      return std::span(all).subspan(first * found.per_feature, count * found.per_feature);
-    };
-    forest.k_nearest(scratch.features, found.per_feature, options.max_checks, rows(found.indices),
-                     rows(found.squared), scratch.forest);
+                     images.subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
+                     scratch.numbers);
+    kernels::encode(scratch.numbers, basis.code_step, scratch.codes);
+    kernels::pad_codes(scratch.codes, k, std::span(padded).subspan(first * stride, count * stride));
   });
-  return found;
+  return padded;
 }
 
 /// The distance of a feature's neighbor by that of its nearest one of another model or place; of
 /// the farthest known where all are of this place.
 ///
 /// neighbors  of the feature, from the nearest on
-float ratio_to_other_place(const FeatureLevel& level, std::span<const std::uint32_t> neighbors,
-                           std::span<const float> squared, std::size_t of, float place) {
-  const std::uint32_t i = neighbors[of];
-  float other = squared[of];
-  for (std::size_t k = 0; k < neighbors.size(); ++k) {
-    const std::uint32_t j = neighbors[k];
-    if (j == kernels::FeatureForest::kNone) break;
-    other = squared[k];
+float ratio_to_other_place(const FeatureLevel& level,
+                           std::span<const kernels::CodeNeighbor> neighbors, std::size_t of,
+                           float place) {
+  const std::uint32_t i = neighbors[of].index;
+  const auto squared = static_cast<float>(neighbors[of].squared);
+  float other = squared;
+  for (const kernels::CodeNeighbor& neighbor : neighbors) {
+    const std::uint32_t j = neighbor.index;
+    if (j == kernels::CodeNeighbor::kNone) break;
+    other = static_cast<float>(neighbor.squared);
     if (level.model[j] != level.model[i] ||
         (level.keypoints[j] - level.keypoints[i]).norm() > place)
       break;
   }
-  return other > squared[of] ? std::sqrt(squared[of] / other) : 1;
+  return other > squared ? std::sqrt(squared / other) : 1;
 }
 
 }  // namespace
@@ -121,18 +112,17 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
   Descriptions described;
   describe_surface(sample.points, sample.normals, keypoints, support, options.limits, described);
 
-  const Neighbors found = find_neighbors(basis, level.forest, described, options);
-  const std::size_t k = found.per_feature;
+  const bool needs_ratio = options.max_ratio < 1 || options.weigh_by_ratio;
+  const CodeNeighbors found =
+      search_codes(level.index(), encode_images(basis, described.images), options.num_lists,
+                   options.num_neighbors + (needs_ratio ? kMoreForRatio : 0));
   for (std::uint32_t s = 0; s < described.size(); ++s) {
-    const auto neighbors = std::span(found.indices).subspan(s * k, k);
-    const auto squared = std::span(found.squared).subspan(s * k, k);
+    const std::span<const kernels::CodeNeighbor> neighbors = found.of(s);
     for (std::size_t of = 0; of < options.num_neighbors; ++of) {
-      const std::uint32_t i = neighbors[of];
-      if (i == kernels::FeatureForest::kNone || std::sqrt(squared[of]) > options.max_distance)
-        break;
-      const float ratio = k == options.num_neighbors
-                              ? 0
-                              : ratio_to_other_place(level, neighbors, squared, of, support / 2);
+      const std::uint32_t i = neighbors[of].index;
+      const float distance = std::sqrt(static_cast<float>(neighbors[of].squared)) * basis.code_step;
+      if (i == kernels::CodeNeighbor::kNone || distance > options.max_distance) break;
+      const float ratio = needs_ratio ? ratio_to_other_place(level, neighbors, of, support / 2) : 0;
       if (options.max_ratio < 1 && ratio > options.max_ratio) continue;
       const float votes = options.weigh_by_ratio ? 1 - ratio : 1;
       if (!(votes > 0)) continue;

@@ -319,12 +319,13 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .label = "features that each is matched with",
            .help = "Features of models that each feature is matched with",
            .range = {1, 10}}),
-      declare<TRIVET_FIELD(match.max_checks)>(
-          {.name = "max-checks",
-           .group = kMatching,
-           .label = "features that each is compared with",
-           .help = "Features that each feature is compared with; more are slower and more exact",
-           .range = {1, kAny}}),
+      declare<TRIVET_FIELD(match.num_lists)>({.name = "match-lists",
+                                              .group = kMatching,
+                                              .label = "lists of the index looked into",
+                                              .help = "Lists of some 2,000 features of models that "
+                                                      "each feature is compared with; more are "
+                                                      "slower and more exact",
+                                              .range = {1, kAny}}),
       declare<TRIVET_FIELD(match.max_distance)>({.name = "max-distance",
                                                  .group = kMatching,
                                                  .label = "largest distance of matches",

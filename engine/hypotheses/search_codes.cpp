@@ -1,0 +1,83 @@
+#include "engine/hypotheses/search_codes.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "engine/common/parallel.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kQueryGrain = 64;
+constexpr std::size_t kTile = 1024;  // codes that are compared with a query at a time
+
+/// (query, probe) pairs by list.
+struct Visits {
+  std::vector<std::uint32_t> offsets;  // by list
+  std::vector<std::uint32_t> slots;    // query * probes + probe, rising in each list
+};
+
+Visits visits_of(std::span<const std::uint32_t> lists, std::size_t num_lists) {
+  Visits visits;
+  visits.offsets.assign(num_lists + 1, 0);
+  for (const std::uint32_t list : lists) ++visits.offsets[list];
+  (void)counts_to_offsets(visits.offsets);
+  visits.slots.resize(lists.size());
+  std::vector<std::uint32_t> next(visits.offsets.begin(), visits.offsets.end() - 1);
+  for (std::uint32_t slot = 0; slot < lists.size(); ++slot)
+    visits.slots[next[lists[slot]]++] = slot;
+  return visits;
+}
+
+}  // namespace
+
+CodeNeighbors search_codes(const kernels::CodeIndexView& index,
+                           std::span<const std::uint8_t> queries, std::size_t probes,
+                           std::size_t num_neighbors) {
+  using kernels::CodeNeighbor;
+  assert(index.size() > 0);
+  const std::size_t stride = index.stride, n = queries.size() / stride;
+  const std::size_t num_lists = index.num_lists(), visited = std::min(probes, num_lists);
+  const auto query = [&](std::size_t q) { return queries.subspan(q * stride, stride); };
+
+  PerThread<Column<std::uint32_t>> scratch(
+      [&] { return Column<std::uint32_t>(std::max(num_lists, kTile)); });
+  PerThread<std::vector<CodeNeighbor>> nearest([&] { return std::vector<CodeNeighbor>(visited); });
+  std::vector<std::uint32_t> lists(n * visited);
+  for_chunks(n, kQueryGrain, [&](std::size_t first, std::size_t count) {
+    std::vector<CodeNeighbor>& best = nearest.local();
+    for (std::size_t q = first; q < first + count; ++q) {
+      kernels::nearest_lists(index, query(q), std::span(scratch.local()).first(num_lists), best);
+      for (std::size_t p = 0; p < visited; ++p) lists[q * visited + p] = best[p].index;
+    }
+  });
+
+  const Visits visits = visits_of(lists, num_lists);
+  std::vector<CodeNeighbor> of_visit(lists.size() * num_neighbors);
+  for_each_index(num_lists, [&](std::size_t l) {
+    const std::size_t end = index.offsets[l + 1];
+    for (std::size_t first = index.offsets[l]; first < end; first += kTile) {
+      const std::size_t count = std::min(kTile, end - first);
+      const std::span squared = std::span(scratch.local()).first(count);
+      for (std::size_t v = visits.offsets[l]; v < visits.offsets[l + 1]; ++v) {
+        const std::size_t slot = visits.slots[v];
+        kernels::code_distances(query(slot / visited),
+                                index.codes.subspan(first * stride, count * stride), squared);
+        kernels::keep_nearest(squared, static_cast<std::uint32_t>(first),
+                              std::span(of_visit).subspan(slot * num_neighbors, num_neighbors));
+      }
+    }
+  });
+
+  CodeNeighbors found{num_neighbors, std::vector<CodeNeighbor>(n * num_neighbors)};
+  for_chunks(n, kQueryGrain, [&](std::size_t first, std::size_t count) {
+    for (std::size_t q = first; q < first + count; ++q) {
+      std::ranges::partial_sort_copy(
+          std::span(of_visit).subspan(q * visited * num_neighbors, visited * num_neighbors),
+          std::span(found.all).subspan(q * num_neighbors, num_neighbors));
+    }
+  });
+  return found;
+}
+
+}  // namespace trivet::engine

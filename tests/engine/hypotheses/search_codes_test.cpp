@@ -1,0 +1,112 @@
+#include "engine/hypotheses/search_codes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/hypotheses/build_code_index.hpp"
+#include "engine/progress.hpp"
+#include "support/random.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kStride = 64;
+
+/// Codes in clusters, as features are.
+Column<std::uint8_t> clustered(test::Random& random, std::size_t n, std::size_t num_clusters) {
+  Column<std::uint8_t> centers(num_clusters * kStride), codes;
+  for (std::uint8_t& c : centers) c = static_cast<std::uint8_t>(60 + random.below(136));
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t at = random.below(static_cast<std::uint32_t>(num_clusters)) * kStride;
+    for (std::size_t j = 0; j < kStride; ++j)
+      codes.push_back(static_cast<std::uint8_t>(centers[at + j] + random.below(41) - 20));
+  }
+  return codes;
+}
+
+/// An index over codes, with these in the order of its lists.
+struct Indexed {
+  explicit Indexed(std::span<const std::uint8_t> codes) : lists(build_code_lists(codes, kStride)) {
+    for (const std::uint32_t i : lists.order) {
+      const auto code = codes.subspan(i * kStride, kStride);
+      in_order.insert(in_order.end(), code.begin(), code.end());
+    }
+  }
+  kernels::CodeIndexView view() const {
+    return {kStride, lists.centroids, lists.offsets, in_order};
+  }
+  CodeLists lists;
+  Column<std::uint8_t> in_order;
+};
+
+class SearchCodes : public testing::Test {
+ protected:
+  SearchCodes() {
+    test::Random random;
+    codes_ = clustered(random, 30000, 400);
+    queries_.assign(codes_.begin(), codes_.begin() + 200 * kStride);
+    for (std::uint8_t& q : queries_) q = static_cast<std::uint8_t>(q + random.below(21) - 10);
+  }
+  std::vector<kernels::CodeNeighbor> exact(const Indexed& index, std::size_t q,
+                                           std::size_t k) const {
+    std::vector<std::uint32_t> squared(index.view().size());
+    kernels::code_distances(std::span(queries_).subspan(q * kStride, kStride), index.in_order,
+                            squared);
+    std::vector<kernels::CodeNeighbor> nearest(k);
+    kernels::keep_nearest(squared, 0, nearest);
+    return nearest;
+  }
+  Column<std::uint8_t> codes_, queries_;
+};
+
+TEST_F(SearchCodes, EachCodeStandsOnceInTheListOfItsNearestCentroid) {
+  const Indexed index(codes_);
+  EXPECT_EQ(index.view().num_lists(), 15U);
+  std::vector<std::uint32_t> all = index.lists.order, distances(index.view().num_lists());
+  for (std::uint32_t l = 0; l < index.view().num_lists(); ++l) {
+    for (std::uint32_t at = index.lists.offsets[l]; at < index.lists.offsets[l + 1]; at += 97) {
+      EXPECT_EQ(l,
+                kernels::nearest_centroid(std::span(index.in_order).subspan(at * kStride, kStride),
+                                          index.lists.centroids, distances));
+    }
+  }
+  std::ranges::sort(all);
+  for (std::uint32_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i], i);
+}
+
+TEST_F(SearchCodes, IsExactWhenAllListsAreSearched) {
+  const Indexed index(codes_);
+  const CodeNeighbors found = search_codes(index.view(), queries_, 100, 5);
+  for (std::size_t q = 0; q < 200; ++q)
+    EXPECT_TRUE(std::ranges::equal(found.of(q), exact(index, q, 5))) << q;
+}
+
+TEST_F(SearchCodes, FindsMostInAFewLists) {
+  const Indexed index(codes_);
+  const CodeNeighbors found = search_codes(index.view(), queries_, 3, 1);
+  std::size_t right = 0;
+  for (std::size_t q = 0; q < 200; ++q) right += found.of(q)[0] == exact(index, q, 1)[0];
+  EXPECT_GT(right, 190U);
+}
+
+TEST_F(SearchCodes, TellsWhereThereIsNoNeighbor) {
+  const Indexed index{std::span(codes_).first(2 * kStride)};
+  const CodeNeighbors found = search_codes(index.view(), queries_, 4, 3);
+  for (std::size_t q = 0; q < 200; ++q) {
+    EXPECT_NE(found.of(q)[1].index, kernels::CodeNeighbor::kNone);
+    EXPECT_EQ(found.of(q)[2].index, kernels::CodeNeighbor::kNone);
+  }
+}
+
+TEST_F(SearchCodes, GivesTheSameBytesForAnyNumberOfThreads) {
+  const auto all = [&](unsigned threads) {
+    const ThreadLimit limit(threads);
+    const Indexed index(codes_);
+    return search_codes(index.view(), queries_, 4, 10).all;
+  };
+  EXPECT_EQ(all(1), all(2));
+}
+
+}  // namespace
+}  // namespace trivet::engine
