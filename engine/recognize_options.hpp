@@ -87,8 +87,16 @@ struct VerifyStageOptions {
 /// What doubtful_score is set to for curves over the score and for files that take every pose.
 inline constexpr float kLowestKeptScore = 0.1F;
 
+/// How the models of a library share the work.
+enum class Search : std::uint8_t {
+  automatic,   ///< large libraries within a budget, small ones exhaustively
+  exhaustive,  ///< each model on its own
+};
+
 struct RecognizeOptions {
   Method method = Method::fused;
+  Search search = Search::automatic;
+  float budget = 1;  ///< of searching large libraries: all counts of work are multiplied by it
   /// Radius of the windows that normals are fitted to, in mean spacings of the scan's points;
   /// absent: as wide as the scene's noise asks for, 2 to 7.
   std::optional<float> normal_window{};
@@ -116,6 +124,8 @@ struct RecognizeOptions {
   bool operator==(const RecognizeOptions&) const = default;
 };
 
+template <>
+std::span<const Choice> choices_of<Search>();
 template <>
 std::span<const Choice> choices_of<Detector>();
 template <>

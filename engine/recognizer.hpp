@@ -14,7 +14,8 @@ namespace trivet {
 
 namespace engine {
 struct FeatureLevel;
-}
+struct Sibling;
+}  // namespace engine
 
 /// A library, and the surfaces of its models that rays can be shot at. One serves any number of
 /// scenes and threads at the same time.
@@ -33,16 +34,20 @@ class Recognizer {
   const Result<kernels::RayScene>& surface(std::uint32_t model) const;
   /// The Tri-Spin-Images of all models, indexed when they are first asked for.
   const std::vector<engine::FeatureLevel>& features() const;
+  /// Models that look like this one, found when they are first asked for.
+  const std::vector<engine::Sibling>& siblings(std::uint32_t model) const;
   /// Build all that would be built when it is first asked for, so that no scene waits for it.
   void build_all() const;
 
  private:
   struct Surface;
   struct Features;
+  struct Siblings;
   Library library_;
   kernels::ScoreModel score_;
   std::unique_ptr<Surface[]> surfaces_;
   std::unique_ptr<Features> features_;
+  std::unique_ptr<Siblings[]> siblings_;
 };
 
 }  // namespace trivet

@@ -15,6 +15,10 @@ constexpr std::array<Choice, 3> kMethods{{
     {"ppf", "votes of point pairs (Drost et al., CVPR 2010)"},
     {"trisi", "matches of Tri-Spin-Images (Guo et al., GRAPP 2013)"},
 }};
+constexpr std::array<Choice, 2> kSearches{{
+    {"automatic", "within a budget for the scene where a library has more than 30 models"},
+    {"exhaustive", "each model on its own, whatever it costs: the reference"},
+}};
 constexpr std::array<Choice, 3> kDetectors{{
     {"uniform", "spread evenly"},
     {"iss", "intrinsic shape signatures"},
@@ -31,6 +35,10 @@ constexpr std::array<Choice, 3> kGroupings{{
 template <>
 std::span<const Choice> choices_of<Method>() {
   return kMethods;
+}
+template <>
+std::span<const Choice> choices_of<Search>() {
+  return kSearches;
 }
 template <>
 std::span<const Choice> choices_of<Detector>() {
@@ -180,6 +188,16 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .unset_help = "any",
            .length = 7,
            .place = OptionPlace::not_in_studies}),
+      declare<TRIVET_FIELD(search)>({.name = "search",
+                                     .group = kSearch,
+                                     .label = "search",
+                                     .help = "How the models share the work"}),
+      declare<TRIVET_FIELD(budget)>(
+          {.name = "budget",
+           .group = kSearch,
+           .label = "budget of a scene",
+           .help = "Work on a scene that large libraries may cost; more is slower and finds more",
+           .range = {0.05, 100}}),
       declare<TRIVET_FIELD(pose.rounds)>(
           {.name = "rounds",
            .group = kSearch,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/hypotheses/feature_library.hpp"
+#include "engine/hypotheses/find_siblings.hpp"
 #include "kernels/surfaces/visibility.hpp"
 
 namespace trivet {
@@ -20,11 +21,17 @@ struct Recognizer::Features {
   std::vector<engine::FeatureLevel> levels;
 };
 
+struct Recognizer::Siblings {
+  tbb::collaborative_once_flag once;
+  std::vector<engine::Sibling> models;
+};
+
 Recognizer::Recognizer(Library library, const kernels::ScoreModel& score)
     : library_(std::move(library)),
       score_(score),
       surfaces_(new Surface[library_.models.size()]),
-      features_(new Features) {}
+      features_(new Features),
+      siblings_(new Siblings[library_.models.size()]) {}
 Recognizer::Recognizer(Recognizer&&) noexcept = default;
 Recognizer& Recognizer::operator=(Recognizer&&) noexcept = default;
 Recognizer::~Recognizer() = default;
@@ -47,6 +54,13 @@ const std::vector<engine::FeatureLevel>& Recognizer::features() const {
   tbb::collaborative_call_once(features_->once,
                                [&] { features_->levels = engine::index_features(library_); });
   return features_->levels;
+}
+
+const std::vector<engine::Sibling>& Recognizer::siblings(std::uint32_t model) const {
+  Siblings& siblings = siblings_[model];
+  tbb::collaborative_call_once(
+      siblings.once, [&] { siblings.models = engine::find_siblings(library_, features(), model); });
+  return siblings.models;
 }
 
 void Recognizer::build_all() const {

@@ -1,18 +1,22 @@
 #include "engine/recognition/search_scene.hpp"
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <utility>
 
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
+#include "engine/hypotheses/find_siblings.hpp"
 #include "engine/hypotheses/match_features.hpp"
+#include "engine/recognition/search_budget.hpp"
 #include "engine/recognition/stage_options.hpp"
 #include "engine/verification/other_answers.hpp"
+#include "engine/verification/pose_pool.hpp"
 #include "engine/verification/select_detections.hpp"
 #include "engine/verification/settle_alternatives.hpp"
-#include "engine/verification/settle_model.hpp"
+#include "engine/verification/settle_rivals.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -21,6 +25,7 @@ namespace {
 /// what they leave over holds fewer objects: from 0.8 to 0.9, 28 of 35 such detections on 400
 /// rendered scenes were right, and 71 of 76 of the others.
 constexpr float kOddsBesideVotes = 0.55F;
+constexpr float kClimbsFrom = 0.5F;  // score of a candidate whose siblings are tested
 
 /// Only references whose model could lie within the limits vote.
 void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, float reach,
@@ -35,6 +40,14 @@ void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, f
   });
 }
 
+std::vector<bool> wanted_models(const Library& library, const ModelGroups& groups) {
+  std::vector<bool> wanted(library.models.size(), false);
+  for (const auto& [step, models] : groups) {
+    for (const std::uint32_t m : models) wanted[m] = true;
+  }
+  return wanted;
+}
+
 class SceneSearch {
  public:
   /// All arguments are referred to.
@@ -47,8 +60,12 @@ class SceneSearch {
         options_(options),
         settle_options_(settle_options(options)),
         select_options_(select_options(options)),
+        wanted_(wanted_models(library_, groups)),
+        budget_(budget_of(options, library_,
+                          static_cast<std::size_t>(std::ranges::count(wanted_, true)))),
         stop_(stop),
-        stats_(stats) {}
+        stats_(stats),
+        pool_(recognizer, scene, settle_options_, stop, stats.times) {}
 
   Result<SearchResult> run() &&;
 
@@ -63,7 +80,10 @@ class SceneSearch {
   SceneSample sample(float step, std::span<const std::uint32_t> models) const;
 
   /// Verify what is proposed, and select anew among all candidates.
-  Result<void> settle(const AllProposals& proposals);
+  Result<void> settle(AllProposals proposals);
+  Result<void> take_in(Result<std::vector<Candidate>> tested);
+  /// Test what looks like the candidates that were taken in their place.
+  Result<void> test_siblings();
 
   /// What the detections claim as they were taken, since alternatives change scores and move poses,
   /// and what was one too many.
@@ -88,11 +108,15 @@ class SceneSearch {
   const RecognizeOptions& options_;
   const SettleOptions settle_options_;
   const SelectOptions select_options_;
+  const std::vector<bool> wanted_;            // by model of the library
+  const std::optional<SearchBudget> budget_;  // none: every model on its own
   const std::stop_token& stop_;
   SceneStats& stats_;
+  PosePool pool_;
   std::vector<SceneSample> samples_;   // one a group of models, from the first round on
   std::vector<SceneMatches> matches_;  // one a level of features, once they are matched
   bool matched_ = false;
+  std::set<std::uint32_t> climbed_;    // candidates whose siblings were tested
   std::vector<Candidate> candidates_;  // of all rounds
   Selection selection_;                // among them
 };
@@ -126,6 +150,14 @@ SceneSearch::AllProposals SceneSearch::propose_expected() const {
 SceneSearch::AllProposals SceneSearch::propose(std::uint32_t round) {
   AllProposals proposals(library_.models.size());
   const bool fused = options_.method == Method::fused;
+  if (budget_) {
+    if (round == 0) {
+      match(proposals);
+    } else if (fused) {
+      vote(round, proposals);
+    }
+    return proposals;
+  }
   if (fused || options_.method == Method::ppf) vote(round, proposals);
   // What votes find in the first round need not be described.
   if (options_.method == Method::trisi || (fused && round > 0)) match(proposals);
@@ -133,7 +165,11 @@ SceneSearch::AllProposals SceneSearch::propose(std::uint32_t round) {
 }
 
 void SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
-  const VoteOptions& options = round == 0 ? options_.vote : options_.later;
+  VoteOptions options = round == 0 || budget_ ? options_.vote : options_.later;
+  if (budget_) {
+    options.reference_share = budget_->reference_share;
+    options.max_votes = std::min(options.max_votes, budget_->max_votes);
+  }
   const std::vector<std::pair<float, std::vector<std::uint32_t>>> sizes(groups_.begin(),
                                                                         groups_.end());
   std::vector<SceneLevel> levels(sizes.size());
@@ -141,7 +177,7 @@ void SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
     const StageTimer timer(stats_.times, "subsample");
     samples_.resize(sizes.size());
     for_each_index(sizes.size(), [&](std::size_t k) {
-      if (round == 0) samples_[k] = sample(sizes[k].first, sizes[k].second);
+      if (samples_[k].points.size() == 0) samples_[k] = sample(sizes[k].first, sizes[k].second);
       levels[k] = choose_voters(scene_, samples_[k], options, selection_.explained);
       drop_far_references(options_.limits, scene_, samples_[k].largest_diameter, levels[k]);
     });
@@ -164,14 +200,23 @@ void SceneSearch::match(AllProposals& proposals) {
     wanted.insert(wanted.end(), models.begin(), models.end());
   std::ranges::sort(wanted);
   const StageTimer timer(stats_.times, "match");
+  MatchOptions options = options_.match;
+  float finest = 0;
+  if (budget_) {
+    options.num_neighbors = std::max(options.num_neighbors, budget_->num_neighbors);
+    options.num_lists = std::max(options.num_lists, budget_->num_lists);
+    finest = std::max(budget_->finest_spacing * scene_.spacing,
+                      budget_->finest_noise * scene_.sensor.noise);
+  }
   if (!std::exchange(matched_, true)) {
     for (const FeatureLevel& level : recognizer_.features()) {
+      if (level.resolution < finest) continue;
       std::vector<std::uint32_t> models;
       std::ranges::set_intersection(level.models, wanted, std::back_inserter(models));
       if (models.empty()) continue;
       matches_.push_back(match_features(library_.basis, level, scene_,
                                         sample(level.resolution, models), selection_.explained,
-                                        options_.match));
+                                        options));
     }
   }
   for (const SceneMatches& matches : matches_) {
@@ -189,22 +234,55 @@ SceneSample SceneSearch::sample(float step, std::span<const std::uint32_t> model
   return sample_scene(scene_, step, largest, large_planes(options_));
 }
 
-Result<void> SceneSearch::settle(const AllProposals& proposals) {
+Result<void> SceneSearch::settle(AllProposals proposals) {
+  std::vector<ModelProposals> proposed;
   for (std::uint32_t m = 0; m < proposals.size(); ++m) {
-    if (proposals[m].empty()) continue;
-    if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
-    const float step = library_.models[m].ppf.quantization.distance_step;
-    Result<SettledModel> settled =
-        settle_model(recognizer_, m, scene_, step, proposals[m], settle_options_, stats_.times);
-    if (!settled) return settled.error();
-    stats_.num_hypotheses += settled->num_hypotheses;
-    stats_.num_refined += settled->num_refined;
-    stats_.num_examined += settled->num_examined;
-    std::ranges::move(settled->candidates, std::back_inserter(candidates_));
+    if (!proposals[m].empty()) proposed.push_back({m, std::move(proposals[m])});
   }
+  const PoseBudget poses = budget_ ? budget_->poses : PoseBudget{};
+  pool_.add(proposed, poses);
+  const std::uint32_t passes = budget_ ? budget_->passes : 1;
+  for (std::uint32_t pass = 0; pass < passes; ++pass) {
+    if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
+    std::span<const std::uint8_t> explained;
+    if (budget_) explained = selection_.explained;
+    if (const Result<void> taken = take_in(pool_.test_best(poses, explained)); !taken) return taken;
+    for (std::uint32_t climb = 0; budget_ && climb < budget_->climbs; ++climb) {
+      if (const Result<void> tested = test_siblings(); !tested) return tested;
+    }
+  }
+  stats_.num_hypotheses = pool_.num_looked_at();
+  stats_.num_refined = pool_.num_refined();
+  stats_.num_examined = pool_.num_examined();
+  return {};
+}
+
+Result<void> SceneSearch::take_in(Result<std::vector<Candidate>> tested) {
+  if (!tested) return tested.error();
+  std::ranges::move(*tested, std::back_inserter(candidates_));
   const StageTimer timer(stats_.times, "select");
   selection_ = select_detections(library_, scene_, candidates_, select_options_);
   return {};
+}
+
+Result<void> SceneSearch::test_siblings() {
+  std::vector<std::uint32_t> from;
+  for (const std::uint32_t c : selection_.chosen) {
+    if (candidates_[c].score > kClimbsFrom && climbed_.insert(c).second) from.push_back(c);
+  }
+  if (from.empty()) return {};
+  std::vector<std::vector<SuggestedPose>> suggested(from.size());
+  {
+    const StageTimer timer(stats_.times, "match");
+    for_each_index(from.size(), [&](std::size_t k) {
+      const Candidate& candidate = candidates_[from[k]];
+      for (const Sibling& sibling : recognizer_.siblings(candidate.model)) {
+        if (!wanted_[sibling.model]) continue;
+        suggested[k].push_back({sibling.model, candidate.T_scene_model * sibling.T_model_sibling});
+      }
+    });
+  }
+  return take_in(pool_.test(suggested, budget_->siblings));
 }
 
 Result<SearchResult> SceneSearch::conclude() {
@@ -213,6 +291,13 @@ Result<SearchResult> SceneSearch::conclude() {
   std::vector<std::pair<std::uint32_t, Candidate>> refused;
   // Those that are kept beside what is reported come from the first choice alone.
   float least = options_.doubtful_score.value_or(options_.min_score);
+  if (compares_alternatives(options_)) {
+    const StageTimer timer(stats_.times, "alternatives");
+    if (const Result<void> settled =
+            settle_rivals(recognizer_, scene_, candidates_, settle_options_.test, selection_);
+        !settled)
+      return settled.error();
+  }
   std::vector<std::uint32_t> next = selection_.chosen;
   while (!next.empty()) {
     Result<std::vector<Candidate>> settled = hold_against_alternatives(next);
@@ -263,13 +348,15 @@ Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives(
   for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
   if (compares_alternatives(options_)) {
     const PoseTestOptions& test = settle_options_.test;
-    const OtherAnswers others(recognizer_, scene_, candidates_, select_options_, test);
+    const Result<OtherAnswers> others =
+        OtherAnswers::among(recognizer_, scene_, candidates_, select_options_, test);
+    if (!others) return others.error();
     std::vector<Result<void>> results(chosen.size());
     for_each_index(chosen.size(), [&](std::size_t k) {
       const Model& model = library_.models[settled[k].model];
       results[k] = settle_alternatives(recognizer_, scene_, model.ppf.quantization.distance_step,
                                        candidates_, test, settled[k]);
-      if (results[k]) results[k] = others.weigh(chosen[k], settled[k]);
+      if (results[k]) results[k] = others->weigh(chosen[k], settled[k]);
     });
     for (const Result<void>& result : results) {
       if (!result) return result.error();
@@ -282,7 +369,7 @@ Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives(
 }
 
 bool SceneSearch::is_beside_votes(const Candidate& candidate) const {
-  return options_.method == Method::fused && candidate.source == Source::trisi &&
+  return !budget_ && options_.method == Method::fused && candidate.source == Source::trisi &&
          !library_.models[candidate.model].ppf.entries.empty();
 }
 

@@ -3,8 +3,8 @@
 
 #include "engine/hypotheses/prepare_scene.hpp"
 #include "engine/recognize.hpp"
+#include "engine/verification/model_stages.hpp"
 #include "engine/verification/select_detections.hpp"
-#include "engine/verification/settle_model.hpp"
 
 namespace trivet::engine {
 

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
+#include "engine/verification/settle_rivals.hpp"
 #include "kernels/verification/compare_poses.hpp"
 
 namespace trivet::engine {
@@ -45,15 +47,25 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept {
   return static_cast<float>(1 / (1 + doubts / (1 + sure) / kCrowd));
 }
 
+Result<OtherAnswers> OtherAnswers::among(const Recognizer& recognizer, const PreparedScene& scene,
+                                         std::span<const Candidate> candidates,
+                                         const SelectOptions& select, const PoseTestOptions& test) {
+  Selection selection =
+      select_detections(recognizer.library(), scene, candidates, down_to_answers(select));
+  if (const Result<void> settled = settle_rivals(recognizer, scene, candidates, test, selection);
+      !settled)
+    return settled.error();
+  return OtherAnswers(recognizer, scene, candidates, test, std::move(selection));
+}
+
 OtherAnswers::OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
-                           std::span<const Candidate> candidates, const SelectOptions& select,
-                           const PoseTestOptions& test)
+                           std::span<const Candidate> candidates, const PoseTestOptions& test,
+                           Selection selection)
     : recognizer_(recognizer),
       scene_(scene),
       candidates_(candidates),
       test_(test),
-      selection_(
-          select_detections(recognizer.library(), scene, candidates, down_to_answers(select))),
+      selection_(std::move(selection)),
       answers_(recognizer.library().models.size()) {
   for (const std::uint32_t c : selection_.chosen) answers_[candidates[c].model].push_back(c);
 }

@@ -25,10 +25,10 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept;
 /// Answers that were selected down to doubtful ones, and what they hide.
 class OtherAnswers {
  public:
-  /// All arguments are referred to.
-  OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
-               std::span<const Candidate> candidates, const SelectOptions& select,
-               const PoseTestOptions& test);
+  /// All arguments are referred to. Errors: internal (no memory for a model's ray-tracing tree).
+  static Result<OtherAnswers> among(const Recognizer& recognizer, const PreparedScene& scene,
+                                    std::span<const Candidate> candidates,
+                                    const SelectOptions& select, const PoseTestOptions& test);
 
   /// Lower the score of a candidate by the crowd of other answers of its model, and by its
   /// siblings: other models that claim the same pixels with at least half its score, be they hidden
@@ -41,6 +41,9 @@ class OtherAnswers {
   Result<void> weigh(std::uint32_t index, Candidate& candidate) const;
 
  private:
+  OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
+               std::span<const Candidate> candidates, const PoseTestOptions& test,
+               Selection selection);
   Result<void> share_with_siblings(std::uint32_t index, Candidate& candidate) const;
 
   const Recognizer& recognizer_;

@@ -15,7 +15,9 @@ namespace trivet::engine {
 /// symmetry leads to, and `candidates` of the same model in the same place. It moves to the turn
 /// and the alternative that the scan speaks for, by the pixels where the renderings differ
 /// (kernels::compare_turns, kernels::compare_poses); alternatives that are not significantly worse
-/// are noted, and lower its score if its shape does not explain them. `step` as for settle_model.
+/// are noted, and lower its score if its shape does not explain them.
+///
+/// step  of the points that voted [library unit]
 /// Errors: internal (no memory for the model's ray-tracing tree).
 Result<void> settle_alternatives(const Recognizer& recognizer, const PreparedScene& scene,
                                  float step, std::span<const Candidate> candidates,

@@ -1,0 +1,80 @@
+#include "engine/hypotheses/find_siblings.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "engine/hypotheses/search_codes.hpp"
+#include "kernels/verification/cluster_poses.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kQueries = 300;    // features of the model, spread over it
+constexpr std::size_t kLists = 8;        // that each is looked for in
+constexpr std::size_t kNeighbors = 100;  // hundreds of look-alikes share them
+constexpr std::size_t kOfAModel = 2;     // matches of a query with one other model
+constexpr float kFewestMatches = 3;      // that make a sibling
+constexpr std::size_t kMostSiblings = 40;
+constexpr float kClusterTranslation = 0.1F;   // [diameters]
+constexpr float kClusterRotationRad = 0.26F;  // 15 degrees
+
+/// Where the other models lie by each match, by model.
+using Poses = std::map<std::uint32_t, std::vector<kernels::Hypothesis>>;
+
+Poses poses_by_matches(const FeatureLevel& level, const TriSpinFeatures& own, std::uint32_t model) {
+  const std::size_t k = own.num_components, n = own.size(), num = std::min(n, kQueries);
+  std::vector<std::size_t> rows;
+  Column<std::uint8_t> codes;
+  for (std::size_t q = 0; q < num; ++q) {
+    rows.push_back(q * n / num);
+    const auto code = std::span(own.codes).subspan(rows.back() * k, k);
+    codes.insert(codes.end(), code.begin(), code.end());
+  }
+  Column<std::uint8_t> queries(num * kernels::code_stride(k));
+  kernels::pad_codes(codes, k, queries);
+  const CodeNeighbors nearest = search_codes(level.index(), queries, kLists, kNeighbors);
+  Poses poses;
+  for (std::size_t q = 0; q < num; ++q) {
+    const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> frame(
+        own.frames[rows[q]].data());
+    std::map<std::uint32_t, std::size_t> matched;
+    for (const kernels::CodeNeighbor& neighbor : nearest.of(q)) {
+      const std::uint32_t i = neighbor.index;
+      if (i == kernels::CodeNeighbor::kNone) break;
+      const std::uint32_t other = level.model[i];
+      if (other == model || ++matched[other] > kOfAModel) continue;
+      Pose pose = Pose::Identity();
+      pose.linear() = frame.transpose() * level.frames[i];
+      pose.translation() = own.keypoints[rows[q]] - pose.linear() * level.keypoints[i];
+      poses[other].push_back({pose, 1});
+    }
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<Sibling> find_siblings(const Library& library, const std::vector<FeatureLevel>& levels,
+                                   std::uint32_t model) {
+  const Model& own = library.models[model];
+  const auto level = std::ranges::find(levels, own.features.resolution, &FeatureLevel::resolution);
+  if (level == levels.end() || own.features.size() == 0) return {};
+  std::vector<std::pair<float, Sibling>> found;
+  for (const auto& [other, poses] : poses_by_matches(*level, own.features, model)) {
+    const Model& sibling = library.models[other];
+    for (const kernels::Hypothesis& cluster :
+         kernels::cluster_poses(poses, sibling.symmetry, sibling.center,
+                                {kClusterTranslation * own.diameter, kClusterRotationRad, 2})) {
+      if (cluster.votes >= kFewestMatches)
+        found.emplace_back(cluster.votes, Sibling{other, cluster.T_scene_model});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  found.resize(std::min(found.size(), kMostSiblings));
+  std::vector<Sibling> siblings;
+  for (const auto& [votes, sibling] : found) siblings.push_back(sibling);
+  return siblings;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,217 @@
+#include "engine/verification/pose_pool.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "engine/common/parallel.hpp"
+
+namespace trivet::engine {
+namespace {
+
+struct PooledPose {
+  const ModelStages* stages = nullptr;
+  CoarsePose pose;
+};
+using PooledPoses = std::vector<PooledPose>;
+
+/// Indices by falling value, ties by index.
+std::vector<std::uint32_t> order_by(float CoarsePose::*value, const PooledPoses& poses) {
+  std::vector<std::uint32_t> order(poses.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return poses[a].pose.*value > poses[b].pose.*value;
+  });
+  return order;
+}
+
+/// Take the best out of a pool; these and the rest keep their order.
+PooledPoses take_best(float CoarsePose::*value, std::size_t limit, PooledPoses& pool) {
+  if (pool.size() <= limit) return std::exchange(pool, {});
+  std::vector<std::uint8_t> is_taken(pool.size(), 0);
+  const std::vector<std::uint32_t> order = order_by(value, pool);
+  for (std::size_t k = 0; k < limit; ++k) is_taken[order[k]] = 1;
+  PooledPoses taken, rest;
+  for (std::size_t k = 0; k < pool.size(); ++k)
+    (is_taken[k] != 0 ? taken : rest).push_back(std::move(pool[k]));
+  pool = std::move(rest);
+  return taken;
+}
+
+/// Leave of each model's poses those that choose(stages, poses) gives, by model.
+template <class Choose>
+void choose_of_each(PooledPoses& poses, Choose&& choose) {
+  std::map<std::uint32_t, std::pair<const ModelStages*, std::vector<CoarsePose>>> by_model;
+  for (PooledPose& pooled : poses) {
+    auto& [stages, of_model] = by_model[pooled.stages->index()];
+    stages = pooled.stages;
+    of_model.push_back(std::move(pooled.pose));
+  }
+  std::vector<std::pair<const ModelStages*, std::vector<CoarsePose>>*> all;
+  for (auto& [index, of_model] : by_model) all.push_back(&of_model);
+  for_each_index(all.size(), [&](std::size_t k) {
+    auto& [stages, of_model] = *all[k];
+    of_model = choose(*stages, of_model);
+  });
+  poses.clear();
+  for (auto* const of_model : all) {
+    for (CoarsePose& pose : of_model->second) poses.push_back({of_model->first, std::move(pose)});
+  }
+}
+
+}  // namespace
+
+struct PosePool::State {
+  const Recognizer& recognizer;
+  const PreparedScene& scene;
+  const SettleOptions& options;
+  const std::stop_token& stop;
+  StageTimes& times;
+  std::map<std::uint32_t, std::unique_ptr<const ModelStages>> stages{};  // by model
+  PooledPoses waiting{};
+  std::size_t num_looked_at = 0, num_refined = 0, num_examined = 0;
+
+  const ModelStages& stages_of(std::uint32_t model) {
+    std::unique_ptr<const ModelStages>& of_model = stages[model];
+    if (!of_model)
+      of_model = std::make_unique<const ModelStages>(recognizer, model, scene, options);
+    return *of_model;
+  }
+
+  /// Call body(stages, pose) for each, until it is stopped.
+  template <class Body>
+  void for_each_pose(PooledPoses& poses, Body&& body) const {
+    for_each_index(poses.size(), [&](std::size_t k) {
+      if (!stop.stop_requested()) body(*poses[k].stages, poses[k].pose);
+    });
+  }
+
+  void refine(PooledPoses& poses) {
+    {
+      const StageTimer timer(times, "refine");
+      for_each_pose(poses, [](const ModelStages& of, CoarsePose& pose) { of.refine(pose); });
+    }
+    const StageTimer timer(times, "verify");
+    PerThread<kernels::ContourScratch> scratch;
+    for_each_pose(
+        poses, [&](const ModelStages& of, CoarsePose& pose) { of.verify(pose, scratch.local()); });
+    num_refined += poses.size();
+  }
+
+  Result<std::vector<Candidate>> examine(const PooledPoses& poses) {
+    const StageTimer timer(times, "examine");
+    for (const PooledPose& pooled : poses) {
+      if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
+      if (const auto& surface = recognizer.surface(pooled.stages->index()); !surface)
+        return surface.error();
+    }
+    std::vector<std::optional<Candidate>> examined(poses.size());
+    PerThread<kernels::ExamineScratch> scratch;
+    for_each_index(poses.size(), [&](std::size_t k) {
+      if (stop.stop_requested()) return;
+      const ModelStages& of = *poses[k].stages;
+      examined[k] = of.examine(*recognizer.surface(of.index()), recognizer.score(), poses[k].pose,
+                               scratch.local());
+    });
+    if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
+    num_examined += poses.size();
+    std::vector<Candidate> candidates;
+    for (std::optional<Candidate>& candidate : examined) {
+      if (candidate) candidates.push_back(*std::move(candidate));
+    }
+    return candidates;
+  }
+};
+
+PosePool::PosePool(const Recognizer& recognizer, const PreparedScene& scene,
+                   const SettleOptions& options, const std::stop_token& stop, StageTimes& times)
+    : state_(new State{recognizer, scene, options, stop, times}) {}
+PosePool::~PosePool() = default;
+
+void PosePool::add(std::span<const ModelProposals> proposals, const PoseBudget& budget) {
+  State& s = *state_;
+  PooledPoses poses;
+  {
+    const StageTimer timer(s.times, "cluster");
+    std::vector<const ModelStages*> stages;
+    for (const ModelProposals& of_model : proposals) stages.push_back(&s.stages_of(of_model.model));
+    std::vector<std::vector<CoarsePose>> clusters(proposals.size());
+    for_each_index(proposals.size(), [&](std::size_t k) {
+      if (!s.stop.stop_requested()) clusters[k] = stages[k]->cluster(proposals[k].proposals);
+    });
+    for (std::size_t k = 0; k < clusters.size(); ++k) {
+      for (CoarsePose& pose : clusters[k]) poses.push_back({stages[k], std::move(pose)});
+    }
+    poses = take_best(&CoarsePose::votes, budget.looked_at, poses);
+  }
+  const StageTimer timer(s.times, "preselect");
+  s.for_each_pose(poses, [](const ModelStages& of, CoarsePose& pose) { of.look(pose); });
+  s.num_looked_at += poses.size();
+  choose_of_each(poses, [](const ModelStages& of, const auto& looked_at) {
+    return of.in_the_running(looked_at);
+  });
+  std::ranges::move(poses, std::back_inserter(s.waiting));
+}
+
+Result<std::vector<Candidate>> PosePool::test_best(const PoseBudget& budget,
+                                                   std::span<const std::uint8_t> explained) {
+  State& s = *state_;
+  PooledPoses poses;
+  {
+    const StageTimer timer(s.times, "preselect");
+    if (!explained.empty()) {
+      std::vector<std::uint8_t> given_up(s.waiting.size());
+      for_each_index(s.waiting.size(), [&](std::size_t k) {
+        given_up[k] = s.waiting[k].stages->is_marked(s.waiting[k].pose, explained) ? 1 : 0;
+      });
+      std::size_t k = 0;
+      std::erase_if(s.waiting, [&](const PooledPose&) { return given_up[k++] != 0; });
+    }
+    const std::size_t running = budget.refined < PoseBudget::kNoLimit / kContourShare
+                                    ? kContourShare * budget.refined
+                                    : PoseBudget::kNoLimit;
+    poses = take_best(&CoarsePose::score, running, s.waiting);
+    PerThread<kernels::ContourScratch> scratch;
+    s.for_each_pose(poses, [&](const ModelStages& of, CoarsePose& pose) {
+      of.judge_contour(pose, scratch.local());
+    });
+    choose_of_each(poses,
+                   [](const ModelStages& of, const auto& judged) { return of.preselect(judged); });
+    poses = take_best(&CoarsePose::score, budget.refined, poses);
+  }
+  s.refine(poses);
+  choose_of_each(poses,
+                 [](const ModelStages& of, const auto& verified) { return of.hopeful(verified); });
+  return s.examine(take_best(&CoarsePose::score, budget.examined, poses));
+}
+
+Result<std::vector<Candidate>> PosePool::test(std::span<const std::vector<SuggestedPose>> lists,
+                                              std::size_t examined) {
+  State& s = *state_;
+  PooledPoses all;
+  for (const std::vector<SuggestedPose>& list : lists) {
+    for (const SuggestedPose& suggested : list)
+      all.push_back({&s.stages_of(suggested.model), {Source::trisi, suggested.T_scene_model}});
+  }
+  s.refine(all);
+  PooledPoses chosen;
+  auto next = all.begin();
+  for (const std::vector<SuggestedPose>& list : lists) {
+    const auto end = next + static_cast<std::ptrdiff_t>(list.size());
+    PooledPoses of_list(std::make_move_iterator(next), std::make_move_iterator(end));
+    next = end;
+    std::ranges::move(take_best(&CoarsePose::score, examined, of_list), std::back_inserter(chosen));
+  }
+  choose_of_each(chosen,
+                 [](const ModelStages& of, const auto& verified) { return of.hopeful(verified); });
+  return s.examine(chosen);
+}
+
+std::size_t PosePool::num_looked_at() const noexcept { return state_->num_looked_at; }
+std::size_t PosePool::num_refined() const noexcept { return state_->num_refined; }
+std::size_t PosePool::num_examined() const noexcept { return state_->num_examined; }
+
+}  // namespace trivet::engine

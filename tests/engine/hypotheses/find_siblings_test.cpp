@@ -1,0 +1,71 @@
+#include "engine/hypotheses/find_siblings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/progress.hpp"
+#include "kernels/common/pose_math.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/trained_library.hpp"
+
+namespace trivet::engine {
+namespace {
+
+/// A bracket, the same with a shorter fin and moved, and a part that is like neither.
+class FindSiblings : public testing::Test {
+ protected:
+  static test::Shape like_the_bracket() {
+    test::Shape shape = test::box({-0.08F, -0.05F, 0}, {0.08F, 0.05F, 0.02F});
+    shape.join(test::box({-0.07F, -0.04F, 0.02F}, {-0.03F, 0.01F, 0.11F}));
+    shape.join(test::box({-0.03F, -0.02F, 0.02F}, {0.03F, -0.005F, 0.06F}));
+    shape.join(test::ellipsoid({0.025F, 0.02F, 0.03F}, 24)
+                   .moved(Pose(Eigen::Translation3f(0.045F, 0.025F, 0.035F))));
+    return shape.moved(move());
+  }
+  static Pose move() { return test::pose_of({0.4F, -1.1F, 0.7F}, {0.3F, -0.1F, 0.05F}); }
+
+  static void SetUpTestSuite() {
+    static const test::Shape bracket = test::bracket(), like = like_the_bracket(),
+                             lever = test::lever();
+    library_ = test::trained_library({{"bracket", &bracket}, {"like", &like}, {"lever", &lever}});
+    levels_ = index_features(library_);
+  }
+  static inline Library library_;
+  static inline std::vector<FeatureLevel> levels_;
+};
+
+TEST_F(FindSiblings, TellsWhereALookAlikeLies) {
+  const std::vector<Sibling> siblings = find_siblings(library_, levels_, 0);
+  ASSERT_FALSE(siblings.empty());
+  EXPECT_EQ(siblings[0].model, 1U) << "the alikest first";
+  const auto error = kernels::pose_distance(siblings[0].T_model_sibling, move().inverse(), {},
+                                            library_.models[1].center);
+  EXPECT_LT(error.translation, 0.03F * library_.models[0].diameter);
+  EXPECT_LT(error.rotation_rad, 0.1F);
+  EXPECT_TRUE(std::ranges::none_of(siblings, [](const Sibling& s) { return s.model == 0; }));
+}
+
+TEST_F(FindSiblings, GivesTheSameBytesForAnyNumberOfThreads) {
+  const auto poses = [](unsigned threads) {
+    const ThreadLimit limit(threads);
+    std::vector<float> out;
+    for (const Sibling& sibling : find_siblings(library_, index_features(library_), 1)) {
+      const Eigen::Matrix4f pose = sibling.T_model_sibling.matrix();
+      out.push_back(static_cast<float>(sibling.model));
+      out.insert(out.end(), pose.data(), pose.data() + 16);
+    }
+    return out;
+  };
+  EXPECT_FALSE(poses(1).empty());
+  EXPECT_EQ(poses(1), poses(2));
+}
+
+TEST_F(FindSiblings, FindsNoneWithoutFeatures) {
+  Library bare = library_;
+  bare.models[2].features = {};
+  EXPECT_TRUE(find_siblings(bare, index_features(bare), 2).empty());
+}
+
+}  // namespace
+}  // namespace trivet::engine
