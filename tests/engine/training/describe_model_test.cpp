@@ -71,7 +71,7 @@ TEST(DescribeModel, GivesEachDescriptionOfAKeypointOnce) {
 TEST(DescribeModel, GivesFiveDescriptionsOfAKeypointAtTheMost) {
   const Descriptions all = describe_model(surveyed(test::lever()), {});
   const kernels::VoxelHash keypoints(all.keypoints, 0.01F);
-  std::size_t most = 0;
+  std::uint32_t most = 0;
   for (std::uint32_t i = 0; i < all.size(); ++i)
     most = std::max(most, keypoints.count_within(all.keypoints[i], 0));
   EXPECT_EQ(most, 5U);
