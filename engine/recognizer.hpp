@@ -14,7 +14,7 @@ namespace trivet {
 
 namespace engine {
 struct FeatureLevel;
-struct Sibling;
+struct LookAlike;
 }  // namespace engine
 
 /// A library, and the surfaces of its models that rays can be shot at. One serves any number of
@@ -35,19 +35,19 @@ class Recognizer {
   /// The Tri-Spin-Images of all models, indexed when they are first asked for.
   const std::vector<engine::FeatureLevel>& features() const;
   /// Models that look like this one, found when they are first asked for.
-  const std::vector<engine::Sibling>& siblings(std::uint32_t model) const;
+  const std::vector<engine::LookAlike>& look_alikes(std::uint32_t model) const;
   /// Build all that would be built when it is first asked for, so that no scene waits for it.
   void build_all() const;
 
  private:
   struct Surface;
   struct Features;
-  struct Siblings;
+  struct LookAlikes;
   Library library_;
   kernels::ScoreModel score_;
   std::unique_ptr<Surface[]> surfaces_;
   std::unique_ptr<Features> features_;
-  std::unique_ptr<Siblings[]> siblings_;
+  std::unique_ptr<LookAlikes[]> look_alikes_;
 };
 
 }  // namespace trivet

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/hypotheses/feature_library.hpp"
-#include "engine/hypotheses/find_siblings.hpp"
+#include "engine/hypotheses/find_look_alikes.hpp"
 #include "kernels/surfaces/visibility.hpp"
 
 namespace trivet {
@@ -21,9 +21,9 @@ struct Recognizer::Features {
   std::vector<engine::FeatureLevel> levels;
 };
 
-struct Recognizer::Siblings {
+struct Recognizer::LookAlikes {
   tbb::collaborative_once_flag once;
-  std::vector<engine::Sibling> models;
+  std::vector<engine::LookAlike> models;
 };
 
 Recognizer::Recognizer(Library library, const kernels::ScoreModel& score)
@@ -31,7 +31,7 @@ Recognizer::Recognizer(Library library, const kernels::ScoreModel& score)
       score_(score),
       surfaces_(new Surface[library_.models.size()]),
       features_(new Features),
-      siblings_(new Siblings[library_.models.size()]) {}
+      look_alikes_(new LookAlikes[library_.models.size()]) {}
 Recognizer::Recognizer(Recognizer&&) noexcept = default;
 Recognizer& Recognizer::operator=(Recognizer&&) noexcept = default;
 Recognizer::~Recognizer() = default;
@@ -56,11 +56,12 @@ const std::vector<engine::FeatureLevel>& Recognizer::features() const {
   return features_->levels;
 }
 
-const std::vector<engine::Sibling>& Recognizer::siblings(std::uint32_t model) const {
-  Siblings& siblings = siblings_[model];
-  tbb::collaborative_call_once(
-      siblings.once, [&] { siblings.models = engine::find_siblings(library_, features(), model); });
-  return siblings.models;
+const std::vector<engine::LookAlike>& Recognizer::look_alikes(std::uint32_t model) const {
+  LookAlikes& look_alikes = look_alikes_[model];
+  tbb::collaborative_call_once(look_alikes.once, [&] {
+    look_alikes.models = engine::find_look_alikes(library_, features(), model);
+  });
+  return look_alikes.models;
 }
 
 void Recognizer::build_all() const {

@@ -8,7 +8,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
-#include "engine/hypotheses/find_siblings.hpp"
+#include "engine/hypotheses/find_look_alikes.hpp"
 #include "engine/hypotheses/match_features.hpp"
 #include "engine/recognition/search_budget.hpp"
 #include "engine/recognition/stage_options.hpp"
@@ -25,7 +25,7 @@ namespace {
 /// what they leave over holds fewer objects: from 0.8 to 0.9, 28 of 35 such detections on 400
 /// rendered scenes were right, and 71 of 76 of the others.
 constexpr float kOddsBesideVotes = 0.55F;
-constexpr float kClimbsFrom = 0.5F;  // score of a candidate whose siblings are tested
+constexpr float kClimbsFrom = 0.5F;  // score of a candidate whose look-alikes are tested
 
 /// Only references whose model could lie within the limits vote.
 void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, float reach,
@@ -83,7 +83,7 @@ class SceneSearch {
   Result<void> settle(AllProposals proposals);
   Result<void> take_in(Result<std::vector<Candidate>> tested);
   /// Test what looks like the candidates that were taken in their place.
-  Result<void> test_siblings();
+  Result<void> test_look_alikes();
 
   /// What the detections claim as they were taken, since alternatives change scores and move poses,
   /// and what was one too many.
@@ -116,7 +116,7 @@ class SceneSearch {
   std::vector<SceneSample> samples_;   // one a group of models, from the first round on
   std::vector<SceneMatches> matches_;  // one a level of features, once they are matched
   bool matched_ = false;
-  std::set<std::uint32_t> climbed_;    // candidates whose siblings were tested
+  std::set<std::uint32_t> climbed_;    // candidates whose look-alikes were tested
   std::vector<Candidate> candidates_;  // of all rounds
   Selection selection_;                // among them
 };
@@ -248,7 +248,7 @@ Result<void> SceneSearch::settle(AllProposals proposals) {
     if (budget_) explained = selection_.explained;
     if (const Result<void> taken = take_in(pool_.test_best(poses, explained)); !taken) return taken;
     for (std::uint32_t climb = 0; budget_ && climb < budget_->climbs; ++climb) {
-      if (const Result<void> tested = test_siblings(); !tested) return tested;
+      if (const Result<void> tested = test_look_alikes(); !tested) return tested;
     }
   }
   stats_.num_hypotheses = pool_.num_looked_at();
@@ -265,7 +265,7 @@ Result<void> SceneSearch::take_in(Result<std::vector<Candidate>> tested) {
   return {};
 }
 
-Result<void> SceneSearch::test_siblings() {
+Result<void> SceneSearch::test_look_alikes() {
   std::vector<std::uint32_t> from;
   for (const std::uint32_t c : selection_.chosen) {
     if (candidates_[c].score > kClimbsFrom && climbed_.insert(c).second) from.push_back(c);
@@ -276,13 +276,13 @@ Result<void> SceneSearch::test_siblings() {
     const StageTimer timer(stats_.times, "match");
     for_each_index(from.size(), [&](std::size_t k) {
       const Candidate& candidate = candidates_[from[k]];
-      for (const Sibling& sibling : recognizer_.siblings(candidate.model)) {
-        if (!wanted_[sibling.model]) continue;
-        suggested[k].push_back({sibling.model, candidate.T_scene_model * sibling.T_model_sibling});
+      for (const LookAlike& like : recognizer_.look_alikes(candidate.model)) {
+        if (!wanted_[like.model]) continue;
+        suggested[k].push_back({like.model, candidate.T_scene_model * like.T_model_other});
       }
     });
   }
-  return take_in(pool_.test(suggested, budget_->siblings));
+  return take_in(pool_.test(suggested, budget_->look_alikes));
 }
 
 Result<SearchResult> SceneSearch::conclude() {

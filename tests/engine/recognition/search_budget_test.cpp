@@ -112,7 +112,7 @@ TEST_F(LargeLibrary, IsSearchedWithinABudgetAndFindsTheVeryModels) {
   }
   ASSERT_TRUE(budget_of(all_but_one, recognizer_.library(), all_but_one.models.size()));
   for (const Detection& detection : found(all_but_one).detections)
-    EXPECT_NE(detection.model, names(kSecond)) << "as a sibling of another";
+    EXPECT_NE(detection.model, names(kSecond)) << "as a look-alike of another";
 
   const SceneResult small = found({.budget = 0.1F});
   EXPECT_LT(small.stats.num_refined, within.stats.num_refined);

@@ -1,4 +1,4 @@
-#include "engine/hypotheses/find_siblings.hpp"
+#include "engine/hypotheses/find_look_alikes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace trivet::engine {
 namespace {
 
 /// A bracket, the same with a shorter fin and moved, and a part that is like neither.
-class FindSiblings : public testing::Test {
+class FindLookAlikes : public testing::Test {
  protected:
   static test::Shape like_the_bracket() {
     test::Shape shape = test::box({-0.08F, -0.05F, 0}, {0.08F, 0.05F, 0.02F});
@@ -35,24 +35,24 @@ class FindSiblings : public testing::Test {
   static inline std::vector<FeatureLevel> levels_;
 };
 
-TEST_F(FindSiblings, TellsWhereALookAlikeLies) {
-  const std::vector<Sibling> siblings = find_siblings(library_, levels_, 0);
-  ASSERT_FALSE(siblings.empty());
-  EXPECT_EQ(siblings[0].model, 1U) << "the alikest first";
-  const auto error = kernels::pose_distance(siblings[0].T_model_sibling, move().inverse(), {},
+TEST_F(FindLookAlikes, TellsWhereALookAlikeLies) {
+  const std::vector<LookAlike> look_alikes = find_look_alikes(library_, levels_, 0);
+  ASSERT_FALSE(look_alikes.empty());
+  EXPECT_EQ(look_alikes[0].model, 1U) << "the alikest first";
+  const auto error = kernels::pose_distance(look_alikes[0].T_model_other, move().inverse(), {},
                                             library_.models[1].center);
   EXPECT_LT(error.translation, 0.03F * library_.models[0].diameter);
   EXPECT_LT(error.rotation_rad, 0.1F);
-  EXPECT_TRUE(std::ranges::none_of(siblings, [](const Sibling& s) { return s.model == 0; }));
+  EXPECT_TRUE(std::ranges::none_of(look_alikes, [](const LookAlike& s) { return s.model == 0; }));
 }
 
-TEST_F(FindSiblings, GivesTheSameBytesForAnyNumberOfThreads) {
+TEST_F(FindLookAlikes, GivesTheSameBytesForAnyNumberOfThreads) {
   const auto poses = [](unsigned threads) {
     const ThreadLimit limit(threads);
     std::vector<float> out;
-    for (const Sibling& sibling : find_siblings(library_, index_features(library_), 1)) {
-      const Eigen::Matrix4f pose = sibling.T_model_sibling.matrix();
-      out.push_back(static_cast<float>(sibling.model));
+    for (const LookAlike& look_alike : find_look_alikes(library_, index_features(library_), 1)) {
+      const Eigen::Matrix4f pose = look_alike.T_model_other.matrix();
+      out.push_back(static_cast<float>(look_alike.model));
       out.insert(out.end(), pose.data(), pose.data() + 16);
     }
     return out;
@@ -61,10 +61,10 @@ TEST_F(FindSiblings, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(poses(1), poses(2));
 }
 
-TEST_F(FindSiblings, FindsNoneWithoutFeatures) {
+TEST_F(FindLookAlikes, FindsNoneWithoutFeatures) {
   Library bare = library_;
   bare.models[2].features = {};
-  EXPECT_TRUE(find_siblings(bare, index_features(bare), 2).empty());
+  EXPECT_TRUE(find_look_alikes(bare, index_features(bare), 2).empty());
 }
 
 }  // namespace

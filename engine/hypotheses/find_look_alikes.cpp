@@ -1,4 +1,4 @@
-#include "engine/hypotheses/find_siblings.hpp"
+#include "engine/hypotheses/find_look_alikes.hpp"
 
 #include <algorithm>
 #include <map>
@@ -13,8 +13,8 @@ constexpr std::size_t kQueries = 300;    // features of the model, spread over i
 constexpr std::size_t kLists = 8;        // that each is looked for in
 constexpr std::size_t kNeighbors = 100;  // hundreds of look-alikes share them
 constexpr std::size_t kOfAModel = 2;     // matches of a query with one other model
-constexpr float kFewestMatches = 3;      // that make a sibling
-constexpr std::size_t kMostSiblings = 40;
+constexpr float kFewestMatches = 3;      // that make a look-alike
+constexpr std::size_t kMostLookAlikes = 40;
 constexpr float kClusterTranslation = 0.1F;   // [diameters]
 constexpr float kClusterRotationRad = 0.26F;  // 15 degrees
 
@@ -54,27 +54,28 @@ Poses poses_by_matches(const FeatureLevel& level, const TriSpinFeatures& own, st
 
 }  // namespace
 
-std::vector<Sibling> find_siblings(const Library& library, const std::vector<FeatureLevel>& levels,
-                                   std::uint32_t model) {
+std::vector<LookAlike> find_look_alikes(const Library& library,
+                                        const std::vector<FeatureLevel>& levels,
+                                        std::uint32_t model) {
   const Model& own = library.models[model];
   const auto level = std::ranges::find(levels, own.features.resolution, &FeatureLevel::resolution);
   if (level == levels.end() || own.features.size() == 0) return {};
-  std::vector<std::pair<float, Sibling>> found;
+  std::vector<std::pair<float, LookAlike>> found;
   for (const auto& [other, poses] : poses_by_matches(*level, own.features, model)) {
-    const Model& sibling = library.models[other];
+    const Model& like = library.models[other];
     for (const kernels::Hypothesis& cluster :
-         kernels::cluster_poses(poses, sibling.symmetry, sibling.center,
+         kernels::cluster_poses(poses, like.symmetry, like.center,
                                 {kClusterTranslation * own.diameter, kClusterRotationRad, 2})) {
       if (cluster.votes >= kFewestMatches)
-        found.emplace_back(cluster.votes, Sibling{other, cluster.T_scene_model});
+        found.emplace_back(cluster.votes, LookAlike{other, cluster.T_scene_model});
     }
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  found.resize(std::min(found.size(), kMostSiblings));
-  std::vector<Sibling> siblings;
-  for (const auto& [votes, sibling] : found) siblings.push_back(sibling);
-  return siblings;
+  found.resize(std::min(found.size(), kMostLookAlikes));
+  std::vector<LookAlike> look_alikes;
+  for (const auto& [votes, look_alike] : found) look_alikes.push_back(look_alike);
+  return look_alikes;
 }
 
 }  // namespace trivet::engine
