@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "storage/columns.hpp"
 #include "storage/points.hpp"
@@ -21,12 +22,27 @@ struct Camera {
   bool operator==(const Camera&) const = default;
 };
 
-/// Triangles as three columns of vertex indices.
-struct Triangles {
-  Column<std::uint32_t> a, b, c;  // equal lengths
+/// Triangles to read, as three columns of vertex indices; valid while the owner lives.
+struct TrianglesView {
+  std::span<const std::uint32_t> a, b, c;  // equal lengths
 
   std::size_t size() const noexcept { return a.size(); }
   bool empty() const noexcept { return a.empty(); }
+};
+
+/// The owner of triangles.
+struct Triangles {
+  Column<std::uint32_t> a, b, c;  // equal lengths
+
+  Triangles() = default;
+  explicit Triangles(TrianglesView from)
+      : a(from.a.begin(), from.a.end()),
+        b(from.b.begin(), from.b.end()),
+        c(from.c.begin(), from.c.end()) {}
+
+  std::size_t size() const noexcept { return a.size(); }
+  bool empty() const noexcept { return a.empty(); }
+  operator TrianglesView() const noexcept { return {a, b, c}; }  // NOLINT: as of Points
   void push_back(std::uint32_t i, std::uint32_t j, std::uint32_t k) {
     a.push_back(i);
     b.push_back(j);

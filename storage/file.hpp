@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -73,7 +74,18 @@ Result<void> publish_file(const std::filesystem::path& file, std::span<const std
 /// Create a folder, and those above it, where they are not there yet. Errors: cannot_create.
 Result<void> make_folder(const std::filesystem::path& folder);
 
+/// A checksum of 128 bits by XXH3.
+struct Xxh3 {
+  std::uint64_t high = 0, low = 0;
+
+  bool operator==(const Xxh3&) const = default;
+  std::string hex() const;  ///< 32 hexadecimal digits, high half first
+  /// Of 32 such digits; nothing for another text.
+  static std::optional<Xxh3> parse(std::string_view hex);
+};
+Xxh3 xxh3(std::span<const std::byte> bytes) noexcept;
+
 /// XXH3-128 as 32 hexadecimal digits.
-std::string xxh3_hex(std::span<const std::byte> bytes);
+inline std::string xxh3_hex(std::span<const std::byte> bytes) { return xxh3(bytes).hex(); }
 
 }  // namespace trivet

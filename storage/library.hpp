@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/feature_index.hpp"
 #include "storage/length_unit.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
@@ -15,7 +16,7 @@
 namespace trivet {
 
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
-inline constexpr std::uint32_t kLibraryVersionMinor = 3;  ///< a newer minor version is read
+inline constexpr std::uint32_t kLibraryVersionMinor = 4;  ///< a newer minor version is read
 
 struct LibraryHeader {
   LengthUnit unit = LengthUnit::meter;
@@ -40,6 +41,15 @@ class LibraryWriter {
   /// Errors: bad_data (invalid or repeated name, broken model, features of another basis), io (disk
   /// full: says how much was needed).
   Result<void> add(const Model& model);
+  /// Call `index` with the features of all models that were added, by their names, as they lie in
+  /// the file, and add what it gives, level by level: so that no more than a level is in memory.
+  /// At most once, after all models; no model may come after it.
+  ///
+  /// index  gives level k, or nothing when there are no more; models are named by their rank
+  /// Errors: bad_data, io.
+  using NextLevel =
+      std::function<std::optional<FeatureLevel>(std::span<const FeaturesOfModel>, std::size_t k)>;
+  Result<void> add_index(const NextLevel& next);
   /// Close, fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
   Result<void> publish();
 
@@ -49,28 +59,41 @@ class LibraryWriter {
   std::unique_ptr<State> state_;
 };
 
-/// How one dataset lies in the file.
-struct DatasetInfo {
-  std::string path;
-  std::uint64_t bytes = 0;
-};
+class LibraryChecks;
 
+/// An opened library. Its columns lie in the mapped file. What is known of all models is checked
+/// when it is opened; a part of a model, and a level of the index, must be checked before they are
+/// first read: a library of thousands of models opens at once, and a scene pays for what it uses.
 struct Library {
   std::filesystem::path file;
   LibraryHeader header;
   std::uint32_t version_minor = 0;  ///< of the file's format
   std::uint64_t file_bytes = 0;
   TriSpinBasis basis;
-  std::vector<Model> models;          ///< sorted by name; the PPF tables lie in the mapped file
-  std::vector<DatasetInfo> datasets;  ///< in file order, for `library info`
+  std::vector<Model> models;                    ///< sorted by name
+  FeatureIndex index;                           ///< none in files of before 1.4
+  std::shared_ptr<const LibraryChecks> checks;  ///< none: models in memory are trusted
+
+  /// Compare the bytes with their checksums and bounds, once. May be called from many threads.
+  /// Errors: bad_data (names the model, the dataset and what is wrong).
+  Result<void> check(std::uint32_t model, ModelPart part) const;
+  Result<void> check_level(std::size_t level) const;
+  /// All parts of all models and all levels. Errors: of the first fault.
+  Result<void> check_all() const;
+  /// Give back the memory that holds what was read of the file, where all that the process has
+  /// mapped is more than so many bytes. It is read again when it is needed again.
+  void give_back(std::uint64_t more_than) const;
 };
 
-/// Open a library: structure, extents, checksums and index ranges are checked before anything is
-/// used.
+/// Open a library by mapping it: structure and extents are checked, and what is known of all
+/// models. Files of before 1.4 have no directory: their structure is walked through.
 ///
-/// The PPF tables stay in the mapped file; the rest is copied. Links, external storage, filters and
-/// datasets that the format does not name are refused.
+/// Links, external storage, filters and datasets that the format does not name are refused.
 /// Errors: missing_input, bad_data (names the dataset and the bound it broke), io.
 Result<Library> open_library(const std::filesystem::path& file);
+
+/// Open a library and check all of it: every byte against its checksum, every value against its
+/// bounds, and the directory against what HDF5 finds. Errors: as above.
+Result<Library> verify_library(const std::filesystem::path& file);
 
 }  // namespace trivet

@@ -5,15 +5,15 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "storage/cloud.hpp"
-#include "storage/columns.hpp"
 #include "storage/points.hpp"
 #include "storage/ppf_table.hpp"
+#include "storage/shared.hpp"
 #include "storage/tri_spin_features.hpp"
 
 namespace trivet {
@@ -44,6 +44,11 @@ using ViewMask = std::array<std::uint64_t, kViewWords>;
 /// How many near symmetries a model has at most.
 inline constexpr std::size_t kMaxNearSymmetries = 16;
 
+/// What of a model is checked together, when it is first used.
+enum class ModelPart : std::uint8_t { surface, samples, pairs, features };
+inline constexpr std::array kModelParts{ModelPart::surface, ModelPart::samples, ModelPart::pairs,
+                                        ModelPart::features};
+
 struct Model {
   std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
   std::string source;       ///< name of the file it was trained from, without folders
@@ -59,21 +64,23 @@ struct Model {
   /// Any turn about it looks alike: of a mug, a flange, a gear. Absent where it is a symmetry.
   std::optional<Symmetry::Axis> near_axis;
 
-  Points vertices;      ///< the surface as given, scaled to the library's unit
-  Triangles triangles;  ///< empty if trained from a cloud without a surface
+  Shared<PointsView> vertices;      ///< the surface as given, scaled to the library's unit
+  Shared<TrianglesView> triangles;  ///< empty if trained from a cloud without a surface
 
-  Points samples;  ///< about uniform over the visible surface, for refinement and verification
-  Normals sample_normals;  ///< outward
-  Column<ViewMask> sample_views;
+  /// About uniform over the visible surface, for refinement and verification.
+  Shared<PointsView> samples;
+  Shared<NormalsView> sample_normals;  ///< outward
+  Shared<std::span<const ViewMask>> sample_views;
   float sample_spacing = 0;  ///< mean distance between neighboring samples [library unit]
 
-  Points ppf_points;  ///< what the table's references index; at most 65,536
-  Normals ppf_normals;
-  PpfTableView ppf;  ///< spans into ppf_storage
-  /// Keeps the table's memory, heap or mapped file, alive.
-  std::shared_ptr<const void> ppf_storage;
+  Shared<PointsView> ppf_points;  ///< what the table's references index; at most 65,536
+  Shared<NormalsView> ppf_normals;
+  Shared<PpfTableView> ppf;
 
-  TriSpinFeatures features;  ///< none if trained without
+  /// By scale, the finest first; none if trained without.
+  std::array<TriSpinFeatures, kFeatureScales.size()> features;
+
+  bool has_pairs() const noexcept { return ppf.quantization.num_distance_bins > 0; }
 };
 
 }  // namespace trivet

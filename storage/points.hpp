@@ -45,6 +45,10 @@ class Points {
  public:
   Points() = default;
   explicit Points(std::size_t n) : x_(n), y_(n), z_(n) {}
+  explicit Points(PointsView from)
+      : x_(from.x.begin(), from.x.end()),
+        y_(from.y.begin(), from.y.end()),
+        z_(from.z.begin(), from.z.end()) {}
 
   std::size_t size() const noexcept { return x_.size(); }
   bool empty() const noexcept { return x_.empty(); }

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "storage/columns.hpp"
 #include "storage/pca_basis.hpp"
 #include "storage/points.hpp"
+#include "storage/shared.hpp"
 
 namespace trivet {
 
@@ -16,13 +18,24 @@ using FrameRows = std::array<float, 9>;
 
 /// The features of one model: Tri-Spin-Images in the library's principal components.
 struct TriSpinFeatures {
-  float resolution = 0;        ///< distance between the points that were described [library unit]
-  Points keypoints;            ///< n, in the model's frame
-  Column<FrameRows> frames;    ///< n
-  Column<std::uint8_t> codes;  ///< n of num_components each, see TriSpinBasis
+  float resolution = 0;          ///< distance between the points that were described [library unit]
+  Shared<PointsView> keypoints;  ///< n, in the model's frame
+  Shared<std::span<const FrameRows>> frames;    ///< n
+  Shared<std::span<const std::uint8_t>> codes;  ///< n of num_components each, see TriSpinBasis
   std::size_t num_components = 0;
 
   std::size_t size() const noexcept { return keypoints.size(); }
+};
+
+/// Models are described at their own resolution and so many half octaves above it: the next one,
+/// which models of about their size have whose own falls there, and one for scans that are too
+/// coarse for what is small.
+inline constexpr std::array<std::uint32_t, 3> kFeatureScales{0, 1, 3};
+
+/// ... of a model that is named by its rank in a library.
+struct FeaturesOfModel {
+  std::uint32_t model = 0;
+  TriSpinFeatures features;
 };
 
 /// What the features of all models of a library have in common.

@@ -43,7 +43,7 @@ Result<void> check(const CalibrateArguments& arguments, float least) {
 Result<void> recognize_scans(const CalibrateArguments& arguments, const RecognizeOptions& options,
                              const Context& context, Outcomes& outcomes) {
   if (arguments.manifests.empty()) return {};
-  const Result<Recognizer> recognizer = open_recognizer(arguments.library, "");
+  const Result<Recognizer> recognizer = open_recognizer(arguments.library, {});
   if (!recognizer) return recognizer.error();
   for (const std::string& file : arguments.manifests) {
     const Result<Manifest> manifest = read_listing(file);

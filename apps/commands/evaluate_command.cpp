@@ -26,7 +26,8 @@ namespace trivet::apps {
 namespace {
 
 struct EvaluateArguments {
-  std::string library, calibration, manifest, detections, json, csv, report;
+  std::string library, manifest, detections, json, csv, report;
+  OpenOptions opening;
   RecognizeArguments recognize;
 };
 
@@ -74,7 +75,7 @@ Result<std::vector<std::string>> lacked_models(const Manifest& manifest, const L
 
 Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
                                 const Context& context) {
-  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.calibration);
+  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.opening);
   if (!opened) return opened.error();
   const Recognizer& recognizer = *opened;
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
@@ -85,7 +86,7 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   options->doubtful_score = std::min(kLowestKeptScore, options->min_score);
   Judged judged{{},
                 {options->min_score, options->require_pose, options->doubtful_score},
-                source_of(arguments.library, arguments.calibration),
+                source_of(arguments.library, arguments.opening.calibration),
                 std::move(*lacked)};
   judged.results.resize(manifest.scenes.size());
   const Result<void> done = recognize_all(
@@ -202,7 +203,7 @@ void add_evaluate(CLI::App& app, Context& context) {
       "Score the detections in this file, as `trivet recognize --json` or another program wrote "
       "them, or a file of BOP results (.csv), instead of recognizing");
   add_recognize_options(*command, arguments->recognize);
-  add_calibration_option(*command, arguments->calibration);
+  add_open_options(*command, arguments->opening);
   command->add_option("--json", arguments->json,
                       "Write the scores as JSON to this file, - for standard output");
   command->add_option("--csv", arguments->csv,

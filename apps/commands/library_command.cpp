@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <numeric>
@@ -8,10 +10,11 @@
 #include "apps/results/json_output.hpp"
 #include "apps/results/library_summary.hpp"
 #include "apps/results/standard_output.hpp"
+#include "engine/libraries/copy_models.hpp"
+#include "engine/libraries/split_library.hpp"
+#include "storage/counted.hpp"
 #include "storage/library.hpp"
-#include "storage/library/copy_models.hpp"
 #include "storage/library/import_library.hpp"
-#include "storage/library/split_library.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -34,6 +37,14 @@ Result<void> info(const LibraryArguments& arguments) {
   if (!library) return library.error();
   if (!arguments.json.empty()) return write_json(arguments.json, library_json(*library));
   return write_output(library_text(*library));
+}
+
+Result<void> verify(const LibraryArguments& arguments) {
+  const Result<Library> library = verify_library(arguments.file);
+  if (!library) return library.error();
+  return write_output(fmt::format("{}: {} and {} are as they were written\n", arguments.file,
+                                  counted(library->models.size(), "model"),
+                                  counted(library->index.size(), "level")));
 }
 
 Result<void> split(const LibraryArguments& arguments) {
@@ -79,9 +90,14 @@ void add_library(CLI::App& app, Context& context) {
     return below;
   };
   add("list", "Print the models' names, one a line", list);
-  add("info", "Print what the file holds, after checking all of it", info)
+  add("info", "Print what the file holds", info)
       ->add_option("--json", arguments->json,
                    "Write it as JSON to this file, - for standard output");
+  add("verify",
+      "Check every byte and every value of the file\n\n"
+      "Opening a library checks its structure, and each model when it is first used. This checks\n"
+      "all of it: checksums, bounds, and that its directory says what HDF5 finds.",
+      verify);
   CLI::App* const split_command = add(
       "split", "Write parts for several machines (`trivet route`) and print their files", split);
   split_command->add_option("-n,--parts", arguments->num_parts, "Parts, of about equal size")

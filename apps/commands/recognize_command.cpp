@@ -26,7 +26,8 @@ namespace trivet::apps {
 namespace {
 
 struct CommandArguments {
-  std::string library, calibration, unit, json, bop_csv, coco, report;
+  std::string library, unit, json, bop_csv, coco, report;
+  OpenOptions opening;
   SceneArguments scenes;
   RecognizeArguments recognize;
   bool estimate_camera = false;
@@ -47,7 +48,7 @@ Result<void> recognize_scenes(const Recognizer& recognizer, std::span<SceneInput
 }
 
 Result<void> recognize(const CommandArguments& arguments, const Context& context) {
-  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.calibration);
+  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.opening);
   if (!opened) return opened.error();
   const Recognizer& recognizer = *opened;
   const Library& library = recognizer.library();
@@ -186,7 +187,7 @@ void add_recognize(CLI::App& app, Context& context) {
                    "Write masks and boxes of the same poses to this file (JSON), as BOP takes them "
                    "for detection and segmentation in images")
       ->type_name("FILE");
-  add_calibration_option(*command, arguments->calibration);
+  add_open_options(*command, arguments->opening);
   command->add_flag("--estimate-camera", arguments->estimate_camera,
                     "Where sure detections say that the focal length or the depth scale of depth "
                     "images is wrong, correct it and recognize once more");

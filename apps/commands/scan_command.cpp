@@ -25,8 +25,6 @@ struct ScanArguments {
   GivenOptions given;
 };
 
-constexpr std::uint32_t kMaxParts = 1000;
-
 /// The models of the command line, then made parts. Errors: usage (none, two of one name), of
 /// reading.
 Result<std::vector<ScanModel>> gather_models(const ScanArguments& arguments,

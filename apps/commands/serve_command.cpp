@@ -71,16 +71,17 @@ Result<std::vector<Example>> examples_of(const ServeSettings& settings) {
   return list_examples(settings.examples);
 }
 
-/// What a service with these settings would read before it answers.
+/// What a service with these settings would read before it answers, and all of the library.
 Result<std::string> check(const ServeSettings& settings) {
-  const Result<Recognizer> recognizer = open_recognizer(settings.library, settings.calibration);
+  OpenOptions opening = settings.opening;
+  opening.verify = true;
+  const Result<Recognizer> recognizer = open_recognizer(settings.library, opening);
   if (!recognizer) return recognizer.error();
   const Result<std::vector<Example>> examples = examples_of(settings);
   if (!examples) return examples.error();
   const Library& library = recognizer->library();
   std::vector<std::string_view> methods;
-  if (std::ranges::any_of(library.models,
-                          [](const Model& model) { return !model.ppf.entries.empty(); })) {
+  if (std::ranges::any_of(library.models, [](const Model& model) { return model.has_pairs(); })) {
     methods.push_back(name_of(Source::ppf));
   }
   if (library.basis.components.size() > 0) methods.push_back(name_of(Source::trisi));

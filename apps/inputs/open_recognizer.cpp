@@ -9,23 +9,30 @@
 
 namespace trivet::apps {
 
-void add_calibration_option(CLI::App& command, std::string& file) {
+void add_open_options(CLI::App& command, OpenOptions& options) {
   command
-      .add_option("--calibration", file,
+      .add_option("--calibration", options.calibration,
                   "Score as `trivet calibrate` adapted it to these scans, from this file")
       ->type_name("FILE");
+  command.add_option("--memory", options.memory_mb, kMemoryHelp)
+      ->type_name("N")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
+  command.add_flag("--verify", options.verify,
+                   "Check all of the library first; else each model is checked when it is first "
+                   "used");
 }
 
-Result<Recognizer> open_recognizer(const std::string& library, const std::string& calibration) {
+Result<Recognizer> open_recognizer(const std::string& library, const OpenOptions& options) {
   kernels::ScoreModel score = default_score();
-  if (!calibration.empty()) {
-    const Result<ScoreCalibration> read = read_calibration(calibration);
+  if (!options.calibration.empty()) {
+    const Result<ScoreCalibration> read = read_calibration(options.calibration);
     if (!read) return read.error();
     score = calibrated_score(*read);
   }
-  Result<Library> opened = open_library(library);
+  Result<Library> opened = options.verify ? verify_library(library) : open_library(library);
   if (!opened) return opened.error();
-  return Recognizer(std::move(*opened), score);
+  return Recognizer(std::move(*opened), score, {std::size_t{options.memory_mb} << 20U});
 }
 
 nlohmann::ordered_json calibration_json(const Recognizer& recognizer) {

@@ -1,6 +1,7 @@
 /// A library, and the score that a cell was calibrated to.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -13,12 +14,22 @@ class App;
 
 namespace trivet::apps {
 
-/// --calibration. `file` must live as long as the command.
-void add_calibration_option(CLI::App& command, std::string& file);
+/// How a library is opened.
+struct OpenOptions {
+  std::string calibration;  ///< file with the score of a cell; empty: the default score
+  std::uint32_t memory_mb = MemoryBound::kDefault >> 20U;
+  bool verify = false;  ///< all of it at once, not each model when it is first used
+};
 
-/// Open a library with the score of a calibration, or with the default one where there is no file.
-/// Errors: of open_library and read_calibration.
-Result<Recognizer> open_recognizer(const std::string& library, const std::string& calibration);
+inline constexpr const char* kMemoryHelp =
+    "What the library may keep in memory of what scenes needed: pages of its file, and surfaces "
+    "that rays are shot at [MB]";
+
+/// --calibration, --memory, --verify. `options` must live as long as the command.
+void add_open_options(CLI::App& command, OpenOptions& options);
+
+/// Errors: of open_library or verify_library, and of read_calibration.
+Result<Recognizer> open_recognizer(const std::string& library, const OpenOptions& options);
 
 /// What results tell of a score: the name of a calibrated one, else null.
 nlohmann::ordered_json calibration_json(const Recognizer& recognizer);

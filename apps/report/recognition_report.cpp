@@ -124,7 +124,9 @@ std::string origin(const RecognitionReport& report) {
 Result<void> write_recognition_report(const std::filesystem::path& folder,
                                       const RecognitionReport& report, const Progress& progress) {
   if (const Result<void> made = make_folder(folder); !made) return made;
-  const std::vector<EvaluationMesh> models = meshes_of(report.recognizer.library());
+  const Result<std::vector<EvaluationMesh>> meshes = meshes_of(report.recognizer.library());
+  if (!meshes) return meshes.error();
+  const std::vector<EvaluationMesh>& models = *meshes;
   const std::size_t bytes = kPicturesPerScene * kPictureBytes * report.scenes.size();
   PictureStore store(folder, {.within_page = bytes <= kMaxPageBytes, .as_files = true});
 

@@ -36,13 +36,13 @@ Result<void> add_coco_results(const SceneInputs& scenes, std::size_t index,
   for (const Detection& detection : found.detections) {
     const auto model = std::ranges::find(library.models, detection.model, &Model::name);
     const auto m = static_cast<std::uint32_t>(model - library.models.begin());
-    const Result<kernels::RayScene>& surface = recognizer.surface(m);
+    const auto surface = recognizer.surface(m);
     if (!surface) return surface.error();
     Pose pose = detection.T_scene_model;
     pose.translation() *= static_cast<float>(source.scale);
     // No vertex is farther from the centroid than the diameter.
     const Result<engine::ObjectView> view = engine::view_object(
-        {*surface, model->center.cast<double>(), static_cast<double>(model->diameter)}, pose,
+        {**surface, model->center.cast<double>(), static_cast<double>(model->diameter)}, pose,
         *image, delta);
     if (!view) return view.error();
     if (view->visible.num_pixels == 0) continue;

@@ -21,14 +21,27 @@ struct FeatureTotals {
 
 FeatureTotals feature_totals(const Library& library) {
   FeatureTotals totals;
-  for (const DatasetInfo& dataset : library.datasets) {
-    if (dataset.path.find("trisi/") != std::string::npos) totals.bytes += dataset.bytes;
+  for (const Model& model : library.models) {
+    for (const TriSpinFeatures& features : model.features) {
+      totals.number += features.size();
+      totals.bytes +=
+          features.size() * (sizeof(Eigen::Vector3f) + sizeof(FrameRows)) + features.codes.size();
+    }
   }
-  for (const Model& model : library.models) totals.number += model.features.size();
+  for (const FeatureLevel& level : library.index)
+    totals.bytes +=
+        level.codes.size() +
+        level.size() * (sizeof(Eigen::Vector3f) + sizeof(RotationCode) + sizeof(level.model[0]));
   const PcaBasis& pca = library.basis.components;
   totals.energy_share =
       std::accumulate(pca.energies.begin(), pca.energies.end(), 0.0) / pca.all_energy;
   return totals;
+}
+
+std::size_t num_features(const Model& model) {
+  std::size_t all = 0;
+  for (const TriSpinFeatures& features : model.features) all += features.size();
+  return all;
 }
 
 std::string features_text(const Library& library) {
@@ -100,7 +113,7 @@ Json model_json(const Model& model) {
           {"near_symmetry",
            {{"axis", axis_json(model.near_axis)}, {"poses", model.near_symmetries.size()}}},
           {"point_pairs", pairs_json(model)},
-          {"features", model.features.size()}};
+          {"features", num_features(model)}};
 }
 
 Json parameters_json(const std::string& parameters) {
@@ -129,8 +142,8 @@ std::string library_text(const Library& library) {
     text += fmt::format("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n",
                         model.name, model.diameter, model.vertices.size(), model.samples.size(),
                         model.ppf_points.size(), model.ppf.entries.size(),
-                        model.ppf.quantization.distance_step, model.features.size(),
-                        near_text(model), symmetry_text(model.symmetry));
+                        model.ppf.quantization.distance_step, num_features(model), near_text(model),
+                        symmetry_text(model.symmetry));
   }
   return text;
 }

@@ -225,7 +225,7 @@ ModelGroup read_models(Reader& reader, const std::string& name, const toml::tabl
     group.files.push_back(reader.resolve(folder).string());
   reader.read(table, "diameter", 0, 1000, group.options.diameter);
   reader.read(table, "metal", group.options.metal);
-  reader.read(table, "parts", 0, 1000, group.num_parts);
+  reader.read(table, "parts", 0, kMaxParts, group.num_parts);
   group.families = reader.texts(table, "families");
   const std::vector<std::string> known = known_families();
   for (const std::string& family : group.families) {

@@ -55,9 +55,9 @@ void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
   for_each_index(objects.size(), [&](std::size_t k) {
     SureObject& object = objects[k];
     const Model& model = recognizer.library().models[object.model];
-    const Result<kernels::RayScene>& surface = recognizer.surface(object.model);
+    const auto surface = recognizer.surface(object.model);
     if (!surface) return;
-    kernels::gather_object(image, *surface, samples_of(model), object.T_camera_model, scales,
+    kernels::gather_object(image, **surface, samples_of(model), object.T_camera_model, scales,
                            object.options, scratch.local(), object.equations);
   });
 }

@@ -48,9 +48,11 @@ Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manif
   return meshes;
 }
 
-std::vector<EvaluationMesh> meshes_of(const Library& library) {
+Result<std::vector<EvaluationMesh>> meshes_of(const Library& library) {
   std::vector<EvaluationMesh> meshes;
-  for (const Model& model : library.models) {
+  for (std::uint32_t m = 0; m < library.models.size(); ++m) {
+    if (const Result<void> good = library.check(m, ModelPart::surface); !good) return good.error();
+    const Model& model = library.models[m];
     meshes.push_back({model.name, model.vertices, model.triangles,
                       static_cast<double>(model.diameter), model.symmetry});
   }

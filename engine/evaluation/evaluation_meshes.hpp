@@ -15,8 +15,8 @@ namespace trivet {
 /// One model of a manifest. Lengths are in the manifest's unit.
 struct EvaluationMesh {
   std::string name;
-  Points vertices;      ///< all of the file's, at least two of them apart
-  Triangles triangles;  ///< empty for a cloud
+  Shared<PointsView> vertices;      ///< all of the file's, at least two of them apart
+  Shared<TrianglesView> triangles;  ///< empty for a cloud
   double diameter = 0;  ///< of the data set (BOP), else between the farthest vertices; > 0
   Symmetry symmetry;    ///< what the manifest declares; else none
 };
@@ -26,8 +26,9 @@ struct EvaluationMesh {
 /// (a model without extent).
 Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manifest);
 
-/// The surfaces of a library's models as they are stored, in its order and unit.
-std::vector<EvaluationMesh> meshes_of(const Library& library);
+/// The surfaces of a library's models as they are stored, in its order and unit. Errors: bad_data
+/// (damaged).
+Result<std::vector<EvaluationMesh>> meshes_of(const Library& library);
 
 /// The mesh of that name; none if there is none.
 const EvaluationMesh* find_mesh(std::span<const EvaluationMesh> meshes, std::string_view name);

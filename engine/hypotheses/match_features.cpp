@@ -6,11 +6,13 @@
 
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/search_codes.hpp"
+#include "engine/libraries/index_features.hpp"
 #include "engine/training/describe_surface.hpp"
 #include "kernels/common/pca.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/group_matches.hpp"
 #include "kernels/spin_images/keypoints_uniform.hpp"
+#include "kernels/spin_images/rotation_code.hpp"
 #include "kernels/spin_images/salient_points.hpp"
 
 namespace trivet::engine {
@@ -114,7 +116,7 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
 
   const bool needs_ratio = options.max_ratio < 1 || options.weigh_by_ratio;
   const CodeNeighbors found =
-      search_codes(level.index(), encode_images(basis, described.images), options.num_lists,
+      search_codes(code_index(level), encode_images(basis, described.images), options.num_lists,
                    options.num_neighbors + (needs_ratio ? kMoreForRatio : 0));
   for (std::uint32_t s = 0; s < described.size(); ++s) {
     const std::span<const kernels::CodeNeighbor> neighbors = found.of(s);
@@ -127,7 +129,7 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
       const float votes = options.weigh_by_ratio ? 1 - ratio : 1;
       if (!(votes > 0)) continue;
       Pose pose = Pose::Identity();
-      pose.linear() = described.frames[s].transpose() * level.frames[i];
+      pose.linear() = described.frames[s].transpose() * kernels::decode_rotation(level.frames[i]);
       pose.translation() = described.keypoints[s] - pose.linear() * level.keypoints[i];
       out.matches.push_back({s, level.model[i], level.keypoints[i], pose, votes});
     }

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/prepare_scene.hpp"
 #include "engine/recognize.hpp"
 #include "kernels/common/hypothesis.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
+#include "storage/feature_index.hpp"
 #include "storage/tri_spin_features.hpp"
 
 namespace trivet::engine {

@@ -43,26 +43,33 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
   PerThread<Column<std::uint32_t>> scratch(
       [&] { return Column<std::uint32_t>(std::max(num_lists, kTile)); });
   PerThread<std::vector<CodeNeighbor>> nearest([&] { return std::vector<CodeNeighbor>(visited); });
+  Column<std::int32_t> list_norms(num_lists);
+  kernels::code_norms(index.centroids, stride, list_norms);
   std::vector<std::uint32_t> lists(n * visited);
   for_chunks(n, kQueryGrain, [&](std::size_t first, std::size_t count) {
     std::vector<CodeNeighbor>& best = nearest.local();
     for (std::size_t q = first; q < first + count; ++q) {
-      kernels::nearest_lists(index, query(q), std::span(scratch.local()).first(num_lists), best);
+      kernels::nearest_lists(index, query(q), list_norms,
+                             std::span(scratch.local()).first(num_lists), best);
       for (std::size_t p = 0; p < visited; ++p) lists[q * visited + p] = best[p].index;
     }
   });
 
+  PerThread<Column<std::int32_t>> tile_norms([] { return Column<std::int32_t>(kTile); });
   const Visits visits = visits_of(lists, num_lists);
   std::vector<CodeNeighbor> of_visit(lists.size() * num_neighbors);
   for_each_index(num_lists, [&](std::size_t l) {
+    if (visits.offsets[l] == visits.offsets[l + 1]) return;
     const std::size_t end = index.offsets[l + 1];
     for (std::size_t first = index.offsets[l]; first < end; first += kTile) {
       const std::size_t count = std::min(kTile, end - first);
+      const auto codes = index.codes.subspan(first * stride, count * stride);
       const std::span squared = std::span(scratch.local()).first(count);
+      const std::span norms = std::span(tile_norms.local()).first(count);
+      kernels::code_norms(codes, stride, norms);
       for (std::size_t v = visits.offsets[l]; v < visits.offsets[l + 1]; ++v) {
         const std::size_t slot = visits.slots[v];
-        kernels::code_distances(query(slot / visited),
-                                index.codes.subspan(first * stride, count * stride), squared);
+        kernels::code_distances(query(slot / visited), codes, norms, squared);
         kernels::keep_nearest(squared, static_cast<std::uint32_t>(first),
                               std::span(of_visit).subspan(slot * num_neighbors, num_neighbors));
       }

@@ -67,8 +67,8 @@ Result<void> check_methods(const Library& library, Method method) {
                              "{}, or recognize with --method fused",
                              library.file.string(), what, name)};
   };
-  const bool pairs = std::ranges::any_of(
-      library.models, [](const Model& model) { return !model.ppf.entries.empty(); });
+  const bool pairs =
+      std::ranges::any_of(library.models, [](const Model& model) { return model.has_pairs(); });
   if (library.models.empty()) return {};
   if (method == Method::ppf && !pairs) return refuse("point pairs", "ppf");
   if (method == Method::trisi && library.basis.components.size() == 0)
@@ -139,6 +139,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   if (const Result<void> sizes = check_sizes(library, *scene, input); !sizes) return sizes.error();
   Result<engine::SearchResult> found =
       engine::search_scene(recognizer, *scene, *groups, options, stop, stats);
+  recognizer.give_back();
   if (!found) return found.error();
   if (cloud.camera && scene->images.size() == 1) {
     const StageTimer timer(stats.times, "check camera");

@@ -5,68 +5,75 @@
 #include <optional>
 #include <utility>
 
-#include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/find_look_alikes.hpp"
+#include "engine/libraries/index_features.hpp"
+#include "engine/recognition/surface_cache.hpp"
 #include "kernels/surfaces/visibility.hpp"
 
 namespace trivet {
+namespace {
 
-struct Recognizer::Surface {
+constexpr std::size_t kSurfaceShare = 4;  // a fourth of the memory is for ray-tracing trees
+
+struct LookAlikes {
   tbb::collaborative_once_flag once;
-  std::optional<Result<kernels::RayScene>> rays;
+  Result<std::vector<engine::LookAlike>> models = std::vector<engine::LookAlike>();
 };
 
-struct Recognizer::Features {
-  tbb::collaborative_once_flag once;
-  std::vector<engine::FeatureLevel> levels;
+}  // namespace
+
+struct Recognizer::Parts {
+  Parts(std::size_t num_models, const MemoryBound& memory)
+      : surfaces(memory.bytes / kSurfaceShare), look_alikes(new LookAlikes[num_models]) {}
+
+  engine::SurfaceCache surfaces;
+  tbb::collaborative_once_flag indexed;
+  Result<FeatureIndex> index = FeatureIndex();
+  std::unique_ptr<LookAlikes[]> look_alikes;
 };
 
-struct Recognizer::LookAlikes {
-  tbb::collaborative_once_flag once;
-  std::vector<engine::LookAlike> models;
-};
-
-Recognizer::Recognizer(Library library, const kernels::ScoreModel& score)
+Recognizer::Recognizer(Library library, const kernels::ScoreModel& score, const MemoryBound& memory)
     : library_(std::move(library)),
       score_(score),
-      surfaces_(new Surface[library_.models.size()]),
-      features_(new Features),
-      look_alikes_(new LookAlikes[library_.models.size()]) {}
+      memory_(memory),
+      parts_(new Parts(library_.models.size(), memory)) {}
 Recognizer::Recognizer(Recognizer&&) noexcept = default;
 Recognizer& Recognizer::operator=(Recognizer&&) noexcept = default;
 Recognizer::~Recognizer() = default;
 
-const Result<kernels::RayScene>& Recognizer::surface(std::uint32_t model) const {
-  Surface& surface = surfaces_[model];
-  // Embree builds with TBB: a waiting thread may take up another scene that asks for this model,
-  // which std::call_once would never come back from.
-  tbb::collaborative_call_once(surface.once, [&] {
+Result<std::shared_ptr<const kernels::RayScene>> Recognizer::surface(std::uint32_t model) const {
+  return parts_->surfaces.get(model, [&]() -> Result<kernels::RayScene> {
     const Model& m = library_.models[model];
-    surface.rays = m.triangles.empty()
-                       ? kernels::RayScene::from_discs(m.samples, m.sample_normals,
-                                                       kernels::kCloudRadius * m.sample_spacing)
-                       : kernels::RayScene::from_mesh(m.vertices, m.triangles);
+    const ModelPart part = m.triangles.empty() ? ModelPart::samples : ModelPart::surface;
+    if (const Result<void> good = library_.check(model, part); !good) return good.error();
+    if (m.triangles.empty())
+      return kernels::RayScene::from_discs(m.samples, m.sample_normals,
+                                           kernels::kCloudRadius * m.sample_spacing);
+    return kernels::RayScene::from_mesh(m.vertices, m.triangles);
   });
-  return *surface.rays;
 }
 
-const std::vector<engine::FeatureLevel>& Recognizer::features() const {
-  tbb::collaborative_call_once(features_->once,
-                               [&] { features_->levels = engine::index_features(library_); });
-  return features_->levels;
+Result<const FeatureIndex*> Recognizer::features() const {
+  if (!library_.index.empty()) return &library_.index;
+  tbb::collaborative_call_once(parts_->indexed,
+                               [&] { parts_->index = engine::index_features(library_); });
+  if (!parts_->index) return parts_->index.error();
+  return &*parts_->index;
 }
 
-const std::vector<engine::LookAlike>& Recognizer::look_alikes(std::uint32_t model) const {
-  LookAlikes& look_alikes = look_alikes_[model];
+Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint32_t model) const {
+  const Result<const FeatureIndex*> index = features();
+  if (!index) return index.error();
+  LookAlikes& look_alikes = parts_->look_alikes[model];
   tbb::collaborative_call_once(look_alikes.once, [&] {
-    look_alikes.models = engine::find_look_alikes(library_, features(), model);
+    look_alikes.models = engine::find_look_alikes(library_, **index, model);
   });
-  return look_alikes.models;
+  if (!look_alikes.models) return look_alikes.models.error();
+  return &*look_alikes.models;
 }
 
-void Recognizer::build_all() const {
-  for (std::uint32_t model = 0; model < library_.models.size(); ++model) (void)surface(model);
-  (void)features();
+void Recognizer::give_back() const {
+  library_.give_back(memory_.bytes - memory_.bytes / kSurfaceShare);
 }
 
 }  // namespace trivet

@@ -8,8 +8,6 @@ namespace {
 
 // Searching for each of so many models on its own costs about what the budget allows.
 constexpr std::size_t kSmallLibrary = 30;
-// Each has references of its own; from here on they share so many.
-constexpr float kModelsAtFullShare = 300;
 
 }  // namespace
 
@@ -27,9 +25,7 @@ std::optional<SearchBudget> budget_of(const RecognizeOptions& options, const Lib
   };
   budget.poses = {scaled(budget.poses.looked_at), scaled(budget.poses.refined),
                   scaled(budget.poses.examined)};
-  budget.reference_share *=
-      options.budget * std::min(1.0F, kModelsAtFullShare / static_cast<float>(num_models));
-  budget.reference_share = std::min(budget.reference_share, 1.0F);
+  budget.voted_models = scaled(budget.voted_models);
   return budget;
 }
 

@@ -1,12 +1,12 @@
 #include "engine/recognition/search_scene.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <span>
 #include <utility>
 
 #include "engine/common/parallel.hpp"
-#include "engine/hypotheses/feature_library.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
 #include "engine/hypotheses/find_look_alikes.hpp"
 #include "engine/hypotheses/match_features.hpp"
@@ -74,9 +74,9 @@ class SceneSearch {
   using AllProposals = std::vector<std::vector<Proposals>>;
 
   AllProposals propose_expected() const;
-  AllProposals propose(std::uint32_t round);
-  void vote(std::uint32_t round, AllProposals& proposals);
-  void match(AllProposals& proposals);
+  Result<AllProposals> propose(std::uint32_t round);
+  Result<void> vote(std::uint32_t round, AllProposals& proposals);
+  Result<void> match(AllProposals& proposals);
   SceneSample sample(float step, std::span<const std::uint32_t> models) const;
 
   /// Verify what is proposed, and select anew among all candidates.
@@ -113,8 +113,8 @@ class SceneSearch {
   const std::stop_token& stop_;
   SceneStats& stats_;
   PosePool pool_;
-  std::vector<SceneSample> samples_;   // one a group of models, from the first round on
-  std::vector<SceneMatches> matches_;  // one a level of features, once they are matched
+  std::map<float, SceneSample> samples_;  // by sampling step, once it is voted with
+  std::vector<SceneMatches> matches_;     // one a level of features, once they are matched
   bool matched_ = false;
   std::set<std::uint32_t> climbed_;    // candidates whose look-alikes were tested
   std::vector<Candidate> candidates_;  // of all rounds
@@ -126,7 +126,10 @@ Result<SearchResult> SceneSearch::run() && {
     if (const Result<void> settled = settle(propose_expected()); !settled) return settled.error();
   }
   for (std::uint32_t round = 0; round < options_.pose.rounds; ++round) {
-    if (const Result<void> settled = settle(propose(round)); !settled) return settled.error();
+    Result<AllProposals> proposals = propose(round);
+    if (!proposals) return proposals.error();
+    if (const Result<void> settled = settle(std::move(*proposals)); !settled)
+      return settled.error();
   }
   return conclude();
 }
@@ -147,44 +150,58 @@ SceneSearch::AllProposals SceneSearch::propose_expected() const {
   return proposals;
 }
 
-SceneSearch::AllProposals SceneSearch::propose(std::uint32_t round) {
+Result<SceneSearch::AllProposals> SceneSearch::propose(std::uint32_t round) {
   AllProposals proposals(library_.models.size());
   const bool fused = options_.method == Method::fused;
-  if (budget_) {
-    if (round == 0) {
-      match(proposals);
-    } else if (fused) {
-      vote(round, proposals);
-    }
-    return proposals;
+  // What votes find in the first round need not be described; within a budget it is the other way.
+  const bool votes = budget_ ? fused && round > 0 : options_.method != Method::trisi;
+  const bool matches =
+      budget_ ? round == 0 : options_.method == Method::trisi || (fused && round > 0);
+  if (votes) {
+    if (const Result<void> done = vote(round, proposals); !done) return done.error();
   }
-  if (fused || options_.method == Method::ppf) vote(round, proposals);
-  // What votes find in the first round need not be described.
-  if (options_.method == Method::trisi || (fused && round > 0)) match(proposals);
+  if (matches) {
+    if (const Result<void> done = match(proposals); !done) return done.error();
+  }
   return proposals;
 }
 
-void SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
+Result<void> SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
   VoteOptions options = round == 0 || budget_ ? options_.vote : options_.later;
   if (budget_) {
     options.reference_share = budget_->reference_share;
     options.max_votes = std::min(options.max_votes, budget_->max_votes);
   }
-  const std::vector<std::pair<float, std::vector<std::uint32_t>>> sizes(groups_.begin(),
-                                                                        groups_.end());
+  std::vector<std::pair<float, std::vector<std::uint32_t>>> sizes(groups_.begin(), groups_.end());
+  if (budget_) {
+    const std::vector<std::uint32_t> likely =
+        pool_.likely_models(budget_->voted_models, selection_.explained);
+    for (auto& [step, models] : sizes) {
+      std::ranges::sort(models);
+      std::vector<std::uint32_t> kept;
+      std::ranges::set_intersection(models, likely, std::back_inserter(kept));
+      models = std::move(kept);
+    }
+    std::erase_if(sizes, [](const auto& size) { return size.second.empty(); });
+  }
   std::vector<SceneLevel> levels(sizes.size());
   {
     const StageTimer timer(stats_.times, "subsample");
-    samples_.resize(sizes.size());
+    for (const auto& [step, models] : sizes) samples_.try_emplace(step);
     for_each_index(sizes.size(), [&](std::size_t k) {
-      if (samples_[k].points.size() == 0) samples_[k] = sample(sizes[k].first, sizes[k].second);
-      levels[k] = choose_voters(scene_, samples_[k], options, selection_.explained);
-      drop_far_references(options_.limits, scene_, samples_[k].largest_diameter, levels[k]);
+      const float step = sizes[k].first;
+      SceneSample& sampled = samples_.at(step);
+      if (sampled.points.size() == 0) sampled = sample(step, groups_.at(step));
+      levels[k] = choose_voters(scene_, sampled, options, selection_.explained);
+      drop_far_references(options_.limits, scene_, sampled.largest_diameter, levels[k]);
     });
   }
   const StageTimer timer(stats_.times, "vote");
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     const std::vector<std::uint32_t>& models = sizes[k].second;
+    for (const std::uint32_t m : models) {
+      if (const Result<void> good = library_.check(m, ModelPart::pairs); !good) return good;
+    }
     VotedHypotheses voted = find_hypotheses(library_, levels[k], models, options);
     stats_.num_references += voted.num_references;
     stats_.num_pairs += voted.num_pairs;
@@ -192,9 +209,10 @@ void SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
     for (std::size_t m = 0; m < models.size(); ++m)
       proposals[models[m]].push_back({Source::ppf, std::move(voted.of_model[m])});
   }
+  return {};
 }
 
-void SceneSearch::match(AllProposals& proposals) {
+Result<void> SceneSearch::match(AllProposals& proposals) {
   std::vector<std::uint32_t> wanted;
   for (const auto& [step, models] : groups_)
     wanted.insert(wanted.end(), models.begin(), models.end());
@@ -209,14 +227,19 @@ void SceneSearch::match(AllProposals& proposals) {
                       budget_->finest_noise * scene_.sensor.noise);
   }
   if (!std::exchange(matched_, true)) {
-    for (const FeatureLevel& level : recognizer_.features()) {
+    const Result<const FeatureIndex*> index = recognizer_.features();
+    if (!index) return index.error();
+    for (std::size_t k = 0; k < (*index)->size(); ++k) {
+      const FeatureLevel& level = (**index)[k];
       if (level.resolution < finest) continue;
+      if (const Result<void> good = library_.check_level(k); !good) return good;
       std::vector<std::uint32_t> models;
       std::ranges::set_intersection(level.models, wanted, std::back_inserter(models));
       if (models.empty()) continue;
       matches_.push_back(match_features(library_.basis, level, scene_,
                                         sample(level.resolution, models), selection_.explained,
                                         options));
+      recognizer_.give_back();
     }
   }
   for (const SceneMatches& matches : matches_) {
@@ -226,6 +249,7 @@ void SceneSearch::match(AllProposals& proposals) {
       if (!hypotheses[m].empty()) proposals[m].push_back({Source::trisi, std::move(hypotheses[m])});
     }
   }
+  return {};
 }
 
 SceneSample SceneSearch::sample(float step, std::span<const std::uint32_t> models) const {
@@ -240,7 +264,7 @@ Result<void> SceneSearch::settle(AllProposals proposals) {
     if (!proposals[m].empty()) proposed.push_back({m, std::move(proposals[m])});
   }
   const PoseBudget poses = budget_ ? budget_->poses : PoseBudget{};
-  pool_.add(proposed, poses);
+  if (const Result<void> added = pool_.add(proposed, poses); !added) return added;
   const std::uint32_t passes = budget_ ? budget_->passes : 1;
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
@@ -274,13 +298,22 @@ Result<void> SceneSearch::test_look_alikes() {
   std::vector<std::vector<SuggestedPose>> suggested(from.size());
   {
     const StageTimer timer(stats_.times, "match");
+    std::vector<Result<void>> results(from.size());
     for_each_index(from.size(), [&](std::size_t k) {
       const Candidate& candidate = candidates_[from[k]];
-      for (const LookAlike& like : recognizer_.look_alikes(candidate.model)) {
+      const auto look_alikes = recognizer_.look_alikes(candidate.model);
+      if (!look_alikes) {
+        results[k] = look_alikes.error();
+        return;
+      }
+      for (const LookAlike& like : **look_alikes) {
         if (!wanted_[like.model]) continue;
         suggested[k].push_back({like.model, candidate.T_scene_model * like.T_model_other});
       }
     });
+    for (const Result<void>& result : results) {
+      if (!result) return result;
+    }
   }
   return take_in(pool_.test(suggested, budget_->look_alikes));
 }
@@ -370,7 +403,7 @@ Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives(
 
 bool SceneSearch::is_beside_votes(const Candidate& candidate) const {
   return !budget_ && options_.method == Method::fused && candidate.source == Source::trisi &&
-         !library_.models[candidate.model].ppf.entries.empty();
+         library_.models[candidate.model].has_pairs();
 }
 
 float SceneSearch::asked_score(const Candidate& candidate) const {

@@ -32,6 +32,9 @@ inline constexpr const char* kHousehold = "household";
 /// Everything that may be named.
 std::vector<std::string> known_families();
 
+/// Parts that are made at once, at most.
+inline constexpr std::uint32_t kMaxParts = 10'000;
+
 /// The first n parts of a seed: the families take turns, each time with other sizes and
 /// proportions.
 ///

@@ -116,12 +116,13 @@ class Collection {
 
 }  // namespace
 
-float resolution_for(float diameter) noexcept {
-  return std::exp2(std::round(2 * std::log2(kRelativeResolution * diameter)) / 2);
+float resolution_for(float diameter, std::uint32_t half_octaves) noexcept {
+  const float own = std::round(2 * std::log2(kRelativeResolution * diameter));
+  return std::exp2((own + static_cast<float>(half_octaves)) / 2);
 }
 
 Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& options) {
-  const float resolution = resolution_for(model.diameter);
+  const float resolution = resolution_for(model.diameter, options.half_octaves);
   ViewMask directions{};
   for (std::size_t v = 0; v < kNumPartialViews; ++v)
     directions[partial_view(v) / 64] |= std::uint64_t{1} << (partial_view(v) % 64);

@@ -1,6 +1,8 @@
 /// What a model's keypoints look like from all sides.
 #pragma once
 
+#include <cstdint>
+
 #include "engine/training/describe_surface.hpp"
 #include "engine/training/survey_model.hpp"
 
@@ -9,14 +11,16 @@ namespace trivet::engine {
 /// How models are described: lengths in resolutions, which are steps of about an eightieth of the
 /// diameter, rounded to half an octave, so that models of like size share one.
 struct DescribeOptions {
-  float support = 17;      ///< radius of a support
-  float spacing = 3;       ///< of keypoints
-  std::size_t stride = 1;  ///< one in so many keypoints is described
+  std::uint32_t half_octaves = 0;  ///< above the model's own resolution
+  float support = 17;              ///< radius of a support
+  float spacing = 3;               ///< of keypoints
+  std::size_t stride = 1;          ///< one in so many keypoints is described
   kernels::FrameLimits limits{};
 };
 
-/// The distance between the points that supports are made of, for a model of this diameter.
-float resolution_for(float diameter) noexcept;
+/// The distance between the points that supports are made of, for a model of this diameter, and so
+/// many half octaves above it. Models of different size share what is equal.
+float resolution_for(float diameter, std::uint32_t half_octaves = 0) noexcept;
 
 /// Describe the keypoints of a model as the whole surface shows them and as 42 views do: what a
 /// view does not see is missing from its supports, as it is in a scan.

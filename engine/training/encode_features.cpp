@@ -1,6 +1,7 @@
 #include "engine/training/encode_features.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/common/parallel.hpp"
 #include "kernels/common/pca.hpp"
@@ -15,8 +16,8 @@ TriSpinFeatures encode_features(const Descriptions& descriptions, const TriSpinB
   out.resolution = resolution;
   out.keypoints = descriptions.keypoints;
   out.num_components = k;
-  out.frames.resize(n);
-  out.codes.resize(n * k);
+  Column<FrameRows> frames(n);
+  Column<std::uint8_t> codes(n * k);
   PerThread<Column<float>> numbers;
   for_chunks(n, 256, [&](std::size_t first, std::size_t count) {
     Column<float>& projected = numbers.local();
@@ -25,12 +26,14 @@ TriSpinFeatures encode_features(const Descriptions& descriptions, const TriSpinB
                      std::span(descriptions.images)
                          .subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
                      projected);
-    kernels::encode(projected, basis.code_step, std::span(out.codes).subspan(first * k, count * k));
+    kernels::encode(projected, basis.code_step, std::span(codes).subspan(first * k, count * k));
     for (std::size_t i = first; i < first + count; ++i) {
-      Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(out.frames[i].data()) =
+      Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(frames[i].data()) =
           descriptions.frames[i];
     }
   });
+  out.frames = std::move(frames);
+  out.codes = std::move(codes);
   return out;
 }
 

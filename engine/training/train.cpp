@@ -13,12 +13,20 @@
 namespace trivet {
 namespace {
 
-TriSpinFeatures describe(const engine::SurveyedModel& model, const TriSpinBasis& basis,
-                         StageTimes& times) {
-  if (basis.components.size() == 0) return {};
+using Features = std::array<TriSpinFeatures, kFeatureScales.size()>;
+
+Features describe(const engine::SurveyedModel& model, const TriSpinBasis& basis,
+                  StageTimes& times) {
+  Features features;
+  if (basis.components.size() == 0) return features;
   const StageTimer timer(times, "describe");
-  return engine::encode_features(engine::describe_model(model, {.support = basis.support}), basis,
-                                 engine::resolution_for(model.diameter));
+  engine::for_each_index(features.size(), [&](std::size_t k) {
+    const std::uint32_t above = kFeatureScales[k];
+    features[k] = engine::encode_features(
+        engine::describe_model(model, {.half_octaves = above, .support = basis.support}), basis,
+        engine::resolution_for(model.diameter, above));
+  });
+  return features;
 }
 
 /// Models of one step share the scene's samples, with or without a table.
@@ -35,7 +43,7 @@ Result<engine::PairTable> pair_up(const engine::SurveyedModel& model,
 }
 
 Model assemble(const ModelSource& source, engine::SurveyedModel surveyed,
-               engine::Symmetries symmetries, engine::PairTable pairs, TriSpinFeatures features) {
+               engine::Symmetries symmetries, engine::PairTable pairs, Features features) {
   Model model;
   model.name = source.name;
   model.source = source.file.filename().string();
@@ -52,8 +60,7 @@ Model assemble(const ModelSource& source, engine::SurveyedModel surveyed,
   model.sample_spacing = surveyed.samples.spacing;
   model.ppf_points = std::move(pairs.points);
   model.ppf_normals = std::move(pairs.normals);
-  model.ppf = pairs.view;
-  model.ppf_storage = std::move(pairs.storage);
+  model.ppf = {pairs.view, std::move(pairs.storage)};
   model.features = std::move(features);
   return model;
 }
@@ -72,7 +79,7 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
   if (!surveyed) return surveyed.error();
   engine::Symmetries symmetries = engine::find_symmetries(*surveyed, source.symmetry, stats.times);
   Result<engine::PairTable> pairs = engine::PairTable{};
-  TriSpinFeatures features;
+  Features features;
   StageTimes pair_times, feature_times;
   engine::in_parallel([&] { pairs = pair_up(*surveyed, symmetries, options, source, pair_times); },
                       [&] { features = describe(*surveyed, basis, feature_times); });
@@ -83,7 +90,7 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
   stats.num_hidden_samples = surveyed->num_hidden();
   stats.num_ppf_points = pairs->points.size();
   stats.num_ppf_entries = pairs->view.entries.size();
-  stats.num_features = features.size();
+  for (const TriSpinFeatures& at_scale : features) stats.num_features += at_scale.size();
   return TrainedModel{assemble(source, std::move(*surveyed), std::move(symmetries),
                                std::move(*pairs), std::move(features)),
                       std::move(stats)};

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "engine/common/parallel.hpp"
+#include "engine/libraries/index_features.hpp"
 #include "engine/train.hpp"
 #include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
@@ -179,6 +180,7 @@ Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthU
                  fmt::format("{}: stopped after {} of {} models; nothing was written",
                              file.string(), stats.models.size(), order.size())};
   }
+  if (const Result<void> indexed = engine::add_index(*writer); !indexed) return indexed.error();
   if (const Result<void> published = writer->publish(); !published) return published.error();
   stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return stats;

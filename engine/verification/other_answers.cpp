@@ -102,12 +102,12 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
 
   const Model& model = models[candidate.model];
   const PoseTester tester(model, scene_, model.ppf.quantization.distance_step, test_);
-  const Result<kernels::RayScene>& surface = recognizer_.surface(candidate.model);
+  const auto surface = recognizer_.surface(candidate.model);
   if (!surface) return surface.error();
   kernels::CompareScratch scratch;
   double all = 1;  // shares of the probability, that of the candidate being 1
   for (const auto& [sibling, poses] : siblings) {
-    const Result<kernels::RayScene>& other_surface = recognizer_.surface(sibling);
+    const auto other_surface = recognizer_.surface(sibling);
     if (!other_surface) return other_surface.error();
     const kernels::ModelSamples samples = samples_of(models[sibling]);
     // What was taken in this place first is as likely at least, by its score.
@@ -115,8 +115,8 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
     double best = first ? 0 : std::numeric_limits<double>::lowest();
     for (const std::uint32_t c : poses) {
       const kernels::PoseComparison comparison = kernels::compare_poses(
-          scene_.images, {*other_surface, samples, candidates_[c].T_scene_model},
-          {*surface, tester.samples(), candidate.T_scene_model},
+          scene_.images, {**other_surface, samples, candidates_[c].T_scene_model},
+          {**surface, tester.samples(), candidate.T_scene_model},
           tester.errors_of(candidate.T_scene_model), tester.strict(candidate.T_scene_model),
           scratch);
       best = std::max(best, comparison.log_ratio);

@@ -71,14 +71,19 @@ struct PosePool::State {
   const std::stop_token& stop;
   StageTimes& times;
   std::map<std::uint32_t, std::unique_ptr<const ModelStages>> stages{};  // by model
+  PooledPoses seen{};  // all that were in the running, as they looked first
   PooledPoses waiting{};
   std::size_t num_looked_at = 0, num_refined = 0, num_examined = 0;
 
-  const ModelStages& stages_of(std::uint32_t model) {
+  /// Errors: bad_data (the model's samples are damaged).
+  Result<const ModelStages*> stages_of(std::uint32_t model) {
     std::unique_ptr<const ModelStages>& of_model = stages[model];
-    if (!of_model)
+    if (!of_model) {
+      const Result<void> good = recognizer.library().check(model, ModelPart::samples);
+      if (!good) return good.error();
       of_model = std::make_unique<const ModelStages>(recognizer, model, scene, options);
-    return *of_model;
+    }
+    return of_model.get();
   }
 
   /// Call body(stages, pose) for each, until it is stopped.
@@ -87,6 +92,17 @@ struct PosePool::State {
     for_each_index(poses.size(), [&](std::size_t k) {
       if (!stop.stop_requested()) body(*poses[k].stages, poses[k].pose);
     });
+  }
+
+  /// Nonzero for poses on marked pixels.
+  std::vector<std::uint8_t> marked(const PooledPoses& poses,
+                                   std::span<const std::uint8_t> pixels) const {
+    std::vector<std::uint8_t> out(poses.size(), 0);
+    if (pixels.empty()) return out;
+    for_each_index(poses.size(), [&](std::size_t k) {
+      out[k] = poses[k].stages->is_marked(poses[k].pose, pixels) ? 1 : 0;
+    });
+    return out;
   }
 
   void refine(PooledPoses& poses) {
@@ -103,18 +119,21 @@ struct PosePool::State {
 
   Result<std::vector<Candidate>> examine(const PooledPoses& poses) {
     const StageTimer timer(times, "examine");
+    std::map<std::uint32_t, std::shared_ptr<const kernels::RayScene>> surfaces;  // by model
     for (const PooledPose& pooled : poses) {
       if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
-      if (const auto& surface = recognizer.surface(pooled.stages->index()); !surface)
-        return surface.error();
+      if (surfaces.contains(pooled.stages->index())) continue;
+      const auto surface = recognizer.surface(pooled.stages->index());
+      if (!surface) return surface.error();
+      surfaces.emplace(pooled.stages->index(), *surface);
     }
     std::vector<std::optional<Candidate>> examined(poses.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(poses.size(), [&](std::size_t k) {
       if (stop.stop_requested()) return;
       const ModelStages& of = *poses[k].stages;
-      examined[k] = of.examine(*recognizer.surface(of.index()), recognizer.score(), poses[k].pose,
-                               scratch.local());
+      examined[k] =
+          of.examine(*surfaces.at(of.index()), recognizer.score(), poses[k].pose, scratch.local());
     });
     if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
     num_examined += poses.size();
@@ -131,13 +150,17 @@ PosePool::PosePool(const Recognizer& recognizer, const PreparedScene& scene,
     : state_(new State{recognizer, scene, options, stop, times}) {}
 PosePool::~PosePool() = default;
 
-void PosePool::add(std::span<const ModelProposals> proposals, const PoseBudget& budget) {
+Result<void> PosePool::add(std::span<const ModelProposals> proposals, const PoseBudget& budget) {
   State& s = *state_;
   PooledPoses poses;
   {
     const StageTimer timer(s.times, "cluster");
     std::vector<const ModelStages*> stages;
-    for (const ModelProposals& of_model : proposals) stages.push_back(&s.stages_of(of_model.model));
+    for (const ModelProposals& of_model : proposals) {
+      const Result<const ModelStages*> of = s.stages_of(of_model.model);
+      if (!of) return of.error();
+      stages.push_back(*of);
+    }
     std::vector<std::vector<CoarsePose>> clusters(proposals.size());
     for_each_index(proposals.size(), [&](std::size_t k) {
       if (!s.stop.stop_requested()) clusters[k] = stages[k]->cluster(proposals[k].proposals);
@@ -153,7 +176,28 @@ void PosePool::add(std::span<const ModelProposals> proposals, const PoseBudget& 
   choose_of_each(poses, [](const ModelStages& of, const auto& looked_at) {
     return of.in_the_running(looked_at);
   });
+  s.seen.insert(s.seen.end(), poses.begin(), poses.end());
   std::ranges::move(poses, std::back_inserter(s.waiting));
+  return {};
+}
+
+std::vector<std::uint32_t> PosePool::likely_models(std::size_t limit,
+                                                   std::span<const std::uint8_t> explained) const {
+  const PooledPoses& seen = state_->seen;
+  const std::vector<std::uint8_t> is_explained = state_->marked(seen, explained);
+  std::map<std::uint32_t, float> best;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (is_explained[k] != 0) continue;
+    float& score = best[seen[k].stages->index()];
+    score = std::max(score, seen[k].pose.score);
+  }
+  std::vector<std::pair<std::uint32_t, float>> order(best.begin(), best.end());
+  std::ranges::stable_sort(order, std::ranges::greater(), &std::pair<std::uint32_t, float>::second);
+  order.resize(std::min(order.size(), limit));
+  std::vector<std::uint32_t> models;
+  for (const auto& [model, score] : order) models.push_back(model);
+  std::ranges::sort(models);
+  return models;
 }
 
 Result<std::vector<Candidate>> PosePool::test_best(const PoseBudget& budget,
@@ -162,14 +206,9 @@ Result<std::vector<Candidate>> PosePool::test_best(const PoseBudget& budget,
   PooledPoses poses;
   {
     const StageTimer timer(s.times, "preselect");
-    if (!explained.empty()) {
-      std::vector<std::uint8_t> given_up(s.waiting.size());
-      for_each_index(s.waiting.size(), [&](std::size_t k) {
-        given_up[k] = s.waiting[k].stages->is_marked(s.waiting[k].pose, explained) ? 1 : 0;
-      });
-      std::size_t k = 0;
-      std::erase_if(s.waiting, [&](const PooledPose&) { return given_up[k++] != 0; });
-    }
+    const std::vector<std::uint8_t> given_up = s.marked(s.waiting, explained);
+    std::size_t at = 0;
+    std::erase_if(s.waiting, [&](const PooledPose&) { return given_up[at++] != 0; });
     const std::size_t running = budget.refined < PoseBudget::kNoLimit / kContourShare
                                     ? kContourShare * budget.refined
                                     : PoseBudget::kNoLimit;
@@ -193,8 +232,11 @@ Result<std::vector<Candidate>> PosePool::test(std::span<const std::vector<Sugges
   State& s = *state_;
   PooledPoses all;
   for (const std::vector<SuggestedPose>& list : lists) {
-    for (const SuggestedPose& suggested : list)
-      all.push_back({&s.stages_of(suggested.model), {Source::trisi, suggested.T_scene_model}});
+    for (const SuggestedPose& suggested : list) {
+      const Result<const ModelStages*> of = s.stages_of(suggested.model);
+      if (!of) return of.error();
+      all.push_back({*of, {Source::trisi, suggested.T_scene_model}});
+    }
   }
   s.refine(all);
   PooledPoses chosen;

@@ -48,14 +48,19 @@ class PosePool {
            const std::stop_token& stop, StageTimes& times);
   ~PosePool();
 
-  /// Cluster the hypotheses of each model, and look at each cluster.
-  void add(std::span<const ModelProposals> proposals, const PoseBudget& budget);
+  /// Cluster the hypotheses of each model, and look at each cluster. Errors: bad_data (damaged).
+  Result<void> add(std::span<const ModelProposals> proposals, const PoseBudget& budget);
+
+  /// Models of the poses that looked best when they were added, so many at most, rising: those that
+  /// a closer search may find. Poses on explained pixels do not count.
+  std::vector<std::uint32_t> likely_models(std::size_t limit,
+                                           std::span<const std::uint8_t> explained) const;
 
   /// Refine the best of what waits, test those by rays and score them; none waits any more. Those
   /// that lie on explained pixels are given up.
   ///
   /// explained  nonzero for such pixels, of all images one after the other; empty: none
-  /// Returns candidates by model. Errors: internal (no memory for a model's ray-tracing tree),
+  /// Returns candidates by model. Errors: internal (no memory for a model's ray-tracing tree), bad_data (damaged),
   /// resumable (stopped).
   Result<std::vector<Candidate>> test_best(const PoseBudget& budget,
                                            std::span<const std::uint8_t> explained = {});

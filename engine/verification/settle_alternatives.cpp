@@ -201,10 +201,10 @@ class AmbiguityTest {
 Result<void> settle_alternatives(const Recognizer& recognizer, const PreparedScene& scene,
                                  float step, std::span<const Candidate> candidates,
                                  const PoseTestOptions& options, Candidate& candidate) {
-  const Result<kernels::RayScene>& surface = recognizer.surface(candidate.model);
+  const auto surface = recognizer.surface(candidate.model);
   if (!surface) return surface.error();
   const PoseTester tester(recognizer.library().models[candidate.model], scene, step, options);
-  AmbiguityTest(tester, *surface, recognizer.score(), candidates).settle(candidate);
+  AmbiguityTest(tester, **surface, recognizer.score(), candidates).settle(candidate);
   return {};
 }
 

@@ -44,8 +44,8 @@ Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& sc
          rivals_of(selection.chosen[k], candidates, selection.refused)) {
       const Candidate& a = candidates[rival];
       const Candidate& b = candidates[winner];
-      const auto& surface = recognizer.surface(a.model);
-      const auto& other = recognizer.surface(b.model);
+      const auto surface = recognizer.surface(a.model);
+      const auto other = recognizer.surface(b.model);
       if (!surface || !other) {
         results[k] = surface ? other.error() : surface.error();
         return;
@@ -53,8 +53,8 @@ Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& sc
       const PoseTester tester(models[b.model], scene,
                               models[b.model].ppf.quantization.distance_step, test);
       const kernels::PoseComparison comparison = kernels::compare_poses(
-          scene.images, {*surface, samples_of(models[a.model]), a.T_scene_model},
-          {*other, tester.samples(), b.T_scene_model}, tester.errors_of(b.T_scene_model),
+          scene.images, {**surface, samples_of(models[a.model]), a.T_scene_model},
+          {**other, tester.samples(), b.T_scene_model}, tester.errors_of(b.T_scene_model),
           tester.strict(b.T_scene_model), scratch);
       if (comparison.z > kernels::PoseComparison::kSignificant) winner = rival;
     }

@@ -40,7 +40,7 @@ class RayScene {
 
   /// Pre: every index < vertices.size(). Errors: bad_data (no triangles), internal (Embree's
   /// message).
-  static Result<RayScene> from_mesh(PointsView vertices, const Triangles& triangles);
+  static Result<RayScene> from_mesh(PointsView vertices, TrianglesView triangles);
   /// Spheres of one radius > 0, in the unit of the centers. Errors: bad_data (no centers),
   /// internal.
   static Result<RayScene> from_spheres(PointsView centers, float radius);
@@ -55,6 +55,9 @@ class RayScene {
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
   ~RayScene();
+
+  /// About how much memory it takes.
+  std::size_t memory_bytes() const noexcept;
 
   /// Whether anything lies on origin + t direction for t_near <= t <= t_far (may be infinite).
   bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,

@@ -47,13 +47,22 @@ constexpr std::size_t code_stride(std::size_t dimension) noexcept {
 void pad_codes(std::span<const std::uint8_t> codes, std::size_t dimension,
                std::span<std::uint8_t> padded) noexcept;
 
-/// Write the squared distances of a code to others.
+/// Write what codes have in their distances to any other: the sum of c (c - 256) over their bytes.
+///
+/// codes  n of `stride` bytes each
+/// norms  n
+void code_norms(std::span<const std::uint8_t> codes, std::size_t stride,
+                std::span<std::int32_t> norms) noexcept;
+
+/// Write the squared distances of a code q to others: with their norms, |c - q|^2 = norm + |q|^2 -
+/// 2 c (q - 128), so that a product of bytes is all that is left to do.
 ///
 /// code     `stride` bytes
 /// others   n of them
+/// norms    n, by code_norms
 /// squared  n
 void code_distances(std::span<const std::uint8_t> code, std::span<const std::uint8_t> others,
-                    std::span<std::uint32_t> squared) noexcept;
+                    std::span<const std::int32_t> norms, std::span<std::uint32_t> squared) noexcept;
 
 /// Let codes in among the nearest ones so far; of equally near ones the lowest index stays.
 ///
@@ -65,10 +74,12 @@ void keep_nearest(std::span<const std::uint32_t> squared, std::uint32_t first,
 /// Write the lists that a query is looked for in: those of the nearest centroids, the nearest
 /// first.
 ///
+/// norms      num_lists(), of the centroids
 /// distances  num_lists(), scratch
 /// lists      at least one; as many are searched
 void nearest_lists(const CodeIndexView& index, std::span<const std::uint8_t> query,
-                   std::span<std::uint32_t> distances, std::span<CodeNeighbor> lists) noexcept;
+                   std::span<const std::int32_t> norms, std::span<std::uint32_t> distances,
+                   std::span<CodeNeighbor> lists) noexcept;
 
 /// Sums of the codes that are nearest to each centroid, from which the next centroids follow.
 struct CentroidSums {
@@ -80,17 +91,21 @@ struct CentroidSums {
 
 /// Add each code to the sums of its nearest centroid. Whole numbers: any order gives the same.
 ///
+/// norms      one a centroid
 /// distances  one a centroid, scratch
 void add_to_centroids(std::span<const std::uint8_t> codes, std::size_t stride,
-                      std::span<const std::uint8_t> centroids, std::span<std::uint32_t> distances,
-                      CentroidSums& sums) noexcept;
+                      std::span<const std::uint8_t> centroids, std::span<const std::int32_t> norms,
+                      std::span<std::uint32_t> distances, CentroidSums& sums) noexcept;
 
 /// Move each centroid to the mean of its codes; those that have none stay.
 void move_centroids(const CentroidSums& sums, std::span<std::uint8_t> centroids) noexcept;
 
 /// The centroid nearest to a code; of equally near ones the first.
+///
+/// norms, distances  one a centroid, the second scratch
 std::uint32_t nearest_centroid(std::span<const std::uint8_t> code,
                                std::span<const std::uint8_t> centroids,
+                               std::span<const std::int32_t> norms,
                                std::span<std::uint32_t> distances) noexcept;
 
 }  // namespace trivet::kernels

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 
 namespace trivet {
@@ -175,9 +176,24 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
 }
 
-std::string xxh3_hex(std::span<const std::byte> bytes) {
+std::string Xxh3::hex() const { return fmt::format("{:016x}{:016x}", high, low); }
+
+std::optional<Xxh3> Xxh3::parse(std::string_view hex) {
+  constexpr std::size_t kDigits = 16;
+  if (hex.size() != 2 * kDigits) return std::nullopt;
+  Xxh3 out;
+  for (const auto& [half, digits] :
+       {std::pair(&out.high, hex.substr(0, kDigits)), std::pair(&out.low, hex.substr(kDigits))}) {
+    const char* const end = digits.data() + digits.size();
+    const auto [at, error] = std::from_chars(digits.data(), end, *half, 16);
+    if (error != std::errc() || at != end) return std::nullopt;
+  }
+  return out;
+}
+
+Xxh3 xxh3(std::span<const std::byte> bytes) noexcept {
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  return {hash.high64, hash.low64};
 }
 
 }  // namespace trivet

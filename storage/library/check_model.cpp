@@ -84,36 +84,27 @@ std::string check_near_symmetries(const std::vector<Pose>& motions) {
 }
 
 std::string check_triangles(const Model& model) {
-  const Triangles& triangles = model.triangles;
+  const TrianglesView& triangles = model.triangles;
   if (triangles.b.size() != triangles.size() || triangles.c.size() != triangles.size()) {
     return "triangles: expected three columns of one length";
   }
-  for (const auto* corner : {&triangles.a, &triangles.b, &triangles.c}) {
-    const auto worst = std::ranges::max_element(*corner);
-    if (worst != corner->end() && *worst >= model.vertices.size()) {
+  for (const std::span<const std::uint32_t> corner : {triangles.a, triangles.b, triangles.c}) {
+    const auto worst = std::ranges::max_element(corner);
+    if (worst != corner.end() && *worst >= model.vertices.size()) {
       return fmt::format("triangles[{}]: expected an index below {}, found {}",
-                         worst - corner->begin(), model.vertices.size(), *worst);
+                         worst - corner.begin(), model.vertices.size(), *worst);
     }
   }
   return {};
 }
 
-std::string check_table(const PpfTableView& table, std::size_t num_points) {
-  const PpfQuantization& q = table.quantization;
-  if (q == PpfQuantization{} && table.offsets.empty() && table.entries.empty())
-    return {};  // trained without
+/// Of the table: what its cells are.
+std::string check_quantization(const PpfQuantization& q, bool has_columns) {
+  if (q == PpfQuantization{} && !has_columns) return {};  // trained without
   if (!std::isfinite(q.distance_step) || q.distance_step <= 0) {
     return fmt::format("ppf@distance_step: expected a positive length, found {}", q.distance_step);
   }
-  if (q.num_distance_bins == 0 && table.offsets.empty() && table.entries.empty())
-    return {};  // trained without: the step stays
-  if (num_points > 65536)
-    return fmt::format("ppf/points: expected at most 65536, found {}", num_points);
-  if (table.num_references > num_points) {
-    return fmt::format("ppf@num_references: expected at most {}, found {}", num_points,
-                       table.num_references);
-  }
-
+  if (q.num_distance_bins == 0 && !has_columns) return {};  // trained without: the step stays
   constexpr std::uint32_t kMaxBins = 65536;
   const double num_cells =
       static_cast<double>(q.num_distance_bins) * std::pow(static_cast<double>(q.num_angle_bins), 3);
@@ -121,6 +112,22 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
       num_cells >= 4294967295.0) {
     return fmt::format("ppf@num_angle_bins: expected 1 to 2^32 - 2 cells, found {} x {}^3",
                        q.num_distance_bins, q.num_angle_bins);
+  }
+  return {};
+}
+
+bool has_columns(const PpfTableView& table) noexcept {
+  return !table.offsets.empty() || !table.entries.empty();
+}
+
+std::string check_table(const PpfTableView& table, std::size_t num_points) {
+  const PpfQuantization& q = table.quantization;
+  if (q.num_distance_bins == 0 && !has_columns(table)) return {};  // trained without
+  if (num_points > 65536)
+    return fmt::format("ppf/points: expected at most 65536, found {}", num_points);
+  if (table.num_references > num_points) {
+    return fmt::format("ppf@num_references: expected at most {}, found {}", num_points,
+                       table.num_references);
   }
   const std::size_t cells = q.num_cells();
   if (auto wrong = check_length("ppf/offsets", table.offsets.size(), cells + 1); !wrong.empty())
@@ -157,27 +164,42 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
   return {};
 }
 
-std::string check_features(const TriSpinFeatures& features) {
+std::string check_resolution(std::string_view group, const TriSpinFeatures& features) {
+  if (features.size() == 0 || (std::isfinite(features.resolution) && features.resolution > 0))
+    return {};
+  return fmt::format("{}@resolution: expected a positive length, found {}", group,
+                     features.resolution);
+}
+
+std::string check_features(std::string_view group, const TriSpinFeatures& features) {
   if (features.size() == 0 && features.frames.empty() && features.codes.empty()) return {};
-  if (!std::isfinite(features.resolution) || features.resolution <= 0) {
-    return fmt::format("trisi@resolution: expected a positive length, found {}",
-                       features.resolution);
-  }
-  if (auto wrong = check_points("trisi/keypoints", features.keypoints); !wrong.empty())
+  if (auto wrong = check_points(fmt::format("{}/keypoints", group), features.keypoints);
+      !wrong.empty())
     return wrong;
-  if (auto wrong = check_length("trisi/frames", features.frames.size(), features.size());
+  if (auto wrong =
+          check_length(fmt::format("{}/frames", group), features.frames.size(), features.size());
       !wrong.empty())
     return wrong;
   if (features.codes.size() != features.size() * features.num_components) {
-    return fmt::format("trisi/features: expected {} rows of {}, found {} numbers", features.size(),
-                       features.num_components, features.codes.size());
+    return fmt::format("{}/features: expected {} rows of {}, found {} numbers", group,
+                       features.size(), features.num_components, features.codes.size());
   }
   for (std::size_t i = 0; i < features.size(); ++i) {
     const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> frame(
         features.frames[i].data());
     if (!frame.allFinite() || !(frame * frame.transpose()).isIdentity(kUnitTolerance) ||
         frame.determinant() < 0)
-      return fmt::format("trisi/frames[{}]: expected a rotation", i);
+      return fmt::format("{}/frames[{}]: expected a rotation", group, i);
+  }
+  return {};
+}
+
+/// The first fault that a check finds among the features of a model.
+template <class Check>
+std::string at_each_scale(const Model& model, Check&& check) {
+  for (std::size_t k = 0; k < model.features.size(); ++k) {
+    if (std::string wrong = check(kFeatureGroups[k], model.features[k]); !wrong.empty())
+      return wrong;
   }
   return {};
 }
@@ -213,42 +235,107 @@ Result<void> check_basis(const TriSpinBasis& basis) {
   return Error{ErrorCode::bad_data, "trisi/" + wrong};
 }
 
-Result<void> check_model(const Model& model) {
+namespace {
+
+using Check = std::string (*)(const Model&);
+
+Result<void> run(const Model& model, std::initializer_list<Check> checks) {
+  for (const Check check : checks) {
+    if (const std::string wrong = check(model); !wrong.empty())
+      return Error{ErrorCode::bad_data, fmt::format("model '{}': {}", model.name, wrong)};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> check_traits(const Model& model) {
   if (!is_model_name(model.name)) {
     return Error{ErrorCode::bad_data,
                  fmt::format("model name '{}': expected {}; rename the model with NAME=FILE",
                              model.name, kModelNameRule)};
   }
-  const auto checks = {
-      +[](const Model& m) { return check_scalars(m); },
-      +[](const Model& m) { return check_axis("symmetry axis", m.symmetry.axis); },
-      +[](const Model& m) { return check_motions("symmetry_poses", m.symmetry.poses); },
-      +[](const Model& m) { return check_near_symmetries(m.near_symmetries); },
-      +[](const Model& m) { return check_axis("near_axis", m.near_axis); },
-      +[](const Model& m) { return check_points("vertices", m.vertices); },
-      +[](const Model& m) { return check_triangles(m); },
-      +[](const Model& m) { return check_points("samples", m.samples); },
-      +[](const Model& m) {
-        return check_length("sample_normals", m.sample_normals.size(), m.samples.size());
-      },
-      +[](const Model& m) { return check_normals("sample_normals", m.sample_normals); },
-      +[](const Model& m) {
-        return check_length("sample_views", m.sample_views.size(), m.samples.size());
-      },
-      +[](const Model& m) { return check_points("ppf/points", m.ppf_points); },
-      +[](const Model& m) {
-        return check_length("ppf/normals", m.ppf_normals.size(), m.ppf_points.size());
-      },
-      +[](const Model& m) { return check_normals("ppf/normals", m.ppf_normals); },
-      +[](const Model& m) { return check_table(m.ppf, m.ppf_points.size()); },
-      +[](const Model& m) { return check_features(m.features); },
-  };
-  for (const auto check : checks) {
-    if (const std::string wrong = check(model); !wrong.empty()) {
-      return Error{ErrorCode::bad_data, fmt::format("model '{}': {}", model.name, wrong)};
-    }
+  return run(
+      model,
+      {[](const Model& m) { return check_scalars(m); },
+       [](const Model& m) { return check_axis("symmetry axis", m.symmetry.axis); },
+       [](const Model& m) { return check_motions("symmetry_poses", m.symmetry.poses); },
+       [](const Model& m) { return check_near_symmetries(m.near_symmetries); },
+       [](const Model& m) { return check_axis("near_axis", m.near_axis); },
+       [](const Model& m) { return check_quantization(m.ppf.quantization, has_columns(m.ppf)); },
+       [](const Model& m) {
+         return at_each_scale(m, [](std::string_view group, const auto& features) {
+           return check_resolution(group, features);
+         });
+       }});
+}
+
+Result<void> check_part(const Model& model, ModelPart part) {
+  switch (part) {
+    case ModelPart::surface:
+      return run(model, {[](const Model& m) { return check_points("vertices", m.vertices); },
+                         [](const Model& m) { return check_triangles(m); }});
+    case ModelPart::samples:
+      return run(model,
+                 {[](const Model& m) { return check_points("samples", m.samples); },
+                  [](const Model& m) {
+                    return check_length("sample_normals", m.sample_normals.size(),
+                                        m.samples.size());
+                  },
+                  [](const Model& m) { return check_normals("sample_normals", m.sample_normals); },
+                  [](const Model& m) {
+                    return check_length("sample_views", m.sample_views.size(), m.samples.size());
+                  }});
+    case ModelPart::pairs:
+      return run(model, {[](const Model& m) { return check_points("ppf/points", m.ppf_points); },
+                         [](const Model& m) {
+                           return check_length("ppf/normals", m.ppf_normals.size(),
+                                               m.ppf_points.size());
+                         },
+                         [](const Model& m) { return check_normals("ppf/normals", m.ppf_normals); },
+                         [](const Model& m) { return check_table(m.ppf, m.ppf_points.size()); }});
+    case ModelPart::features:
+      return run(model, {[](const Model& m) {
+                   return at_each_scale(m, [](std::string_view group, const auto& features) {
+                     return check_features(group, features);
+                   });
+                 }});
   }
   return {};
+}
+
+Result<void> check_model(const Model& model) {
+  if (Result<void> good = check_traits(model); !good) return good;
+  for (const ModelPart part : kModelParts) {
+    if (Result<void> good = check_part(model, part); !good) return good;
+  }
+  return {};
+}
+
+Result<void> check_level(const FeatureLevel& level, std::size_t num_models) {
+  std::string wrong;
+  const std::size_t n = level.size();
+  const auto rows = [&](std::string_view name, std::size_t found, std::size_t expected) {
+    if (wrong.empty()) wrong = check_length(name, found, expected);
+  };
+  if (level.offsets.size() < 2 || level.offsets.front() != 0)
+    wrong = "offsets: expected to begin at 0";
+  rows("offsets", level.offsets.empty() ? 0 : level.offsets.back(), n);
+  rows("keypoints", level.keypoints.size(), n);
+  rows("frames", level.frames.size(), n);
+  rows("codes", level.codes.size(), n * level.stride);
+  rows("centroids", level.centroids.size(), (level.offsets.size() - 1) * level.stride);
+  if (wrong.empty() && !std::ranges::is_sorted(level.offsets))
+    wrong = "offsets: expected not to fall";
+  const auto above = [&](std::uint32_t m) { return m >= num_models; };
+  if (wrong.empty() &&
+      (std::ranges::any_of(level.model, above) || std::ranges::any_of(level.models, above)))
+    wrong = fmt::format("model: expected numbers below {}", num_models);
+  if (wrong.empty() && !std::ranges::is_sorted(level.models, std::ranges::less_equal()))
+    wrong = "models: expected them to rise";
+  if (wrong.empty()) wrong = check_points("keypoints", level.keypoints);
+  if (wrong.empty()) return {};
+  return Error{ErrorCode::bad_data, wrong};
 }
 
 }  // namespace trivet::format

@@ -21,7 +21,10 @@ Result<Library> read_repacked(const std::filesystem::path& file) {
   const auto tree = std::make_shared<const UnpackedTree>(*std::move(read));
   Result<Library> library =
       parse_library(file, tree->root, tree->bytes, {tree, tree->bytes.data()});
-  if (library && library->version_minor > kLibraryVersionMinor) {
+  if (!library) return library;
+  if (const Result<void> good = library->check_all(); !good) return good.error();
+  library->checks.reset();
+  if (library->version_minor > kLibraryVersionMinor) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected format {}.{} or an older one, found {}.{}, of which "
                              "something would be lost; import it with the program that wrote it",

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "storage/feature_index.hpp"
 #include "storage/library/stored_tree.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
@@ -13,8 +14,9 @@
 namespace trivet::format {
 
 inline constexpr std::string_view kName = "trivet-library";
-inline constexpr std::string_view kChecksum = "checksum";      ///< attribute of the root
-inline constexpr std::string_view kDataChecksum = "xxh3_128";  ///< attribute of each dataset
+inline constexpr std::string_view kChecksum = "checksum";           ///< attribute of the root
+inline constexpr std::string_view kDataChecksum = "xxh3_128";       ///< attribute of each dataset
+inline constexpr std::string_view kModelsDigest = "models_digest";  ///< attribute of /directory
 inline constexpr std::uint64_t kRows = 0;  ///< stands in a shape for the number of rows
 inline constexpr std::uint64_t kComponents = ~std::uint64_t{0};  ///< ... of principal components
 
@@ -122,10 +124,159 @@ inline constexpr DatasetSpec kFeatures{"trisi",
                                        "1",
                                        3};
 
-inline constexpr std::array kDatasets{
-    kVertices,       kTriangles,       kSamples,       kSampleNormals, kSampleViews, kSymmetryPoses,
-    kNearSymmetries, kNearAxis,        kPpfPoints,     kPpfNormals,    kPpfOffsets,  kPpfEntries,
-    kMeanImage,      kImageComponents, kImageEnergies, kKeypoints,     kFrames,      kFeatures};
+/// Groups of a model's features by scale.
+inline constexpr std::array<std::string_view, kFeatureScales.size()> kFeatureGroups{
+    "trisi", "trisi_medium", "trisi_coarse"};
+constexpr DatasetSpec at_scale(DatasetSpec spec, std::size_t k) {
+  if (k > 0) spec.since = 4;
+  spec.group = kFeatureGroups[k];
+  return spec;
+}
+
+/// The columns of a model that may be large, and the part that each belongs to.
+struct ModelColumn {
+  DatasetSpec spec;
+  ModelPart part;
+};
+inline constexpr std::array kModelColumns{ModelColumn{kVertices, ModelPart::surface},
+                                          ModelColumn{kTriangles, ModelPart::surface},
+                                          ModelColumn{kSamples, ModelPart::samples},
+                                          ModelColumn{kSampleNormals, ModelPart::samples},
+                                          ModelColumn{kSampleViews, ModelPart::samples},
+                                          ModelColumn{kPpfPoints, ModelPart::pairs},
+                                          ModelColumn{kPpfNormals, ModelPart::pairs},
+                                          ModelColumn{kPpfOffsets, ModelPart::pairs},
+                                          ModelColumn{kPpfEntries, ModelPart::pairs},
+                                          ModelColumn{kKeypoints, ModelPart::features},
+                                          ModelColumn{kFrames, ModelPart::features},
+                                          ModelColumn{kFeatures, ModelPart::features},
+                                          ModelColumn{at_scale(kKeypoints, 1), ModelPart::features},
+                                          ModelColumn{at_scale(kFrames, 1), ModelPart::features},
+                                          ModelColumn{at_scale(kFeatures, 1), ModelPart::features},
+                                          ModelColumn{at_scale(kKeypoints, 2), ModelPart::features},
+                                          ModelColumn{at_scale(kFrames, 2), ModelPart::features},
+                                          ModelColumn{at_scale(kFeatures, 2), ModelPart::features}};
+
+// What of all models is needed to open a library, a row a model in the order of their names.
+inline constexpr std::uint32_t kDirectorySince = 4;
+inline constexpr std::uint64_t kNameBytes = 128;
+constexpr DatasetSpec of_directory(std::string_view name, ElementType type,
+                                   std::array<std::uint64_t, 3> shape, std::size_t rank,
+                                   std::string_view long_name, std::string_view units = "1") {
+  return {"/directory", name, type, shape, rank, long_name, units, kDirectorySince};
+}
+inline constexpr DatasetSpec kNames = of_directory("names", ElementType::u8, {kRows, kNameBytes}, 2,
+                                                   "names of the models, filled up with NUL");
+inline constexpr DatasetSpec kTexts =
+    of_directory("texts", ElementType::u8, {kRows}, 1,
+                 "source and source_xxh3 of each model, one after the other");
+inline constexpr DatasetSpec kTextEnds = of_directory("text_ends", ElementType::u64, {kRows, 2}, 2,
+                                                      "where both texts of each model end");
+inline constexpr DatasetSpec kDiameters = of_directory("diameter", ElementType::f32, {kRows}, 1,
+                                                       "largest distance of surface points", "");
+inline constexpr DatasetSpec kCenters =
+    of_directory("centre", ElementType::f32, {kRows, 3}, 2, "mean of the samples", "");
+inline constexpr DatasetSpec kSpacings = of_directory("sample_spacing", ElementType::f32, {kRows},
+                                                      1, "distance of neighboring samples", "");
+inline constexpr DatasetSpec kAxes =
+    of_directory("symmetry_axis", ElementType::f32, {kRows, 2, 3}, 3,
+                 "unit direction and a point; zeros where there is no axis", "");
+inline constexpr DatasetSpec kDeclared =
+    of_directory("symmetry_declared", ElementType::u8, {kRows}, 1, "1: given by the user");
+inline constexpr DatasetSpec kNearAxes =
+    of_directory("near_axis", ElementType::f32, {kRows, 2, 3}, 3,
+                 "unit direction and a point; zeros where there is no axis", "");
+inline constexpr DatasetSpec kMotions =
+    of_directory("motions", ElementType::f32, {kRows, 4, 4}, 3,
+                 "symmetry_poses and near_symmetries of each model, one after the other");
+inline constexpr DatasetSpec kMotionEnds =
+    of_directory("motion_ends", ElementType::u64, {kRows, 2}, 2,
+                 "where both kinds of motions of each model end");
+inline constexpr DatasetSpec kSteps = of_directory("distance_step", ElementType::f32, {kRows}, 1,
+                                                   "width of a distance bin of the pairs", "");
+inline constexpr DatasetSpec kCounts =
+    of_directory("pair_counts", ElementType::u32, {kRows, 3}, 2,
+                 "num_references, num_distance_bins and num_angle_bins of the pairs");
+inline constexpr DatasetSpec kResolutions =
+    of_directory("resolution", ElementType::f32, {kRows, kFeatureScales.size()}, 2,
+                 "of the Tri-Spin-Images by scale", "");
+inline constexpr DatasetSpec kPlaces =
+    of_directory("places", ElementType::u64, {kRows, kModelColumns.size(), 2}, 3,
+                 "offset in this file and bytes of each large dataset");
+inline constexpr DatasetSpec kChecksums =
+    of_directory("checksums", ElementType::u64, {kRows, kModelColumns.size(), 2}, 3,
+                 "XXH3-128 of each large dataset, high half first");
+
+// One resolution of the index over all features: /index/NN.
+constexpr DatasetSpec of_index(std::string_view name, ElementType type,
+                               std::array<std::uint64_t, 3> shape, std::size_t rank,
+                               std::string_view long_name, std::string_view units = "1") {
+  return {"/index", name, type, shape, rank, long_name, units, kDirectorySince};
+}
+inline constexpr std::uint64_t kStride = ~std::uint64_t{1};  ///< stands in a shape for its bytes
+inline constexpr DatasetSpec kLevelModels =
+    of_index("models", ElementType::u32, {kRows}, 1, "models that have features");
+inline constexpr DatasetSpec kListCentroids =
+    of_index("centroids", ElementType::u8, {kRows, kStride}, 2, "of each list");
+inline constexpr DatasetSpec kListOffsets =
+    of_index("offsets", ElementType::u32, {kRows}, 1, "where each list begins, and the end");
+inline constexpr DatasetSpec kListCodes =
+    of_index("codes", ElementType::u8, {kRows, kStride}, 2, "features, list by list");
+inline constexpr DatasetSpec kListModel =
+    of_index("model", ElementType::u32, {kRows}, 1, "model of each feature");
+inline constexpr DatasetSpec kListKeypoints =
+    of_index("keypoints", ElementType::f32, {3, kRows}, 2, "keypoints, rows x, y, z", "");
+inline constexpr DatasetSpec kListFrames =
+    of_index("frames", ElementType::u16, {kRows, 4}, 2,
+             "local reference frames as quaternions (w, x, y, z): q = code / 32767 - 1");
+
+inline constexpr std::array kDatasets{kVertices,
+                                      kTriangles,
+                                      kSamples,
+                                      kSampleNormals,
+                                      kSampleViews,
+                                      kSymmetryPoses,
+                                      kNearSymmetries,
+                                      kNearAxis,
+                                      kPpfPoints,
+                                      kPpfNormals,
+                                      kPpfOffsets,
+                                      kPpfEntries,
+                                      kMeanImage,
+                                      kImageComponents,
+                                      kImageEnergies,
+                                      kKeypoints,
+                                      kFrames,
+                                      kFeatures,
+                                      at_scale(kKeypoints, 1),
+                                      at_scale(kFrames, 1),
+                                      at_scale(kFeatures, 1),
+                                      at_scale(kKeypoints, 2),
+                                      at_scale(kFrames, 2),
+                                      at_scale(kFeatures, 2),
+                                      kNames,
+                                      kTexts,
+                                      kTextEnds,
+                                      kDiameters,
+                                      kCenters,
+                                      kSpacings,
+                                      kAxes,
+                                      kDeclared,
+                                      kNearAxes,
+                                      kMotions,
+                                      kMotionEnds,
+                                      kSteps,
+                                      kCounts,
+                                      kResolutions,
+                                      kPlaces,
+                                      kChecksums,
+                                      kLevelModels,
+                                      kListCentroids,
+                                      kListOffsets,
+                                      kListCodes,
+                                      kListModel,
+                                      kListKeypoints,
+                                      kListFrames};
 
 /// XXH3-128 over names, types, shapes and attributes of an object and of all below it, as in
 /// docs/format.md; `children` are the digests of the objects in the group by name.
@@ -137,8 +288,13 @@ std::string digest(const StoredGroup& group);
 /// Check what recognition relies on: lengths, index ranges, order, finite values, unit normals.
 /// Linear in the size of the model. Errors: bad_data (names the model, the dataset and the row).
 Result<void> check_model(const Model& model);
+/// Of it, what is known of a model when its library is opened; and one part of the rest.
+Result<void> check_traits(const Model& model);
+Result<void> check_part(const Model& model, ModelPart part);
 
 /// Likewise. Errors: bad_data (names the dataset and the row).
 Result<void> check_basis(const TriSpinBasis& basis);
+/// num_models  of the library
+Result<void> check_level(const FeatureLevel& level, std::size_t num_models);
 
 }  // namespace trivet::format

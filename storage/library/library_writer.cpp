@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <new>
 #include <span>
@@ -11,6 +12,7 @@
 #include "storage/library.hpp"
 #include "storage/library/hdf5.hpp"
 #include "storage/library/library_format.hpp"
+#include "storage/library/model_record.hpp"
 
 namespace trivet {
 namespace {
@@ -111,7 +113,8 @@ Handle create_group(hid_t parent, const std::string& name) {
   return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
 }
 
-bool write_dataset(hid_t group, const std::string& name, const StoredDataset& dataset,
+/// Takes up where the dataset lies.
+bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,
                    std::span<const std::byte> bytes) {
   const Handle creation = creation_of(H5P_DATASET_CREATE);
   if (H5Pset_layout(creation.get(), H5D_CONTIGUOUS) < 0 ||
@@ -123,9 +126,11 @@ bool write_dataset(hid_t group, const std::string& name, const StoredDataset& da
   const hid_t type = number_type(dataset.type);
   const Handle stored(
       H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
-  return stored && write_attributes(stored.get(), dataset.attributes) &&
-         (bytes.empty() ||
-          H5Dwrite(stored.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0);
+  if (!stored || !write_attributes(stored.get(), dataset.attributes)) return false;
+  if (bytes.empty()) return true;
+  dataset.offset = H5Dget_offset(stored.get());
+  return dataset.offset != HADDR_UNDEF &&
+         H5Dwrite(stored.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0;
 }
 
 // ---- a model as bytes
@@ -161,10 +166,11 @@ Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis) {
 }
 
 StoredDataset describe(const format::DatasetSpec& spec, std::span<const std::byte> bytes,
-                       std::string_view unit, std::size_t num_components) {
+                       std::string_view unit, std::size_t num_components, std::size_t stride) {
   StoredDataset out{
       spec.type, {spec.shape.begin(), spec.shape.begin() + spec.rank}, 0, bytes.size(), {}};
   std::ranges::replace(out.shape, format::kComponents, std::uint64_t{num_components});
+  std::ranges::replace(out.shape, format::kStride, std::uint64_t{stride});
   std::uint64_t row_bytes = size_of(spec.type);
   for (const std::uint64_t n : out.shape) row_bytes *= n == format::kRows ? 1 : n;
   for (std::uint64_t& n : out.shape) n = n == format::kRows ? bytes.size() / row_bytes : n;
@@ -206,6 +212,36 @@ StoredAttributes basis_attributes(const TriSpinBasis& basis) {
   return out;
 }
 
+/// What the directory keeps of a model, whose datasets lie where `described` says.
+ModelRecord record_of(const Model& model, const StoredGroup& described) {
+  ModelRecord record;
+  Model& traits = record.traits;
+  traits.name = model.name;
+  traits.source = model.source;
+  traits.source_xxh3 = model.source_xxh3;
+  traits.diameter = model.diameter;
+  traits.center = model.center;
+  traits.sample_spacing = model.sample_spacing;
+  traits.symmetry = model.symmetry;
+  traits.near_symmetries = model.near_symmetries;
+  traits.near_axis = model.near_axis;
+  traits.ppf.quantization = model.ppf.quantization;
+  traits.ppf.num_references = model.ppf.num_references;
+  for (std::size_t k = 0; k < model.features.size(); ++k)
+    traits.features[k].resolution = model.features[k].resolution;
+  for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
+    const format::DatasetSpec& spec = format::kModelColumns[c].spec;
+    const StoredGroup* const group =
+        spec.group.empty() ? &described : Taker::below(described, std::string(spec.group));
+    if (group == nullptr) continue;
+    const StoredDataset& dataset = group->datasets.at(std::string(spec.name));
+    const StoredAttribute& sum = dataset.attributes.at(std::string(format::kDataChecksum));
+    const std::string_view hex(reinterpret_cast<const char*>(sum.bytes.data()), sum.bytes.size());
+    record.columns[c] = {dataset.offset, dataset.bytes, Xxh3::parse(hex).value_or(Xxh3{})};
+  }
+  return record;
+}
+
 std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
 
 constexpr std::string_view kAxisConvention =
@@ -215,26 +251,88 @@ Error over() { return {ErrorCode::io, "this library was published, or its writin
 
 }  // namespace
 
+/// What is kept of a model that was written.
+struct Written {
+  std::string digest;
+  ModelRecord record;
+};
+
+/// All models as columns: the datasets of /directory.
+struct Directory {
+  std::string names, texts;
+  std::vector<std::uint64_t> text_ends, motion_ends, places, checksums;
+  std::vector<float> diameter, center, spacing, axis, near_axis, step, resolution;
+  std::vector<Pose> motions;
+  std::vector<std::uint8_t> declared;
+  std::vector<std::uint32_t> counts;
+
+  void add(const ModelRecord& record);
+};
+
+void add_vector(const Eigen::Vector3f& v, std::vector<float>& out) {
+  out.insert(out.end(), v.data(), v.data() + 3);
+}
+
+void add_axis(const std::optional<Symmetry::Axis>& axis, std::vector<float>& out) {
+  const Symmetry::Axis a = axis.value_or(Symmetry::Axis{{0, 0, 0}, {0, 0, 0}});
+  add_vector(a.direction, out);
+  add_vector(a.point, out);
+}
+
+void Directory::add(const ModelRecord& record) {
+  const Model& model = record.traits;
+  std::string name = model.name;
+  name.resize(format::kNameBytes, '\0');
+  names += name;
+  for (const std::string* const text : {&model.source, &model.source_xxh3}) {
+    texts += *text;
+    text_ends.push_back(texts.size());
+  }
+  diameter.push_back(model.diameter);
+  add_vector(model.center, center);
+  spacing.push_back(model.sample_spacing);
+  add_axis(model.symmetry.axis, axis);
+  declared.push_back(model.symmetry.declared ? 1 : 0);
+  add_axis(model.near_axis, near_axis);
+  for (const std::vector<Pose>* const of_kind : {&model.symmetry.poses, &model.near_symmetries}) {
+    motions.insert(motions.end(), of_kind->begin(), of_kind->end());
+    motion_ends.push_back(motions.size());
+  }
+  const PpfQuantization& quantization = model.ppf.quantization;
+  step.push_back(quantization.distance_step);
+  counts.insert(counts.end(), {model.ppf.num_references, quantization.num_distance_bins,
+                               quantization.num_angle_bins});
+  for (const TriSpinFeatures& features : model.features) resolution.push_back(features.resolution);
+  for (const StoredColumn& column : record.columns) {
+    places.insert(places.end(), {column.offset, column.bytes});
+    checksums.insert(checksums.end(), {column.checksum.high, column.checksum.low});
+  }
+}
+
 struct LibraryWriter::State {
   fs::path target;
   LibraryHeader header;
   PendingFile file;
-  Handle hdf5, root, models;                   ///< destroyed in reverse order
-  std::map<std::string, std::string> digests;  ///< of the models written, by name
-  std::size_t num_components = 0;              ///< of the basis; 0: there is none
-  std::string basis_digest;
+  Handle hdf5, root, models;               ///< destroyed in reverse order
+  std::map<std::string, Written> written;  ///< models, by name
+  std::size_t num_components = 0;          ///< of the basis; 0: there is none
+  std::size_t stride = 0;                  ///< of codes in the index
+  std::string basis_digest, index_digest;
 
   // false when HDF5 failed
   bool write(const TriSpinBasis& basis);
   bool write(const Model& model);
   bool write_table(hid_t parent, const Model& model, StoredGroup& described) const;
-  bool write_features(hid_t parent, const TriSpinFeatures& features, StoredGroup& described) const;
+  bool write_features(hid_t parent, const std::string& name, const TriSpinFeatures& features,
+                      StoredGroup& described) const;
+  bool write(const FeatureLevel& level, hid_t index, StoredGroup& described);
+  bool write_directory(const std::string& models_digest, std::string& digest) const;
   /// What writes datasets into a group, and takes up how they lie there.
   auto into(hid_t group, StoredGroup& described) const {
     return [this, group, &described](const format::DatasetSpec& spec,
                                      std::span<const std::byte> bytes) {
       const auto [at, added] = described.datasets.emplace(
-          spec.name, describe(spec, bytes, symbol(header.unit), num_components));
+          spec.name, describe(spec, bytes, symbol(header.unit), num_components, stride));
       return write_dataset(group, at->first, at->second, bytes);
     };
   }
@@ -261,7 +359,7 @@ bool LibraryWriter::State::write(const Model& model) {
   StoredGroup described{model_attributes(model), {}, {}};
   if (!group || !write_attributes(group.get(), described.attributes)) return false;
   const auto put = into(group.get(), described);
-  const Triangles& triangles = model.triangles;
+  const TrianglesView& triangles = model.triangles;
   if (!put(format::kVertices, gather(model.vertices)) ||
       !put(format::kTriangles, gather<std::uint32_t>({triangles.a, triangles.b, triangles.c})) ||
       !put(format::kSamples, gather(model.samples)) ||
@@ -270,11 +368,15 @@ bool LibraryWriter::State::write(const Model& model) {
       !put(format::kSymmetryPoses, gather(model.symmetry.poses)) ||
       !put(format::kNearSymmetries, gather(model.near_symmetries)) ||
       !put(format::kNearAxis, gather(model.near_axis)) ||
-      !write_table(group.get(), model, described) ||
-      !write_features(group.get(), model.features, described))
+      !write_table(group.get(), model, described))
     return false;
+  for (std::size_t k = 0; k < model.features.size(); ++k) {
+    if (!write_features(group.get(), std::string(format::kFeatureGroups[k]), model.features[k],
+                        described))
+      return false;
+  }
   if (H5Fflush(hdf5.get(), H5F_SCOPE_LOCAL) < 0) return false;
-  digests.emplace(model.name, format::digest(described));
+  written.emplace(model.name, Written{format::digest(described), record_of(model, described)});
   return true;
 }
 
@@ -291,11 +393,12 @@ bool LibraryWriter::State::write_table(hid_t parent, const Model& model,
          put(format::kPpfEntries, std::as_bytes(model.ppf.entries));
 }
 
-bool LibraryWriter::State::write_features(hid_t parent, const TriSpinFeatures& features,
+bool LibraryWriter::State::write_features(hid_t parent, const std::string& name,
+                                          const TriSpinFeatures& features,
                                           StoredGroup& described) const {
   if (num_components == 0) return true;
-  const Handle group = create_group(parent, "trisi");
-  StoredGroup& stored = described.groups["trisi"];
+  const Handle group = create_group(parent, name);
+  StoredGroup& stored = described.groups[name];
   stored.attributes.emplace("resolution", attribute(features.resolution));
   const auto put = into(group.get(), stored);
   return group && write_attributes(group.get(), stored.attributes) &&
@@ -310,12 +413,57 @@ bool LibraryWriter::State::write(const TriSpinBasis& basis) {
   StoredGroup stored{basis_attributes(basis), {}, {}};
   const auto put = into(group.get(), stored);
   num_components = pca.size();
-  const bool written = group && write_attributes(group.get(), stored.attributes) &&
-                       put(format::kMeanImage, std::as_bytes(std::span(pca.mean))) &&
-                       put(format::kImageComponents, std::as_bytes(std::span(pca.components))) &&
-                       put(format::kImageEnergies, std::as_bytes(std::span(pca.energies)));
+  const bool is_written = group && write_attributes(group.get(), stored.attributes) &&
+                          put(format::kMeanImage, std::as_bytes(std::span(pca.mean))) &&
+                          put(format::kImageComponents, std::as_bytes(std::span(pca.components))) &&
+                          put(format::kImageEnergies, std::as_bytes(std::span(pca.energies)));
   basis_digest = format::digest(stored);
-  return written;
+  return is_written;
+}
+
+bool LibraryWriter::State::write(const FeatureLevel& level, hid_t index, StoredGroup& described) {
+  const std::string name = fmt::format("{:02}", described.groups.size());
+  const Handle group = create_group(index, name);
+  StoredGroup& stored = described.groups[name];
+  stride = level.stride;
+  stored.attributes.emplace("resolution", attribute(level.resolution));
+  stored.attributes.emplace("stride", attribute(static_cast<std::uint32_t>(level.stride)));
+  const auto put = into(group.get(), stored);
+  return group && write_attributes(group.get(), stored.attributes) &&
+         put(format::kLevelModels, std::as_bytes(std::span(level.models))) &&
+         put(format::kListCentroids, std::as_bytes(std::span(level.centroids))) &&
+         put(format::kListOffsets, std::as_bytes(std::span(level.offsets))) &&
+         put(format::kListCodes, std::as_bytes(std::span(level.codes))) &&
+         put(format::kListModel, std::as_bytes(std::span(level.model))) &&
+         put(format::kListKeypoints, gather(level.keypoints)) &&
+         put(format::kListFrames, std::as_bytes(std::span(level.frames)));
+}
+
+bool LibraryWriter::State::write_directory(const std::string& models_digest,
+                                           std::string& digest) const {
+  Directory all;
+  for (const auto& [name, model] : written) all.add(model.record);
+  const Handle group = create_group(root.get(), "directory");
+  StoredGroup stored;
+  const auto put = into(group.get(), stored);
+  const auto bytes = [](const auto& column) { return std::as_bytes(std::span(column)); };
+  if (!group || !put(format::kNames, bytes(all.names)) || !put(format::kTexts, bytes(all.texts)) ||
+      !put(format::kTextEnds, bytes(all.text_ends)) ||
+      !put(format::kDiameters, bytes(all.diameter)) || !put(format::kCenters, bytes(all.center)) ||
+      !put(format::kSpacings, bytes(all.spacing)) || !put(format::kAxes, bytes(all.axis)) ||
+      !put(format::kDeclared, bytes(all.declared)) ||
+      !put(format::kNearAxes, bytes(all.near_axis)) ||
+      !put(format::kMotions, gather(all.motions)) ||
+      !put(format::kMotionEnds, bytes(all.motion_ends)) || !put(format::kSteps, bytes(all.step)) ||
+      !put(format::kCounts, bytes(all.counts)) ||
+      !put(format::kResolutions, bytes(all.resolution)) ||
+      !put(format::kPlaces, bytes(all.places)) || !put(format::kChecksums, bytes(all.checksums)))
+    return false;
+  stored.attributes.emplace(
+      "offset", attribute(ElementType::u64, std::uint64_t{stored.datasets.at("names").offset}));
+  stored.attributes.emplace(format::kModelsDigest, attribute(models_digest));
+  digest = format::digest(stored);
+  return write_attributes(group.get(), stored.attributes);
 }
 
 LibraryWriter::LibraryWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -341,8 +489,8 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
   if (!pending) return pending.error();
 
   hdf5::start();
-  auto state =
-      std::make_unique<State>(State{file, header, *std::move(pending), {}, {}, {}, {}, 0, {}});
+  auto state = std::make_unique<State>(
+      State{file, header, *std::move(pending), {}, {}, {}, {}, 0, 0, {}, {}});
   const Handle creation = creation_of(H5P_FILE_CREATE);
   const Handle access = hdf5::file_access();
   state->hdf5 =
@@ -356,7 +504,7 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
 Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
   if (!state_ || !state_->file.pending()) return over();
   if (auto good = format::check_basis(basis); !good) return good;
-  if (state_->num_components > 0 || !state_->digests.empty()) {
+  if (state_->num_components > 0 || !state_->written.empty()) {
     return Error{ErrorCode::internal,
                  fmt::format("{}: expected one basis, before all models", state_->target.string())};
   }
@@ -367,17 +515,22 @@ Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
 
 Result<void> LibraryWriter::add(const Model& model) {
   if (!state_ || !state_->file.pending()) return over();
+  if (!state_->index_digest.empty()) {
+    return Error{ErrorCode::internal,
+                 fmt::format("{}: expected no model after the index", state_->target.string())};
+  }
   if (auto good = format::check_model(model); !good) return good;
-  if (state_->digests.contains(model.name)) {
+  if (state_->written.contains(model.name)) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: model '{}': expected each name once; rename one with NAME=FILE",
                              state_->target.string(), model.name)};
   }
-  if (model.features.size() > 0 && model.features.num_components != state_->num_components) {
+  for (const TriSpinFeatures& features : model.features) {
+    if (features.size() == 0 || features.num_components == state_->num_components) continue;
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: model '{}': expected features of {} components, found {}",
                              state_->target.string(), model.name, state_->num_components,
-                             model.features.num_components)};
+                             features.num_components)};
   }
   hdf5::start();
   try {
@@ -389,10 +542,51 @@ Result<void> LibraryWriter::add(const Model& model) {
       fmt::format("model '{}', whose table alone takes {} bytes", model.name, bytes));
 }
 
+Result<void> LibraryWriter::add_index(const NextLevel& next) {
+  if (!state_ || !state_->file.pending()) return over();
+  State& state = *state_;
+  if (!state.index_digest.empty()) {
+    return Error{ErrorCode::internal, fmt::format("{}: expected one index", state.target.string())};
+  }
+  hdf5::start();
+  if (H5Fflush(state.hdf5.get(), H5F_SCOPE_LOCAL) < 0) return state.fail("the models");
+  const auto mapped =
+      MappedFile::open(state.file.path(), std::numeric_limits<std::uint64_t>::max());
+  if (!mapped) return mapped.error();
+  std::vector<FeaturesOfModel> features;
+  std::uint32_t rank = 0;
+  for (const auto& [name, written] : state.written) {
+    const Model model =
+        map_model(written.record, mapped->bytes(), mapped->owner(), state.num_components);
+    for (const TriSpinFeatures& at_scale : model.features) features.push_back({rank, at_scale});
+    ++rank;
+  }
+  Handle group;
+  StoredGroup described;
+  for (std::size_t k = 0; const std::optional<FeatureLevel> level = next(features, k); ++k) {
+    if (k == 0) group = create_group(state.root.get(), "index");
+    if (!group) return state.fail("the index");
+    if (const Result<void> good = format::check_level(*level, state.written.size()); !good)
+      return Error{ErrorCode::internal, good.error().message};
+    if (!state.write(*level, group.get(), described))
+      return state.fail(fmt::format("level {} of the index, of {} features", k, level->size()));
+  }
+  if (group) state.index_digest = format::digest(described);
+  return {};
+}
+
 Result<void> LibraryWriter::publish() {
   if (!state_ || !state_->file.pending()) return over();
   hdf5::start();
   State& state = *state_;
+
+  std::map<std::string, std::string> models;
+  for (const auto& [name, model] : state.written) models.emplace(name, model.digest);
+  std::map<std::string, std::string> children{{"models", format::digest({}, models)}};
+  if (!state.write_directory(children.at("models"), children["directory"]))
+    return state.fail("the directory of the models");
+  if (state.num_components > 0) children.emplace("trisi", state.basis_digest);
+  if (!state.index_digest.empty()) children.emplace("index", state.index_digest);
 
   // The root comes last: its checksum covers all that was written.
   StoredAttributes root;
@@ -403,9 +597,7 @@ Result<void> LibraryWriter::publish() {
   root.emplace("length_unit", attribute(symbol(state.header.unit)));
   root.emplace("axis_convention", attribute(kAxisConvention));
   root.emplace("parameters", attribute(state.header.parameters));
-  root.emplace("num_models", attribute(static_cast<std::uint32_t>(state.digests.size())));
-  std::map<std::string, std::string> children{{"models", format::digest({}, state.digests)}};
-  if (state.num_components > 0) children.emplace("trisi", state.basis_digest);
+  root.emplace("num_models", attribute(static_cast<std::uint32_t>(models.size())));
   root.emplace(format::kChecksum, attribute(format::digest(root, children)));
   if (!write_attributes(state.root.get(), root)) return state.fail("the attributes of the root");
 

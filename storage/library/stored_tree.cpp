@@ -33,8 +33,10 @@ enum class Storing {
 /// Walks the objects of one file; every failure names the object.
 class Scanner {
  public:
-  Scanner(const std::filesystem::path& file, std::uint64_t file_bytes, Storing storing)
-      : file_(file), file_bytes_(file_bytes), storing_(storing) {}
+  /// left_out  a group of the root that is not looked into
+  Scanner(const std::filesystem::path& file, std::uint64_t file_bytes, Storing storing,
+          std::string_view left_out = {})
+      : file_(file), file_bytes_(file_bytes), storing_(storing), left_out_(left_out) {}
 
   /// Where the last dataset ends, unpacked.
   std::uint64_t unpacked_bytes() const noexcept { return unpacked_bytes_; }
@@ -64,6 +66,7 @@ class Scanner {
   const std::filesystem::path& file_;
   std::uint64_t file_bytes_;
   Storing storing_;
+  std::string_view left_out_;
   std::uint64_t dataset_bytes_ = 0, unpacked_bytes_ = 0;
   std::set<haddr_t> visited_;
 };
@@ -290,6 +293,10 @@ Result<StoredGroup> Scanner::group(hid_t id, const std::string& path, int depth)
     if (link.type != H5L_TYPE_HARD)
       return bad(child, "expected an object of this file, found a soft or external link");
 
+    if (depth == 0 && name == left_out_) {
+      out.groups.emplace(name, StoredGroup{});
+      continue;
+    }
     const hdf5::Handle object(H5Oopen(id, name.c_str(), H5P_DEFAULT));
     if (!object) return bad(child, "the object cannot be opened: the file is damaged");
     const H5I_type_t kind = H5Iget_type(object.get());
@@ -418,8 +425,9 @@ const char* name_of(ElementType type) noexcept {
   return "";
 }
 
-Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes) {
-  Scanner scanner(file, file_bytes, Storing::in_place);
+Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes,
+                                     std::string_view left_out) {
+  Scanner scanner(file, file_bytes, Storing::in_place, left_out);
   const Result<OpenFile> opened = open_file(file, scanner);
   if (!opened) return opened.error();
   return scanner.group(opened->root.get(), "", 0);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "storage/columns.hpp"
@@ -46,8 +47,10 @@ struct StoredGroup {
 /// file; and little-endian numbers and texts of fixed length. All else is refused, and so is a file
 /// whose root does not have the text attribute `format` with this value and this major version.
 /// file_bytes   size of the file: bounds every extent and the sum of all datasets
+/// left_out     a group of the root that is not looked into: it comes back empty
 /// Errors: bad_data (names the object), io.
-Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes);
+Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes,
+                                     std::string_view left_out = {});
 
 /// A library's structure, and all its data as HDF5 unpacked it.
 struct UnpackedTree {

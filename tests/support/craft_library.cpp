@@ -62,6 +62,12 @@ void replace_attribute(hid_t root, const std::string& object, const std::string&
 }
 
 void seal_library(const std::filesystem::path& file) {
+  edit_library(file, [](hid_t root) {
+    for (const char* const name : {"directory", "index"}) {
+      if (H5Lexists(root, name, H5P_DEFAULT) > 0)
+        require(H5Ldelete(root, name, H5P_DEFAULT) >= 0, name);
+    }
+  });
   const auto tree = read_stored_tree(file, std::filesystem::file_size(file));
   require(tree.has_value(), tree ? "" : tree.error().message);
   edit_library(file, [&](hid_t root) {

@@ -25,7 +25,8 @@ void replace_dataset(hid_t root, const std::string& path, hid_t type,
 void replace_attribute(hid_t root, const std::string& object, const std::string& name, hid_t type,
                        const void* value);
 
-/// Make the checksum of the whole right again; the structure must be one that the reader accepts.
+/// Take out the directory and the index, so that the groups of the models are what counts, and make
+/// the checksum of the whole right again; the structure must be one that the reader accepts.
 void seal_library(const std::filesystem::path& file);
 
 }  // namespace trivet::test

@@ -71,9 +71,28 @@ void fill_table(Random& random, const RandomModelSize& size, Model& model) {
   }
   for (std::size_t cell = 0; cell < num_cells; ++cell)
     table->offsets[cell + 1] += table->offsets[cell];
-  model.ppf.offsets = table->offsets;
-  model.ppf.entries = table->entries;
-  model.ppf_storage = table;
+  PpfTableView view = model.ppf;
+  view.offsets = table->offsets;
+  view.entries = table->entries;
+  model.ppf = {view, table};
+}
+
+TriSpinFeatures random_features(Random& random, std::size_t n) {
+  TriSpinFeatures features;
+  features.resolution = uniform(random, 0.001F, 0.1F);
+  features.num_components = kRandomComponents;
+  features.keypoints = points(random, n, vector);
+  Column<FrameRows> frames;
+  Column<std::uint8_t> codes;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> turn = motion(random).linear();
+    std::ranges::copy(std::span(turn.data(), 9), frames.emplace_back().begin());
+    for (std::size_t k = 0; k < kRandomComponents; ++k)
+      codes.push_back(static_cast<std::uint8_t>(random()));
+  }
+  features.frames = std::move(frames);
+  features.codes = std::move(codes);
+  return features;
 }
 
 template <class T>
@@ -82,8 +101,8 @@ bool same(std::span<const T> a, std::span<const T> b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 bool same(PointsView a, PointsView b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
-template <class T>
-bool same(const Column<T>& a, const Column<T>& b) {
+template <class T, class Allocator>
+bool same(const std::vector<T, Allocator>& a, const std::vector<T, Allocator>& b) {
   return same<T>(std::span<const T>(a), std::span<const T>(b));
 }
 
@@ -98,6 +117,11 @@ bool same(const std::optional<Symmetry::Axis>& a, const std::optional<Symmetry::
 }
 bool same(const Symmetry& a, const Symmetry& b) {
   return a.declared == b.declared && same(a.poses, b.poses) && same(a.axis, b.axis);
+}
+
+bool same(const TriSpinFeatures& a, const TriSpinFeatures& b) {
+  return a.resolution == b.resolution && same(a.keypoints, b.keypoints) &&
+         same<FrameRows>(a.frames, b.frames) && same<std::uint8_t>(a.codes, b.codes);
 }
 
 }  // namespace
@@ -119,25 +143,21 @@ Model random_model(const std::string& name, std::uint64_t seed, const RandomMode
 
   model.vertices = points(random, size.num_vertices, vector);
   const auto corner = [&] { return static_cast<std::uint32_t>(random() % size.num_vertices); };
+  Triangles triangles;
   for (std::size_t i = 0; i < size.num_triangles; ++i)
-    model.triangles.push_back(corner(), corner(), corner());
+    triangles.push_back(corner(), corner(), corner());
+  model.triangles = std::move(triangles);
   model.samples = points(random, size.num_samples, vector);
   model.sample_normals = points(random, size.num_samples, unit_vector);
+  Column<ViewMask> views;
   for (std::size_t i = 0; i < size.num_samples; ++i)
-    model.sample_views.push_back({random(), random(), random(), random()});
+    views.push_back({random(), random(), random(), random()});
+  model.sample_views = std::move(views);
   model.ppf_points = points(random, size.num_ppf_points, vector);
   model.ppf_normals = points(random, size.num_ppf_points, unit_vector);
   fill_table(random, size, model);
-  TriSpinFeatures& features = model.features;
-  features.resolution = uniform(random, 0.001F, 0.1F);
-  features.num_components = kRandomComponents;
-  features.keypoints = points(random, size.num_features, vector);
-  for (std::size_t i = 0; i < size.num_features; ++i) {
-    const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> turn = motion(random).linear();
-    std::ranges::copy(std::span(turn.data(), 9), features.frames.emplace_back().begin());
-    for (std::size_t k = 0; k < kRandomComponents; ++k)
-      features.codes.push_back(static_cast<std::uint8_t>(random()));
-  }
+  for (TriSpinFeatures& features : model.features)
+    features = random_features(random, size.num_features);
   return model;
 }
 
@@ -166,22 +186,21 @@ std::string difference(const Model& a, const Model& b) {
   if (!same(a.symmetry, b.symmetry)) return "symmetry";
   if (!same(a.near_symmetries, b.near_symmetries)) return "near_symmetries";
   if (!same(a.near_axis, b.near_axis)) return "near_axis";
-  if (!same(a.vertices.view(), b.vertices.view())) return "vertices";
+  if (!same(a.vertices, b.vertices)) return "vertices";
   if (!same(a.triangles.a, b.triangles.a) || !same(a.triangles.b, b.triangles.b) ||
       !same(a.triangles.c, b.triangles.c))
     return "triangles";
-  if (!same(a.samples.view(), b.samples.view())) return "samples";
-  if (!same(a.sample_normals.view(), b.sample_normals.view())) return "sample_normals";
+  if (!same(a.samples, b.samples)) return "samples";
+  if (!same(a.sample_normals, b.sample_normals)) return "sample_normals";
   if (!same(a.sample_views, b.sample_views)) return "sample_views";
-  if (!same(a.ppf_points.view(), b.ppf_points.view())) return "ppf/points";
-  if (!same(a.ppf_normals.view(), b.ppf_normals.view())) return "ppf/normals";
+  if (!same(a.ppf_points, b.ppf_points)) return "ppf/points";
+  if (!same(a.ppf_normals, b.ppf_normals)) return "ppf/normals";
   if (!(a.ppf.quantization == b.ppf.quantization)) return "ppf quantization";
   if (!same(a.ppf.offsets, b.ppf.offsets)) return "ppf/offsets";
   if (!same(a.ppf.entries, b.ppf.entries)) return "ppf/entries";
-  if (!same(a.features.keypoints.view(), b.features.keypoints.view())) return "trisi/keypoints";
-  if (!same(a.features.frames, b.features.frames)) return "trisi/frames";
-  if (!same(a.features.codes, b.features.codes)) return "trisi/features";
-  if (a.features.resolution != b.features.resolution) return "trisi resolution";
+  for (std::size_t k = 0; k < a.features.size(); ++k) {
+    if (!same(a.features[k], b.features[k])) return "features";
+  }
   return {};
 }
 

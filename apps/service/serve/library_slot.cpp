@@ -2,17 +2,16 @@
 
 #include <utility>
 
-#include "apps/inputs/open_recognizer.hpp"
-
 namespace trivet::apps::service {
 
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number) {
-  Result<Recognizer> recognizer = open_recognizer(files.library, files.calibration);
+  Result<Recognizer> recognizer = open_recognizer(files.library, files.options);
   if (!recognizer) return recognizer.error();
   auto generation =
       std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recognizer), number});
-  generation->recognizer.build_all();
+  // Of a file without an index: no scene waits for it.
+  if (const auto indexed = generation->recognizer.features(); !indexed) return indexed.error();
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "engine/recognition_service.hpp"
 
@@ -17,10 +18,11 @@ namespace trivet::apps::service {
 
 /// What a service answers with.
 struct LibraryFiles {
-  std::string library, calibration;  ///< the calibration of the score: empty, the default
+  std::string library;
+  OpenOptions options;
 };
 
-/// Open a library and build all that its first scene would wait for. Errors: of open_recognizer.
+/// Open a library and index its features. Errors: of open_recognizer.
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number);
 

@@ -19,8 +19,8 @@ const Model* find_model(const Library& library, std::string_view name) {
 
 std::string model_mesh(const Model& model) {
   Cloud cloud;
-  cloud.points = model.vertices;
-  cloud.triangles = model.triangles;
+  cloud.points = Points(model.vertices);
+  cloud.triangles = Triangles(model.triangles);
   return encode_ply(cloud);
 }
 
@@ -34,10 +34,10 @@ Result<std::string> Thumbnails::of(const LibraryGeneration& generation, const Mo
   }
   const auto index =
       static_cast<std::uint32_t>(&model - generation.recognizer.library().models.data());
-  const Result<kernels::RayScene>& surface = generation.recognizer.surface(index);
+  const auto surface = generation.recognizer.surface(index);
   if (!surface) return surface.error();
   const Result<std::vector<std::byte>> png =
-      encode_png(draw_model(*surface, model.vertices, kWidth));
+      encode_png(draw_model(**surface, model.vertices, kWidth));
   if (!png) return png.error();
   std::string bytes(reinterpret_cast<const char*>(png->data()), png->size());
   const std::lock_guard lock(mutex_);

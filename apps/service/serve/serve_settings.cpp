@@ -17,7 +17,8 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
       text_setting("calibration",
                    "Score as `trivet calibrate` adapted it to these scans, from this file; read "
                    "anew with the library",
-                   s.calibration),
+                   s.opening.calibration),
+      number_setting("memory", kMemoryHelp, s.opening.memory_mb, 16, 1 << 20),
       number_setting("parallel",
                      "Scenes at a time: 1 for the shortest answer of each, 0, one a core, for the "
                      "most answers",
@@ -45,7 +46,8 @@ SettingFaults faults_of(const ServeSettings& settings) {
   } else {
     check_file("library", settings.library);
   }
-  if (!settings.calibration.empty()) check_file("calibration", settings.calibration);
+  if (!settings.opening.calibration.empty())
+    check_file("calibration", settings.opening.calibration);
   if (!settings.examples.empty()) check_file("examples", settings.examples);
   return faults;
 }

@@ -12,12 +12,13 @@
 namespace trivet::apps::service {
 
 struct ServeSettings {
-  std::string library, calibration, examples;
+  std::string library, examples;
+  OpenOptions opening;
   std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512;
   ListenSettings listen;
 
   ServiceOptions service() const;
-  LibraryFiles files() const { return {library, calibration}; }
+  LibraryFiles files() const { return {library, opening}; }
 };
 
 /// They write to `settings`, which outlives them.

@@ -449,7 +449,7 @@ TEST_F(TrainRecognize, TellsProgramsWhatALibraryHolds) {
   const nlohmann::json info = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(info.at("file"), "library.h5");
   EXPECT_EQ(info.at("bytes"), bytes("library.h5").size());
-  EXPECT_EQ(info.at("format"), "1.3");
+  EXPECT_EQ(info.at("format"), "1.4");
   EXPECT_EQ(info.at("unit"), "m");
   EXPECT_EQ(info.at("parameters").at("relative-step"), 0.05);
   EXPECT_GT(info.at("features").at("number"), 0);

@@ -83,8 +83,10 @@ class Case {
   void add_model(const std::string& name, const test::Shape& shape, double diameter,
                  Symmetry symmetry, float size = 1) {
     EvaluationMesh mesh{name, {}, shape.triangles, diameter * static_cast<double>(mm_), {}};
+    Points vertices;
     for (std::size_t i = 0; i < shape.vertices.size(); ++i)
-      mesh.vertices.push_back(mm_ * size * shape.vertices[i]);
+      vertices.push_back(mm_ * size * shape.vertices[i]);
+    mesh.vertices = std::move(vertices);
     for (Pose& pose : symmetry.poses) pose.translation() *= mm_;
     if (symmetry.axis) symmetry.axis->point *= mm_;
     mesh.symmetry = symmetry;

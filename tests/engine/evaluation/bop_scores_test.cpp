@@ -371,8 +371,9 @@ TEST_F(BopScoresTest, GivesTheSameInMeters) {
   manifest.unit = LengthUnit::meter;
   manifest.scenes[0].camera->depth_scale = 0.001;
   for (EvaluationMesh& mesh : meshes) {
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-      mesh.vertices.set(i, 0.001F * mesh.vertices[i]);
+    Points vertices(mesh.vertices);
+    for (std::size_t i = 0; i < vertices.size(); ++i) vertices.set(i, 0.001F * vertices[i]);
+    mesh.vertices = std::move(vertices);
     mesh.diameter *= 0.001;
   }
   manifest.scenes[0].truth[0].T_scene_model.translation() *= 0.001F;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/libraries/index_features.hpp"
 #include "engine/progress.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"
@@ -29,14 +30,14 @@ class FindLookAlikes : public testing::Test {
     static const test::Shape bracket = test::bracket(), like = like_the_bracket(),
                              lever = test::lever();
     library_ = test::trained_library({{"bracket", &bracket}, {"like", &like}, {"lever", &lever}});
-    levels_ = index_features(library_);
+    levels_ = *index_features(library_);
   }
   static inline Library library_;
-  static inline std::vector<FeatureLevel> levels_;
+  static inline FeatureIndex levels_;
 };
 
 TEST_F(FindLookAlikes, TellsWhereALookAlikeLies) {
-  const std::vector<LookAlike> look_alikes = find_look_alikes(library_, levels_, 0);
+  const std::vector<LookAlike> look_alikes = *find_look_alikes(library_, levels_, 0);
   ASSERT_FALSE(look_alikes.empty());
   EXPECT_EQ(look_alikes[0].model, 1U) << "the alikest first";
   const auto error = kernels::pose_distance(look_alikes[0].T_model_other, move().inverse(), {},
@@ -50,7 +51,8 @@ TEST_F(FindLookAlikes, GivesTheSameBytesForAnyNumberOfThreads) {
   const auto poses = [](unsigned threads) {
     const ThreadLimit limit(threads);
     std::vector<float> out;
-    for (const LookAlike& look_alike : find_look_alikes(library_, index_features(library_), 1)) {
+    const auto found = find_look_alikes(library_, *index_features(library_), 1);
+    for (const LookAlike& look_alike : *found) {
       const Eigen::Matrix4f pose = look_alike.T_model_other.matrix();
       out.push_back(static_cast<float>(look_alike.model));
       out.insert(out.end(), pose.data(), pose.data() + 16);
@@ -64,7 +66,7 @@ TEST_F(FindLookAlikes, GivesTheSameBytesForAnyNumberOfThreads) {
 TEST_F(FindLookAlikes, FindsNoneWithoutFeatures) {
   Library bare = library_;
   bare.models[2].features = {};
-  EXPECT_TRUE(find_look_alikes(bare, index_features(bare), 2).empty());
+  EXPECT_TRUE(find_look_alikes(bare, *index_features(bare), 2)->empty());
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/hypotheses/feature_library.hpp"
+#include "engine/libraries/index_features.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
@@ -20,8 +20,8 @@ class MatchFeatures : public testing::Test {
   static void SetUpTestSuite() {
     static const test::Shape bracket = test::bracket(), lever = test::lever();
     library_ = test::trained_library({{"bracket", &bracket}, {"lever", &lever}});
-    levels_ = index_features(library_);
-    ASSERT_EQ(levels_.size(), 1U);
+    levels_ = *index_features(library_);
+    ASSERT_EQ(levels_.size(), kFeatureScales.size()) << "both have one resolution";
     const Cloud scan = test::render_scan({{&bracket, truth_[0]}, {&lever, truth_[1]}});
     StageTimes times;
     auto scene = prepare_scene(scan, {}, times);
@@ -58,7 +58,7 @@ class MatchFeatures : public testing::Test {
   }
 
   static inline Library library_;
-  static inline std::vector<FeatureLevel> levels_;
+  static inline FeatureIndex levels_;
   static inline PreparedScene scene_;
   static inline SceneSample sample_;
   static inline const std::array<Pose, 2> truth_{

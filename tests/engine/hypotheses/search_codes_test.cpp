@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/hypotheses/build_code_index.hpp"
+#include "engine/libraries/build_code_lists.hpp"
 #include "engine/progress.hpp"
 #include "support/random.hpp"
 
@@ -51,8 +51,10 @@ class SearchCodes : public testing::Test {
   std::vector<kernels::CodeNeighbor> exact(const Indexed& index, std::size_t q,
                                            std::size_t k) const {
     std::vector<std::uint32_t> squared(index.view().size());
+    Column<std::int32_t> norms(squared.size());
+    kernels::code_norms(index.in_order, kStride, norms);
     kernels::code_distances(std::span(queries_).subspan(q * kStride, kStride), index.in_order,
-                            squared);
+                            norms, squared);
     std::vector<kernels::CodeNeighbor> nearest(k);
     kernels::keep_nearest(squared, 0, nearest);
     return nearest;
@@ -64,11 +66,13 @@ TEST_F(SearchCodes, EachCodeStandsOnceInTheListOfItsNearestCentroid) {
   const Indexed index(codes_);
   EXPECT_EQ(index.view().num_lists(), 15U);
   std::vector<std::uint32_t> all = index.lists.order, distances(index.view().num_lists());
+  Column<std::int32_t> norms(index.view().num_lists());
+  kernels::code_norms(index.lists.centroids, kStride, norms);
   for (std::uint32_t l = 0; l < index.view().num_lists(); ++l) {
     for (std::uint32_t at = index.lists.offsets[l]; at < index.lists.offsets[l + 1]; at += 97) {
       EXPECT_EQ(l,
                 kernels::nearest_centroid(std::span(index.in_order).subspan(at * kStride, kStride),
-                                          index.lists.centroids, distances));
+                                          index.lists.centroids, norms, distances));
     }
   }
   std::ranges::sort(all);

@@ -190,12 +190,13 @@ TEST(DrawScene, DrawsEachOutlineWhole) {
 
 TEST(DrawScene, DrawsCloudsAsSpheres) {
   EvaluationMesh model = cube();
-  model.triangles = {};
-  model.vertices = {};
+  model.triangles = Triangles();
+  Points vertices;
   for (int i = 0; i < 400; ++i) {
-    model.vertices.push_back({0.01F * static_cast<float>(i % 20) - 0.095F,
-                              0.01F * static_cast<float>(i / 20) - 0.095F, 0});
+    vertices.push_back({0.01F * static_cast<float>(i % 20) - 0.095F,
+                        0.01F * static_cast<float>(i / 20) - 0.095F, 0});
   }
+  model.vertices = std::move(vertices);
   const std::array overlays{Overlay{&model, ahead(1), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;

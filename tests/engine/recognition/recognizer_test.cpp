@@ -22,7 +22,7 @@ TEST(Recognizer, BuildsASurfaceOnceForAllThreads) {
   const Recognizer recognizer(one_model(test::cloud_of(test::bracket())));
   std::vector<const void*> surfaces(64);
   engine::for_each_index(surfaces.size(),
-                         [&](std::size_t i) { surfaces[i] = &*recognizer.surface(0); });
+                         [&](std::size_t i) { surfaces[i] = recognizer.surface(0)->get(); });
   EXPECT_EQ(std::set(surfaces.begin(), surfaces.end()).size(), 1U);
 }
 
@@ -31,15 +31,15 @@ TEST(Recognizer, StandsDiscsOnSamplesWhereThereAreNoFaces) {
   Library library = one_model(test::cloud_of(test::bracket()));
   const float spacing = library.models[0].sample_spacing;
   Library faceless = library;
-  faceless.models[0].triangles = {};
+  faceless.models[0].triangles = Triangles();
   const Recognizer faces(std::move(library)), discs(std::move(faceless));
   const Model& model = faces.library().models[0];
   std::size_t met = 0, close = 0;
   for (std::size_t i = 0; i < model.samples.size(); i += 7) {
     const Eigen::Vector3f from = model.samples[i] + model.diameter * model.sample_normals[i];
     const Eigen::Vector3f ray = -model.sample_normals[i];
-    const kernels::Hit a = faces.surface(0)->intersect(from, ray, 0, 2 * model.diameter);
-    const kernels::Hit b = discs.surface(0)->intersect(from, ray, 0, 2 * model.diameter);
+    const kernels::Hit a = (*faces.surface(0))->intersect(from, ray, 0, 2 * model.diameter);
+    const kernels::Hit b = (*discs.surface(0))->intersect(from, ray, 0, 2 * model.diameter);
     if (!a) continue;
     ++met;
     close += b && std::abs(a.distance - b.distance) < spacing ? 1 : 0;

@@ -15,6 +15,12 @@ Column<std::uint8_t> random_codes(test::Random& random, std::size_t n, std::size
   return codes;
 }
 
+Column<std::int32_t> norms_of(std::span<const std::uint8_t> codes, std::size_t stride) {
+  Column<std::int32_t> norms(codes.size() / stride);
+  code_norms(codes, stride, norms);
+  return norms;
+}
+
 std::uint32_t squared_distance(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -29,14 +35,18 @@ TEST(CodeDistances, AreThoseOfWholeNumbers) {
   for (const std::size_t stride : {16U, 64U, 80U, 688U}) {
     const auto codes = random_codes(random, 50, stride), query = random_codes(random, 1, stride);
     std::vector<std::uint32_t> squared(50);
-    code_distances(query, codes, squared);
+    code_distances(query, codes, norms_of(codes, stride), squared);
     for (std::size_t i = 0; i < squared.size(); ++i)
       EXPECT_EQ(squared[i], squared_distance(query, std::span(codes).subspan(i * stride, stride)));
   }
   const Column<std::uint8_t> zeros(688, 0), ones(688, 255);
   std::vector<std::uint32_t> farthest(1);
-  code_distances(zeros, ones, farthest);
+  code_distances(zeros, ones, norms_of(ones, 688), farthest);
   EXPECT_EQ(farthest[0], 688U * 255 * 255);
+  const Column<std::uint8_t> low(64, 0), high(64 * 16, 255);
+  std::vector<std::uint32_t> sixteen(16);
+  code_distances(low, high, norms_of(high, 64), sixteen);
+  EXPECT_EQ(sixteen[15], 64U * 255 * 255);
 }
 
 TEST(PadCodes, FillsUpWithZeros) {
@@ -79,8 +89,8 @@ TEST(NearestLists, AreThoseOfTheNearestCentroids) {
   EXPECT_EQ(index.num_lists(), 40U);
   std::vector<std::uint32_t> distances(40);
   std::vector<CodeNeighbor> lists(5);
-  nearest_lists(index, query, distances, lists);
-  EXPECT_EQ(lists[0].index, nearest_centroid(query, centroids, distances));
+  nearest_lists(index, query, norms_of(centroids, 16), distances, lists);
+  EXPECT_EQ(lists[0].index, nearest_centroid(query, centroids, norms_of(centroids, 16), distances));
   for (std::size_t i = 0; i < 40; ++i) {
     const std::uint32_t squared = squared_distance(query, std::span(centroids).subspan(i * 16, 16));
     const bool is_listed =
@@ -100,7 +110,7 @@ TEST(MoveCentroids, ToTheRoundedMeanOfTheirCodes) {
   }
   std::vector<std::uint32_t> distances(3);
   CentroidSums sums(3, 16);
-  add_to_centroids(codes, 16, centroids, distances, sums);
+  add_to_centroids(codes, 16, centroids, norms_of(centroids, 16), distances, sums);
   move_centroids(sums, centroids);
   EXPECT_EQ(centroids[0], 12) << "11.5, rounded";
   EXPECT_EQ(centroids[16], 200);

@@ -44,7 +44,7 @@ class LibraryDamageTest : public test::LibraryTest {
 
   /// The library must be refused as bad data, with a message that holds this text.
   void expect_refused(const std::string& text, ErrorCode code = ErrorCode::bad_data) const {
-    const auto library = open_library(file());
+    const auto library = verify_library(file());
     ASSERT_FALSE(library) << "expected a refusal: " << text;
     EXPECT_EQ(library.error().code, code) << library.error().message;
     EXPECT_NE(library.error().message.find(file().string()), std::string::npos);
@@ -53,7 +53,7 @@ class LibraryDamageTest : public test::LibraryTest {
 
   /// Refused, or equal to what was written.
   void expect_refused_or_equal(const std::string& what) const {
-    const auto library = open_library(file());
+    const auto library = verify_library(file());
     if (!library) return;
     ASSERT_EQ(library->models.size(), models_.size()) << what;
     EXPECT_EQ(library->header.unit, LengthUnit::meter) << what;
@@ -122,6 +122,89 @@ TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByZeroedOrSwappedBlocks) {
     write_file(swapped);
     expect_refused_or_equal("swapped at " + std::to_string(at));
   }
+}
+
+// As recognition uses a library: what was checked is what was written, whatever is wrong elsewhere.
+TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartWasCheckedWhenItWasFirstUsed) {
+  const auto whole = read_bytes(file());
+  std::mt19937_64 random(20261124);
+  std::size_t num_opened = 0, num_refused_parts = 0;
+  for (int i = 0; i < 1000; ++i) {
+    auto damaged = whole;
+    const std::size_t at = random() % whole.size();
+    if (i % 3 == 0) {  // a splice
+      const std::size_t from = random() % whole.size();
+      const std::size_t n = std::min({whole.size() - at, whole.size() - from, random() % 5000});
+      damaged.replace(at, n, whole, from, n);
+    } else {
+      damaged[at] = static_cast<char>(damaged[at] ^ (1 << (i % 8)));
+    }
+    write_file(damaged);
+    const auto library = open_library(file());
+    if (!library) continue;
+    ++num_opened;
+    ASSERT_EQ(library->models.size(), models_.size());
+    for (std::uint32_t m = 0; m < models_.size(); ++m) {
+      Model mixed = models_[m];  // what is refused is never read
+      const Model& read = library->models[m];
+      const auto is_good = [&](ModelPart part) {
+        const auto checked = library->check(m, part);
+        if (checked) return true;
+        EXPECT_NE(checked.error().message.find("/models/" + models_[m].name), std::string::npos)
+            << checked.error().message;
+        ++num_refused_parts;
+        return false;
+      };
+      Model used = read;
+      if (!is_good(ModelPart::surface))
+        used.vertices = mixed.vertices, used.triangles = mixed.triangles;
+      if (!is_good(ModelPart::samples)) {
+        used.samples = mixed.samples;
+        used.sample_normals = mixed.sample_normals;
+        used.sample_views = mixed.sample_views;
+      }
+      if (!is_good(ModelPart::pairs)) {
+        used.ppf_points = mixed.ppf_points;
+        used.ppf_normals = mixed.ppf_normals;
+        used.ppf = mixed.ppf;
+      }
+      if (!is_good(ModelPart::features)) used.features = mixed.features;
+      ASSERT_EQ(difference(used, mixed), "") << "at " << at << ", try " << i;
+    }
+  }
+  EXPECT_GT(num_opened, 400U) << "most of the file is columns";
+  EXPECT_GT(num_refused_parts, 200U);
+}
+
+TEST_F(LibraryDamageTest, FindsADirectoryThatSaysSomethingElseThanTheGroups) {
+  const float diameter = 7;
+  edit_library(file(), [&](hid_t root) {
+    replace_attribute(root, "models/a", "diameter", H5T_NATIVE_FLOAT, &diameter);
+  });
+  const auto opened = open_library(file());
+  ASSERT_TRUE(opened) << "the directory counts: " << opened.error().message;
+  EXPECT_EQ(opened->models[0].diameter, models_[0].diameter);
+  expect_refused("@checksum");
+}
+
+TEST_F(LibraryDamageTest, ReadsAFileThatWasStoredAnewByItsGroups) {
+  const Model& model = models_[0];
+  edit_library(file(), [&](hid_t root) {  // a directory that lies elsewhere than it says
+    const std::uint64_t offset = 8;
+    replace_attribute(root, "directory", "offset", H5T_NATIVE_UINT64, &offset);
+    const float diameter = 7;
+    replace_attribute(root, "models/a", "diameter", H5T_NATIVE_FLOAT, &diameter);
+  });
+  const auto tree = open_library(file());
+  ASSERT_FALSE(tree) << "its checksums count";
+  EXPECT_NE(tree.error().message.find("@checksum"), std::string::npos);
+  seal_library(file());
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  EXPECT_EQ(library->models[0].diameter, 7);
+  Model read = library->models[0];
+  read.diameter = model.diameter;
+  EXPECT_EQ(difference(read, model), "");
 }
 
 TEST_F(LibraryDamageTest, RefusesWhatIsNoLibrary) {
@@ -202,7 +285,11 @@ TEST_F(LibraryDamageTest, ReadsOlderMinorVersionsWithoutWhatCameLaterAndNotWithI
   });
   seal_library(file());
   expect_refused("/trisi: the format has no such group");
-  edit_library(file(), [](hid_t root) { ASSERT_GE(H5Ldelete(root, "trisi", H5P_DEFAULT), 0); });
+  edit_library(file(), [](hid_t root) {
+    for (const char* const name : {"trisi", "models/a/trisi_medium", "models/b/trisi_medium",
+                                   "models/a/trisi_coarse", "models/b/trisi_coarse"})
+      ASSERT_GE(H5Ldelete(root, name, H5P_DEFAULT), 0);
+  });
   for (Model& model : expected) model.features = {};
   expect_older(2, "trisi");
   for (Model& model : expected) model.near_axis.reset();

@@ -1,4 +1,4 @@
-#include "storage/library/split_library.hpp"
+#include "engine/libraries/split_library.hpp"
 
 #include <fmt/format.h>
 
@@ -6,14 +6,16 @@
 #include <numeric>
 #include <system_error>
 
-#include "storage/library/copy_models.hpp"
+#include "engine/libraries/copy_models.hpp"
 
 namespace trivet {
 namespace {
 
 double weight_of(const Model& model) {
+  std::size_t codes = 0;
+  for (const TriSpinFeatures& features : model.features) codes += features.codes.size();
   return static_cast<double>(model.ppf.entries.size_bytes() + model.ppf.offsets.size_bytes() +
-                             model.features.codes.size() + 1);
+                             codes + 1);
 }
 
 }  // namespace

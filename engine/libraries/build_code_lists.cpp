@@ -1,4 +1,4 @@
-#include "engine/hypotheses/build_code_index.hpp"
+#include "engine/libraries/build_code_lists.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -28,13 +28,15 @@ Column<std::uint8_t> find_centroids(std::span<const std::uint8_t> codes, std::si
   Column<std::uint8_t> centroids = spread(num_lists);
   const Column<std::uint8_t> samples = spread(std::min(n, num_lists * kSamplesAList));
   const std::size_t num_samples = samples.size() / stride;
+  Column<std::int32_t> norms(num_lists);
   for (std::size_t iteration = 0; iteration < kIterations; ++iteration) {
     PerThread<kernels::CentroidSums> per_thread(
         [&] { return kernels::CentroidSums(num_lists, stride); });
     PerThread<Column<std::uint32_t>> distances([&] { return Column<std::uint32_t>(num_lists); });
+    kernels::code_norms(centroids, stride, norms);
     for_chunks(num_samples, kGrain, [&](std::size_t first, std::size_t count) {
       kernels::add_to_centroids(std::span(samples).subspan(first * stride, count * stride), stride,
-                                centroids, distances.local(), per_thread.local());
+                                centroids, norms, distances.local(), per_thread.local());
     });
     kernels::CentroidSums sums(num_lists, stride);
     for (const kernels::CentroidSums& some : per_thread) {
@@ -54,10 +56,12 @@ CodeLists build_code_lists(std::span<const std::uint8_t> codes, std::size_t stri
   const std::size_t num_lists = std::max<std::size_t>(1, n / kListLength);
   lists.centroids = find_centroids(codes, stride, num_lists);
   std::vector<std::uint32_t> list(n);
+  Column<std::int32_t> norms(num_lists);
+  kernels::code_norms(lists.centroids, stride, norms);
   PerThread<Column<std::uint32_t>> distances([&] { return Column<std::uint32_t>(num_lists); });
   for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i)
-      list[i] = kernels::nearest_centroid(codes.subspan(i * stride, stride), lists.centroids,
+      list[i] = kernels::nearest_centroid(codes.subspan(i * stride, stride), lists.centroids, norms,
                                           distances.local());
   });
   lists.offsets.assign(num_lists + 1, 0);

@@ -1,4 +1,4 @@
-#include "storage/library/split_library.hpp"
+#include "engine/libraries/split_library.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@ namespace trivet {
 /// parameters, so that each is the same there.
 ///
 /// models  indices, rising
-/// Errors: cannot_create, io.
+/// Errors: bad_data (a model of the library is damaged), cannot_create, io.
 Result<void> copy_models(const Library& library, std::span<const std::uint32_t> models,
                          const std::filesystem::path& file);
 

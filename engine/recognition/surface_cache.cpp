@@ -1,0 +1,64 @@
+#include "engine/recognition/surface_cache.hpp"
+
+#include <tbb/collaborative_call_once.h>
+
+#include <optional>
+#include <utility>
+
+namespace trivet::engine {
+
+struct SurfaceCache::Slot {
+  explicit Slot(std::uint32_t of_model) : model(of_model) {}
+
+  const std::uint32_t model;
+  // Embree builds with TBB: a waiting thread may take up another scene that asks for this model,
+  // which std::call_once would never come back from.
+  tbb::collaborative_once_flag once;
+  std::optional<Result<Surface>> surface;
+  std::size_t bytes = 0;  // counted in taken_
+};
+
+std::shared_ptr<SurfaceCache::Slot> SurfaceCache::slot_of(std::uint32_t model) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = of_model_.find(model); found != of_model_.end()) {
+    slots_.splice(slots_.begin(), slots_, found->second);
+    return slots_.front();
+  }
+  slots_.push_front(std::make_shared<Slot>(model));
+  of_model_.emplace(model, slots_.begin());
+  return slots_.front();
+}
+
+Result<SurfaceCache::Surface> SurfaceCache::get(
+    std::uint32_t model, const std::function<Result<kernels::RayScene>()>& make) {
+  const std::shared_ptr<Slot> slot = slot_of(model);
+  bool is_new = false;
+  tbb::collaborative_call_once(slot->once, [&] {
+    Result<kernels::RayScene> made = make();
+    if (made) {
+      slot->surface = Result<Surface>(std::make_shared<const kernels::RayScene>(std::move(*made)));
+    } else {
+      slot->surface = Result<Surface>(made.error());
+    }
+    is_new = true;
+  });
+  if (is_new && *slot->surface) {
+    const std::lock_guard lock(mutex_);
+    slot->bytes = (**slot->surface)->memory_bytes();
+    taken_ += slot->bytes;
+    make_room();
+  }
+  return *slot->surface;
+}
+
+void SurfaceCache::make_room() {
+  for (auto at = slots_.end(); taken_ > bytes_ && at != slots_.begin();) {
+    --at;
+    if (at == slots_.begin() || (*at)->bytes == 0) continue;  // just made; not made yet
+    taken_ -= (*at)->bytes;
+    of_model_.erase((*at)->model);
+    at = slots_.erase(at);
+  }
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,109 @@
+#include "storage/library/library_checks.hpp"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <utility>
+
+namespace trivet {
+namespace {
+
+/// Bytes of files that the process holds in memory, by mapping them.
+std::uint64_t mapped_bytes_in_memory() {
+  std::uint64_t all = 0, resident = 0, of_files = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident >> of_files;
+  return of_files * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
+                             std::shared_ptr<const void> owner,
+                             const std::vector<ModelRecord>& models,
+                             std::vector<LevelColumns> levels)
+    : file_(std::move(file)),
+      bytes_(bytes),
+      owner_(std::move(owner)),
+      levels_(std::move(levels)),
+      good_parts_(models.size() * kModelParts.size()),
+      good_levels_(levels_.size()) {
+  for (const ModelRecord& record : models) models_.push_back(record.columns);
+}
+
+Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
+                                        const std::string& place) const {
+  const Xxh3 found = xxh3(bytes_.subspan(column.offset, column.bytes));
+  if (found == column.checksum) return {};
+  return Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place,
+                                                wrong_checksum(column.checksum, found))};
+}
+
+Result<void> LibraryChecks::check(const Model& model, std::size_t index, ModelPart part) const {
+  std::atomic<bool>& good = good_parts_[state_of(index, part)];
+  if (good.load(std::memory_order_acquire)) return {};
+  for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
+    const auto& [spec, of_part] = format::kModelColumns[c];
+    const StoredColumn& column = models_[index][c];
+    if (of_part != part || column == StoredColumn{}) continue;  // none: the file is older
+    const std::string place = fmt::format("/models/{}/{}{}{}", model.name, spec.group,
+                                          spec.group.empty() ? "" : "/", spec.name);
+    if (Result<void> checked = check_bytes(column, place); !checked) return checked;
+  }
+  if (const Result<void> checked = format::check_part(model, part); !checked) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: {}", file_.string(), checked.error().message)};
+  }
+  good.store(true, std::memory_order_release);
+  return {};
+}
+
+Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
+                                  std::size_t num_models) const {
+  std::atomic<bool>& good = good_levels_[index];
+  if (good.load(std::memory_order_acquire)) return {};
+  const std::string path = fmt::format("/index/{:02}", index);
+  for (std::size_t c = 0; c < kLevelColumns.size(); ++c) {
+    const std::string place = fmt::format("{}/{}", path, kLevelColumns[c].name);
+    if (Result<void> checked = check_bytes(levels_[index][c], place); !checked) return checked;
+  }
+  if (const Result<void> checked = format::check_level(level, num_models); !checked) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: {}/{}", file_.string(), path, checked.error().message)};
+  }
+  good.store(true, std::memory_order_release);
+  return {};
+}
+
+void LibraryChecks::give_back() const noexcept {
+  // Read-only pages of a file: what is let go of comes back from the file.
+  ::madvise(const_cast<std::byte*>(bytes_.data()), bytes_.size(), MADV_DONTNEED);
+}
+
+Result<void> Library::check(std::uint32_t model, ModelPart part) const {
+  return checks ? checks->check(models[model], model, part) : Result<void>();
+}
+
+Result<void> Library::check_level(std::size_t level) const {
+  return checks && level < index.size() ? checks->check(index[level], level, models.size())
+                                        : Result<void>();
+}
+
+Result<void> Library::check_all() const {
+  for (std::uint32_t m = 0; m < models.size(); ++m) {
+    for (const ModelPart part : kModelParts) {
+      if (Result<void> good = check(m, part); !good) return good;
+    }
+  }
+  for (std::size_t level = 0; level < index.size(); ++level) {
+    if (Result<void> good = check_level(level); !good) return good;
+  }
+  return {};
+}
+
+void Library::give_back(std::uint64_t more_than) const {
+  if (checks && mapped_bytes_in_memory() > more_than) checks->give_back();
+}
+
+}  // namespace trivet

@@ -1,0 +1,46 @@
+/// What of an opened file has been checked.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "storage/library.hpp"
+#include "storage/library/model_record.hpp"
+
+namespace trivet {
+
+class LibraryChecks {
+ public:
+  /// bytes  of the file, kept alive by the owner
+  LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
+                std::shared_ptr<const void> owner, const std::vector<ModelRecord>& models,
+                std::vector<LevelColumns> levels);
+
+  /// As Library::check.
+  Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
+  Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
+  /// Let go of the pages of the mapping; reading them again brings them back.
+  void give_back() const noexcept;
+
+ private:
+  using ModelColumns = std::array<StoredColumn, format::kModelColumns.size()>;
+  std::size_t state_of(std::size_t model, ModelPart part) const noexcept {
+    return model * kModelParts.size() + static_cast<std::size_t>(part);
+  }
+  Result<void> check_bytes(const StoredColumn& column, const std::string& place) const;
+
+  std::filesystem::path file_;
+  std::span<const std::byte> bytes_;
+  std::shared_ptr<const void> owner_;
+  std::vector<ModelColumns> models_;
+  std::vector<LevelColumns> levels_;
+  /// Whether it is good; what is not has been found bad or not been looked at. Two threads may check
+  /// the same: both find the same.
+  mutable std::vector<std::atomic<bool>> good_parts_, good_levels_;
+};
+
+}  // namespace trivet

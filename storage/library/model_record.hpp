@@ -1,0 +1,46 @@
+/// What is known of a model before its columns are read.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "storage/library/library_format.hpp"
+#include "storage/library/taker.hpp"
+#include "storage/model.hpp"
+
+namespace trivet {
+
+struct ModelRecord {
+  Model traits;  ///< without columns
+  std::array<StoredColumn, format::kModelColumns.size()> columns{};
+};
+
+/// Take the records of all models from their groups, by name. Nothing of the large datasets is
+/// read.
+std::vector<ModelRecord> take_models(Taker& take, const StoredGroup& models);
+
+/// Take them from the directory. Extents are checked.
+std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory);
+
+/// Rigid motions of sixteen numbers each, row-major.
+std::vector<Pose> poses_of(std::span<const float> numbers);
+
+/// The columns of a level of the index, in the order of kLevelColumns.
+inline constexpr std::array kLevelColumns{
+    format::kLevelModels, format::kListCentroids, format::kListOffsets, format::kListCodes,
+    format::kListModel,   format::kListKeypoints, format::kListFrames};
+using LevelColumns = std::array<StoredColumn, kLevelColumns.size()>;
+
+/// Views of the file. What lies in it at odd addresses is copied: small columns, since the writer
+/// begins large ones on a page.
+///
+/// bytes  of the file, kept alive by the owner; all columns lie in it
+Model map_model(const ModelRecord& record, std::span<const std::byte> bytes,
+                const std::shared_ptr<const void>& owner, std::size_t num_components);
+FeatureLevel map_level(float resolution, std::size_t stride, const LevelColumns& columns,
+                       std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner);
+
+}  // namespace trivet

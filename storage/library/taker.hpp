@@ -1,0 +1,123 @@
+/// Takes values out of the tree of a library's file.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "storage/file.hpp"
+#include "storage/library.hpp"
+#include "storage/library/library_format.hpp"
+#include "storage/library/stored_tree.hpp"
+
+namespace trivet {
+
+/// Where a column lies in a file, and the checksum of its bytes.
+struct StoredColumn {
+  std::uint64_t offset = 0, bytes = 0;
+  Xxh3 checksum;
+  bool operator==(const StoredColumn&) const = default;
+};
+
+/// The first fault is kept, and what is taken after it is empty: whoever reads asks for the fault
+/// once, at the end. All paths are those of objects, for errors.
+class Taker {
+ public:
+  /// bytes  of the file, which offsets count in
+  Taker(const std::filesystem::path& file, std::span<const std::byte> bytes)
+      : file_(file), bytes_(bytes) {}
+
+  const std::filesystem::path& file() const noexcept { return file_; }
+  std::span<const std::byte> bytes() const noexcept { return bytes_; }
+  const std::optional<Error>& fault() const noexcept { return fault_; }
+  void refuse(const std::string& place, const std::string& what);
+  void refuse(const Error& error);
+
+  template <class T, std::size_t N>
+  std::array<T, N> numbers(const StoredAttributes& from, const std::string& name, ElementType type,
+                           const std::string& path) {
+    std::array<T, N> out{};
+    const StoredAttribute* found = find(from, name, type, path);
+    if (found == nullptr) return out;
+    if (found->bytes.size() != sizeof(out)) {
+      refuse_size(path + "@" + name, N, found->bytes.size());
+    } else {
+      std::memcpy(out.data(), found->bytes.data(), sizeof(out));
+    }
+    return out;
+  }
+  float f32(const StoredAttributes& from, const std::string& name, const std::string& path) {
+    return numbers<float, 1>(from, name, ElementType::f32, path)[0];
+  }
+  std::uint32_t u32(const StoredAttributes& from, const std::string& name,
+                    const std::string& path) {
+    return numbers<std::uint32_t, 1>(from, name, ElementType::u32, path)[0];
+  }
+  Eigen::Vector3f vector(const StoredAttributes& from, const std::string& name,
+                         const std::string& path) {
+    const auto v = numbers<float, 3>(from, name, ElementType::f32, path);
+    return {v[0], v[1], v[2]};
+  }
+  std::string text(const StoredAttributes& from, const std::string& name, const std::string& path);
+
+  /// Where a dataset lies, when its type and shape are right; nothing of a dataset that the file's
+  /// version did not have.
+  std::optional<StoredColumn> column(const StoredGroup& group, const format::DatasetSpec& spec,
+                                     const std::string& path);
+  /// The bytes of a dataset, when its checksum is right, too.
+  std::span<const std::byte> data(const StoredGroup& group, const format::DatasetSpec& spec,
+                                  const std::string& path);
+  /// The same as numbers.
+  template <class T>
+  std::vector<T> values(const StoredGroup& group, const format::DatasetSpec& spec,
+                        const std::string& path) {
+    const auto bytes = data(group, spec, path);
+    std::vector<T> out(bytes.size() / sizeof(T));
+    if (!out.empty()) std::memcpy(out.data(), bytes.data(), out.size() * sizeof(T));
+    return out;
+  }
+
+  /// The minor version of the file: older ones have fewer datasets, newer ones may have more.
+  void set_version(std::uint32_t minor) noexcept { minor_ = minor; }
+  std::uint32_t version() const noexcept { return minor_; }
+  /// Of the library's features.
+  void set_components(std::size_t number) noexcept { num_components_ = number; }
+  std::size_t num_components() const noexcept { return num_components_; }
+  /// Bytes of a code in the index.
+  void set_stride(std::size_t bytes) noexcept { stride_ = bytes; }
+  /// The numbers of a row of a dataset.
+  std::uint64_t row_bytes(const format::DatasetSpec& spec) const noexcept;
+
+  /// Refuse what the format of that version does not name.
+  void expect_only(const StoredGroup& group, std::string_view spec_group,
+                   std::initializer_list<std::string_view> below, const std::string& path);
+  /// A group below another one; null where there is none.
+  static const StoredGroup* below(const StoredGroup& group, const std::string& name) {
+    const auto found = group.groups.find(name);
+    return found == group.groups.end() ? nullptr : &found->second;
+  }
+
+ private:
+  const StoredAttribute* find(const StoredAttributes& from, const std::string& name,
+                              ElementType type, const std::string& path);
+  void refuse_size(const std::string& place, std::size_t expected, std::size_t bytes);
+  std::array<std::uint64_t, 3> shape_of(const format::DatasetSpec& spec) const noexcept;
+
+  const std::filesystem::path& file_;
+  std::span<const std::byte> bytes_;
+  std::uint32_t minor_ = kLibraryVersionMinor;
+  std::size_t num_components_ = 0, stride_ = 0;
+  std::optional<Error> fault_;
+};
+
+/// What is wrong with a column's bytes.
+std::string wrong_checksum(const Xxh3& expected, const Xxh3& found);
+
+}  // namespace trivet

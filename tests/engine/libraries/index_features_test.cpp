@@ -1,0 +1,118 @@
+#include "engine/libraries/index_features.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <tuple>
+
+#include "engine/progress.hpp"
+#include "kernels/spin_images/rotation_code.hpp"
+#include "support/library_file.hpp"
+#include "support/random_model.hpp"
+
+namespace trivet::engine {
+namespace {
+
+/// Three models, two of which share a resolution, in a file with its index.
+class IndexFeatures : public test::LibraryTest {
+ protected:
+  IndexFeatures() {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed)
+      models_.push_back(test::random_model(std::string(1, static_cast<char>('a' + seed)), seed,
+                                           {.num_features = 300 * seed}));
+    models_[1].features[0].resolution = models_[0].features[0].resolution;
+    auto writer = LibraryWriter::create(file(), {LengthUnit::meter, "trivet test", "{}"});
+    if (!writer || !writer->add(test::random_basis(5, test::kRandomComponents)))
+      throw std::runtime_error("cannot write the library");
+    for (const Model& model : models_) {
+      if (!writer->add(model)) throw std::runtime_error("cannot add a model");
+    }
+    if (!add_index(*writer) || !writer->publish()) throw std::runtime_error("cannot publish");
+  }
+  std::vector<Model> models_;
+};
+
+TEST_F(IndexFeatures, HoldsEveryFeatureOnceBesideItsKeypointAndFrame) {
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message;
+  std::set<std::tuple<float, std::uint32_t, std::size_t>> seen;  // resolution, model, row
+  std::size_t expected = 0;
+  for (const Model& model : models_)
+    for (const TriSpinFeatures& features : model.features) expected += features.size();
+  for (std::size_t k = 0; k < library->index.size(); ++k) {
+    ASSERT_TRUE(library->check_level(k));
+    const FeatureLevel& level = library->index[k];
+    if (k > 0) {
+      EXPECT_LT(library->index[k - 1].resolution, level.resolution);
+    }
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const Model& model = models_[level.model[i]];
+      const TriSpinFeatures& own =
+          *std::ranges::find(model.features, level.resolution, &TriSpinFeatures::resolution);
+      std::size_t row = 0;
+      while (row < own.size() && own.keypoints[row] != level.keypoints[i]) ++row;
+      ASSERT_LT(row, own.size());
+      const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> frame(
+          own.frames[row].data());
+      EXPECT_LT((kernels::decode_rotation(level.frames[i]) - frame).cwiseAbs().maxCoeff(), 1e-3F);
+      EXPECT_TRUE(
+          std::ranges::equal(own.codes.subspan(row * own.num_components, own.num_components),
+                             level.codes.subspan(i * level.stride, own.num_components)));
+      EXPECT_TRUE(seen.emplace(level.resolution, level.model[i], row).second);
+    }
+  }
+  EXPECT_EQ(seen.size(), expected);
+}
+
+TEST_F(IndexFeatures, IsTheSameFromTheFileAndFromItsModels) {
+  const auto library = open_library(file());
+  ASSERT_TRUE(library);
+  const auto built = index_features(*library);
+  ASSERT_TRUE(built);
+  ASSERT_EQ(built->size(), library->index.size());
+  for (std::size_t k = 0; k < built->size(); ++k) {
+    const FeatureLevel &a = (*built)[k], &b = library->index[k];
+    EXPECT_EQ(a.resolution, b.resolution);
+    EXPECT_TRUE(std::ranges::equal(a.models, b.models));
+    EXPECT_TRUE(std::ranges::equal(a.codes, b.codes));
+    EXPECT_TRUE(std::ranges::equal(a.model, b.model));
+    EXPECT_TRUE(std::ranges::equal(a.keypoints.x, b.keypoints.x));
+    EXPECT_TRUE(std::ranges::equal(a.frames, b.frames));
+  }
+}
+
+TEST_F(IndexFeatures, GivesTheSameBytesForAnyNumberOfThreads) {
+  const auto library = open_library(file());
+  const auto codes = [&](unsigned threads) {
+    const ThreadLimit limit(threads);
+    const auto index = index_features(*library);
+    return std::vector<std::uint8_t>(index->front().codes.begin(), index->front().codes.end());
+  };
+  EXPECT_EQ(codes(1), codes(2));
+}
+
+TEST_F(IndexFeatures, IsRefusedByNameWhereItIsDamaged) {
+  auto bytes = test::read_bytes(file());
+  {
+    const auto library = open_library(file());
+    ASSERT_TRUE(library);
+    const std::string_view codes(reinterpret_cast<const char*>(library->index[0].codes.data()),
+                                 library->index[0].codes.size());
+    const std::size_t at = bytes.find(codes);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at + 100] = static_cast<char>(bytes[at + 100] ^ 4);
+  }
+  write_file(bytes);
+  const auto library = open_library(file());
+  ASSERT_TRUE(library) << library.error().message << ": nothing of it was read yet";
+  const auto checked = library->check_level(0);
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().code, ErrorCode::bad_data);
+  EXPECT_NE(checked.error().message.find("/index/00/codes"), std::string::npos)
+      << checked.error().message;
+  EXPECT_FALSE(library->check_level(0)) << "it stays damaged";
+  EXPECT_FALSE(verify_library(file()));
+}
+
+}  // namespace
+}  // namespace trivet::engine
