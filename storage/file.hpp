@@ -29,6 +29,9 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
+/// Let go of the pages of a mapping; reading them again brings them back from the file.
+void give_back_pages(std::span<const std::byte> mapped) noexcept;
+
 /// All that an open descriptor gives until its end. `name` stands for it in messages.
 /// Errors: bad_data (more than max_bytes), io.
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,

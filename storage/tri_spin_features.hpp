@@ -27,10 +27,9 @@ struct TriSpinFeatures {
   std::size_t size() const noexcept { return keypoints.size(); }
 };
 
-/// Models are described at their own resolution and so many half octaves above it: the next one,
-/// which models of about their size have whose own falls there, and one for scans that are too
-/// coarse for what is small.
-inline constexpr std::array<std::uint32_t, 3> kFeatureScales{0, 1, 3};
+/// Models are described at their own resolution and so many half octaves above it: at two and four
+/// times its distance, for scans that are too coarse for what is small.
+inline constexpr std::array<std::uint32_t, 3> kFeatureScales{0, 2, 4};
 
 /// ... of a model that is named by its rank in a library.
 struct FeaturesOfModel {

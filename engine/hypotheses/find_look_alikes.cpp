@@ -11,7 +11,6 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kScales = 2;       // models of like size share one of so many
 constexpr std::size_t kQueries = 300;    // features of the model, spread over it
 constexpr std::size_t kLists = 8;        // that each is looked for in
 constexpr std::size_t kNeighbors = 100;  // hundreds of look-alikes share them
@@ -62,10 +61,9 @@ Result<std::vector<LookAlike>> find_look_alikes(const Library& library, const Fe
   if (const Result<void> good = library.check(model, ModelPart::features); !good)
     return good.error();
   Poses poses;
-  for (std::size_t scale = 0; scale < kScales; ++scale) {
-    const TriSpinFeatures& features = own.features[scale];
-    const auto level = std::ranges::find(index, features.resolution, &FeatureLevel::resolution);
-    if (level == index.end() || features.size() == 0) continue;
+  const TriSpinFeatures& features = own.features[0];
+  const auto level = std::ranges::find(index, features.resolution, &FeatureLevel::resolution);
+  if (level != index.end() && features.size() > 0) {
     const Result<void> good = library.check_level(static_cast<std::size_t>(level - index.begin()));
     if (!good) return good.error();
     add_poses(*level, features, model, poses);

@@ -14,9 +14,9 @@ struct LookAlike {
   Pose T_model_other = Pose::Identity();
 };
 
-/// Match features of a model, spread over it, with those of all others of its resolution and of the
-/// next, which smaller and larger models of like size have, too; matches that agree on where another
-/// model lies make it a look-alike. The alikest come first, at most forty.
+/// Match features of a model, spread over it, with those of all others of its resolution;
+/// matches that agree on where another model lies make it a look-alike. The alikest come first, at
+/// most forty.
 /// index  of the features of all models of the library
 /// Same bytes for any number of threads. Errors: bad_data (damaged).
 Result<std::vector<LookAlike>> find_look_alikes(const Library& library, const FeatureIndex& index,

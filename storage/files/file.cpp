@@ -90,6 +90,10 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
   return mapped;
 }
 
+void give_back_pages(std::span<const std::byte> mapped) noexcept {
+  ::madvise(const_cast<std::byte*>(mapped.data()), mapped.size(), MADV_DONTNEED);
+}
+
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
                                         std::uint64_t max_bytes) {
   constexpr std::size_t kStep = 1 << 16;

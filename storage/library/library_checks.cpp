@@ -1,7 +1,6 @@
 #include "storage/library/library_checks.hpp"
 
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -76,11 +75,6 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
   return {};
 }
 
-void LibraryChecks::give_back() const noexcept {
-  // Read-only pages of a file: what is let go of comes back from the file.
-  ::madvise(const_cast<std::byte*>(bytes_.data()), bytes_.size(), MADV_DONTNEED);
-}
-
 Result<void> Library::check(std::uint32_t model, ModelPart part) const {
   return checks ? checks->check(models[model], model, part) : Result<void>();
 }
@@ -103,7 +97,7 @@ Result<void> Library::check_all() const {
 }
 
 void Library::give_back(std::uint64_t more_than) const {
-  if (checks && mapped_bytes_in_memory() > more_than) checks->give_back();
+  if (checks && mapped_bytes_in_memory() > more_than) give_back_pages(checks->bytes());
 }
 
 }  // namespace trivet

@@ -23,8 +23,7 @@ class LibraryChecks {
   /// As Library::check.
   Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
-  /// Let go of the pages of the mapping; reading them again brings them back.
-  void give_back() const noexcept;
+  std::span<const std::byte> bytes() const noexcept { return bytes_; }  ///< of the mapping
 
  private:
   using ModelColumns = std::array<StoredColumn, format::kModelColumns.size()>;

@@ -126,7 +126,7 @@ inline constexpr DatasetSpec kFeatures{"trisi",
 
 /// Groups of a model's features by scale.
 inline constexpr std::array<std::string_view, kFeatureScales.size()> kFeatureGroups{
-    "trisi", "trisi_medium", "trisi_coarse"};
+    "trisi", "trisi_2x", "trisi_4x"};
 constexpr DatasetSpec at_scale(DatasetSpec spec, std::size_t k) {
   if (k > 0) spec.since = 4;
   spec.group = kFeatureGroups[k];

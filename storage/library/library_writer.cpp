@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <new>
@@ -10,160 +9,19 @@
 
 #include "storage/file.hpp"
 #include "storage/library.hpp"
-#include "storage/library/hdf5.hpp"
+#include "storage/library/directory_columns.hpp"
 #include "storage/library/library_format.hpp"
-#include "storage/library/model_record.hpp"
+#include "storage/library/write_hdf5.hpp"
 
 namespace trivet {
 namespace {
 
 namespace fs = std::filesystem;
+using hdf5::attribute;
+using hdf5::create_group;
+using hdf5::gather;
 using hdf5::Handle;
-
-// ---- values as attributes
-
-template <class T, std::size_t N>
-StoredAttribute attribute(ElementType type, const std::array<T, N>& values) {
-  StoredAttribute out{type, {N}, std::vector<std::byte>(sizeof(values))};
-  std::memcpy(out.bytes.data(), values.data(), sizeof(values));
-  return out;
-}
-
-template <class T>
-StoredAttribute attribute(ElementType type, T value) {
-  StoredAttribute out = attribute(type, std::array{value});
-  out.shape.clear();
-  return out;
-}
-
-StoredAttribute attribute(float value) { return attribute(ElementType::f32, value); }
-StoredAttribute attribute(std::uint32_t value) { return attribute(ElementType::u32, value); }
-StoredAttribute attribute(bool value) {
-  return attribute(ElementType::u8, static_cast<std::uint8_t>(value));
-}
-StoredAttribute attribute(const Eigen::Vector3f& v) {
-  return attribute(ElementType::f32, std::array{v.x(), v.y(), v.z()});
-}
-
-// HDF5 has no text of length 0: the empty text is one NUL.
-StoredAttribute attribute(std::string_view text) {
-  StoredAttribute out{
-      ElementType::text, {}, std::vector<std::byte>(std::max<std::size_t>(text.size(), 1))};
-  std::ranges::copy(std::as_bytes(std::span(text)), out.bytes.begin());
-  return out;
-}
-
-// ---- plain data to HDF5; false when it failed
-
-hid_t number_type(ElementType type) {
-  switch (type) {
-    case ElementType::f32:
-      return H5T_IEEE_F32LE;
-    case ElementType::u8:
-      return H5T_STD_U8LE;
-    case ElementType::u16:
-      return H5T_STD_U16LE;
-    case ElementType::u32:
-      return H5T_STD_U32LE;
-    case ElementType::u64:
-      return H5T_STD_U64LE;
-    case ElementType::text:
-      return H5T_C_S1;
-  }
-  return H5I_INVALID_HID;
-}
-
-Handle space_of(const std::vector<std::uint64_t>& shape) {
-  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
-  const std::vector<hsize_t> dims(shape.begin(), shape.end());
-  return Handle(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
-}
-
-bool write_attributes(hid_t object, const StoredAttributes& attributes) {
-  for (const auto& [name, value] : attributes) {
-    const Handle type(H5Tcopy(number_type(value.type)));
-    if (value.type == ElementType::text && (H5Tset_size(type.get(), value.bytes.size()) < 0 ||
-                                            H5Tset_strpad(type.get(), H5T_STR_NULLPAD) < 0 ||
-                                            H5Tset_cset(type.get(), H5T_CSET_UTF8) < 0)) {
-      return false;
-    }
-    const Handle space = space_of(value.shape);
-    const Handle stored(
-        H5Acreate2(object, name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT));
-    if (!stored || H5Awrite(stored.get(), type.get(), value.bytes.data()) < 0) return false;
-  }
-  return true;
-}
-
-// No times, and all attributes inside the checksummed object header: the same model gives the same
-// bytes.
-Handle creation_of(hid_t kind) {
-  Handle creation(H5Pcreate(kind));
-  const bool ok = H5Pset_obj_track_times(creation.get(), false) >= 0 &&
-                  H5Pset_attr_phase_change(creation.get(), 64, 0) >= 0;
-  return ok ? std::move(creation) : Handle();
-}
-
-// All links inside the checksummed object header, too, which may continue: HDF5 1.10 crashes when
-// it lists a damaged group of the other kind, which it would make of more than 8 links.
-Handle create_group(hid_t parent, const std::string& name) {
-  constexpr unsigned kMostLinks = 65535;
-  const Handle creation = creation_of(H5P_GROUP_CREATE);
-  if (!creation || H5Pset_link_phase_change(creation.get(), kMostLinks, 0) < 0) return {};
-  return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
-}
-
-/// Takes up where the dataset lies.
-bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,
-                   std::span<const std::byte> bytes) {
-  const Handle creation = creation_of(H5P_DATASET_CREATE);
-  if (H5Pset_layout(creation.get(), H5D_CONTIGUOUS) < 0 ||
-      H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY) < 0 ||
-      H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER) < 0) {
-    return false;
-  }
-  const Handle space = space_of(dataset.shape);
-  const hid_t type = number_type(dataset.type);
-  const Handle stored(
-      H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
-  if (!stored || !write_attributes(stored.get(), dataset.attributes)) return false;
-  if (bytes.empty()) return true;
-  dataset.offset = H5Dget_offset(stored.get());
-  return dataset.offset != HADDR_UNDEF &&
-         H5Dwrite(stored.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0;
-}
-
-// ---- a model as bytes
-
-/// Rows that lie apart in memory, gathered as they lie in the file.
-template <class T>
-Column<std::byte> gather(std::initializer_list<std::span<const T>> rows) {
-  Column<std::byte> out;
-  for (const auto row : rows) {
-    const auto bytes = std::as_bytes(row);
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  }
-  return out;
-}
-Column<std::byte> gather(PointsView points) {
-  return gather<float>({points.x, points.y, points.z});
-}
-
-Column<std::byte> gather(const std::vector<Pose>& poses) {
-  Column<std::byte> out;
-  for (const Pose& pose : poses) {
-    const Eigen::Matrix<float, 4, 4, Eigen::RowMajor> rows = pose.matrix();
-    const auto bytes = std::as_bytes(std::span(rows.data(), 16));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  }
-  return out;
-}
-
-Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis) {
-  if (!axis) return {};
-  const Eigen::Vector3f direction = axis->direction, point = axis->point;
-  return gather<float>({std::span(direction.data(), 3), std::span(point.data(), 3)});
-}
+using hdf5::write_attributes;
 
 StoredDataset describe(const format::DatasetSpec& spec, std::span<const std::byte> bytes,
                        std::string_view unit, std::size_t num_components, std::size_t stride) {
@@ -212,36 +70,6 @@ StoredAttributes basis_attributes(const TriSpinBasis& basis) {
   return out;
 }
 
-/// What the directory keeps of a model, whose datasets lie where `described` says.
-ModelRecord record_of(const Model& model, const StoredGroup& described) {
-  ModelRecord record;
-  Model& traits = record.traits;
-  traits.name = model.name;
-  traits.source = model.source;
-  traits.source_xxh3 = model.source_xxh3;
-  traits.diameter = model.diameter;
-  traits.center = model.center;
-  traits.sample_spacing = model.sample_spacing;
-  traits.symmetry = model.symmetry;
-  traits.near_symmetries = model.near_symmetries;
-  traits.near_axis = model.near_axis;
-  traits.ppf.quantization = model.ppf.quantization;
-  traits.ppf.num_references = model.ppf.num_references;
-  for (std::size_t k = 0; k < model.features.size(); ++k)
-    traits.features[k].resolution = model.features[k].resolution;
-  for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
-    const format::DatasetSpec& spec = format::kModelColumns[c].spec;
-    const StoredGroup* const group =
-        spec.group.empty() ? &described : Taker::below(described, std::string(spec.group));
-    if (group == nullptr) continue;
-    const StoredDataset& dataset = group->datasets.at(std::string(spec.name));
-    const StoredAttribute& sum = dataset.attributes.at(std::string(format::kDataChecksum));
-    const std::string_view hex(reinterpret_cast<const char*>(sum.bytes.data()), sum.bytes.size());
-    record.columns[c] = {dataset.offset, dataset.bytes, Xxh3::parse(hex).value_or(Xxh3{})};
-  }
-  return record;
-}
-
 std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
 
 constexpr std::string_view kAxisConvention =
@@ -256,58 +84,6 @@ struct Written {
   std::string digest;
   ModelRecord record;
 };
-
-/// All models as columns: the datasets of /directory.
-struct Directory {
-  std::string names, texts;
-  std::vector<std::uint64_t> text_ends, motion_ends, places, checksums;
-  std::vector<float> diameter, center, spacing, axis, near_axis, step, resolution;
-  std::vector<Pose> motions;
-  std::vector<std::uint8_t> declared;
-  std::vector<std::uint32_t> counts;
-
-  void add(const ModelRecord& record);
-};
-
-void add_vector(const Eigen::Vector3f& v, std::vector<float>& out) {
-  out.insert(out.end(), v.data(), v.data() + 3);
-}
-
-void add_axis(const std::optional<Symmetry::Axis>& axis, std::vector<float>& out) {
-  const Symmetry::Axis a = axis.value_or(Symmetry::Axis{{0, 0, 0}, {0, 0, 0}});
-  add_vector(a.direction, out);
-  add_vector(a.point, out);
-}
-
-void Directory::add(const ModelRecord& record) {
-  const Model& model = record.traits;
-  std::string name = model.name;
-  name.resize(format::kNameBytes, '\0');
-  names += name;
-  for (const std::string* const text : {&model.source, &model.source_xxh3}) {
-    texts += *text;
-    text_ends.push_back(texts.size());
-  }
-  diameter.push_back(model.diameter);
-  add_vector(model.center, center);
-  spacing.push_back(model.sample_spacing);
-  add_axis(model.symmetry.axis, axis);
-  declared.push_back(model.symmetry.declared ? 1 : 0);
-  add_axis(model.near_axis, near_axis);
-  for (const std::vector<Pose>* const of_kind : {&model.symmetry.poses, &model.near_symmetries}) {
-    motions.insert(motions.end(), of_kind->begin(), of_kind->end());
-    motion_ends.push_back(motions.size());
-  }
-  const PpfQuantization& quantization = model.ppf.quantization;
-  step.push_back(quantization.distance_step);
-  counts.insert(counts.end(), {model.ppf.num_references, quantization.num_distance_bins,
-                               quantization.num_angle_bins});
-  for (const TriSpinFeatures& features : model.features) resolution.push_back(features.resolution);
-  for (const StoredColumn& column : record.columns) {
-    places.insert(places.end(), {column.offset, column.bytes});
-    checksums.insert(checksums.end(), {column.checksum.high, column.checksum.low});
-  }
-}
 
 struct LibraryWriter::State {
   fs::path target;
@@ -333,7 +109,7 @@ struct LibraryWriter::State {
                                      std::span<const std::byte> bytes) {
       const auto [at, added] = described.datasets.emplace(
           spec.name, describe(spec, bytes, symbol(header.unit), num_components, stride));
-      return write_dataset(group, at->first, at->second, bytes);
+      return hdf5::write_dataset(group, at->first, at->second, bytes);
     };
   }
 
@@ -441,7 +217,7 @@ bool LibraryWriter::State::write(const FeatureLevel& level, hid_t index, StoredG
 
 bool LibraryWriter::State::write_directory(const std::string& models_digest,
                                            std::string& digest) const {
-  Directory all;
+  DirectoryColumns all;
   for (const auto& [name, model] : written) all.add(model.record);
   const Handle group = create_group(root.get(), "directory");
   StoredGroup stored;
@@ -491,7 +267,7 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
   hdf5::start();
   auto state = std::make_unique<State>(
       State{file, header, *std::move(pending), {}, {}, {}, {}, 0, 0, {}, {}});
-  const Handle creation = creation_of(H5P_FILE_CREATE);
+  const Handle creation = hdf5::creation_of(H5P_FILE_CREATE);
   const Handle access = hdf5::file_access();
   state->hdf5 =
       Handle(H5Fcreate(state->file.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
@@ -570,6 +346,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next) {
       return Error{ErrorCode::internal, good.error().message};
     if (!state.write(*level, group.get(), described))
       return state.fail(fmt::format("level {} of the index, of {} features", k, level->size()));
+    give_back_pages(mapped->bytes());
   }
   if (group) state.index_digest = format::digest(described);
   return {};

@@ -53,7 +53,7 @@ ModelRecord take_model(Taker& take, const std::string& name, const StoredGroup& 
   if (axes.size() > 6) take.refuse(path + "/near_axis", "expected one axis at most");
   if (axes.size() >= 6)
     model.near_axis = {Eigen::Vector3f(axes.data()), Eigen::Vector3f(axes.data() + 3)};
-  take.expect_only(group, "", {"ppf", "trisi", "trisi_medium", "trisi_coarse"}, path);
+  take.expect_only(group, "", {"ppf", "trisi", "trisi_2x", "trisi_4x"}, path);
   take_columns(take, group, "", path, record);
 
   if (const StoredGroup* const table = Taker::below(group, "ppf")) {

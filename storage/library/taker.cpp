@@ -115,10 +115,10 @@ void Taker::expect_only(const StoredGroup& group, std::string_view spec_group,
     if (!known) refuse(path + "/" + name, "the format has no such dataset");
   }
   for (const auto& [name, child] : group.groups) {
-    const bool newer = (name == "trisi" && minor_ < format::kFeatures.since) ||
-                       ((name == "directory" || name == "index" || name == "trisi_medium" ||
-                         name == "trisi_coarse") &&
-                        minor_ < format::kDirectorySince);
+    const bool newer =
+        (name == "trisi" && minor_ < format::kFeatures.since) ||
+        ((name == "directory" || name == "index" || name == "trisi_2x" || name == "trisi_4x") &&
+         minor_ < format::kDirectorySince);
     if (newer || std::ranges::find(below, name) == below.end())
       refuse(path + "/" + name, "the format has no such group");
   }

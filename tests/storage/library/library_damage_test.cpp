@@ -286,8 +286,8 @@ TEST_F(LibraryDamageTest, ReadsOlderMinorVersionsWithoutWhatCameLaterAndNotWithI
   seal_library(file());
   expect_refused("/trisi: the format has no such group");
   edit_library(file(), [](hid_t root) {
-    for (const char* const name : {"trisi", "models/a/trisi_medium", "models/b/trisi_medium",
-                                   "models/a/trisi_coarse", "models/b/trisi_coarse"})
+    for (const char* const name : {"trisi", "models/a/trisi_2x", "models/a/trisi_4x",
+                                   "models/b/trisi_2x", "models/b/trisi_4x"})
       ASSERT_GE(H5Ldelete(root, name, H5P_DEFAULT), 0);
   });
   for (Model& model : expected) model.features = {};
