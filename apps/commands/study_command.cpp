@@ -64,7 +64,7 @@ void add_study(CLI::App& app, Context& context) {
       "A configuration declares models, scenes and experiments. Scenes are rendered, libraries\n"
       "trained and scenes recognized, each once; what the folder holds already is not computed\n"
       "again, so that a study that was stopped goes on. It ends with index.html, a report with\n"
-      "curves, tables and pictures, and results.csv.");
+      "curves, tables and pictures, results.csv and libraries.csv.");
   command->footer(describe_settings);
   command->add_option("CONFIG", arguments->config, "What to compare (TOML)")->required();
   command

@@ -140,6 +140,27 @@ std::string experiment_section(const Experiment& experiment, const ExperimentRes
   return out + "</section>\n";
 }
 
+/// What libraries of several sizes take.
+std::string library_section(const StudyResults& results) {
+  if (results.libraries.size() < 2) return "";
+  std::string rows;
+  for (const LibraryRow& row : results.libraries) {
+    constexpr double kMega = 1e6;
+    rows += fmt::format(
+        "<tr><td class=\"n\">{}<td class=\"n\">{:.0f} MB<td class=\"n\">{:.2f} s<td "
+        "class=\"n\">{:.0f} MB\n",
+        row.num_models, static_cast<double>(row.file_bytes) / kMega, row.use.open_seconds,
+        static_cast<double>(row.use.peak_bytes) / kMega);
+  }
+  return fmt::format(
+      "<section><h2>Libraries</h2>\n<p class=\"dim about\">Until the first scene can begin, and "
+      "the "
+      "most memory of the whole program since then, with a scene on each core.</p>\n<div "
+      "class=\"table study\"><table><tr><th class=\"n\">models<th class=\"n\">file<th "
+      "class=\"n\">to open<th class=\"n\">memory\n{}</table></div></section>\n",
+      rows);
+}
+
 // Pictures.
 
 Result<std::string> picture_section(const StudyResults& results, const StudyFolder& folder) {
@@ -215,6 +236,7 @@ Result<void> write_study_page(const Study& study, const StudyResults& results,
   content += summary(study, results);
   for (std::size_t e = 0; e < study.experiments.size(); ++e)
     content += experiment_section(study.experiments[e], results.experiments[e]);
+  content += library_section(results);
   const Result<std::string> pictures = picture_section(results, folder);
   if (!pictures) return pictures.error();
   content += *pictures + method_notes() + origin(study, results, command);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <system_error>
 
 namespace trivet::apps::study {
 namespace {
@@ -24,6 +25,19 @@ Manifest manifest_of(const StudyPoint& point, const std::vector<Manifest>& sets)
     all.scenes.insert(all.scenes.end(), more.begin(), more.end());
   }
   return all;
+}
+
+/// Count what is reported of models that lie in no scene, which evaluation leaves out, as false.
+void count_others(const Manifest& manifest, const std::vector<std::optional<SceneResult>>& results,
+                  Evaluation& evaluation) {
+  for (std::size_t s = 0; s < results.size(); ++s) {
+    for (const JudgedDetection& judged : evaluation.scenes[s].detections) {
+      const std::string& model = results[s]->detections[judged.detection].model;
+      if (judged.reported &&
+          std::ranges::find(manifest.models, model, &ManifestModel::name) == manifest.models.end())
+        ++evaluation.total.false_positives;
+    }
+  }
 }
 
 class Judge {
@@ -49,6 +63,7 @@ class Judge {
       evaluation = evaluate(manifest, **meshes, *results, threshold, require_pose);
       if (!evaluation) return evaluation.error();
     }
+    count_others(manifest, *results, *evaluation);
     return JudgedPoint{&point, std::move(*evaluation), static_cast<double>(threshold)};
   }
 
@@ -367,6 +382,32 @@ bool beyond_chance(const PairedComparison& comparison) noexcept {
   return comparison.p < kMaxP && (comparison.low > 0 || comparison.high < 0);
 }
 
+namespace {
+
+/// Of several libraries of one size, and of several cells, the most.
+Result<std::vector<LibraryRow>> library_rows(const StudyPlan& plan, const StudyFolder& folder,
+                                             const std::vector<Manifest>& sets) {
+  std::map<std::size_t, LibraryRow> rows;  // by number of models
+  for (const Cell& cell : plan.cells) {
+    const LibraryPlan& library = plan.libraries[cell.library];
+    const Result<LibraryUse> use = read_use(folder, cell);
+    if (!use) return use.error();
+    const std::size_t num_models = sets[library.set].models.size() + library.num_others;
+    LibraryRow& row = rows[num_models];
+    row.num_models = num_models;
+    std::error_code unknown;
+    const std::uintmax_t bytes = std::filesystem::file_size(folder.library(library), unknown);
+    if (!unknown) row.file_bytes = std::max<std::uint64_t>(row.file_bytes, bytes);
+    row.use.open_seconds = std::max(row.use.open_seconds, use->open_seconds);
+    row.use.peak_bytes = std::max(row.use.peak_bytes, use->peak_bytes);
+  }
+  std::vector<LibraryRow> out;
+  for (const auto& [num_models, row] : rows) out.push_back(row);
+  return out;
+}
+
+}  // namespace
+
 Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
                                     const StudyFolder& folder) {
   Result<std::vector<Manifest>> sets = read_sets(plan, folder);
@@ -401,6 +442,9 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
       out.pictures.push_back(std::move(*picture));
     }
   }
+  Result<std::vector<LibraryRow>> libraries = library_rows(plan, folder, out.sets);
+  if (!libraries) return libraries.error();
+  out.libraries = std::move(*libraries);
   out.num_recognitions = plan.cells.size();
   for (const std::size_t set : seen) {
     out.num_scenes += out.sets[set].scenes.size();

@@ -81,9 +81,17 @@ struct StudyPicture {
   Evaluation evaluation;  ///< of this scene alone
 };
 
+/// What a library takes, whatever is searched for in it.
+struct LibraryRow {
+  std::size_t num_models = 0;
+  std::uint64_t file_bytes = 0;
+  LibraryUse use{};
+};
+
 struct StudyResults {
   std::vector<Manifest> sets;
   std::vector<ExperimentResults> experiments;
+  std::vector<LibraryRow> libraries;  ///< of different numbers of models, rising
   std::vector<StudyPicture> pictures;
   std::size_t num_recognitions = 0, num_scenes = 0, num_instances = 0;
 };

@@ -13,6 +13,7 @@
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/evaluation/recognize_cells.hpp"
 #include "storage/file.hpp"
+#include "storage/files/json_file.hpp"
 
 namespace trivet::apps::study {
 namespace {
@@ -156,12 +157,15 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
   }
   return recognize_cells(
       files, cells, progress_of("recognized"),
-      [&](std::size_t i, const SceneResult& result) -> Result<void> {
+      [&](std::size_t i, const SceneResult& result, const LibraryUse& use) -> Result<void> {
         const Cell& cell = plan.cells[missing[i]];
         const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
         nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
         scenes.push_back(scene_json(name, result, default_score()));
-        return write_json(folder.cell(cell).string(), {{"scenes", std::move(scenes)}});
+        return write_json(
+            folder.cell(cell).string(),
+            {{"scenes", std::move(scenes)},
+             {"library", {{"open_seconds", use.open_seconds}, {"peak_bytes", use.peak_bytes}}}});
       });
 }
 
@@ -180,6 +184,17 @@ Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan
     results.push_back(std::move((*result)[0]));
   }
   return results;
+}
+
+Result<LibraryUse> read_use(const StudyFolder& folder, const Cell& cell) {
+  LibraryUse use;
+  const Result<void> read = with_json(folder.cell(cell), [&](const JsonNode& root) {
+    const JsonNode library = root.at("library");
+    use.open_seconds = library.at("open_seconds").number();
+    use.peak_bytes = static_cast<std::uint64_t>(library.at("peak_bytes").number());
+  });
+  if (!read) return read.error();
+  return use;
 }
 
 }  // namespace trivet::apps::study

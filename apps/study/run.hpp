@@ -9,6 +9,7 @@
 #include "apps/study/plan.hpp"
 #include "apps/study/study.hpp"
 #include "engine/evaluation/evaluate.hpp"
+#include "engine/evaluation/recognize_cells.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet::apps::study {
@@ -50,5 +51,8 @@ Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan
                                                            const StudyFolder& folder,
                                                            const std::vector<Manifest>& sets,
                                                            const StudyPoint& point);
+
+/// What the library of a cell took by its end. Errors: of reading.
+Result<LibraryUse> read_use(const StudyFolder& folder, const Cell& cell);
 
 }  // namespace trivet::apps::study

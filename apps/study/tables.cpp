@@ -53,7 +53,15 @@ Result<void> write_study_table(const Study& study, const StudyResults& results,
       }
     }
   }
-  return table.write(folder.path() / "results.csv");
+  if (const Result<void> written = table.write(folder.path() / "results.csv"); !written)
+    return written;
+
+  CsvTable libraries("num_models,file_bytes,open_seconds,peak_bytes");
+  for (const LibraryRow& row : results.libraries) {
+    libraries.row().count(row.num_models).count(row.file_bytes).number(row.use.open_seconds);
+    libraries.count(row.use.peak_bytes);
+  }
+  return libraries.write(folder.path() / "libraries.csv");
 }
 
 }  // namespace trivet::apps::study

@@ -5,9 +5,12 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <chrono>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "storage/file_pose.hpp"
@@ -17,10 +20,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Begin to measure the most memory of the process anew.
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
+
+std::uint64_t peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kilobytes = 0;
+    if (word == "VmHWM:" && status >> kilobytes) return 1024 * kilobytes;
+  }
+  return 0;
+}
+
 /// A library with its features indexed, so that no scene waits for it.
 struct OpenLibrary {
   Recognizer recognizer;
   float mean_diameter = 0;
+  double open_seconds = 0;
 
   explicit OpenLibrary(Library&& library) : recognizer(std::move(library)) {
     const std::vector<Model>& models = recognizer.library().models;
@@ -41,9 +57,14 @@ class Shelf {
   Result<std::shared_ptr<const OpenLibrary>> take(std::size_t index) {
     const std::lock_guard lock(mutex_);
     if (!open_[index]) {
+      reset_peak();
+      const auto begin = std::chrono::steady_clock::now();
       Result<Library> library = trivet::open_library(files_[index]);
       if (!library) return library.error();
-      open_[index] = std::make_shared<const OpenLibrary>(std::move(*library));
+      const auto open = std::make_shared<OpenLibrary>(std::move(*library));
+      open->open_seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      open_[index] = open;
     }
     return open_[index];
   }
@@ -75,10 +96,10 @@ Result<SceneResult> recognize_cell(const OpenLibrary& library, const Recognition
 
 }  // namespace
 
-Result<void> recognize_cells(
-    std::span<const fs::path> libraries, std::span<const RecognitionCell> cells,
-    const Progress& progress,
-    const std::function<Result<void>(std::size_t cell, const SceneResult&)>& emit) {
+Result<void> recognize_cells(std::span<const fs::path> libraries,
+                             std::span<const RecognitionCell> cells, const Progress& progress,
+                             const std::function<Result<void>(std::size_t cell, const SceneResult&,
+                                                              const LibraryUse&)>& emit) {
   Shelf shelf(libraries, cells);
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
@@ -96,10 +117,11 @@ Result<void> recognize_cells(
       if (!library) return fail(library.error());
       const Result<SceneResult> result = recognize_cell(**library, cell, progress.stop);
       if (!result) return fail(result.error());
+      const LibraryUse use{(*library)->open_seconds, peak_bytes()};
       library->reset();
       shelf.give_back(cell.library);
       const std::lock_guard lock(mutex);
-      if (const Result<void> kept = emit(i, *result); !kept) {
+      if (const Result<void> kept = emit(i, *result, use); !kept) {
         failure = kept.error();
         next = cells.size();
         return;

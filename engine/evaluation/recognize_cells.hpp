@@ -23,16 +23,22 @@ struct RecognitionCell {
   RecognizeOptions options{};
 };
 
+/// What having a library open takes.
+struct LibraryUse {
+  double open_seconds = 0;       ///< until the first scene can begin
+  std::uint64_t peak_bytes = 0;  ///< of the process' memory, since it was opened
+};
+
 /// Read, degrade and recognize scenes. Each cell runs on one thread, as many side by side as there
 /// are threads, so that seconds are those of one core and no cell waits within itself. A library is
 /// open from its first cell to its last: cells of one should stand together.
 ///
-/// emit  gets each result as soon as it is there, in any order, one at a time; its error ends the
-///       run
+/// emit  gets each result as soon as it is there, in any order, one at a time, and what its library
+///       took so far; its error ends the run
 /// Errors: of opening, reading and recognizing; resumable when stopped.
-Result<void> recognize_cells(
-    std::span<const std::filesystem::path> libraries, std::span<const RecognitionCell> cells,
-    const Progress& progress,
-    const std::function<Result<void>(std::size_t cell, const SceneResult&)>& emit);
+Result<void> recognize_cells(std::span<const std::filesystem::path> libraries,
+                             std::span<const RecognitionCell> cells, const Progress& progress,
+                             const std::function<Result<void>(std::size_t cell, const SceneResult&,
+                                                              const LibraryUse&)>& emit);
 
 }  // namespace trivet

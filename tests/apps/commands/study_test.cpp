@@ -97,10 +97,11 @@ class Study : public testing::Test {
   std::string results(const std::string& name) const {
     return std::regex_replace(read(name + "/results.csv"), std::regex(",[^,\n]*\n"), "\n");
   }
-  /// The page without times and without what is drawn by them.
+  /// The page without times and memory, and without what is drawn by times.
   std::string page(const std::string& name) const {
     std::string text = read(name + "/index.html");
     text = std::regex_replace(text, std::regex(R"([0-9.]+ s\b)"), "TIME");
+    text = std::regex_replace(text, std::regex(R"([0-9]+ MB\b)"), "MEMORY");
     // A chart of times stands second in its panel.
     std::string out;
     for (std::size_t at = 0;;) {
@@ -201,6 +202,17 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   const std::string all = "occlusion,Piles,ppf,occlusion,all,";
   EXPECT_EQ(number(usual, kFound), number(all, kFound));
   EXPECT_EQ(number(usual, kInstances), number(all, kInstances));
+
+  const std::string libraries = read("out/libraries.csv");
+  constexpr std::size_t kBytes = 1, kOpen = 2, kPeak = 3;
+  const auto of_library = [&](const std::string& row, std::size_t column) {
+    return std::stod(field(libraries, row, column));
+  };
+  EXPECT_GT(of_library("4,", kBytes), 1.2 * of_library("2,", kBytes));
+  for (const std::string row : {"2,", "4,"}) {
+    EXPECT_GT(of_library(row, kOpen), 0);
+    EXPECT_GT(of_library(row, kPeak), 1e6);
+  }
 
   const std::string page = read("out/index.html");
   for (const char* const outside : {"src=\"http", "href=\"http", "<script", "@import", "url("})

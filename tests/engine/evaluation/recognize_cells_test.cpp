@@ -68,8 +68,10 @@ void expect_same(const SceneResult& a, const SceneResult& b) {
 TEST_F(RecognizeCells, GivesWhatEachRecognitionGivesByItself) {
   const std::vector<RecognitionCell> cells = all_cells();
   std::vector<std::optional<SceneResult>> results(cells.size());
-  const Result<void> done =
-      recognize_cells(files_, cells, {}, [&](std::size_t i, const SceneResult& result) {
+  const Result<void> done = recognize_cells(
+      files_, cells, {}, [&](std::size_t i, const SceneResult& result, const LibraryUse& use) {
+        EXPECT_GT(use.open_seconds, 0);
+        EXPECT_GT(use.peak_bytes, 1'000'000U);
         EXPECT_FALSE(results[i].has_value()) << "cell " << i << " came twice";
         results[i] = result;
         return Result<void>();
@@ -99,18 +101,20 @@ TEST_F(RecognizeCells, EndsWithTheFirstError) {
   std::vector<RecognitionCell> cells = all_cells();
   cells[2].scene.file = folder_ / "absent.png";
   std::size_t num_emitted = 0;
-  const Result<void> done = recognize_cells(files_, cells, {}, [&](std::size_t, const auto&) {
-    ++num_emitted;
-    return Result<void>();
-  });
+  const Result<void> done =
+      recognize_cells(files_, cells, {}, [&](std::size_t, const auto&, const auto&) {
+        ++num_emitted;
+        return Result<void>();
+      });
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::missing_input);
   EXPECT_LT(num_emitted, cells.size());
 
   cells = all_cells();
-  const Result<void> full = recognize_cells(files_, cells, {}, [&](std::size_t, const auto&) {
-    return Result<void>(Error{ErrorCode::io, "disk full"});
-  });
+  const Result<void> full =
+      recognize_cells(files_, cells, {}, [&](std::size_t, const auto&, const auto&) {
+        return Result<void>(Error{ErrorCode::io, "disk full"});
+      });
   ASSERT_FALSE(full);
   EXPECT_EQ(full.error().message, "disk full");
 }
@@ -119,12 +123,12 @@ TEST_F(RecognizeCells, CanBeStoppedBetweenCells) {
   const std::vector<RecognitionCell> cells = all_cells();
   std::stop_source stop;
   std::size_t num_emitted = 0;
-  const Result<void> done =
-      recognize_cells(files_, cells, {{}, stop.get_token()}, [&](std::size_t, const auto&) {
-        ++num_emitted;
-        stop.request_stop();
-        return Result<void>();
-      });
+  const Result<void> done = recognize_cells(files_, cells, {{}, stop.get_token()},
+                                            [&](std::size_t, const auto&, const auto&) {
+                                              ++num_emitted;
+                                              stop.request_stop();
+                                              return Result<void>();
+                                            });
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, ErrorCode::resumable);
   EXPECT_GE(num_emitted, 1U);
