@@ -87,6 +87,8 @@ struct Xxh3 {
   static std::optional<Xxh3> parse(std::string_view hex);
 };
 Xxh3 xxh3(std::span<const std::byte> bytes) noexcept;
+/// The same of bytes of a mapping, of which no more than 16 MiB are in memory at a time.
+Xxh3 xxh3_of_mapped(std::span<const std::byte> bytes);
 
 /// XXH3-128 as 32 hexadecimal digits.
 inline std::string xxh3_hex(std::span<const std::byte> bytes) { return xxh3(bytes).hex(); }

@@ -209,6 +209,7 @@ Result<void> SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
     for (std::size_t m = 0; m < models.size(); ++m)
       proposals[models[m]].push_back({Source::ppf, std::move(voted.of_model[m])});
   }
+  recognizer_.give_back();
   return {};
 }
 
@@ -282,6 +283,7 @@ Result<void> SceneSearch::settle(AllProposals proposals) {
 }
 
 Result<void> SceneSearch::take_in(Result<std::vector<Candidate>> tested) {
+  recognizer_.give_back();
   if (!tested) return tested.error();
   std::ranges::move(*tested, std::back_inserter(candidates_));
   const StageTimer timer(stats_.times, "select");

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <memory>
+#include <new>
 #include <system_error>
 
 namespace trivet {
@@ -91,7 +93,10 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
 }
 
 void give_back_pages(std::span<const std::byte> mapped) noexcept {
-  ::madvise(const_cast<std::byte*>(mapped.data()), mapped.size(), MADV_DONTNEED);
+  const auto at = reinterpret_cast<std::uintptr_t>(mapped.data());
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const std::uintptr_t first = at / page * page;
+  ::madvise(reinterpret_cast<void*>(first), mapped.size() + (at - first), MADV_DONTNEED);
 }
 
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
@@ -197,6 +202,21 @@ std::optional<Xxh3> Xxh3::parse(std::string_view hex) {
 
 Xxh3 xxh3(std::span<const std::byte> bytes) noexcept {
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return {hash.high64, hash.low64};
+}
+
+Xxh3 xxh3_of_mapped(std::span<const std::byte> bytes) {
+  constexpr std::size_t kPiece = std::size_t{1} << 24;
+  if (bytes.size() <= kPiece) return xxh3(bytes);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(),
+                                                                       &XXH3_freeState);
+  if (!state || XXH3_128bits_reset(state.get()) != XXH_OK) throw std::bad_alloc();
+  for (std::size_t from = 0; from < bytes.size(); from += kPiece) {
+    const auto piece = bytes.subspan(from, std::min(kPiece, bytes.size() - from));
+    (void)XXH3_128bits_update(state.get(), piece.data(), piece.size());
+    give_back_pages(piece);
+  }
+  const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
   return {hash.high64, hash.low64};
 }
 

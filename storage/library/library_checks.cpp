@@ -19,12 +19,13 @@ std::uint64_t mapped_bytes_in_memory() {
 }  // namespace
 
 LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
-                             std::shared_ptr<const void> owner,
+                             std::shared_ptr<const void> owner, Held held,
                              const std::vector<ModelRecord>& models,
                              std::vector<LevelColumns> levels)
     : file_(std::move(file)),
       bytes_(bytes),
       owner_(std::move(owner)),
+      held_(held),
       levels_(std::move(levels)),
       good_parts_(models.size() * kModelParts.size()),
       good_levels_(levels_.size()) {
@@ -33,7 +34,8 @@ LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::by
 
 Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
                                         const std::string& place) const {
-  const Xxh3 found = xxh3(bytes_.subspan(column.offset, column.bytes));
+  const auto bytes = bytes_of(column);
+  const Xxh3 found = held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes);
   if (found == column.checksum) return {};
   return Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place,
                                                 wrong_checksum(column.checksum, found))};
@@ -71,8 +73,16 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: {}/{}", file_.string(), path, checked.error().message)};
   }
+  // A scene reads few of its lists.
+  if (held_ == Held::mapped) {
+    for (const StoredColumn& column : levels_[index]) give_back_pages(bytes_of(column));
+  }
   good.store(true, std::memory_order_release);
   return {};
+}
+
+void LibraryChecks::give_back() const noexcept {
+  if (held_ == Held::mapped) give_back_pages(bytes_);
 }
 
 Result<void> Library::check(std::uint32_t model, ModelPart part) const {
@@ -97,7 +107,7 @@ Result<void> Library::check_all() const {
 }
 
 void Library::give_back(std::uint64_t more_than) const {
-  if (checks && mapped_bytes_in_memory() > more_than) give_back_pages(checks->bytes());
+  if (checks && mapped_bytes_in_memory() > more_than) checks->give_back();
 }
 
 }  // namespace trivet

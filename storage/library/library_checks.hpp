@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -13,28 +14,36 @@
 
 namespace trivet {
 
+/// Where a library's bytes are: pages of a mapping come back from the file when they are given back.
+enum class Held : std::uint8_t { mapped, in_memory };
+
 class LibraryChecks {
  public:
   /// bytes  of the file, kept alive by the owner
   LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
-                std::shared_ptr<const void> owner, const std::vector<ModelRecord>& models,
-                std::vector<LevelColumns> levels);
+                std::shared_ptr<const void> owner, Held held,
+                const std::vector<ModelRecord>& models, std::vector<LevelColumns> levels);
 
   /// As Library::check.
   Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
-  std::span<const std::byte> bytes() const noexcept { return bytes_; }  ///< of the mapping
+  /// Let go of the pages of all bytes, where they are mapped.
+  void give_back() const noexcept;
 
  private:
   using ModelColumns = std::array<StoredColumn, format::kModelColumns.size()>;
   std::size_t state_of(std::size_t model, ModelPart part) const noexcept {
     return model * kModelParts.size() + static_cast<std::size_t>(part);
   }
+  std::span<const std::byte> bytes_of(const StoredColumn& column) const noexcept {
+    return bytes_.subspan(column.offset, column.bytes);
+  }
   Result<void> check_bytes(const StoredColumn& column, const std::string& place) const;
 
   std::filesystem::path file_;
   std::span<const std::byte> bytes_;
   std::shared_ptr<const void> owner_;
+  Held held_;
   std::vector<ModelColumns> models_;
   std::vector<LevelColumns> levels_;
   /// Whether it is good; what is not has been found bad or not been looked at. Two threads may check

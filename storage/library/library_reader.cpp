@@ -161,7 +161,7 @@ std::vector<ModelRecord> take_records(Taker& take, const StoredGroup& root, From
 /// As parse_library.
 Result<Library> parse(const fs::path& file, const StoredGroup& root,
                       std::span<const std::byte> bytes,
-                      const std::shared_ptr<const std::byte>& owner, From from) {
+                      const std::shared_ptr<const std::byte>& owner, From from, Held held) {
   Taker take(file, bytes);
   const std::uint32_t minor = take.u32(root.attributes, "format_version_minor", "/");
   take.set_version(minor);
@@ -227,8 +227,8 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root,
     out.index.push_back(map_level(level.resolution, level.stride, level.columns, bytes, owner));
     level_columns.push_back(level.columns);
   }
-  out.checks =
-      std::make_shared<const LibraryChecks>(file, bytes, owner, records, std::move(level_columns));
+  out.checks = std::make_shared<const LibraryChecks>(file, bytes, owner, held, records,
+                                                     std::move(level_columns));
   return out;
 }
 
@@ -242,11 +242,12 @@ Result<Library> open(const fs::path& file, bool whole) {
   Taker take(file, bytes);
   const StoredGroup* const directory = Taker::below(*root, "directory");
   if (directory != nullptr && is_in_place(take, *directory)) {
-    return parse(file, *root, bytes, mapped->owner(), whole ? From::both : From::directory);
+    return parse(file, *root, bytes, mapped->owner(), whole ? From::both : From::directory,
+                 Held::mapped);
   }
   if (!whole) root = read_stored_tree(file, bytes.size());
   if (!root) return root.error();
-  return parse(file, *root, bytes, mapped->owner(), From::groups);
+  return parse(file, *root, bytes, mapped->owner(), From::groups, Held::mapped);
 }
 
 /// What a file is opened by, where memory may not suffice for it.
@@ -265,7 +266,7 @@ Result<Library> within_memory(const fs::path& file, F&& read) {
 Result<Library> parse_library(const fs::path& file, const StoredGroup& root,
                               std::span<const std::byte> bytes,
                               const std::shared_ptr<const std::byte>& owner) {
-  return parse(file, root, bytes, owner, From::groups);
+  return parse(file, root, bytes, owner, From::groups, Held::in_memory);
 }
 
 Result<Library> open_library(const fs::path& file) {

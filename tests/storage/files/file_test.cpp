@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
 
@@ -70,6 +71,20 @@ TEST(PublishFile, LeavesNothingWhereItCannotWrite) {
   EXPECT_EQ(no_folder.error().code, ErrorCode::cannot_create);
   EXPECT_EQ(taken.error().code, ErrorCode::cannot_create);
   EXPECT_EQ(count_files(folder.path()), 1);
+}
+
+TEST(Xxh3OfMapped, IsThatOfTheBytes) {
+  const test::TempDir folder;
+  std::string text;
+  for (int i = 0; i < 4'000'000; ++i) text += std::to_string(i % 997);
+  const auto mapped = MappedFile::open(folder.write("large", text), text.size());
+  ASSERT_TRUE(mapped);
+  for (const std::size_t from : {std::size_t{0}, std::size_t{4097}}) {
+    const auto bytes = mapped->bytes().subspan(from);
+    EXPECT_EQ(xxh3_of_mapped(bytes), xxh3(bytes)) << from;
+  }
+  EXPECT_EQ(xxh3_of_mapped({}), xxh3({}));
+  EXPECT_TRUE(std::ranges::equal(mapped->bytes(), std::as_bytes(std::span(text))));
 }
 
 TEST(Xxh3Hex, IsTheCanonicalXxh3Of128Bits) {
