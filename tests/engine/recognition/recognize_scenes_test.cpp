@@ -1,0 +1,203 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "engine/recognition/two_parts.hpp"
+#include "engine/recognize.hpp"
+#include "engine/surface_from_points.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+/// Scenes of all kinds, units and frames, and what bounds the search.
+class RecognizeScenes : public test::TwoParts {};
+
+TEST_F(RecognizeScenes, TakesAMovedMeshAsAClosedSurface) {
+  const Pose motion = test::pose_of({0.4F, -1.2F, 2.0F}, {3, -2, 5});
+  const Cloud scene = test::cloud_of(test::Shape(lever_).moved(motion));
+  const auto result = recognize(recognizer_, scene, {.closed_surface = true}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  expect_pose(find(*result, "lever"), motion, 0.2F);
+}
+
+// Its border is short beside its many faces, as that of a closed surface.
+TEST_F(RecognizeScenes, FindsInATriangulatedScanWhatItFindsInThePoints) {
+  const Result<Surface> surface = surface_from_points(clutter(), "scan");
+  ASSERT_TRUE(surface) << surface.error().message;
+  Cloud mesh;
+  mesh.points = surface->mesh.points;
+  mesh.triangles = surface->mesh.triangles;
+  const auto result = recognize(recognizer_, mesh, {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+  EXPECT_EQ(name_of(result->stats.view->source), "faces");
+}
+
+TEST_F(RecognizeScenes, SearchesWithinTheLimitsOnly) {
+  const auto in_box = [](const Eigen::Vector3f& middle) {
+    RecognizeOptions options;
+    options.pose.rounds = 1;
+    const Eigen::Vector3f reach = Eigen::Vector3f::Constant(0.1F);
+    options.limits.region =
+        PoseLimits::Region{(middle - reach).cast<double>(), (middle + reach).cast<double>()};
+    return options;
+  };
+  const auto all = recognize(recognizer_, clutter(), {}, {.pose = {.rounds = 1}});
+  const Eigen::Vector3f center = bracket_pose() * recognizer_.library().models[0].center;
+  const auto near_bracket = recognize(recognizer_, clutter(), {}, in_box(center));
+  ASSERT_TRUE(all && near_bracket);
+  EXPECT_NE(find(*near_bracket, "bracket"), nullptr);
+  EXPECT_EQ(find(*near_bracket, "lever"), nullptr) << "its center is 0.14 away";
+  const auto aside = recognize(recognizer_, clutter(), {}, in_box({0.5F, 0.5F, 1}));
+  ASSERT_TRUE(aside);
+  EXPECT_TRUE(aside->detections.empty());
+  EXPECT_LT(aside->stats.num_votes, all->stats.num_votes) << "the rest is not searched";
+}
+
+TEST_F(RecognizeScenes, TestsExpectedPosesWithoutVoting) {
+  RecognizeOptions options;
+  options.pose.rounds = 0;
+  Pose off = lever_pose();
+  off.translation() += Eigen::Vector3f(0.003F, -0.002F, 0.004F);
+  options.expected = {{"lever", off.cast<double>()},
+                      {"bracket", test::pose_of({1, 1, 1}, {0, 0, 0.9F}).cast<double>()}};
+  const auto result = recognize(recognizer_, clutter(), {}, options);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->stats.num_votes, 0U);
+  ASSERT_EQ(result->detections.size(), 1U) << "no bracket is where one was expected";
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+
+  options.pose.rounds = 1;
+  const auto both = recognize(recognizer_, clutter(), {}, options);
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->detections.size(), 2U) << "voting finds what was not expected";
+}
+
+/// Points alone, as of a scan whose coordinates are far from zero.
+TEST_F(RecognizeScenes, SpeaksOfTheFilesFrameFarFromZero) {
+  Cloud near;
+  near.points = clutter().points;
+  Cloud far = near;
+  far.offset = {512345, 5403210, 400};
+  const auto expected = recognize(recognizer_, near, {.viewpoint = Eigen::Vector3d(0, 0, 0)}, {});
+  const auto found = recognize(recognizer_, far, {.viewpoint = far.offset}, {});
+  ASSERT_TRUE(expected && found) << found.error().message;
+  ASSERT_EQ(found->detections.size(), 2U);
+  EXPECT_EQ(found->offset, far.offset);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(found->detections[i].T_scene_model.matrix(),
+              expected->detections[i].T_scene_model.matrix());
+  }
+
+  RecognizeOptions options;
+  options.pose.rounds = 0;
+  options.expected = {{"bracket", in_file_frame(bracket_pose(), far.offset)},
+                      {"lever", in_file_frame(lever_pose(), far.offset)}};
+  const Eigen::Vector3d middle = in_file_frame(bracket_pose(), far.offset) *
+                                 recognizer_.library().models[0].center.cast<double>();
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.1);
+  options.limits.region = PoseLimits::Region{middle - reach, middle + reach};
+  const auto limited = recognize(recognizer_, far, {.viewpoint = far.offset}, options);
+  ASSERT_TRUE(limited) << limited.error().message;
+  ASSERT_EQ(limited->detections.size(), 1U);
+  expect_pose(find(*limited, "bracket"), bracket_pose(), 0.2F);
+
+  const auto blind = recognize(recognizer_, far, {}, {});
+  ASSERT_FALSE(blind) << "from the file's origin, floats cannot tell the points apart";
+  EXPECT_NE(blind.error().message.find("--viewpoint"), std::string::npos);
+  Cloud placed = far;
+  placed.viewpoint = Eigen::Vector3f(0, 0, 0);
+  EXPECT_TRUE(recognize(recognizer_, placed, {}, {})) << "where the cloud knows its sensor";
+}
+
+TEST_F(RecognizeScenes, ConvertsTheScenesUnit) {
+  const Cloud scene = in_millimeters(clutter());
+  const auto refused = recognize(recognizer_, scene, {}, {});
+  ASSERT_FALSE(refused) << "a scene in mm against a library in m";
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_data);
+  EXPECT_NE(refused.error().message.find("--unit"), std::string::npos);
+
+  const auto converted = recognize(recognizer_, scene, {.scale = 0.001}, {});
+  ASSERT_TRUE(converted);
+  const Detection* const bracket = find(*converted, "bracket");
+  ASSERT_NE(bracket, nullptr);
+  EXPECT_NEAR(bracket->T_scene_model.translation().z(), 850, 3) << "poses are in the scene's unit";
+}
+
+TEST_F(RecognizeScenes, RefusesUnusableScenesAndOptions) {
+  const auto unknown = recognize(recognizer_, clutter(), {}, {.models = {"spoon"}});
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::usage);
+  EXPECT_NE(unknown.error().message.find("spoon"), std::string::npos);
+
+  const auto wrong = recognize(recognizer_, clutter(), {}, {.min_score = std::nanf("")});
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, ErrorCode::usage);
+  EXPECT_FALSE(validate(RecognizeOptions{.doubtful_score = 0.5F, .tell_claims = true}));
+
+  for (const float window : {0.9F, 20.1F, std::nanf("")}) {
+    const Result<void> valid = validate(RecognizeOptions{.normal_window = window});
+    ASSERT_FALSE(valid);
+    EXPECT_NE(valid.error().message.find("normal-window: expected 1 to 20 [spacing]"),
+              std::string::npos)
+        << valid.error().message;
+  }
+}
+
+TEST_F(RecognizeScenes, SurvivesDegenerateScenes) {
+  for (const auto& make : std::vector<std::function<Eigen::Vector3f(int)>>{
+           [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },  // one place
+           [](int i) { return Eigen::Vector3f(0.001F * static_cast<float>(i), 0, 1); },  // a line
+           [](int) { return Eigen::Vector3f(0, 0, 0); },  // the viewpoint itself
+           [](int i) {
+             return Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i));
+           }}) {  // one ray
+    Cloud cloud;
+    for (int i = 0; i < 500; ++i) cloud.points.push_back(make(i));
+    const auto result = recognize(recognizer_, cloud, {}, {});
+    if (result) {
+      EXPECT_TRUE(result->detections.empty());
+    }
+  }
+}
+
+TEST_F(RecognizeScenes, StopsOnRequest) {
+  std::stop_source stop;
+  stop.request_stop();
+  const auto result = recognize(recognizer_, clutter(), {}, {}, stop.get_token());
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::resumable);
+}
+
+TEST_F(RecognizeScenes, TakesManyScenesInOrder) {
+  const test::TempDir folder;
+  std::vector<SceneInput> inputs;
+  for (int i = 0; i < 4; ++i) {
+    const Pose motion =
+        test::pose_of({0.2F * static_cast<float>(i), 1, 0}, {static_cast<float>(i), 0, 0});
+    const auto file = folder / ("scene" + std::to_string(i) + ".ply");
+    ASSERT_TRUE(write_ply(file, test::cloud_of(test::Shape(bracket_).moved(motion))));
+    inputs.push_back({.file = file, .closed_surface = true});
+  }
+  std::vector<std::size_t> order;
+  const auto done =
+      recognize_all(recognizer_, inputs, {}, {}, [&](std::size_t index, const SceneResult& result) {
+        order.push_back(index);
+        EXPECT_NE(find(result, "bracket"), nullptr) << index;
+      });
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2, 3}));
+
+  inputs[2].file = folder / "absent.ply";
+  const auto failed =
+      recognize_all(recognizer_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::missing_input);
+}
+
+}  // namespace
+}  // namespace trivet
