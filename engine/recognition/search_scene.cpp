@@ -236,7 +236,11 @@ Result<void> SceneSearch::match(AllProposals& proposals) {
       if (const Result<void> good = library_.check_level(k); !good) return good;
       std::vector<std::uint32_t> models;
       std::ranges::set_intersection(level.models, wanted, std::back_inserter(models));
-      if (models.empty()) continue;
+      // Coarser features are for what large libraries cannot vote for.
+      const bool is_own = std::ranges::any_of(models, [&](std::uint32_t m) {
+        return library_.models[m].features[0].resolution == level.resolution;
+      });
+      if (models.empty() || (!budget_ && !is_own)) continue;
       matches_.push_back(match_features(library_.basis, level, scene_,
                                         sample(level.resolution, models), selection_.explained,
                                         options));
