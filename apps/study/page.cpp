@@ -154,8 +154,7 @@ std::string library_section(const StudyResults& results) {
   }
   return fmt::format(
       "<section><h2>Libraries</h2>\n<p class=\"dim about\">Until the first scene can begin, and "
-      "the "
-      "most memory of the whole program since then, with a scene on each core.</p>\n<div "
+      "the most memory of the whole program since then, with a scene on each core.</p>\n<div "
       "class=\"table study\"><table><tr><th class=\"n\">models<th class=\"n\">file<th "
       "class=\"n\">to open<th class=\"n\">memory\n{}</table></div></section>\n",
       rows);

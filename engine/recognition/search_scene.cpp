@@ -233,7 +233,6 @@ Result<void> SceneSearch::match(AllProposals& proposals) {
     for (std::size_t k = 0; k < (*index)->size(); ++k) {
       const FeatureLevel& level = (**index)[k];
       if (level.resolution < finest) continue;
-      if (const Result<void> good = library_.check_level(k); !good) return good;
       std::vector<std::uint32_t> models;
       std::ranges::set_intersection(level.models, wanted, std::back_inserter(models));
       // Coarser features are for what large libraries cannot vote for.
@@ -241,6 +240,7 @@ Result<void> SceneSearch::match(AllProposals& proposals) {
         return library_.models[m].features[0].resolution == level.resolution;
       });
       if (models.empty() || (!budget_ && !is_own)) continue;
+      if (const Result<void> good = library_.check_level(k); !good) return good;
       matches_.push_back(match_features(library_.basis, level, scene_,
                                         sample(level.resolution, models), selection_.explained,
                                         options));
