@@ -2,7 +2,9 @@
 #include <tbb/flow_graph.h>
 
 #include <chrono>
+#include <exception>
 #include <memory>
+#include <new>
 
 #include "engine/common/parallel.hpp"
 #include "engine/recognize.hpp"
@@ -20,8 +22,10 @@ struct Finished {
   std::shared_ptr<Result<SceneResult>> result;
 };
 
+/// Exceptions must not reach the graph, whose other scenes would end with them.
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
-                                       const RecognizeOptions& options, std::stop_token stop) {
+                                       const RecognizeOptions& options,
+                                       std::stop_token stop) try {
   const auto start = std::chrono::steady_clock::now();
   const Result<Cloud> cloud = read_scene(input);
   if (!cloud) return cloud.error();
@@ -37,6 +41,12 @@ Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const Scene
     result->stats.total_seconds += read_seconds;
   }
   return result;
+} catch (const std::bad_alloc&) {
+  return Error{ErrorCode::io, fmt::format("{}: out of memory", input.file.string())};
+} catch (const std::exception& error) {
+  return Error{ErrorCode::internal,
+               fmt::format("{}: internal: {}; please report it with the scene and the library",
+                           input.file.string(), error.what())};
 }
 
 }  // namespace

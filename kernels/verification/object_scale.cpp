@@ -1,6 +1,7 @@
 #include "kernels/verification/object_scale.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,15 @@ ImageGeometry scaled(ImageGeometry geometry, double log_focal) {
   geometry.fx *= factor;
   geometry.fy *= factor;
   return geometry;
+}
+
+/// The part of a box that lies in the image or at most `reach` beside it. The ball of a pose that
+/// goes astray next to the camera may cover millions of pixels.
+PixelBox within_image(const PixelBox& box, const ImageGeometry& g, int reach) {
+  const auto beside = static_cast<float>(reach);
+  return {std::max(box.u0, -beside), std::max(box.v0, -beside),
+          std::min(box.u1, static_cast<float>(g.width) + beside),
+          std::min(box.v1, static_cast<float>(g.height) + beside)};
 }
 
 /// What was measured along a ray beyond the model's surface, across it.
@@ -67,7 +77,7 @@ void gather_object(const RangeImage& image, const RayScene& surface, const Model
   const Eigen::Vector3f center = T_camera_model * samples.center;
   const std::optional<PixelBox> box = project_ball(g, center, 0.5F * ball_diameter(samples));
   if (!box) return;
-  const RayCrop crop(*box, 1);
+  const RayCrop crop(within_image(*box, g, options.edge_pixels), 1);
   out.num_rays = crop.size();
   shoot_rays(g, crop, surface, T_camera_model, s.directions, s.depths, s.normals);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "kernels/verification/ray_crop.hpp"
 #include "support/random.hpp"
 #include "support/ray_image.hpp"
 #include "support/rendered_scene.hpp"
@@ -126,6 +127,20 @@ TEST(EstimateScales, AgreesWithTheJointSolutionOfAllPosesAndScales) {
   const CameraScale found = estimate_scales(pulls);
   EXPECT_NEAR(std::log(found.focal.value), joint[0], 1e-6);
   EXPECT_NEAR(std::log(found.depth->value), joint[1], 1e-6);
+}
+
+TEST(GatherObject, TakesNoMoreThanTheImageOfAPoseNextToTheCamera) {
+  Brackets brackets;
+  ScaleScratch scratch;
+  ObjectEquations equations;
+  const float radius = 0.5F * ball_diameter(brackets.samples);
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3f(60, 0, 1.06F * radius) - brackets.samples.center;
+  gather_object(brackets.image, brackets.surface, brackets.samples, pose, {}, {0.001F, 0.03F, 2},
+                scratch, equations);
+  EXPECT_GT(equations.num_rays, 0U);
+  EXPECT_EQ(equations.num_used, 0U);
+  EXPECT_LE(equations.blocks.size(), 2000U);  // 640 x 480 pixels, and a margin, by 16 x 16
 }
 
 TEST(EstimateScales, DependsOnNoOrderOfTheObjects) {
