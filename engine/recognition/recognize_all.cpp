@@ -24,8 +24,7 @@ struct Finished {
 
 /// Exceptions must not reach the graph, whose other scenes would end with them.
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
-                                       const RecognizeOptions& options,
-                                       std::stop_token stop) try {
+                                       const RecognizeOptions& options, std::stop_token stop) try {
   const auto start = std::chrono::steady_clock::now();
   const Result<Cloud> cloud = read_scene(input);
   if (!cloud) return cloud.error();
