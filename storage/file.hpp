@@ -29,6 +29,10 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
+/// Ask for the pages of a mapping before they are read: many that are asked for at once come from
+/// a disk in a tenth of the time that they take one after the other.
+void ask_for_pages(std::span<const std::byte> mapped) noexcept;
+
 /// Let go of the pages of a mapping; reading them again brings them back from the file.
 void give_back_pages(std::span<const std::byte> mapped) noexcept;
 

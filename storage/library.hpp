@@ -78,6 +78,8 @@ struct Library {
   /// Errors: bad_data (names the model, the dataset and what is wrong).
   Result<void> check(std::uint32_t model, ModelPart part) const;
   Result<void> check_level(std::size_t level) const;
+  /// Ask for the bytes of a part that is not checked yet, so that they come while others are read.
+  void ask_for(std::uint32_t model, ModelPart part) const noexcept;
   /// All parts of all models and all levels. Errors: of the first fault.
   Result<void> check_all() const;
   /// Give back the memory that holds what was read of the file, where all that the process has

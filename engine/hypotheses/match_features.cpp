@@ -100,7 +100,8 @@ float ratio_to_other_place(const FeatureLevel& level,
 
 SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
                             const PreparedScene& scene, const SceneSample& sample,
-                            std::span<const std::uint8_t> explained, const MatchOptions& options) {
+                            std::span<const std::uint8_t> explained, const MatchOptions& options,
+                            const std::function<void()>& after_part) {
   SceneMatches out;
   out.spacing = options.spacing * level.resolution;
   Column<std::uint32_t> keypoints = find_keypoints(sample, options.detector, out.spacing);
@@ -117,7 +118,7 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
   const bool needs_ratio = options.max_ratio < 1 || options.weigh_by_ratio;
   const CodeNeighbors found =
       search_codes(code_index(level), encode_images(basis, described.images), options.num_lists,
-                   options.num_neighbors + (needs_ratio ? kMoreForRatio : 0));
+                   options.num_neighbors + (needs_ratio ? kMoreForRatio : 0), after_part);
   for (std::uint32_t s = 0; s < described.size(); ++s) {
     const std::span<const kernels::CodeNeighbor> neighbors = found.of(s);
     for (std::size_t of = 0; of < options.num_neighbors; ++of) {

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kQueryGrain = 64;
 constexpr std::size_t kTile = 1024;  // codes that are compared with a query at a time
+constexpr std::size_t kPartBytes = std::size_t{64} << 20U;  // of codes, between two rests
 
 /// (query, probe) pairs by list.
 struct Visits {
@@ -33,7 +34,7 @@ Visits visits_of(std::span<const std::uint32_t> lists, std::size_t num_lists) {
 
 CodeNeighbors search_codes(const kernels::CodeIndexView& index,
                            std::span<const std::uint8_t> queries, std::size_t probes,
-                           std::size_t num_neighbors) {
+                           std::size_t num_neighbors, const std::function<void()>& after_part) {
   using kernels::CodeNeighbor;
   assert(index.size() > 0);
   const std::size_t stride = index.stride, n = queries.size() / stride;
@@ -58,7 +59,7 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
   PerThread<Column<std::int32_t>> tile_norms([] { return Column<std::int32_t>(kTile); });
   const Visits visits = visits_of(lists, num_lists);
   std::vector<CodeNeighbor> of_visit(lists.size() * num_neighbors);
-  for_each_index(num_lists, [&](std::size_t l) {
+  const auto compare_list = [&](std::size_t l) {
     if (visits.offsets[l] == visits.offsets[l + 1]) return;
     const std::size_t end = index.offsets[l + 1];
     for (std::size_t first = index.offsets[l]; first < end; first += kTile) {
@@ -74,7 +75,14 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
                               std::span(of_visit).subspan(slot * num_neighbors, num_neighbors));
       }
     }
-  });
+  };
+  for (std::size_t first = 0, last = 0; first < num_lists; first = last) {
+    const std::size_t end = index.offsets[first] + kPartBytes / stride;
+    last = first + 1;
+    while (last < num_lists && index.offsets[last + 1] <= end) ++last;
+    for_each_index(last - first, [&](std::size_t k) { compare_list(first + k); });
+    if (after_part) after_part();
+  }
 
   CodeNeighbors found{num_neighbors, std::vector<CodeNeighbor>(n * num_neighbors)};
   for_chunks(n, kQueryGrain, [&](std::size_t first, std::size_t count) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/common/check_models.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
 #include "engine/hypotheses/find_look_alikes.hpp"
@@ -199,9 +200,8 @@ Result<void> SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
   const StageTimer timer(stats_.times, "vote");
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     const std::vector<std::uint32_t>& models = sizes[k].second;
-    for (const std::uint32_t m : models) {
-      if (const Result<void> good = library_.check(m, ModelPart::pairs); !good) return good;
-    }
+    if (const Result<void> good = check_models(library_, models, ModelPart::pairs); !good)
+      return good;
     VotedHypotheses voted = find_hypotheses(library_, levels[k], models, options);
     stats_.num_references += voted.num_references;
     stats_.num_pairs += voted.num_pairs;
@@ -243,7 +243,7 @@ Result<void> SceneSearch::match(AllProposals& proposals) {
       if (const Result<void> good = library_.check_level(k); !good) return good;
       matches_.push_back(match_features(library_.basis, level, scene_,
                                         sample(level.resolution, models), selection_.explained,
-                                        options));
+                                        options, [&] { recognizer_.give_back(); }));
       recognizer_.give_back();
     }
   }

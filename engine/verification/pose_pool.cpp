@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/common/check_models.hpp"
 #include "engine/common/parallel.hpp"
 
 namespace trivet::engine {
@@ -75,15 +76,17 @@ struct PosePool::State {
   PooledPoses waiting{};
   std::size_t num_looked_at = 0, num_refined = 0, num_examined = 0;
 
-  /// Errors: bad_data (the model's samples are damaged).
-  Result<const ModelStages*> stages_of(std::uint32_t model) {
-    std::unique_ptr<const ModelStages>& of_model = stages[model];
-    if (!of_model) {
-      const Result<void> good = recognizer.library().check(model, ModelPart::samples);
-      if (!good) return good.error();
-      of_model = std::make_unique<const ModelStages>(recognizer, model, scene, options);
+  /// Make what tests the poses of these models. Errors: bad_data (a model's samples are damaged).
+  Result<void> prepare(std::span<const std::uint32_t> models) {
+    std::vector<std::uint32_t> fresh;
+    for (const std::uint32_t m : models) {
+      if (stages.try_emplace(m).second) fresh.push_back(m);
     }
-    return of_model.get();
+    const Result<void> good = check_models(recognizer.library(), fresh, ModelPart::samples);
+    if (!good) return good;
+    for (const std::uint32_t m : fresh)
+      stages[m] = std::make_unique<const ModelStages>(recognizer, m, scene, options);
+    return {};
   }
 
   /// Call body(stages, pose) for each, until it is stopped.
@@ -117,23 +120,44 @@ struct PosePool::State {
     num_refined += poses.size();
   }
 
+  using Surfaces = std::map<std::uint32_t, std::shared_ptr<const kernels::RayScene>>;  // by model
+
+  Result<Surfaces> surfaces_of(const PooledPoses& poses) const {
+    Surfaces surfaces;
+    for (const PooledPose& pooled : poses) surfaces.try_emplace(pooled.stages->index());
+    std::vector<Surfaces::iterator> missing;
+    for (auto at = surfaces.begin(); at != surfaces.end(); ++at) {
+      recognizer.library().ask_for(at->first, ModelPart::surface);
+      missing.push_back(at);
+    }
+    std::vector<Result<void>> results(missing.size());
+    for_each_index(missing.size(), [&](std::size_t k) {
+      if (stop.stop_requested()) return;
+      auto surface = recognizer.surface(missing[k]->first);
+      if (surface) {
+        missing[k]->second = *std::move(surface);
+      } else {
+        results[k] = surface.error();
+      }
+    });
+    if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
+    for (const Result<void>& result : results) {
+      if (!result) return result.error();
+    }
+    return surfaces;
+  }
+
   Result<std::vector<Candidate>> examine(const PooledPoses& poses) {
     const StageTimer timer(times, "examine");
-    std::map<std::uint32_t, std::shared_ptr<const kernels::RayScene>> surfaces;  // by model
-    for (const PooledPose& pooled : poses) {
-      if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
-      if (surfaces.contains(pooled.stages->index())) continue;
-      const auto surface = recognizer.surface(pooled.stages->index());
-      if (!surface) return surface.error();
-      surfaces.emplace(pooled.stages->index(), *surface);
-    }
+    auto surfaces = surfaces_of(poses);
+    if (!surfaces) return surfaces.error();
     std::vector<std::optional<Candidate>> examined(poses.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(poses.size(), [&](std::size_t k) {
       if (stop.stop_requested()) return;
       const ModelStages& of = *poses[k].stages;
       examined[k] =
-          of.examine(*surfaces.at(of.index()), recognizer.score(), poses[k].pose, scratch.local());
+          of.examine(*surfaces->at(of.index()), recognizer.score(), poses[k].pose, scratch.local());
     });
     if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
     num_examined += poses.size();
@@ -155,12 +179,11 @@ Result<void> PosePool::add(std::span<const ModelProposals> proposals, const Pose
   PooledPoses poses;
   {
     const StageTimer timer(s.times, "cluster");
+    std::vector<std::uint32_t> models;
+    for (const ModelProposals& of_model : proposals) models.push_back(of_model.model);
+    if (const Result<void> prepared = s.prepare(models); !prepared) return prepared;
     std::vector<const ModelStages*> stages;
-    for (const ModelProposals& of_model : proposals) {
-      const Result<const ModelStages*> of = s.stages_of(of_model.model);
-      if (!of) return of.error();
-      stages.push_back(*of);
-    }
+    for (const std::uint32_t m : models) stages.push_back(s.stages.at(m).get());
     std::vector<std::vector<CoarsePose>> clusters(proposals.size());
     for_each_index(proposals.size(), [&](std::size_t k) {
       if (!s.stop.stop_requested()) clusters[k] = stages[k]->cluster(proposals[k].proposals);
@@ -230,12 +253,15 @@ Result<std::vector<Candidate>> PosePool::test_best(const PoseBudget& budget,
 Result<std::vector<Candidate>> PosePool::test(std::span<const std::vector<SuggestedPose>> lists,
                                               std::size_t examined) {
   State& s = *state_;
+  std::vector<std::uint32_t> models;
+  for (const std::vector<SuggestedPose>& list : lists) {
+    for (const SuggestedPose& suggested : list) models.push_back(suggested.model);
+  }
+  if (const Result<void> prepared = s.prepare(models); !prepared) return prepared.error();
   PooledPoses all;
   for (const std::vector<SuggestedPose>& list : lists) {
     for (const SuggestedPose& suggested : list) {
-      const Result<const ModelStages*> of = s.stages_of(suggested.model);
-      if (!of) return of.error();
-      all.push_back({*of, {Source::trisi, suggested.T_scene_model}});
+      all.push_back({s.stages.at(suggested.model).get(), {Source::trisi, suggested.T_scene_model}});
     }
   }
   s.refine(all);

@@ -54,6 +54,13 @@ bool write_all(int descriptor, std::span<const std::byte> bytes) {
   return true;
 }
 
+void advise(std::span<const std::byte> mapped, int advice) noexcept {
+  const auto at = reinterpret_cast<std::uintptr_t>(mapped.data());
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const std::uintptr_t first = at / page * page;
+  ::madvise(reinterpret_cast<void*>(first), mapped.size() + (at - first), advice);
+}
+
 }  // namespace
 
 Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint64_t max_bytes) {
@@ -92,12 +99,9 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
   return mapped;
 }
 
-void give_back_pages(std::span<const std::byte> mapped) noexcept {
-  const auto at = reinterpret_cast<std::uintptr_t>(mapped.data());
-  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const std::uintptr_t first = at / page * page;
-  ::madvise(reinterpret_cast<void*>(first), mapped.size() + (at - first), MADV_DONTNEED);
-}
+void ask_for_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_WILLNEED); }
+
+void give_back_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_DONTNEED); }
 
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
                                         std::uint64_t max_bytes) {

@@ -81,6 +81,14 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
   return {};
 }
 
+void LibraryChecks::ask_for(std::size_t index, ModelPart part) const noexcept {
+  if (held_ != Held::mapped || good_parts_[state_of(index, part)].load(std::memory_order_relaxed))
+    return;
+  for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
+    if (format::kModelColumns[c].part == part) ask_for_pages(bytes_of(models_[index][c]));
+  }
+}
+
 void LibraryChecks::give_back() const noexcept {
   if (held_ == Held::mapped) give_back_pages(bytes_);
 }
@@ -104,6 +112,10 @@ Result<void> Library::check_all() const {
     if (Result<void> good = check_level(level); !good) return good;
   }
   return {};
+}
+
+void Library::ask_for(std::uint32_t model, ModelPart part) const noexcept {
+  if (checks) checks->ask_for(model, part);
 }
 
 void Library::give_back(std::uint64_t more_than) const {

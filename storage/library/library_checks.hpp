@@ -27,6 +27,8 @@ class LibraryChecks {
   /// As Library::check.
   Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
+  /// As Library::ask_for.
+  void ask_for(std::size_t index, ModelPart part) const noexcept;
   /// Let go of the pages of all bytes, where they are mapped.
   void give_back() const noexcept;
 

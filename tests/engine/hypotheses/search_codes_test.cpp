@@ -103,6 +103,24 @@ TEST_F(SearchCodes, TellsWhereThereIsNoNeighbor) {
   }
 }
 
+TEST_F(SearchCodes, RestsAfterEachPartOfALargeIndex) {
+  constexpr std::size_t kListSize = 4096, kNumLists = 300;  // 75 MiB
+  const Column<std::uint8_t> centroids(kNumLists * kStride, 100);
+  Column<std::uint8_t> codes(kNumLists * kListSize * kStride, 100);
+  std::vector<std::uint32_t> offsets;
+  for (std::uint32_t l = 0; l <= kNumLists; ++l) offsets.push_back(l * kListSize);
+  const std::size_t first = kListSize + 7, last = (kNumLists - 1) * kListSize + 9;
+  for (const std::size_t i : {first, last}) codes[i * kStride] = 90;
+  Column<std::uint8_t> query(kStride, 100);
+  query[0] = 90;
+  int rests = 0;
+  const CodeNeighbors found =
+      search_codes({kStride, centroids, offsets, codes}, query, kNumLists, 2, [&] { ++rests; });
+  EXPECT_EQ(rests, 2);
+  EXPECT_EQ(found.all[0].index, first);
+  EXPECT_EQ(found.all[1].index, last);
+}
+
 TEST_F(SearchCodes, GivesTheSameBytesForAnyNumberOfThreads) {
   const auto all = [&](unsigned threads) {
     const ThreadLimit limit(threads);
