@@ -1,7 +1,7 @@
 // A request of the Open Inference Protocol: JSON, then binary tensors.
 #include <nlohmann/json.hpp>
 
-#include "apps/service/serve/inference_protocol.hpp"
+#include "apps/service/serve/inference/protocol.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {

@@ -1,5 +1,5 @@
 // The options of a recognition, as parameters of the target or as a JSON object.
-#include "apps/service/serve/json_parameters.hpp"
+#include "apps/service/http/json_parameters.hpp"
 #include "apps/service/serve/recognize_query.hpp"
 #include "fuzz/targets.hpp"
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/serve/inference_metadata.hpp"
-#include "apps/service/serve/inference_protocol.hpp"
+#include "apps/service/serve/inference/metadata.hpp"
+#include "apps/service/serve/inference/protocol.hpp"
 #include "apps/service/serve/recognize_query.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "storage/files/json_file.hpp"

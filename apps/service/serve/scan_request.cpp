@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/service/http/json_parameters.hpp"
 #include "apps/service/http/multipart.hpp"
-#include "apps/service/serve/json_parameters.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps::service {

@@ -13,7 +13,7 @@
 
 #include "apps/service/http/call.hpp"
 #include "apps/service/serve/examples.hpp"
-#include "apps/service/serve/inference_statistics.hpp"
+#include "apps/service/serve/inference/statistics.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/model_views.hpp"
 #include "engine/recognition_service.hpp"

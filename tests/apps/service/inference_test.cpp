@@ -13,8 +13,8 @@
 
 #include "apps/service/gzip.hpp"
 #include "apps/service/http_client.hpp"
-#include "apps/service/serve/inference_metadata.hpp"
-#include "apps/service/serve/inference_protocol.hpp"
+#include "apps/service/serve/inference/metadata.hpp"
+#include "apps/service/serve/inference/protocol.hpp"
 #include "apps/service/serve_fixture.hpp"
 #include "storage/read_cloud.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/service/serve/inference_metadata.hpp"
+#include "apps/service/serve/inference/metadata.hpp"
 
 namespace trivet::apps::service {
 namespace {

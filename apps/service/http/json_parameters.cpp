@@ -1,4 +1,4 @@
-#include "apps/service/serve/json_parameters.hpp"
+#include "apps/service/http/json_parameters.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

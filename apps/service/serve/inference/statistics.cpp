@@ -1,4 +1,4 @@
-#include "apps/service/serve/inference_statistics.hpp"
+#include "apps/service/serve/inference/statistics.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/service/serve/inference_protocol.hpp"
+#include "apps/service/serve/inference/protocol.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <set>
 #include <span>
 
-#include "apps/service/serve/inference_metadata.hpp"
-#include "apps/service/serve/json_parameters.hpp"
+#include "apps/service/http/json_parameters.hpp"
+#include "apps/service/serve/inference/metadata.hpp"
 
 namespace trivet::apps::service {
 namespace {
