@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "kernels/symmetry/align_shapes.hpp"
 #include "storage/library.hpp"
 
 namespace trivet::engine {
@@ -14,12 +16,16 @@ struct LookAlike {
   Pose T_model_other = Pose::Identity();
 };
 
-/// Match features of a model, spread over it, with those of all others of its resolution;
-/// matches that agree on where another model lies make it a look-alike. The alikest come first, at
-/// most forty.
-/// index  of the features of all models of the library
+/// By model of the library. Errors: bad_data (the samples of a model are damaged).
+Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library);
+
+/// Of the models that are spread most alike, those whose surface comes near that of a model, turned
+/// as kernels::ShapeAligner tries; one may come twice. The alikest come first, at most forty.
+///
+/// frames  of all models of the library
 /// Same bytes for any number of threads. Errors: bad_data (damaged).
-Result<std::vector<LookAlike>> find_look_alikes(const Library& library, const FeatureIndex& index,
+Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
+                                                std::span<const kernels::ShapeFrame> frames,
                                                 std::uint32_t model);
 
 }  // namespace trivet::engine

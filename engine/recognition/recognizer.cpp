@@ -29,6 +29,8 @@ struct Recognizer::Parts {
   engine::SurfaceCache surfaces;
   tbb::collaborative_once_flag indexed;
   Result<FeatureIndex> index = FeatureIndex();
+  tbb::collaborative_once_flag framed;
+  Result<std::vector<kernels::ShapeFrame>> frames = std::vector<kernels::ShapeFrame>();
   std::unique_ptr<LookAlikes[]> look_alikes;
 };
 
@@ -62,11 +64,12 @@ Result<const FeatureIndex*> Recognizer::features() const {
 }
 
 Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint32_t model) const {
-  const Result<const FeatureIndex*> index = features();
-  if (!index) return index.error();
+  tbb::collaborative_call_once(parts_->framed,
+                               [&] { parts_->frames = engine::shape_frames(library_); });
+  if (!parts_->frames) return parts_->frames.error();
   LookAlikes& look_alikes = parts_->look_alikes[model];
   tbb::collaborative_call_once(look_alikes.once, [&] {
-    look_alikes.models = engine::find_look_alikes(library_, **index, model);
+    look_alikes.models = engine::find_look_alikes(library_, *parts_->frames, model);
   });
   if (!look_alikes.models) return look_alikes.models.error();
   return &*look_alikes.models;

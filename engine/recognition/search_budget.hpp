@@ -21,7 +21,7 @@ struct SearchBudget {
   float finest_spacing = 0.7F, finest_noise = 0.5F;
   PoseBudget poses{.looked_at = 30000, .refined = 1000, .examined = 200};  ///< of each pass
   std::uint32_t passes = 3;     ///< over what waits, in each round
-  std::size_t look_alikes = 6;  ///< of a candidate, examined
+  std::size_t look_alikes = 8;  ///< of a candidate, examined
   std::uint32_t climbs = 2;     ///< from a candidate to its look-alikes, to theirs, ..., in a pass
   std::size_t voted_models = 60;   ///< that the best poses are of which wait after the first round
   float reference_share = 0.1F;    ///< of the sampled points that are unexplained

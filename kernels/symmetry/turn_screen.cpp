@@ -19,7 +19,8 @@ constexpr std::size_t kMaxCandidates = 24;  // of one order
 }  // namespace
 
 TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()) {
-  stride_ = std::max<std::size_t>(1, points_.size() / kNumScored);
+  const std::size_t stride = std::max<std::size_t>(1, points_.size() / kNumScored);
+  for (std::size_t i = 0; i < points_.size(); i += stride) scored_.push_back(points_[i]);
   float radius = 1e-3F;  // of the cloud; above 0 for samples that are all one place
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -58,18 +59,20 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
 }
 
 float TurnScreen::score(const Pose& motion, float limit) const noexcept {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < points_.size(); i += stride_) ++count;
-  const float stop = limit * static_cast<float>(count);
+  return score(scored_, motion, limit);
+}
+
+float TurnScreen::score(PointsView points, const Pose& motion, float limit) const noexcept {
+  const float stop = limit * static_cast<float>(points.size());
   float sum = 0;
-  for (std::size_t i = 0; i < points_.size() && sum <= stop; i += stride_) {
-    const Eigen::Array3i voxel = ((motion * points_[i]).array() * scale_ + 0.5F * kSize)
+  for (std::size_t i = 0; i < points.size() && sum <= stop; ++i) {
+    const Eigen::Array3i voxel = ((motion * points[i]).array() * scale_ + 0.5F * kSize)
                                      .max(0.0F)
                                      .min(kSize - 1.0F)
                                      .cast<int>();
     sum += field_[static_cast<std::size_t>((voxel.z() * kSize + voxel.y()) * kSize + voxel.x())];
   }
-  return sum / static_cast<float>(count);
+  return sum / static_cast<float>(points.size());
 }
 
 Eigen::Matrix3f TurnScreen::principal_axes() const {

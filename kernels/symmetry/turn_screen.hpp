@@ -26,6 +26,8 @@ class TurnScreen {
   /// exceeds `limit`, some number above that, found early. The motion is one of the surface's own
   /// frame.
   float score(const Pose& motion, float limit) const noexcept;
+  /// The same of other points, in the surface's own frame [diameters].
+  float score(PointsView points, const Pose& motion, float limit) const noexcept;
   /// Columns: the principal axes of inertia, the longest extent last.
   Eigen::Matrix3f principal_axes() const;
 
@@ -34,7 +36,7 @@ class TurnScreen {
   static constexpr float kCap = 0.06F;  // larger distances count as this
 
   PointsView points_;
-  std::size_t stride_;
+  Points scored_;             // some of them, spread over all
   float scale_;               // voxels per diameter
   std::vector<float> field_;  // distance from the surface at voxel centers
   Eigen::Matrix3f inertia_;   // second moments of the samples
