@@ -90,7 +90,9 @@ class SceneSearch {
   /// and what was one too many.
   std::vector<TakenClaim> claims(std::span<const std::uint32_t> chosen) const;
   /// Candidates, moved to where the scan speaks for them and scored anew.
-  Result<std::vector<Candidate>> hold_against_alternatives(std::span<const std::uint32_t> chosen);
+  /// others  none where poses are not compared
+  Result<std::vector<Candidate>> hold_against_alternatives(
+      std::span<const std::uint32_t> chosen, const std::optional<OtherAnswers>& others);
   Result<SearchResult> conclude();
   /// The score that min_score is asked of.
   float asked_score(const Candidate& candidate) const;
@@ -330,16 +332,23 @@ Result<SearchResult> SceneSearch::conclude() {
   std::vector<std::pair<std::uint32_t, Candidate>> refused;
   // Those that are kept beside what is reported come from the first choice alone.
   float least = options_.doubtful_score.value_or(options_.min_score);
+  std::optional<OtherAnswers> others;
   if (compares_alternatives(options_)) {
     const StageTimer timer(stats_.times, "alternatives");
+    const PoseTestOptions& test = settle_options_.test;
     if (const Result<void> settled =
-            settle_rivals(recognizer_, scene_, candidates_, settle_options_.test, selection_);
+            settle_rivals(recognizer_, scene_, candidates_, test, selection_);
         !settled)
       return settled.error();
+    Result<OtherAnswers> found =
+        OtherAnswers::among(recognizer_, scene_, candidates_, select_options_, test,
+                            budget_ ? Among::many_models : Among::few_models);
+    if (!found) return found.error();
+    others.emplace(*std::move(found));
   }
   std::vector<std::uint32_t> next = selection_.chosen;
   while (!next.empty()) {
-    Result<std::vector<Candidate>> settled = hold_against_alternatives(next);
+    Result<std::vector<Candidate>> settled = hold_against_alternatives(next, others);
     if (!settled) return settled.error();
     for (std::size_t k = 0; k < next.size(); ++k) {
       const std::uint32_t c = next[k];
@@ -381,20 +390,16 @@ std::vector<TakenClaim> SceneSearch::claims(std::span<const std::uint32_t> chose
 }
 
 Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives(
-    std::span<const std::uint32_t> chosen) {
+    std::span<const std::uint32_t> chosen, const std::optional<OtherAnswers>& others) {
   const StageTimer timer(stats_.times, "alternatives");
   std::vector<Candidate> settled(chosen.size());
   for (std::size_t k = 0; k < chosen.size(); ++k) settled[k] = candidates_[chosen[k]];
-  if (compares_alternatives(options_)) {
-    const PoseTestOptions& test = settle_options_.test;
-    const Result<OtherAnswers> others =
-        OtherAnswers::among(recognizer_, scene_, candidates_, select_options_, test);
-    if (!others) return others.error();
+  if (others) {
     std::vector<Result<void>> results(chosen.size());
     for_each_index(chosen.size(), [&](std::size_t k) {
       const Model& model = library_.models[settled[k].model];
       results[k] = settle_alternatives(recognizer_, scene_, model.ppf.quantization.distance_step,
-                                       candidates_, test, settled[k]);
+                                       candidates_, settle_options_.test, settled[k]);
       if (results[k]) results[k] = others->weigh(chosen[k], settled[k]);
     });
     for (const Result<void>& result : results) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "engine/verification/rival_odds.hpp"
 #include "engine/verification/settle_rivals.hpp"
 #include "kernels/verification/compare_poses.hpp"
 
@@ -19,8 +20,8 @@ constexpr float kAnswer = 0.02F, kReported = 0.8F;
 // siblings.
 constexpr double kCrowd = 0.03;
 constexpr float kSiblingScore = 0.5F;  // of the candidate's
-// Votes of compare_poses are of blocks that err alike at the most: by the same scenes they tell
-// four times as much.
+// Votes of compare_poses are of blocks that err alike at the most: by the same scenes, in which few
+// models are searched for, they tell four times as much.
 constexpr double kVotesTell = 4;
 constexpr double kNoted = 0.1;              // of the candidate's share; with less, it is told apart
 constexpr std::size_t kPosesOfSibling = 2;  // best ones, compared
@@ -49,22 +50,24 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept {
 
 Result<OtherAnswers> OtherAnswers::among(const Recognizer& recognizer, const PreparedScene& scene,
                                          std::span<const Candidate> candidates,
-                                         const SelectOptions& select, const PoseTestOptions& test) {
+                                         const SelectOptions& select, const PoseTestOptions& test,
+                                         Among among) {
   Selection selection =
       select_detections(recognizer.library(), scene, candidates, down_to_answers(select));
   if (const Result<void> settled = settle_rivals(recognizer, scene, candidates, test, selection);
       !settled)
     return settled.error();
-  return OtherAnswers(recognizer, scene, candidates, test, std::move(selection));
+  return OtherAnswers(recognizer, scene, candidates, test, among, std::move(selection));
 }
 
 OtherAnswers::OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
                            std::span<const Candidate> candidates, const PoseTestOptions& test,
-                           Selection selection)
+                           Among among, Selection selection)
     : recognizer_(recognizer),
       scene_(scene),
       candidates_(candidates),
       test_(test),
+      among_(among),
       selection_(std::move(selection)),
       answers_(recognizer.library().models.size()) {
   for (const std::uint32_t c : selection_.chosen) answers_[candidates[c].model].push_back(c);
@@ -77,6 +80,12 @@ Result<void> OtherAnswers::weigh(std::uint32_t index, Candidate& candidate) cons
   }
   candidate.score = scale_odds(candidate.score, odds_in_crowd(candidates_[index].score, others));
   return share_with_siblings(index, candidate);
+}
+
+double OtherAnswers::sibling_log_odds(const Candidate& sibling, const Candidate& candidate,
+                                      const kernels::PoseComparison& comparison) const noexcept {
+  return among_ == Among::few_models ? kVotesTell * comparison.log_ratio
+                                     : rival_log_odds(sibling, candidate, comparison);
 }
 
 Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& candidate) const {
@@ -111,7 +120,8 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
     if (!other_surface) return other_surface.error();
     const kernels::ModelSamples samples = samples_of(models[sibling]);
     // What was taken in this place first is as likely at least, by its score.
-    const bool first = holder != index && sibling == candidates_[holder].model;
+    const bool first =
+        among_ == Among::few_models && holder != index && sibling == candidates_[holder].model;
     double best = first ? 0 : std::numeric_limits<double>::lowest();
     for (const std::uint32_t c : poses) {
       const kernels::PoseComparison comparison = kernels::compare_poses(
@@ -119,10 +129,11 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
           {**surface, tester.samples(), candidate.T_scene_model},
           tester.errors_of(candidate.T_scene_model), tester.strict(candidate.T_scene_model),
           scratch);
-      best = std::max(best, comparison.log_ratio);
+      best = std::max(best, sibling_log_odds(candidates_[c], candidates_[index], comparison));
     }
     // The score chose: what is better by the pixels that differ is no more than as likely.
-    const double share = std::exp(std::min(0.0, kVotesTell * best));
+    // What chose between both spoke for this one: the other is no more than as likely.
+    const double share = std::exp(std::min(0.0, best));
     if (share < kNoted) continue;
     all += share;
     candidate.siblings.push_back(sibling);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/common/parallel.hpp"
+#include "engine/verification/rival_odds.hpp"
 #include "kernels/verification/compare_poses.hpp"
 
 namespace trivet::engine {
@@ -56,7 +57,7 @@ Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& sc
           scene.images, {**surface, samples_of(models[a.model]), a.T_scene_model},
           {**other, tester.samples(), b.T_scene_model}, tester.errors_of(b.T_scene_model),
           tester.strict(b.T_scene_model), scratch);
-      if (comparison.z > kernels::PoseComparison::kSignificant) winner = rival;
+      if (rival_log_odds(a, b, comparison) > 0) winner = rival;
     }
     winners[k] = winner;
   });

@@ -99,6 +99,29 @@ TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotTellThemApart) {
   EXPECT_TRUE(found(both_, true, 0.8F).empty()) << "the other one has its turn, and no more";
 }
 
+TEST_F(Siblings, ShareByTheirScoresTooWhereManyModelsWereSoughtFor) {
+  StageTimes times;
+  const auto scene = prepare_scene(scan(true), {}, times);
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::vector<Candidate> candidates(2);
+  for (std::uint32_t m = 0; m < 2; ++m) {
+    candidates[m].model = m;
+    candidates[m].T_scene_model = pose();
+    candidates[m].explained.pixels = {1000, 1001, 1002, 1003};
+  }
+  candidates[0].score = 0.6F;
+  candidates[1].score = 0.95F;
+  const auto weighed = [&](Among among) {
+    const auto others = OtherAnswers::among(both_, *scene, candidates, {}, {}, among);
+    EXPECT_TRUE(others);
+    Candidate candidate = candidates[1];
+    EXPECT_TRUE(others->weigh(1, candidate));
+    return candidate.score;
+  };
+  EXPECT_LT(weighed(Among::few_models), 0.6F) << "the scan does not tell";
+  EXPECT_GT(weighed(Among::many_models), 0.75F) << "0.95 is far more than 0.6";
+}
+
 TEST_F(Siblings, ScoreDoesNotDependOnWhatIsAskedFor) {
   const std::vector<Detection> few = found(both_, false, 0.8F), more = found(both_, false);
   ASSERT_FALSE(few.empty());
