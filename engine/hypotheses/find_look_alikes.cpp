@@ -43,16 +43,13 @@ Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library) {
   return frames;
 }
 
-Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
-                                                std::span<const kernels::ShapeFrame> frames,
-                                                std::uint32_t model) {
+std::vector<LookAlike> find_look_alikes(const Library& library,
+                                        std::span<const kernels::ShapeFrame> frames,
+                                        std::uint32_t model) {
   const Model& own = library.models[model];
-  const std::vector<std::uint32_t> near = spread_alike(frames, model, own.diameter);
-  const Result<void> good = check_models(library, near, ModelPart::samples);
-  if (!good) return good.error();
   const kernels::ShapeAligner aligner(own.samples, own.sample_normals, frames[model], own.diameter);
   std::vector<std::pair<float, LookAlike>> found;
-  for (const std::uint32_t m : near) {
+  for (const std::uint32_t m : spread_alike(frames, model, own.diameter)) {
     for (const auto& [T_this_other, distance] : aligner.align(library.models[m].samples, frames[m]))
       found.emplace_back(distance, LookAlike{m, T_this_other});
   }

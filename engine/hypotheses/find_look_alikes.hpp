@@ -16,16 +16,16 @@ struct LookAlike {
   Pose T_model_other = Pose::Identity();
 };
 
-/// By model of the library. Errors: bad_data (the samples of a model are damaged).
+/// By model of the library, whose samples are checked all. Errors: bad_data (the samples of a model are damaged).
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library);
 
 /// Of the models that are spread most alike, those whose surface comes near that of a model, turned
 /// as kernels::ShapeAligner tries; one may come twice. The alikest come first, at most forty.
 ///
-/// frames  of all models of the library
-/// Same bytes for any number of threads. Errors: bad_data (damaged).
-Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
-                                                std::span<const kernels::ShapeFrame> frames,
-                                                std::uint32_t model);
+/// frames  as shape_frames gives them
+/// Same bytes for any number of threads.
+std::vector<LookAlike> find_look_alikes(const Library& library,
+                                        std::span<const kernels::ShapeFrame> frames,
+                                        std::uint32_t model);
 
 }  // namespace trivet::engine

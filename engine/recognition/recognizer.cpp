@@ -17,7 +17,7 @@ constexpr std::size_t kSurfaceShare = 4;  // a fourth of the memory is for ray-t
 
 struct LookAlikes {
   tbb::collaborative_once_flag once;
-  Result<std::vector<engine::LookAlike>> models = std::vector<engine::LookAlike>();
+  std::vector<engine::LookAlike> models;
 };
 
 }  // namespace
@@ -71,8 +71,7 @@ Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint3
   tbb::collaborative_call_once(look_alikes.once, [&] {
     look_alikes.models = engine::find_look_alikes(library_, *parts_->frames, model);
   });
-  if (!look_alikes.models) return look_alikes.models.error();
-  return &*look_alikes.models;
+  return &look_alikes.models;
 }
 
 void Recognizer::give_back() const {
