@@ -5,6 +5,7 @@
 
 #include "engine/common/parallel.hpp"
 #include "kernels/spin_images/code_index.hpp"
+#include "kernels/spin_images/nearest_centroids.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -32,11 +33,14 @@ Column<std::uint8_t> find_centroids(std::span<const std::uint8_t> codes, std::si
   for (std::size_t iteration = 0; iteration < kIterations; ++iteration) {
     PerThread<kernels::CentroidSums> per_thread(
         [&] { return kernels::CentroidSums(num_lists, stride); });
-    PerThread<Column<std::uint32_t>> distances([&] { return Column<std::uint32_t>(num_lists); });
+    PerThread<std::vector<std::uint32_t>> nearest;
     kernels::code_norms(centroids, stride, norms);
     for_chunks(num_samples, kGrain, [&](std::size_t first, std::size_t count) {
-      kernels::add_to_centroids(std::span(samples).subspan(first * stride, count * stride), stride,
-                                centroids, norms, distances.local(), per_thread.local());
+      const auto some = std::span(samples).subspan(first * stride, count * stride);
+      std::vector<std::uint32_t>& own = nearest.local();
+      own.resize(count);
+      kernels::nearest_centroids(some, stride, centroids, norms, own);
+      kernels::add_to_centroids(some, stride, own, per_thread.local());
     });
     kernels::CentroidSums sums(num_lists, stride);
     for (const kernels::CentroidSums& some : per_thread) {
@@ -58,11 +62,9 @@ CodeLists build_code_lists(std::span<const std::uint8_t> codes, std::size_t stri
   std::vector<std::uint32_t> list(n);
   Column<std::int32_t> norms(num_lists);
   kernels::code_norms(lists.centroids, stride, norms);
-  PerThread<Column<std::uint32_t>> distances([&] { return Column<std::uint32_t>(num_lists); });
   for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
-    for (std::size_t i = first; i < first + count; ++i)
-      list[i] = kernels::nearest_centroid(codes.subspan(i * stride, stride), lists.centroids, norms,
-                                          distances.local());
+    kernels::nearest_centroids(codes.subspan(first * stride, count * stride), stride,
+                               lists.centroids, norms, std::span(list).subspan(first, count));
   });
   lists.offsets.assign(num_lists + 1, 0);
   for (const std::uint32_t l : list) ++lists.offsets[l];

@@ -182,33 +182,4 @@ void nearest_lists(const CodeIndexView& index, std::span<const std::uint8_t> que
   keep_nearest(distances, 0, lists);
 }
 
-std::uint32_t nearest_centroid(std::span<const std::uint8_t> code,
-                               std::span<const std::uint8_t> centroids,
-                               std::span<const std::int32_t> norms,
-                               std::span<std::uint32_t> distances) noexcept {
-  code_distances(code, centroids, norms, distances);
-  return static_cast<std::uint32_t>(std::ranges::min_element(distances) - distances.begin());
-}
-
-void add_to_centroids(std::span<const std::uint8_t> codes, std::size_t stride,
-                      std::span<const std::uint8_t> centroids, std::span<const std::int32_t> norms,
-                      std::span<std::uint32_t> distances, CentroidSums& sums) noexcept {
-  for (std::size_t first = 0; first + stride <= codes.size(); first += stride) {
-    const std::span code = codes.subspan(first, stride);
-    const std::size_t nearest = nearest_centroid(code, centroids, norms, distances);
-    ++sums.counts[nearest];
-    for (std::size_t j = 0; j < stride; ++j) sums.sums[nearest * stride + j] += code[j];
-  }
-}
-
-void move_centroids(const CentroidSums& sums, std::span<std::uint8_t> centroids) noexcept {
-  const std::size_t stride = centroids.size() / sums.counts.size();
-  for (std::size_t l = 0; l < sums.counts.size(); ++l) {
-    const std::uint64_t count = sums.counts[l];
-    if (count == 0) continue;
-    for (std::size_t j = l * stride; j < (l + 1) * stride; ++j)
-      centroids[j] = static_cast<std::uint8_t>((sums.sums[j] + count / 2) / count);
-  }
-}
-
 }  // namespace trivet::kernels

@@ -6,9 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
-
-#include "storage/columns.hpp"
 
 namespace trivet::kernels {
 
@@ -80,32 +77,5 @@ void keep_nearest(std::span<const std::uint32_t> squared, std::uint32_t first,
 void nearest_lists(const CodeIndexView& index, std::span<const std::uint8_t> query,
                    std::span<const std::int32_t> norms, std::span<std::uint32_t> distances,
                    std::span<CodeNeighbor> lists) noexcept;
-
-/// Sums of the codes that are nearest to each centroid, from which the next centroids follow.
-struct CentroidSums {
-  CentroidSums(std::size_t num_lists, std::size_t stride)
-      : sums(num_lists * stride, 0), counts(num_lists, 0) {}
-  std::vector<std::uint64_t> sums;
-  std::vector<std::uint32_t> counts;
-};
-
-/// Add each code to the sums of its nearest centroid. Whole numbers: any order gives the same.
-///
-/// norms      one a centroid
-/// distances  one a centroid, scratch
-void add_to_centroids(std::span<const std::uint8_t> codes, std::size_t stride,
-                      std::span<const std::uint8_t> centroids, std::span<const std::int32_t> norms,
-                      std::span<std::uint32_t> distances, CentroidSums& sums) noexcept;
-
-/// Move each centroid to the mean of its codes; those that have none stay.
-void move_centroids(const CentroidSums& sums, std::span<std::uint8_t> centroids) noexcept;
-
-/// The centroid nearest to a code; of equally near ones the first.
-///
-/// norms, distances  one a centroid, the second scratch
-std::uint32_t nearest_centroid(std::span<const std::uint8_t> code,
-                               std::span<const std::uint8_t> centroids,
-                               std::span<const std::int32_t> norms,
-                               std::span<std::uint32_t> distances) noexcept;
 
 }  // namespace trivet::kernels
