@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -34,5 +35,24 @@ struct FeatureLevel {
 
 /// Levels by rising resolution.
 using FeatureIndex = std::vector<FeatureLevel>;
+
+/// Some features of a level, one after the other, to be written.
+struct ListedFeaturesSpan {
+  std::span<std::uint8_t> codes;
+  std::span<std::uint32_t> model;
+  PointsSpan keypoints;
+  std::span<RotationCode> frames;
+
+  std::size_t size() const noexcept { return model.size(); }
+};
+
+/// A level whose features are made piece by piece, so that they need not be in memory together.
+struct LevelInPieces {
+  FeatureLevel level;  ///< without its features
+  /// Write the features from `first` on. Pieces may have any size and come in any order.
+  std::function<void(std::size_t first, const ListedFeaturesSpan& features)> list;
+
+  std::size_t size() const noexcept { return level.offsets.back(); }
+};
 
 }  // namespace trivet

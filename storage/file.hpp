@@ -35,6 +35,9 @@ void ask_for_pages(std::span<const std::byte> mapped) noexcept;
 
 /// Let go of the pages of a mapping; reading them again brings them back from the file.
 void give_back_pages(std::span<const std::byte> mapped) noexcept;
+/// Let go of those that hold some bytes of a mapping, and of what the system brought in around them.
+/// Bytes that lie elsewhere stay.
+void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept;
 
 /// All that an open descriptor gives until its end. `name` stands for it in messages.
 /// Errors: bad_data (more than max_bytes), io.

@@ -1,10 +1,13 @@
 /// The model library: one HDF5 file, written whole or not at all, opened by mapping it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +27,12 @@ struct LibraryHeader {
   std::string parameters;  ///< training parameters as one JSON object
 };
 
+/// The features of all models of a library in the making, by the models' names.
+struct WrittenFeatures {
+  std::span<const FeaturesOfModel> of_models;
+  std::span<const std::byte> mapped;  ///< the file that they lie in: see give_back_around
+};
+
 /// Writes models one after the other into a temporary file beside `file`; `publish` makes it
 /// visible. Peak memory is that of one model. Not for use by two threads at once.
 class LibraryWriter {
@@ -41,15 +50,17 @@ class LibraryWriter {
   /// Errors: bad_data (invalid or repeated name, broken model, features of another basis), io (disk
   /// full: says how much was needed).
   Result<void> add(const Model& model);
-  /// Call `index` with the features of all models that were added, by their names, as they lie in
-  /// the file, and add what it gives, level by level: so that no more than a level is in memory.
-  /// At most once, after all models; no model may come after it.
+  /// Call `next` with the features of all models that were added, and add the levels that it gives,
+  /// piece by piece: so that no level is in memory. At most once, after all models; no model may
+  /// come after it.
   ///
-  /// index  gives level k, or nothing when there are no more; models are named by their rank
+  /// next         gives level k, or nothing when there are no more; models are named by their rank
+  /// piece_bytes  of a level's features are in memory at a time; the file is the same for any
   /// Errors: bad_data, io.
   using NextLevel =
-      std::function<std::optional<FeatureLevel>(std::span<const FeaturesOfModel>, std::size_t k)>;
-  Result<void> add_index(const NextLevel& next);
+      std::function<std::optional<LevelInPieces>(const WrittenFeatures&, std::size_t k)>;
+  static constexpr std::size_t kPieceBytes = std::size_t{64} << 20U;
+  Result<void> add_index(const NextLevel& next, std::size_t piece_bytes = kPieceBytes);
   /// Close, fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
   Result<void> publish();
 

@@ -211,8 +211,11 @@ const auto* const kQuery =
       const Column<std::uint8_t> codes = as_codes(features().pool.features),
                                  queries = as_codes(features().queries);
       const engine::CodeLists lists = engine::build_code_lists(codes, stride);
+      std::vector<std::uint32_t> order(lists.list.size());
+      std::iota(order.begin(), order.end(), 0U);
+      std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return lists.list[i]; });
       Column<std::uint8_t> in_order;
-      for (const std::uint32_t i : lists.order) {
+      for (const std::uint32_t i : order) {
         const auto code = std::span(codes).subspan(i * stride, stride);
         in_order.insert(in_order.end(), code.begin(), code.end());
       }
@@ -222,7 +225,7 @@ const auto* const kQuery =
         nearest = engine::search_codes(index, queries, static_cast<std::size_t>(state.range(0)), 1);
       std::vector<std::uint32_t> found;
       for (std::size_t q = 0; q < kNumKeypoints; ++q)
-        found.push_back(lists.order[nearest.of(q)[0].index]);
+        found.push_back(order[nearest.of(q)[0].index]);
       report_recall(state, found);
       return kNumKeypoints;
     }) -> Arg(1) -> Arg(4) -> Arg(8);

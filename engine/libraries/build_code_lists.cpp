@@ -14,21 +14,47 @@ constexpr std::size_t kListLength = 2000;  // codes a list, on the average
 constexpr std::size_t kSamplesAList = 64;  // codes that centroids are found from
 constexpr std::size_t kIterations = 4;
 constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kBlock = 4096;  // codes that are read at a time
 
-/// Centroids of codes, from such spread over them.
-Column<std::uint8_t> find_centroids(std::span<const std::uint8_t> codes, std::size_t stride,
-                                    std::size_t num_lists) {
-  const std::size_t n = codes.size() / stride;
-  const auto spread = [&](std::size_t count) {
-    Column<std::uint8_t> some(count * stride);
-    for (std::size_t k = 0; k < count; ++k)
-      std::ranges::copy(codes.subspan(k * n / count * stride, stride),
+/// Call body(first, codes) for blocks that cover all codes.
+template <class Body>
+void for_blocks(const CodeSource& codes, Body&& body) {
+  PerThread<Column<std::uint8_t>> blocks(
+      [&] { return Column<std::uint8_t>(std::min(kBlock, codes.size) * codes.stride); });
+  for_each_index((codes.size + kBlock - 1) / kBlock, [&](std::size_t b) {
+    const std::size_t first = b * kBlock, count = std::min(kBlock, codes.size - first);
+    const auto block = std::span(blocks.local()).first(count * codes.stride);
+    codes.read(first, block);
+    body(first, std::span<const std::uint8_t>(block));
+  });
+}
+
+/// So many codes spread over all: the k-th is number k size / count.
+Column<std::uint8_t> spread(const CodeSource& codes, std::size_t count) {
+  const std::size_t stride = codes.stride;
+  Column<std::uint8_t> some(count * stride);
+  for_blocks(codes, [&](std::size_t first, std::span<const std::uint8_t> block) {
+    const std::size_t end = first + block.size() / stride;
+    for (std::size_t k = (first * count + codes.size - 1) / codes.size; k < count; ++k) {
+      const std::size_t i = k * codes.size / count;
+      if (i >= end) break;
+      std::ranges::copy(block.subspan((i - first) * stride, stride),
                         some.begin() + static_cast<std::ptrdiff_t>(k * stride));
-    return some;
-  };
-  Column<std::uint8_t> centroids = spread(num_lists);
-  const Column<std::uint8_t> samples = spread(std::min(n, num_lists * kSamplesAList));
-  const std::size_t num_samples = samples.size() / stride;
+    }
+  });
+  return some;
+}
+
+Column<std::uint8_t> find_centroids(const CodeSource& codes, std::size_t num_lists) {
+  const std::size_t stride = codes.stride;
+  const std::size_t num_samples = std::min(codes.size, num_lists * kSamplesAList);
+  const Column<std::uint8_t> samples = spread(codes, num_samples);
+  Column<std::uint8_t> centroids = spread(
+      {num_samples, stride,
+       [&](std::size_t first, std::span<std::uint8_t> some) {
+         std::ranges::copy(std::span(samples).subspan(first * stride, some.size()), some.begin());
+       }},
+      num_lists);
   Column<std::int32_t> norms(num_lists);
   for (std::size_t iteration = 0; iteration < kIterations; ++iteration) {
     PerThread<kernels::CentroidSums> per_thread(
@@ -54,25 +80,28 @@ Column<std::uint8_t> find_centroids(std::span<const std::uint8_t> codes, std::si
 
 }  // namespace
 
-CodeLists build_code_lists(std::span<const std::uint8_t> codes, std::size_t stride) {
-  const std::size_t n = codes.size() / stride;
+CodeLists build_code_lists(const CodeSource& codes) {
   CodeLists lists;
-  const std::size_t num_lists = std::max<std::size_t>(1, n / kListLength);
-  lists.centroids = find_centroids(codes, stride, num_lists);
-  std::vector<std::uint32_t> list(n);
+  const std::size_t num_lists = std::max<std::size_t>(1, codes.size / kListLength);
+  lists.centroids = find_centroids(codes, num_lists);
+  lists.list.resize(codes.size);
   Column<std::int32_t> norms(num_lists);
-  kernels::code_norms(lists.centroids, stride, norms);
-  for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
-    kernels::nearest_centroids(codes.subspan(first * stride, count * stride), stride,
-                               lists.centroids, norms, std::span(list).subspan(first, count));
+  kernels::code_norms(lists.centroids, codes.stride, norms);
+  for_blocks(codes, [&](std::size_t first, std::span<const std::uint8_t> block) {
+    kernels::nearest_centroids(block, codes.stride, lists.centroids, norms,
+                               std::span(lists.list).subspan(first, block.size() / codes.stride));
   });
   lists.offsets.assign(num_lists + 1, 0);
-  for (const std::uint32_t l : list) ++lists.offsets[l];
+  for (const std::uint32_t l : lists.list) ++lists.offsets[l];
   (void)counts_to_offsets(lists.offsets);
-  lists.order.resize(n);
-  std::vector<std::uint32_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
-  for (std::uint32_t i = 0; i < n; ++i) lists.order[next[list[i]]++] = i;
   return lists;
+}
+
+CodeLists build_code_lists(std::span<const std::uint8_t> codes, std::size_t stride) {
+  return build_code_lists(
+      {codes.size() / stride, stride, [&](std::size_t first, std::span<std::uint8_t> some) {
+         std::ranges::copy(codes.subspan(first * stride, some.size()), some.begin());
+       }});
 }
 
 }  // namespace trivet::engine

@@ -1,92 +1,212 @@
 #include "engine/libraries/index_features.hpp"
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "engine/common/parallel.hpp"
 #include "engine/libraries/build_code_lists.hpp"
 #include "kernels/spin_images/rotation_code.hpp"
+#include "storage/file.hpp"
 
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
-/// The features of a level as the models have them, one model after the other.
-struct Gathered {
-  std::vector<std::uint32_t> from, row;  // which of the features, and which of these
-  Column<std::uint8_t> codes;            // padded
-};
-
-Gathered gather(std::span<const FeaturesOfModel> features, std::span<const std::uint32_t> level) {
-  const std::size_t k = features[level.front()].features.num_components;
-  const std::size_t stride = kernels::code_stride(k);
-  Gathered all;
-  std::size_t n = 0;
-  for (const std::uint32_t i : level) n += features[i].features.size();
-  all.from.reserve(n);
-  all.row.reserve(n);
-  all.codes.resize(n * stride);
-  for (const std::uint32_t i : level) {
-    const TriSpinFeatures& own = features[i].features;
-    kernels::pad_codes(own.codes, k,
-                       std::span(all.codes).subspan(all.from.size() * stride, own.size() * stride));
-    for (std::uint32_t row = 0; row < own.size(); ++row) {
-      all.from.push_back(i);
-      all.row.push_back(row);
+/// The features of one resolution, model after model. They are read where they lie, some at a time,
+/// and their pages given back.
+class LevelFeatures {
+ public:
+  /// level  of those of a model; at least one, none of which is empty
+  LevelFeatures(const WrittenFeatures& all, std::span<const std::uint32_t> level)
+      : mapped_(all.mapped) {
+    for (const std::uint32_t i : level) {
+      of_models_.push_back(&all.of_models[i]);
+      begins_.push_back(begins_.back() + of_models_.back()->features.size());
     }
   }
-  return all;
-}
 
-}  // namespace
-
-FeatureIndexer::FeatureIndexer(std::span<const FeaturesOfModel> features) : features_(features) {
-  std::map<float, std::vector<std::uint32_t>> levels;
-  for (std::uint32_t i = 0; i < features.size(); ++i) {
-    if (features[i].features.size() > 0) levels[features[i].features.resolution].push_back(i);
+  std::size_t size() const noexcept { return begins_.back(); }
+  std::size_t stride() const noexcept { return kernels::code_stride(num_components()); }
+  float resolution() const noexcept { return of_models_.front()->features.resolution; }
+  /// Those that have features, rising.
+  Column<std::uint32_t> models() const {
+    Column<std::uint32_t> out;
+    for (const FeaturesOfModel* one : of_models_) out.push_back(one->model);
+    return out;
   }
-  for (auto& [resolution, of_level] : levels) levels_.push_back(std::move(of_level));
+
+  /// Write the codes from `first` on, padded.
+  void read_codes(std::size_t first, std::span<std::uint8_t> codes) const {
+    for (std::size_t p = place_of(first); !codes.empty(); ++p) {
+      const std::size_t row = first - begins_[p];
+      const std::size_t count = std::min(begins_[p + 1] - first, codes.size() / stride());
+      const auto own =
+          of_models_[p]->features.codes.subspan(row * num_components(), count * num_components());
+      ask_for_pages(std::as_bytes(own));
+      kernels::pad_codes(own, num_components(), codes.first(count * stride()));
+      give_back(own);
+      codes = codes.subspan(count * stride());
+      first += count;
+    }
+  }
+
+  /// Write some features to rows.
+  ///
+  /// which  features, rising
+  /// to     row of each
+  void copy(std::span<const std::uint32_t> which, std::span<const std::uint32_t> to,
+            const ListedFeaturesSpan& rows) const {
+    for_each_index(of_models_.size(), [&](std::size_t p) {
+      const auto at = [&](std::size_t begin) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(which, begin) - which.begin());
+      };
+      const std::size_t first = at(begins_[p]), last = at(begins_[p + 1]);
+      if (first == last) return;
+      const TriSpinFeatures& own = of_models_[p]->features;
+      for (std::size_t i = first; i < last; ++i) {
+        const std::size_t row = which[i] - begins_[p];
+        rows.model[to[i]] = of_models_[p]->model;
+        rows.keypoints.set(to[i], own.keypoints[row]);
+        rows.frames[to[i]] = kernels::encode_rotation(
+            Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(own.frames[row].data()));
+        kernels::pad_codes(own.codes.subspan(row * num_components(), num_components()),
+                           num_components(), rows.codes.subspan(to[i] * stride(), stride()));
+      }
+      give_back(own.codes);
+      give_back<FrameRows>(own.frames);
+      for (const auto column : {own.keypoints.x, own.keypoints.y, own.keypoints.z})
+        give_back(column);
+    });
+  }
+
+ private:
+  std::size_t num_components() const noexcept {
+    return of_models_.front()->features.num_components;
+  }
+  std::size_t place_of(std::size_t feature) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(begins_, feature) - begins_.begin()) -
+           1;
+  }
+  template <class T>
+  void give_back(std::span<const T> read) const noexcept {
+    give_back_around(std::as_bytes(read), mapped_);
+  }
+
+  std::span<const std::byte> mapped_;
+  std::vector<const FeaturesOfModel*> of_models_;
+  std::vector<std::size_t> begins_{0};  // of each, and the end
+};
+
+/// A level and what its features are taken from.
+class LevelMaker {
+ public:
+  LevelMaker(const WrittenFeatures& all, std::span<const std::uint32_t> level)
+      : features_(all, level),
+        lists_(build_code_lists({features_.size(), features_.stride(),
+                                 [this](std::size_t first, std::span<std::uint8_t> codes) {
+                                   features_.read_codes(first, codes);
+                                 }})) {}
+  LevelMaker(const LevelMaker&) = delete;
+  LevelMaker& operator=(const LevelMaker&) = delete;
+
+  /// Without its features.
+  FeatureLevel level() const {
+    FeatureLevel out;
+    out.resolution = features_.resolution();
+    out.stride = features_.stride();
+    out.models = features_.models();
+    out.centroids = lists_.centroids;
+    out.offsets = lists_.offsets;
+    return out;
+  }
+
+  void list(std::size_t first, const ListedFeaturesSpan& rows) const {
+    // The features of the lists that reach into the piece, in their own order: so those of a model
+    // are read together.
+    const auto list_of = [&](std::size_t row) {
+      return static_cast<std::uint32_t>(std::ranges::upper_bound(lists_.offsets, row) -
+                                        lists_.offsets.begin() - 1);
+    };
+    const std::size_t end = first + rows.size();
+    const std::uint32_t first_list = list_of(first), last_list = list_of(end - 1);
+    std::vector<std::uint32_t> next(lists_.offsets.begin() + first_list,
+                                    lists_.offsets.begin() + last_list + 1);
+    std::vector<std::uint32_t> which, to;
+    which.reserve(rows.size());
+    to.reserve(rows.size());
+    for (std::uint32_t i = 0; i < lists_.list.size(); ++i) {
+      const std::uint32_t l = lists_.list[i] - first_list;  // wraps where it is below
+      if (l >= next.size()) continue;
+      const std::uint32_t row = next[l]++;
+      if (row < first || row >= end) continue;
+      which.push_back(i);
+      to.push_back(row - static_cast<std::uint32_t>(first));
+    }
+    features_.copy(which, to, rows);
+  }
+
+ private:
+  LevelFeatures features_;
+  CodeLists lists_;
+};
+
+/// The levels of an index one after the other, by rising resolution.
+class Indexer {
+ public:
+  explicit Indexer(const WrittenFeatures& all) : all_(all) {
+    std::map<float, std::vector<std::uint32_t>> levels;
+    for (std::uint32_t i = 0; i < all.of_models.size(); ++i) {
+      const TriSpinFeatures& features = all.of_models[i].features;
+      if (features.size() > 0) levels[features.resolution].push_back(i);
+    }
+    for (auto& [resolution, of_level] : levels) levels_.push_back(std::move(of_level));
+  }
+
+  std::optional<LevelInPieces> level(std::size_t k) const {
+    if (k >= levels_.size()) return std::nullopt;
+    const auto maker = std::make_shared<const LevelMaker>(all_, levels_[k]);
+    return LevelInPieces{
+        maker->level(), [maker](std::size_t first, const auto& rows) { maker->list(first, rows); }};
+  }
+
+ private:
+  WrittenFeatures all_;
+  std::vector<std::vector<std::uint32_t>> levels_;  // which of the features
+};
+
+/// Give back what is left of levels that are done: the allocator keeps tens of megabytes of them,
+/// in between what stays.
+void give_back_freed() noexcept {
+#if defined(__GLIBC__)
+  ::malloc_trim(0);
+#endif
 }
 
-FeatureLevel FeatureIndexer::level(std::size_t k) const {
-  const std::vector<std::uint32_t>& own = levels_[k];
-  Gathered all = gather(features_, own);
-  const std::size_t n = all.row.size(), stride = all.codes.size() / n;
-  CodeLists lists = build_code_lists(all.codes, stride);
+/// A level with all of its features in memory.
+FeatureLevel in_memory(const LevelInPieces& made) {
+  FeatureLevel level = made.level;
+  const std::size_t n = made.size();
+  Column<std::uint8_t> codes(n * level.stride);
   Column<std::uint32_t> model(n);
   Points keypoints(n);
   Column<RotationCode> frames(n);
-  Column<std::uint8_t> codes(n * stride);
-  for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
-    for (std::size_t to = first; to < first + count; ++to) {
-      const std::uint32_t at = lists.order[to], row = all.row[at];
-      const auto& [rank, features] = features_[all.from[at]];
-      model[to] = rank;
-      keypoints.set(to, features.keypoints[row]);
-      frames[to] =
-          kernels::encode_rotation(Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(
-              features.frames[row].data()));
-      std::ranges::copy(std::span(all.codes).subspan(at * stride, stride),
-                        codes.begin() + static_cast<std::ptrdiff_t>(to * stride));
-    }
-  });
-  Column<std::uint32_t> models;
-  for (const std::uint32_t i : own) models.push_back(features_[i].model);
-  FeatureLevel level;
-  level.resolution = features_[own.front()].features.resolution;
-  level.stride = stride;
-  level.models = std::move(models);
-  level.centroids = std::move(lists.centroids);
-  level.offsets = std::move(lists.offsets);
+  made.list(0, {codes, model, keypoints, frames});
   level.codes = std::move(codes);
   level.model = std::move(model);
   level.keypoints = std::move(keypoints);
   level.frames = std::move(frames);
   return level;
 }
+
+}  // namespace
 
 Result<FeatureIndex> index_features(const Library& library) {
   std::vector<FeaturesOfModel> features;
@@ -95,18 +215,22 @@ Result<FeatureIndex> index_features(const Library& library) {
     for (const TriSpinFeatures& at_scale : library.models[m].features)
       features.push_back({m, at_scale});
   }
-  const FeatureIndexer indexer(features);
+  const Indexer indexer({features, {}});
   FeatureIndex levels;
-  for (std::size_t k = 0; k < indexer.num_levels(); ++k) levels.push_back(indexer.level(k));
+  for (std::size_t k = 0; const auto level = indexer.level(k); ++k)
+    levels.push_back(in_memory(*level));
   return levels;
 }
 
-Result<void> add_index(LibraryWriter& writer) {
-  std::optional<FeatureIndexer> indexer;
-  return writer.add_index([&](std::span<const FeaturesOfModel> features, std::size_t k) {
-    if (!indexer) indexer.emplace(features);
-    return k < indexer->num_levels() ? std::optional(indexer->level(k)) : std::nullopt;
-  });
+Result<void> add_index(LibraryWriter& writer, std::size_t piece_bytes) {
+  std::optional<Indexer> indexer;
+  return writer.add_index(
+      [&](const WrittenFeatures& all, std::size_t k) {
+        if (!indexer) indexer.emplace(all);
+        give_back_freed();
+        return indexer->level(k);
+      },
+      piece_bytes);
 }
 
 kernels::CodeIndexView code_index(const FeatureLevel& level) noexcept {

@@ -103,6 +103,18 @@ void ask_for_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, 
 
 void give_back_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_DONTNEED); }
 
+// When one byte is read, Linux maps the 64 KiB around it, or all of a large folio, whose 2 MiB it may
+// have brought in together.
+void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept {
+  constexpr std::size_t kAround = std::size_t{2} << 20U;
+  const auto at = [](const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); };
+  if (read.empty() || at(read.data()) < at(mapped.data())) return;
+  const std::size_t first = at(read.data()) - at(mapped.data()), end = first + read.size();
+  if (end > mapped.size()) return;
+  const std::size_t from = first - std::min(first, kAround);
+  give_back_pages(mapped.subspan(from, std::min(end + kAround, mapped.size()) - from));
+}
+
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
                                         std::uint64_t max_bytes) {
   constexpr std::size_t kStep = 1 << 16;

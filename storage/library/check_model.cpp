@@ -44,6 +44,12 @@ std::string check_length(std::string_view name, std::size_t found, std::size_t e
              : fmt::format("{}: expected {}, found {}", name, counted(expected, "row"), found);
 }
 
+std::string check_ranks(std::string_view name, std::span<const std::uint32_t> models,
+                        std::size_t num_models) {
+  const bool good = std::ranges::all_of(models, [&](std::uint32_t m) { return m < num_models; });
+  return good ? std::string() : fmt::format("{}: expected numbers below {}", name, num_models);
+}
+
 std::string check_scalars(const Model& model) {
   if (!std::isfinite(model.diameter) || model.diameter <= 0) {
     return fmt::format("diameter: expected a positive length, found {}", model.diameter);
@@ -312,30 +318,43 @@ Result<void> check_model(const Model& model) {
   return {};
 }
 
-Result<void> check_level(const FeatureLevel& level, std::size_t num_models) {
+Result<void> check_lists(const FeatureLevel& level, std::size_t num_models) {
   std::string wrong;
+  if (level.offsets.size() < 2 || level.offsets.front() != 0) {
+    wrong = "offsets: expected to begin at 0";
+  } else {
+    wrong = check_length("centroids", level.centroids.size(),
+                         (level.offsets.size() - 1) * level.stride);
+  }
+  if (wrong.empty() && !std::ranges::is_sorted(level.offsets))
+    wrong = "offsets: expected not to fall";
+  if (wrong.empty()) wrong = check_ranks("models", level.models, num_models);
+  if (wrong.empty() && !std::ranges::is_sorted(level.models, std::ranges::less_equal()))
+    wrong = "models: expected them to rise";
+  if (wrong.empty()) return {};
+  return Error{ErrorCode::bad_data, wrong};
+}
+
+Result<void> check_listed(std::span<const std::uint32_t> model, PointsView keypoints,
+                          std::size_t num_models) {
+  std::string wrong = check_ranks("model", model, num_models);
+  if (wrong.empty()) wrong = check_points("keypoints", keypoints);
+  if (wrong.empty()) return {};
+  return Error{ErrorCode::bad_data, wrong};
+}
+
+Result<void> check_level(const FeatureLevel& level, std::size_t num_models) {
+  if (const Result<void> good = check_lists(level, num_models); !good) return good;
   const std::size_t n = level.size();
+  std::string wrong = check_length("offsets", level.offsets.back(), n);
   const auto rows = [&](std::string_view name, std::size_t found, std::size_t expected) {
     if (wrong.empty()) wrong = check_length(name, found, expected);
   };
-  if (level.offsets.size() < 2 || level.offsets.front() != 0)
-    wrong = "offsets: expected to begin at 0";
-  rows("offsets", level.offsets.empty() ? 0 : level.offsets.back(), n);
   rows("keypoints", level.keypoints.size(), n);
   rows("frames", level.frames.size(), n);
   rows("codes", level.codes.size(), n * level.stride);
-  rows("centroids", level.centroids.size(), (level.offsets.size() - 1) * level.stride);
-  if (wrong.empty() && !std::ranges::is_sorted(level.offsets))
-    wrong = "offsets: expected not to fall";
-  const auto above = [&](std::uint32_t m) { return m >= num_models; };
-  if (wrong.empty() &&
-      (std::ranges::any_of(level.model, above) || std::ranges::any_of(level.models, above)))
-    wrong = fmt::format("model: expected numbers below {}", num_models);
-  if (wrong.empty() && !std::ranges::is_sorted(level.models, std::ranges::less_equal()))
-    wrong = "models: expected them to rise";
-  if (wrong.empty()) wrong = check_points("keypoints", level.keypoints);
-  if (wrong.empty()) return {};
-  return Error{ErrorCode::bad_data, wrong};
+  if (!wrong.empty()) return Error{ErrorCode::bad_data, wrong};
+  return check_listed(level.model, level.keypoints, num_models);
 }
 
 }  // namespace trivet::format

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -296,5 +297,9 @@ Result<void> check_part(const Model& model, ModelPart part);
 Result<void> check_basis(const TriSpinBasis& basis);
 /// num_models  of the library
 Result<void> check_level(const FeatureLevel& level, std::size_t num_models);
+/// Of it, what there is once; and some of its features.
+Result<void> check_lists(const FeatureLevel& level, std::size_t num_models);
+Result<void> check_listed(std::span<const std::uint32_t> model, PointsView keypoints,
+                          std::size_t num_models);
 
 }  // namespace trivet::format

@@ -12,6 +12,7 @@
 #include "storage/library/directory_columns.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/write_hdf5.hpp"
+#include "storage/library/write_level.hpp"
 
 namespace trivet {
 namespace {
@@ -22,21 +23,6 @@ using hdf5::create_group;
 using hdf5::gather;
 using hdf5::Handle;
 using hdf5::write_attributes;
-
-StoredDataset describe(const format::DatasetSpec& spec, std::span<const std::byte> bytes,
-                       std::string_view unit, std::size_t num_components, std::size_t stride) {
-  StoredDataset out{
-      spec.type, {spec.shape.begin(), spec.shape.begin() + spec.rank}, 0, bytes.size(), {}};
-  std::ranges::replace(out.shape, format::kComponents, std::uint64_t{num_components});
-  std::ranges::replace(out.shape, format::kStride, std::uint64_t{stride});
-  std::uint64_t row_bytes = size_of(spec.type);
-  for (const std::uint64_t n : out.shape) row_bytes *= n == format::kRows ? 1 : n;
-  for (std::uint64_t& n : out.shape) n = n == format::kRows ? bytes.size() / row_bytes : n;
-  out.attributes.emplace("long_name", attribute(spec.long_name));
-  out.attributes.emplace("units", attribute(spec.units.empty() ? unit : spec.units));
-  out.attributes.emplace(format::kDataChecksum, attribute(xxh3_hex(bytes)));
-  return out;
-}
 
 StoredAttributes model_attributes(const Model& model) {
   const Symmetry::Axis axis = model.symmetry.axis.value_or(Symmetry::Axis{{0, 0, 0}, {0, 0, 0}});
@@ -92,7 +78,6 @@ struct LibraryWriter::State {
   Handle hdf5, root, models;               ///< destroyed in reverse order
   std::map<std::string, Written> written;  ///< models, by name
   std::size_t num_components = 0;          ///< of the basis; 0: there is none
-  std::size_t stride = 0;                  ///< of codes in the index
   std::string basis_digest, index_digest;
 
   // false when HDF5 failed
@@ -101,14 +86,14 @@ struct LibraryWriter::State {
   bool write_table(hid_t parent, const Model& model, StoredGroup& described) const;
   bool write_features(hid_t parent, const std::string& name, const TriSpinFeatures& features,
                       StoredGroup& described) const;
-  bool write(const FeatureLevel& level, hid_t index, StoredGroup& described);
   bool write_directory(const std::string& models_digest, std::string& digest) const;
   /// What writes datasets into a group, and takes up how they lie there.
   auto into(hid_t group, StoredGroup& described) const {
     return [this, group, &described](const format::DatasetSpec& spec,
                                      std::span<const std::byte> bytes) {
       const auto [at, added] = described.datasets.emplace(
-          spec.name, describe(spec, bytes, symbol(header.unit), num_components, stride));
+          spec.name, hdf5::describe(spec, bytes.size(), xxh3_hex(bytes), symbol(header.unit),
+                                    num_components, 0));
       return hdf5::write_dataset(group, at->first, at->second, bytes);
     };
   }
@@ -197,24 +182,6 @@ bool LibraryWriter::State::write(const TriSpinBasis& basis) {
   return is_written;
 }
 
-bool LibraryWriter::State::write(const FeatureLevel& level, hid_t index, StoredGroup& described) {
-  const std::string name = fmt::format("{:02}", described.groups.size());
-  const Handle group = create_group(index, name);
-  StoredGroup& stored = described.groups[name];
-  stride = level.stride;
-  stored.attributes.emplace("resolution", attribute(level.resolution));
-  stored.attributes.emplace("stride", attribute(static_cast<std::uint32_t>(level.stride)));
-  const auto put = into(group.get(), stored);
-  return group && write_attributes(group.get(), stored.attributes) &&
-         put(format::kLevelModels, std::as_bytes(std::span(level.models))) &&
-         put(format::kListCentroids, std::as_bytes(std::span(level.centroids))) &&
-         put(format::kListOffsets, std::as_bytes(std::span(level.offsets))) &&
-         put(format::kListCodes, std::as_bytes(std::span(level.codes))) &&
-         put(format::kListModel, std::as_bytes(std::span(level.model))) &&
-         put(format::kListKeypoints, gather(level.keypoints)) &&
-         put(format::kListFrames, std::as_bytes(std::span(level.frames)));
-}
-
 bool LibraryWriter::State::write_directory(const std::string& models_digest,
                                            std::string& digest) const {
   DirectoryColumns all;
@@ -265,8 +232,8 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
   if (!pending) return pending.error();
 
   hdf5::start();
-  auto state = std::make_unique<State>(
-      State{file, header, *std::move(pending), {}, {}, {}, {}, 0, 0, {}, {}});
+  auto state =
+      std::make_unique<State>(State{file, header, *std::move(pending), {}, {}, {}, {}, 0, {}, {}});
   const Handle creation = hdf5::creation_of(H5P_FILE_CREATE);
   const Handle access = hdf5::file_access();
   state->hdf5 =
@@ -318,7 +285,7 @@ Result<void> LibraryWriter::add(const Model& model) {
       fmt::format("model '{}', whose table alone takes {} bytes", model.name, bytes));
 }
 
-Result<void> LibraryWriter::add_index(const NextLevel& next) {
+Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_bytes) {
   if (!state_ || !state_->file.pending()) return over();
   State& state = *state_;
   if (!state.index_digest.empty()) {
@@ -337,16 +304,19 @@ Result<void> LibraryWriter::add_index(const NextLevel& next) {
     for (const TriSpinFeatures& at_scale : model.features) features.push_back({rank, at_scale});
     ++rank;
   }
+  const WrittenFeatures all{features, mapped->bytes()};
+  const LevelPlace place{state.file.path(), rank, symbol(state.header.unit), piece_bytes};
   Handle group;
   StoredGroup described;
-  for (std::size_t k = 0; const std::optional<FeatureLevel> level = next(features, k); ++k) {
+  for (std::size_t k = 0; const std::optional<LevelInPieces> level = next(all, k); ++k) {
     if (k == 0) group = create_group(state.root.get(), "index");
     if (!group) return state.fail("the index");
-    if (const Result<void> good = format::check_level(*level, state.written.size()); !good)
-      return Error{ErrorCode::internal, good.error().message};
-    if (!state.write(*level, group.get(), described))
-      return state.fail(fmt::format("level {} of the index, of {} features", k, level->size()));
-    give_back_pages(mapped->bytes());
+    const std::string name = fmt::format("{:02}", k);
+    StoredGroup& stored = described.groups[name];
+    const Result<void> written = write_level(*level, name, group.get(), place, stored);
+    if (written) continue;
+    if (written.error().code != ErrorCode::io) return written;
+    return state.fail(fmt::format("level {} of the index, of {} features", k, level->size()));
   }
   if (group) state.index_digest = format::digest(described);
   return {};

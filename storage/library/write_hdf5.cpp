@@ -68,6 +68,22 @@ Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis) {
   return gather<float>({std::span(direction.data(), 3), std::span(point.data(), 3)});
 }
 
+StoredDataset describe(const format::DatasetSpec& spec, std::uint64_t num_bytes,
+                       std::string_view checksum, std::string_view unit, std::size_t num_components,
+                       std::size_t stride) {
+  StoredDataset out{
+      spec.type, {spec.shape.begin(), spec.shape.begin() + spec.rank}, 0, num_bytes, {}};
+  std::ranges::replace(out.shape, format::kComponents, std::uint64_t{num_components});
+  std::ranges::replace(out.shape, format::kStride, std::uint64_t{stride});
+  std::uint64_t row_bytes = size_of(spec.type);
+  for (const std::uint64_t n : out.shape) row_bytes *= n == format::kRows ? 1 : n;
+  for (std::uint64_t& n : out.shape) n = n == format::kRows ? num_bytes / row_bytes : n;
+  out.attributes.emplace("long_name", attribute(spec.long_name));
+  out.attributes.emplace("units", attribute(spec.units.empty() ? unit : spec.units));
+  out.attributes.emplace(format::kDataChecksum, attribute(checksum));
+  return out;
+}
+
 bool write_attributes(hid_t object, const StoredAttributes& attributes) {
   for (const auto& [name, value] : attributes) {
     const Handle type(H5Tcopy(number_type(value.type)));
@@ -102,23 +118,45 @@ Handle create_group(hid_t parent, const std::string& name) {
   return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
 }
 
-bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,
-                   std::span<const std::byte> bytes) {
+Handle create_dataset(hid_t group, const std::string& name, StoredDataset& dataset) {
   const Handle creation = creation_of(H5P_DATASET_CREATE);
   if (H5Pset_layout(creation.get(), H5D_CONTIGUOUS) < 0 ||
       H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY) < 0 ||
       H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER) < 0) {
-    return false;
+    return {};
   }
   const Handle space = space_of(dataset.shape);
-  const hid_t type = number_type(dataset.type);
-  const Handle stored(
-      H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
-  if (!stored || !write_attributes(stored.get(), dataset.attributes)) return false;
-  if (bytes.empty()) return true;
+  Handle stored(H5Dcreate2(group, name.c_str(), number_type(dataset.type), space.get(), H5P_DEFAULT,
+                           creation.get(), H5P_DEFAULT));
+  if (!stored || !write_attributes(stored.get(), dataset.attributes)) return {};
+  if (dataset.bytes == 0) return stored;
   dataset.offset = H5Dget_offset(stored.get());
-  return dataset.offset != HADDR_UNDEF &&
-         H5Dwrite(stored.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0;
+  return dataset.offset != HADDR_UNDEF ? std::move(stored) : Handle();
+}
+
+bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,
+                   std::span<const std::byte> bytes) {
+  const Handle stored = create_dataset(group, name, dataset);
+  if (!stored || bytes.empty()) return static_cast<bool>(stored);
+  return H5Dwrite(stored.get(), number_type(dataset.type), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                  bytes.data()) >= 0;
+}
+
+bool write_block(hid_t dataset, ElementType type, std::span<const hsize_t> first,
+                 std::span<const hsize_t> count, const void* elements) {
+  const Handle in_file(H5Dget_space(dataset));
+  const Handle in_memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
+  return in_file && in_memory &&
+         H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, first.data(), nullptr, count.data(),
+                             nullptr) >= 0 &&
+         H5Dwrite(dataset, number_type(type), in_memory.get(), in_file.get(), H5P_DEFAULT,
+                  elements) >= 0;
+}
+
+bool rewrite_attribute(hid_t object, const std::string& name, const StoredAttribute& value) {
+  const Handle stored(H5Aopen(object, name.c_str(), H5P_DEFAULT));
+  const Handle type(H5Aget_type(stored.get()));
+  return stored && type && H5Awrite(stored.get(), type.get(), value.bytes.data()) >= 0;
 }
 
 }  // namespace trivet::hdf5

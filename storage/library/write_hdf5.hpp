@@ -13,6 +13,7 @@
 
 #include "storage/columns.hpp"
 #include "storage/library/hdf5.hpp"
+#include "storage/library/library_format.hpp"
 #include "storage/library/stored_tree.hpp"
 #include "storage/model.hpp"
 
@@ -56,6 +57,15 @@ Column<std::byte> gather(PointsView points);
 Column<std::byte> gather(const std::vector<Pose>& poses);
 Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis);
 
+/// What is written as a dataset.
+///
+/// checksum  of its bytes
+/// unit      of length
+/// stride    of codes in the index
+StoredDataset describe(const format::DatasetSpec& spec, std::uint64_t num_bytes,
+                       std::string_view checksum, std::string_view unit, std::size_t num_components,
+                       std::size_t stride);
+
 // ---- to a file; false, or no handle, when HDF5 failed
 
 /// Properties for creating objects that are the same bytes whenever they are written.
@@ -65,5 +75,12 @@ bool write_attributes(hid_t object, const StoredAttributes& attributes);
 /// Takes up where the dataset lies.
 bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,
                    std::span<const std::byte> bytes);
+/// A dataset that is written block by block; takes up where it lies.
+Handle create_dataset(hid_t group, const std::string& name, StoredDataset& dataset);
+/// Write a block of it: along each dimension `count` elements from `first` on.
+bool write_block(hid_t dataset, ElementType type, std::span<const hsize_t> first,
+                 std::span<const hsize_t> count, const void* elements);
+/// Write another value of the same size in the place of that of an attribute.
+bool rewrite_attribute(hid_t object, const std::string& name, const StoredAttribute& value);
 
 }  // namespace trivet::hdf5

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -19,15 +22,20 @@ class IndexFeatures : public test::LibraryTest {
   IndexFeatures() {
     for (std::uint64_t seed = 1; seed <= 3; ++seed)
       models_.push_back(test::random_model(std::string(1, static_cast<char>('a' + seed)), seed,
-                                           {.num_features = 300 * seed}));
+                                           {.num_features = 1500 * seed}));
     models_[1].features[0].resolution = models_[0].features[0].resolution;
-    auto writer = LibraryWriter::create(file(), {LengthUnit::meter, "trivet test", "{}"});
+    write(file(), models_);
+  }
+  static void write(const std::filesystem::path& to, const std::vector<Model>& models,
+                    std::size_t piece_bytes = LibraryWriter::kPieceBytes) {
+    auto writer = LibraryWriter::create(to, {LengthUnit::meter, "trivet test", "{}"});
     if (!writer || !writer->add(test::random_basis(5, test::kRandomComponents)))
       throw std::runtime_error("cannot write the library");
-    for (const Model& model : models_) {
+    for (const Model& model : models) {
       if (!writer->add(model)) throw std::runtime_error("cannot add a model");
     }
-    if (!add_index(*writer) || !writer->publish()) throw std::runtime_error("cannot publish");
+    if (!add_index(*writer, piece_bytes) || !writer->publish())
+      throw std::runtime_error("cannot publish");
   }
   std::vector<Model> models_;
 };
@@ -62,6 +70,88 @@ TEST_F(IndexFeatures, HoldsEveryFeatureOnceBesideItsKeypointAndFrame) {
     }
   }
   EXPECT_EQ(seen.size(), expected);
+}
+
+TEST_F(IndexFeatures, HoldsEachListByModelsAndRows) {
+  const auto library = open_library(file());
+  ASSERT_TRUE(library);
+  std::size_t most_lists = 0;
+  for (const FeatureLevel& level : library->index) {
+    const std::size_t stride = level.stride, num_lists = level.offsets.size() - 1;
+    most_lists = std::max(most_lists, num_lists);
+    const auto nearest = [&](std::size_t i) {
+      std::size_t best = 0;
+      int least = std::numeric_limits<int>::max();
+      for (std::size_t l = 0; l < num_lists; ++l) {
+        int squared = 0;
+        for (std::size_t j = 0; j < stride; ++j) {
+          const int d = level.codes[i * stride + j] - level.centroids[l * stride + j];
+          squared += d * d;
+        }
+        if (squared < least) best = l;
+        least = std::min(least, squared);
+      }
+      return best;
+    };
+    // The lists of the obvious way: features by model and row, each put at the end of its list.
+    std::vector<std::vector<std::pair<std::uint32_t, Eigen::Vector3f>>> expected(num_lists);
+    std::map<std::pair<std::uint32_t, float>, std::size_t> list_of;  // by model and keypoint
+    for (std::size_t i = 0; i < level.size(); ++i)
+      list_of[{level.model[i], level.keypoints.x[i]}] = nearest(i);
+    for (std::uint32_t m = 0; m < models_.size(); ++m) {
+      for (const TriSpinFeatures& own : models_[m].features) {
+        for (std::size_t row = 0; own.resolution == level.resolution && row < own.size(); ++row)
+          expected[list_of.at({m, own.keypoints.x[row]})].emplace_back(m, own.keypoints[row]);
+      }
+    }
+    for (std::size_t l = 0; l < num_lists; ++l) {
+      ASSERT_EQ(level.offsets[l + 1] - level.offsets[l], expected[l].size());
+      for (std::size_t k = 0; k < expected[l].size(); ++k) {
+        const std::size_t i = level.offsets[l] + k;
+        ASSERT_EQ(level.model[i], expected[l][k].first);
+        ASSERT_EQ(level.keypoints[i], expected[l][k].second);
+      }
+    }
+  }
+  EXPECT_GT(most_lists, 1U);
+}
+
+TEST_F(IndexFeatures, MakesTheSameFileFromPiecesOfAnySize) {
+  const std::string whole = test::read_bytes(file());
+  for (const std::size_t piece_bytes : {std::size_t{3000}, std::size_t{44'000}}) {
+    write(folder() / "pieces.h5", models_, piece_bytes);
+    EXPECT_TRUE(test::read_bytes(folder() / "pieces.h5") == whole) << piece_bytes;
+  }
+  const auto verified = verify_library(folder() / "pieces.h5");
+  EXPECT_TRUE(verified) << verified.error().message;
+  std::vector<Model> few(models_);
+  few.resize(1);
+  write(file(), few);
+  write(folder() / "pieces.h5", few, 1);  // feature by feature
+  EXPECT_TRUE(test::read_bytes(folder() / "pieces.h5") == test::read_bytes(file()));
+}
+
+TEST_F(IndexFeatures, MakesTheSameFileWithAnyNumberOfThreads) {
+  for (const unsigned threads : {1U, 2U}) {
+    const ThreadLimit limit(threads);
+    write(folder() / "threads.h5", models_, 20'000);
+    EXPECT_TRUE(test::read_bytes(folder() / "threads.h5") == test::read_bytes(file())) << threads;
+  }
+}
+
+TEST_F(IndexFeatures, IsTheSameInWhateverOrderModelsWereAdded) {
+  const std::vector<Model> turned(models_.rbegin(), models_.rend());
+  write(folder() / "turned.h5", turned);
+  const auto a = open_library(file()), b = open_library(folder() / "turned.h5");
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->index.size(), b->index.size());
+  for (std::size_t k = 0; k < a->index.size(); ++k) {
+    EXPECT_TRUE(std::ranges::equal(a->index[k].centroids, b->index[k].centroids));
+    EXPECT_TRUE(std::ranges::equal(a->index[k].codes, b->index[k].codes));
+    EXPECT_TRUE(std::ranges::equal(a->index[k].model, b->index[k].model));
+    EXPECT_TRUE(std::ranges::equal(a->index[k].keypoints.z, b->index[k].keypoints.z));
+    EXPECT_TRUE(std::ranges::equal(a->index[k].frames, b->index[k].frames));
+  }
 }
 
 TEST_F(IndexFeatures, IsTheSameFromTheFileAndFromItsModels) {

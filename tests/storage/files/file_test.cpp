@@ -73,6 +73,24 @@ TEST(PublishFile, LeavesNothingWhereItCannotWrite) {
   EXPECT_EQ(count_files(folder.path()), 1);
 }
 
+TEST(GiveBackAround, LeavesAllBytesAsTheyWere) {
+  const test::TempDir folder;
+  std::string text(300'000, 'a');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i / 1000 % 26);
+  const auto mapped = MappedFile::open(folder.write("file", text), text.size());
+  ASSERT_TRUE(mapped);
+  const auto bytes = mapped->bytes();
+  for (const std::size_t first : {std::size_t{0}, std::size_t{100'001}, std::size_t{299'999}})
+    give_back_around(bytes.subspan(first, 1), bytes);
+  give_back_around(bytes, bytes);
+  EXPECT_TRUE(std::ranges::equal(bytes, std::as_bytes(std::span(text))));
+
+  std::vector<std::byte> elsewhere(300'000, std::byte{5});  // would be zeros, were it given back
+  give_back_around(elsewhere, bytes);
+  give_back_around(elsewhere, {});
+  EXPECT_TRUE(std::ranges::all_of(elsewhere, [](std::byte b) { return b == std::byte{5}; }));
+}
+
 TEST(Xxh3OfMapped, IsThatOfTheBytes) {
   const test::TempDir folder;
   std::string text;

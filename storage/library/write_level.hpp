@@ -1,0 +1,32 @@
+/// Writes levels of the index whose features are not in memory.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "storage/feature_index.hpp"
+#include "storage/library/hdf5.hpp"
+#include "storage/library/stored_tree.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// What a level is written into.
+struct LevelPlace {
+  std::filesystem::path file;
+  std::size_t num_models = 0;
+  std::string_view unit;        ///< of length
+  std::size_t piece_bytes = 0;  ///< of features in memory at a time; at least one feature is
+};
+
+/// Write a level into a group of that name below /index.
+///
+/// stored  takes up how it lies there
+/// Errors: io (HDF5 failed; whoever calls says what it means), internal (a level that breaks the
+/// format).
+Result<void> write_level(const LevelInPieces& level, const std::string& name, hid_t index,
+                         const LevelPlace& place, StoredGroup& stored);
+
+}  // namespace trivet
