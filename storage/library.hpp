@@ -19,12 +19,13 @@
 namespace trivet {
 
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
-inline constexpr std::uint32_t kLibraryVersionMinor = 4;  ///< a newer minor version is read
+inline constexpr std::uint32_t kLibraryVersionMinor = 5;  ///< a newer minor version is read
 
 struct LibraryHeader {
   LengthUnit unit = LengthUnit::meter;
   std::string producer;    ///< program and version that wrote the file
   std::string parameters;  ///< training parameters as one JSON object
+  bool operator==(const LibraryHeader&) const = default;
 };
 
 /// The features of all models of a library in the making, by the models' names.

@@ -53,7 +53,10 @@ struct Model {
   std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
   std::string source;       ///< name of the file it was trained from, without folders
   std::string source_xxh3;  ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
-  float diameter = 0;       ///< largest distance between two surface points [library unit]
+  /// XXH3-128 of all that the model was trained from, 32 hexadecimal digits: models of one
+  /// fingerprint are equal but for their names. Empty in files of before 1.5.
+  std::string fingerprint;
+  float diameter = 0;  ///< largest distance between two surface points [library unit]
   /// Area centroid, which every symmetry keeps in place [library unit].
   Eigen::Vector3f center{0, 0, 0};
   Symmetry symmetry;

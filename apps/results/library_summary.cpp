@@ -100,6 +100,7 @@ Json model_json(const Model& model) {
   return {{"name", model.name},
           {"source", model.source},
           {"source_xxh3", model.source_xxh3},
+          {"fingerprint", model.fingerprint},
           {"diameter", model.diameter},
           {"center", vector_json(model.center)},
           {"vertices", model.vertices.size()},

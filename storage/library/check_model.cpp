@@ -6,6 +6,7 @@
 #include <string>
 
 #include "storage/counted.hpp"
+#include "storage/file.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/model_name.hpp"
 
@@ -62,6 +63,9 @@ std::string check_scalars(const Model& model) {
     if (text->size() > 4096 || text->find('\0') != std::string::npos)
       return "source: expected a text of at most 4096 bytes without NUL";
   }
+  if (!model.fingerprint.empty() && !Xxh3::parse(model.fingerprint))
+    return fmt::format("fingerprint: expected 32 hexadecimal digits, found '{}'",
+                       model.fingerprint);
   return {};
 }
 

@@ -25,6 +25,7 @@ ModelRecord record_of(const Model& model, const StoredGroup& described) {
   traits.name = model.name;
   traits.source = model.source;
   traits.source_xxh3 = model.source_xxh3;
+  traits.fingerprint = model.fingerprint;
   traits.diameter = model.diameter;
   traits.center = model.center;
   traits.sample_spacing = model.sample_spacing;
@@ -57,6 +58,8 @@ void DirectoryColumns::add(const ModelRecord& record) {
     texts += *text;
     text_ends.push_back(texts.size());
   }
+  const Xxh3 fingerprint = Xxh3::parse(model.fingerprint).value_or(Xxh3{});
+  fingerprints.insert(fingerprints.end(), {fingerprint.high, fingerprint.low});
   diameter.push_back(model.diameter);
   add_vector(model.center, center);
   spacing.push_back(model.sample_spacing);

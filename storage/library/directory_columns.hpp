@@ -16,7 +16,7 @@ ModelRecord record_of(const Model& model, const StoredGroup& described);
 /// All models as columns: the datasets of /directory.
 struct DirectoryColumns {
   std::string names, texts;
-  std::vector<std::uint64_t> text_ends, motion_ends, places, checksums;
+  std::vector<std::uint64_t> text_ends, fingerprints, motion_ends, places, checksums;
   std::vector<float> diameter, center, spacing, axis, near_axis, step, resolution;
   std::vector<Pose> motions;
   std::vector<std::uint8_t> declared;

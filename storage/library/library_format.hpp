@@ -173,6 +173,16 @@ inline constexpr DatasetSpec kTexts =
                  "source and source_xxh3 of each model, one after the other");
 inline constexpr DatasetSpec kTextEnds = of_directory("text_ends", ElementType::u64, {kRows, 2}, 2,
                                                       "where both texts of each model end");
+inline constexpr std::uint32_t kFingerprintsSince = 5;
+inline constexpr DatasetSpec kFingerprints{
+    "/directory",
+    "fingerprints",
+    ElementType::u64,
+    {kRows, 2},
+    2,
+    "of all that each model was trained from, high half first",
+    "1",
+    kFingerprintsSince};
 inline constexpr DatasetSpec kDiameters = of_directory("diameter", ElementType::f32, {kRows}, 1,
                                                        "largest distance of surface points", "");
 inline constexpr DatasetSpec kCenters =
@@ -258,6 +268,7 @@ inline constexpr std::array kDatasets{kVertices,
                                       kNames,
                                       kTexts,
                                       kTextEnds,
+                                      kFingerprints,
                                       kDiameters,
                                       kCenters,
                                       kSpacings,

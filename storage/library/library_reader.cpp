@@ -132,11 +132,12 @@ bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
 bool same(const ModelRecord& record, const ModelRecord& other) {
   const Model &a = record.traits, &b = other.traits;
   return record.columns == other.columns && a.name == b.name && a.source == b.source &&
-         a.source_xxh3 == b.source_xxh3 && a.diameter == b.diameter && a.center == b.center &&
-         a.sample_spacing == b.sample_spacing && a.symmetry.declared == b.symmetry.declared &&
-         same(a.symmetry.axis, b.symmetry.axis) && same(a.symmetry.poses, b.symmetry.poses) &&
-         same(a.near_axis, b.near_axis) && same(a.near_symmetries, b.near_symmetries) &&
-         a.ppf.quantization == b.ppf.quantization && a.ppf.num_references == b.ppf.num_references &&
+         a.source_xxh3 == b.source_xxh3 && a.fingerprint == b.fingerprint &&
+         a.diameter == b.diameter && a.center == b.center && a.sample_spacing == b.sample_spacing &&
+         a.symmetry.declared == b.symmetry.declared && same(a.symmetry.axis, b.symmetry.axis) &&
+         same(a.symmetry.poses, b.symmetry.poses) && same(a.near_axis, b.near_axis) &&
+         same(a.near_symmetries, b.near_symmetries) && a.ppf.quantization == b.ppf.quantization &&
+         a.ppf.num_references == b.ppf.num_references &&
          std::ranges::equal(a.features, b.features, {}, &TriSpinFeatures::resolution,
                             &TriSpinFeatures::resolution);
 }

@@ -29,6 +29,7 @@ StoredAttributes model_attributes(const Model& model) {
   StoredAttributes out;
   out.emplace("source", attribute(model.source));
   out.emplace("source_xxh3", attribute(model.source_xxh3));
+  out.emplace("fingerprint", attribute(model.fingerprint));
   out.emplace("diameter", attribute(model.diameter));
   out.emplace("centre", attribute(model.center));
   out.emplace("sample_spacing", attribute(model.sample_spacing));
@@ -192,6 +193,7 @@ bool LibraryWriter::State::write_directory(const std::string& models_digest,
   const auto bytes = [](const auto& column) { return std::as_bytes(std::span(column)); };
   if (!group || !put(format::kNames, bytes(all.names)) || !put(format::kTexts, bytes(all.texts)) ||
       !put(format::kTextEnds, bytes(all.text_ends)) ||
+      !put(format::kFingerprints, bytes(all.fingerprints)) ||
       !put(format::kDiameters, bytes(all.diameter)) || !put(format::kCenters, bytes(all.center)) ||
       !put(format::kSpacings, bytes(all.spacing)) || !put(format::kAxes, bytes(all.axis)) ||
       !put(format::kDeclared, bytes(all.declared)) ||

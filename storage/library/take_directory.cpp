@@ -15,7 +15,7 @@ const std::string kPath = "/directory";
 /// All columns of the directory; `good` where all have a row a model.
 struct Columns {
   std::vector<char> names, texts;
-  std::vector<std::uint64_t> text_ends, motion_ends, places, checksums;
+  std::vector<std::uint64_t> text_ends, fingerprints, motion_ends, places, checksums;
   std::vector<float> diameter, center, spacing, axis, near_axis, motions, step, resolution;
   std::vector<std::uint8_t> declared;
   std::vector<std::uint32_t> counts;
@@ -29,6 +29,7 @@ Columns take_columns(Taker& take, const StoredGroup& directory) {
   values(c.names, format::kNames);
   values(c.texts, format::kTexts);
   values(c.text_ends, format::kTextEnds);
+  values(c.fingerprints, format::kFingerprints);
   values(c.diameter, format::kDiameters);
   values(c.center, format::kCenters);
   values(c.spacing, format::kSpacings);
@@ -55,6 +56,8 @@ void check_columns(Taker& take, const Columns& c, std::size_t n) {
     }
   };
   expect(format::kTextEnds, c.text_ends.size(), 2);
+  if (take.version() >= format::kFingerprintsSince)
+    expect(format::kFingerprints, c.fingerprints.size(), 2);
   expect(format::kDiameters, c.diameter.size(), 1);
   expect(format::kCenters, c.center.size(), 3);
   expect(format::kSpacings, c.spacing.size(), 1);
@@ -93,6 +96,10 @@ ModelRecord record_at(const Columns& c, std::size_t m) {
   };
   model.source = text_to(2 * m);
   model.source_xxh3 = text_to(2 * m + 1);
+  if (!c.fingerprints.empty()) {
+    const Xxh3 fingerprint{c.fingerprints[2 * m], c.fingerprints[2 * m + 1]};
+    if (fingerprint != Xxh3{}) model.fingerprint = fingerprint.hex();
+  }
   model.diameter = c.diameter[m];
   model.center = Eigen::Vector3f(c.center.data() + 3 * m);
   model.sample_spacing = c.spacing[m];

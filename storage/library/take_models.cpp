@@ -39,6 +39,8 @@ ModelRecord take_model(Taker& take, const std::string& name, const StoredGroup& 
   model.name = name;
   model.source = take.text(group.attributes, "source", path);
   model.source_xxh3 = take.text(group.attributes, "source_xxh3", path);
+  if (take.version() >= format::kFingerprintsSince)
+    model.fingerprint = take.text(group.attributes, "fingerprint", path);
   model.diameter = take.f32(group.attributes, "diameter", path);
   model.center = take.vector(group.attributes, "centre", path);
   model.sample_spacing = take.f32(group.attributes, "sample_spacing", path);

@@ -132,6 +132,7 @@ Model random_model(const std::string& name, std::uint64_t seed, const RandomMode
   model.name = name;
   model.source = name + ".ply";
   model.source_xxh3 = "0123456789abcdef0123456789abcdef";
+  model.fingerprint = seed % 3 == 0 ? "" : "fedcba9876543210fedcba9876543210";
   model.diameter = uniform(random, 0.1F, 3);
   model.center = vector(random);
   model.sample_spacing = uniform(random, 0.001F, 0.1F);
@@ -181,6 +182,7 @@ TriSpinBasis random_basis(std::uint64_t seed, std::size_t num_components) {
 std::string difference(const Model& a, const Model& b) {
   if (a.name != b.name) return "name";
   if (a.source != b.source || a.source_xxh3 != b.source_xxh3) return "source";
+  if (a.fingerprint != b.fingerprint) return "fingerprint";
   if (a.diameter != b.diameter || a.center != b.center || a.sample_spacing != b.sample_spacing)
     return "scalars";
   if (!same(a.symmetry, b.symmetry)) return "symmetry";
