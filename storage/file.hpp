@@ -78,6 +78,9 @@ class PendingFile {
   int descriptor_ = -1;
 };
 
+/// Remove the temporary files of a target that nobody is writing now: of processes that died.
+void remove_pending_files(const std::filesystem::path& target) noexcept;
+
 /// Write bytes as a PendingFile and publish it. Errors: cannot_create, io.
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 

@@ -44,6 +44,11 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
 }
 
+constexpr std::string_view kPendingEnd = ".tmp";
+std::string pending_prefix(const std::filesystem::path& target) {
+  return fmt::format(".{}.", target.filename().string());
+}
+
 bool write_all(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -145,7 +150,7 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   // A name of its own for each writer: two of them never share a temporary file.
   for (int attempt = 0; file.descriptor_ < 0; ++attempt) {
     file.temporary_ =
-        folder / fmt::format(".{}.{}.{}.tmp", target.filename().string(), ::getpid(), attempt);
+        folder / fmt::format("{}{}.{}{}", pending_prefix(target), ::getpid(), attempt, kPendingEnd);
     file.descriptor_ =
         ::open(file.temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file.descriptor_ < 0 && errno != EEXIST) return cannot_create(target);
@@ -182,6 +187,20 @@ void PendingFile::discard() noexcept {
   [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, 0);
   ::unlink(temporary_.c_str());
   ::close(std::exchange(descriptor_, -1));
+}
+
+void remove_pending_files(const std::filesystem::path& target) noexcept {
+  const std::string prefix = pending_prefix(target);
+  std::error_code error;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_of(target), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix) || !name.ends_with(kPendingEnd)) continue;
+    const auto numbers = std::string_view(name).substr(
+        prefix.size(), name.size() - prefix.size() - kPendingEnd.size());
+    if (numbers.find_first_not_of("0123456789.") == numbers.npos) found.push_back(entry.path());
+  }
+  for (const std::filesystem::path& file : found) std::filesystem::remove(file, error);
 }
 
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
