@@ -10,6 +10,9 @@
 
 namespace trivet {
 
+/// Principal components that the program knows.
+inline constexpr std::uint32_t kMostComponents = 96;
+
 struct TrainOptions {
   float relative_step = 0.04F;  ///< tau_d: sampling step / diameter; smaller finds more, slower
   /// Distance between the model's points that pairs start at, in steps; 0: every point. Larger is

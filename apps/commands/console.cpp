@@ -7,19 +7,36 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace trivet::apps {
 namespace {
 
-/// How long the rest will take, by what was done so far; empty while that says little.
-std::string remaining(double elapsed_seconds, std::size_t done, std::size_t total) {
-  if (done >= total || done == 0 || elapsed_seconds < 2) return "";
-  const double left =
-      elapsed_seconds / static_cast<double>(done) * static_cast<double>(total - done);
-  return left < 90 ? fmt::format(", {:.0f} s left", left)
-                   : fmt::format(", {:.0f} min left", left / 60);
+using Clock = std::chrono::steady_clock;
+
+/// What of a run has been told.
+struct Told {
+  Clock::time_point start = Clock::now(), last{};
+  std::optional<std::size_t> done_at_first;  // items that were done when the first report came
+
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+};
+
+/// How fast it goes and how long the rest will take, by what was done since the first report; empty
+/// where nothing was.
+std::string pace(const Told& told, std::size_t done, std::size_t total) {
+  const double seconds = told.seconds();
+  if (done >= total || done <= *told.done_at_first || seconds <= 0) return "";
+  const double rate = static_cast<double>(done - *told.done_at_first) / seconds;
+  const double left = static_cast<double>(total - done) / rate;
+  return fmt::format(
+      ", {:.{}f}/s, {}", rate, rate < 10 ? 1 : 0,
+      left < 90 ? fmt::format("{:.0f} s left", left) : fmt::format("{:.0f} min left", left / 60));
 }
+
+constexpr std::size_t kMostLines = 100;
+constexpr std::chrono::milliseconds kBetween{500};
 
 std::string progress_json(const std::string& verb, std::size_t done, std::size_t total,
                           std::string_view item, double seconds) {
@@ -48,32 +65,40 @@ void Console::warning(std::string_view text) const { tell(fmt::format("warning: 
 
 void Console::error(std::string_view text) const { tell(fmt::format("error: {}\n", text)); }
 
-Progress Console::progress(std::string_view verb, std::stop_token stop) const {
+Progress Console::progress(std::string_view verb, std::stop_token stop, bool brief) const {
   Progress progress;
   progress.stop = std::move(stop);
-  const auto start = std::chrono::steady_clock::now();
+  Told told;
   if (json_progress) {
-    progress.report = [verb = std::string(verb), start](std::size_t done, std::size_t total,
-                                                        std::string_view item) {
-      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-      tell(progress_json(verb, done, total, item, elapsed.count()) + '\n');
+    progress.report = [verb = std::string(verb), told](std::size_t done, std::size_t total,
+                                                       std::string_view item) {
+      tell(progress_json(verb, done, total, item, told.seconds()) + '\n');
     };
     return progress;
   }
   if (quiet) return progress;
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  progress.report = [terminal, verb = std::string(verb), start](std::size_t done, std::size_t total,
-                                                                std::string_view item) {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    const std::string left = remaining(elapsed.count(), done, total);
+  progress.report = [terminal, brief, verb = std::string(verb), told](
+                        std::size_t done, std::size_t total, std::string_view item) mutable {
+    if (!told.done_at_first) {
+      told.done_at_first = done < total && item.empty() ? done : 0;
+      if (item.empty()) told.start = Clock::now();
+    }
+    if (brief && told.seconds() < 1) return;
+    // Of many items, a log gets a line now and then.
+    const bool is_due =
+        done == total || (total <= kMostLines && !brief) || Clock::now() - told.last > kBetween;
+    if (!is_due) return;
+    told.last = Clock::now();
+    const std::string rest = pace(told, done, total);
     if (!terminal) {
-      tell(fmt::format("{} {}/{} {}{}\n", verb, done, total, item, left));
+      tell(fmt::format("{} {}/{} {}{}\n", verb, done, total, item, rest));
       return;
     }
     constexpr std::size_t kWidth = 30;
     const std::size_t filled = total > 0 ? kWidth * done / total : kWidth;
     tell(fmt::format("\r\033[K{} [{}{}] {}/{} {}{}{}", verb, std::string(filled, '#'),
-                     std::string(kWidth - filled, '.'), done, total, item, left,
+                     std::string(kWidth - filled, '.'), done, total, item, rest,
                      done == total ? "\n" : ""));
   };
   return progress;

@@ -24,7 +24,9 @@ class Console {
   /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise; with
   /// the time that is left. As JSON: {"stage", "done", "total", "item", "seconds"}, of which
   /// `stage` is the verb and `seconds` count from its beginning.
-  Progress progress(std::string_view verb, std::stop_token stop) const;
+  ///
+  /// brief  what mostly takes no time: nothing is told in its first second
+  Progress progress(std::string_view verb, std::stop_token stop, bool brief = false) const;
 };
 
 }  // namespace trivet::apps

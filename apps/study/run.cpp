@@ -46,29 +46,36 @@ Result<std::vector<ScanModel>> gather_models(const Study& study,
   return models;
 }
 
+Result<void> render(const Study& study, const SceneSet& set, const StudyFolder& folder,
+                    const std::stop_token& stop) {
+  const Result<std::vector<ScanModel>> models = gather_models(study, set.models);
+  if (!models) return models.error();
+  const fs::path whole = folder.scenes(set), part = whole.string() + ".part";
+  std::error_code error;
+  fs::remove_all(part, error);
+  const Result<Manifest> rendered =
+      render_scenes(*models, LengthUnit::meter, set.options, part, {{}, stop});
+  if (!rendered) return rendered.error();
+  fs::rename(part, whole, error);
+  if (!error) return {};
+  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", whole.string(), error.message())};
+}
+
 Result<void> render_missing(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
-                            const ProgressOf& progress_of) {
-  std::vector<const SceneSet*> missing;
-  for (const SceneSet& set : plan.sets) {
-    if (!fs::exists(folder.manifest(set))) missing.push_back(&set);
+                            const ProgressOf& progress_of, const Share& share) {
+  std::vector<std::size_t> missing;
+  for (std::size_t s = 0; s < plan.sets.size(); ++s) {
+    if (!fs::exists(folder.manifest(plan.sets[s]))) missing.push_back(s);
   }
   const Progress progress = progress_of("rendered");
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    const Result<std::vector<ScanModel>> models = gather_models(study, missing[i]->models);
-    if (!models) return models.error();
-    const fs::path whole = folder.scenes(*missing[i]), part = whole.string() + ".part";
-    std::error_code error;
-    fs::remove_all(part, error);
-    const Result<Manifest> rendered =
-        render_scenes(*models, LengthUnit::meter, missing[i]->options, part, {{}, progress.stop});
-    if (!rendered) return rendered.error();
-    fs::rename(part, whole, error);
-    if (error)
-      return Error{ErrorCode::cannot_create,
-                   fmt::format("{}: {}", whole.string(), error.message())};
-    progress(i + 1, missing.size(), counted(missing[i]->options.num_scenes, "scene"));
-  }
-  return {};
+  return share(missing, [&](std::span<const std::size_t> some) -> Result<void> {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const SceneSet& set = plan.sets[some[i]];
+      if (const Result<void> done = render(study, set, folder, progress.stop); !done) return done;
+      progress(i + 1, some.size(), counted(set.options.num_scenes, "scene"));
+    }
+    return {};
+  });
 }
 
 Result<std::vector<ModelSource>> training_sources(const LibraryPlan& library,
@@ -94,26 +101,33 @@ Result<std::vector<ModelSource>> training_sources(const LibraryPlan& library,
 
 Result<void> train_missing(const StudyPlan& plan, const StudyFolder& folder,
                            const std::vector<Manifest>& sets, const std::set<std::size_t>& needed,
-                           const ProgressOf& progress_of) {
-  const Progress progress = progress_of("trained");
-  std::size_t done = 0;
+                           const ProgressOf& progress_of, const Share& share) {
+  std::vector<std::size_t> missing;
   for (const std::size_t index : needed) {
-    const LibraryPlan& library = plan.libraries[index];
-    const fs::path file = folder.library(library);
-    if (!fs::exists(file)) {
+    if (!fs::exists(folder.library(plan.libraries[index]))) missing.push_back(index);
+  }
+  const Progress progress = progress_of("trained");
+  return share(missing, [&](std::span<const std::size_t> some) -> Result<void> {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const LibraryPlan& library = plan.libraries[some[i]];
       const Result<std::vector<ModelSource>> sources = training_sources(library, sets);
       if (!sources) return sources.error();
-      const Result<LibraryStats> stats = train_library(*sources, sets[library.set].unit,
-                                                       library.options, file, {{}, progress.stop});
-      if (!stats) return stats.error();
+      const Result<TrainReport> trained = train_library(
+          {*sources, sets[library.set].unit, library.options, folder.library(library)},
+          {{}, {{}, progress.stop}, {}});
+      if (!trained) return trained.error();
+      progress(i + 1, some.size(), counted(trained->models.size(), "model"));
     }
-    progress(++done, needed.size(),
-             counted(sets[library.set].models.size() + library.num_others, "model", "models"));
-  }
-  return {};
+    return {};
+  });
 }
 
 }  // namespace
+
+Result<void> do_all(std::span<const std::size_t> items,
+                    const std::function<Result<void>(std::span<const std::size_t>)>& work) {
+  return work(items);
+}
 
 Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder& folder) {
   std::vector<Manifest> sets;
@@ -126,11 +140,11 @@ Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder
 }
 
 Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
-                       const ProgressOf& progress_of) {
+                       const ProgressOf& progress_of, const Share& share) {
   for (const char* const part : {"scenes", "libraries", "cells"}) {
     if (const Result<void> made = make_folder(folder.path() / part); !made) return made;
   }
-  if (const Result<void> done = render_missing(study, plan, folder, progress_of); !done)
+  if (const Result<void> done = render_missing(study, plan, folder, progress_of, share); !done)
     return done;
   const Result<std::vector<Manifest>> sets = read_sets(plan, folder);
   if (!sets) return sets.error();
@@ -142,31 +156,36 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
     missing.push_back(i);
     libraries.insert(plan.cells[i].library);
   }
-  if (const Result<void> done = train_missing(plan, folder, *sets, libraries, progress_of); !done)
+  if (const Result<void> done = train_missing(plan, folder, *sets, libraries, progress_of, share);
+      !done)
     return done;
 
   std::vector<fs::path> files;
   for (const LibraryPlan& library : plan.libraries) files.push_back(folder.library(library));
   std::vector<std::vector<SceneInput>> inputs;  // of each set
   for (const Manifest& set : *sets) inputs.push_back(scenes_of(set, set.unit));
-  std::vector<RecognitionCell> cells;
-  for (const std::size_t i : missing) {
-    const Cell& cell = plan.cells[i];
-    cells.push_back({cell.library, inputs[cell.set][cell.scene], cell.degrade, cell.degrade_seed,
-                     cell.options});
-  }
-  return recognize_cells(
-      files, cells, progress_of("recognized"),
-      [&](std::size_t i, const SceneResult& result, const LibraryUse& use) -> Result<void> {
-        const Cell& cell = plan.cells[missing[i]];
-        const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
-        nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-        scenes.push_back(scene_json(name, result, default_score()));
-        return write_json(
-            folder.cell(cell).string(),
-            {{"scenes", std::move(scenes)},
-             {"library", {{"open_seconds", use.open_seconds}, {"peak_bytes", use.peak_bytes}}}});
-      });
+  const auto keep = [&](const Cell& cell, const SceneResult& result, const LibraryUse& use) {
+    const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
+    nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
+    scenes.push_back(scene_json(name, result, default_score()));
+    return write_json(
+        folder.cell(cell).string(),
+        {{"scenes", std::move(scenes)},
+         {"library", {{"open_seconds", use.open_seconds}, {"peak_bytes", use.peak_bytes}}}});
+  };
+  const Progress progress = progress_of("recognized");
+  return share(missing, [&](std::span<const std::size_t> some) {
+    std::vector<RecognitionCell> cells;
+    for (const std::size_t i : some) {
+      const Cell& cell = plan.cells[i];
+      cells.push_back({cell.library, inputs[cell.set][cell.scene], cell.degrade, cell.degrade_seed,
+                       cell.options});
+    }
+    return recognize_cells(files, cells, progress,
+                           [&](std::size_t k, const SceneResult& result, const LibraryUse& use) {
+                             return keep(plan.cells[some[k]], result, use);
+                           });
+  });
 }
 
 Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan,

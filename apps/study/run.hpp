@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "apps/study/plan.hpp"
@@ -38,10 +39,20 @@ class StudyFolder {
 /// Tells what a run does: a Progress for each of its steps, by its verb.
 using ProgressOf = std::function<Progress(std::string_view verb)>;
 
+/// Has items worked on, each of them once, by calling `work` with all of them, or with some of them
+/// again and again in each of several processes; returns when all are done. The items of the first
+/// process count: others may see meanwhile what it has done.
+using Share = std::function<Result<void>(
+    std::span<const std::size_t> items,
+    const std::function<Result<void>(std::span<const std::size_t>)>& work)>;
+/// All by this process.
+Result<void> do_all(std::span<const std::size_t> items,
+                    const std::function<Result<void>(std::span<const std::size_t>)>& work);
+
 /// Render, train and recognize what is missing. Stopped or killed at any time, the next run goes on
 /// with what is not there yet. Errors: of each step; resumable when stopped.
 Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
-                       const ProgressOf& progress);
+                       const ProgressOf& progress, const Share& share = do_all);
 
 /// The truth of each set. Errors: of reading.
 Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder& folder);

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <system_error>
 
-#include "engine/libraries/copy_models.hpp"
+#include "engine/libraries/assemble_library.hpp"
 
 namespace trivet {
 namespace {
@@ -65,7 +65,13 @@ Result<std::vector<std::filesystem::path>> split_library(const Library& library,
   for (const std::vector<std::uint32_t>& models : split_models(library, num_parts)) {
     files.push_back(folder /
                     fmt::format("{}-{}.h5", library.file.stem().string(), files.size() + 1));
-    if (const Result<void> copied = copy_models(library, models, files.back()); !copied)
+    std::vector<ModelCopy> copies;
+    for (const std::uint32_t m : models) copies.push_back(copy_of(library, m));
+    const Result<FileLock> lock = FileLock::acquire(files.back());
+    if (!lock) return lock.error();
+    if (const Result<void> copied =
+            assemble_library(library.header, library.basis, std::move(copies), *lock);
+        !copied)
       return copied.error();
   }
   return files;

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "engine/options/declare_option.hpp"
-#include "kernels/spin_images/tri_spin_image.hpp"
 
 namespace trivet {
 namespace {
@@ -85,7 +84,7 @@ std::span<const Option<TrainOptions>> options_of<TrainOptions>() {
                                              .group = kFeatures,
                                              .label = "principal components",
                                              .help = "Principal components that are kept at most",
-                                             .range = {1, kernels::kTriSpinSize}}),
+                                             .range = {1, kMostComponents}}),
       declare<TRIVET_FIELD(component_energy)>(
           {.name = "component-energy",
            .group = kFeatures,

@@ -1,4 +1,4 @@
-/// The principal components of a library's Tri-Spin-Images.
+/// The principal components of Tri-Spin-Images.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace trivet::engine {
 
-/// Images of some of a model's keypoints, spread over all: at most `wanted`, one after the other.
-/// Errors: as of training.
+/// Images of some of a model's keypoints, spread over all and over all scales: at most `wanted`, one
+/// after the other. Errors: as of training.
 Result<std::vector<float>> sample_images(const Cloud& cloud, const ModelSource& source,
-                                         const TrainOptions& options, std::size_t wanted);
+                                         std::size_t wanted);
 
 /// The basis of images; without any, an empty one.
-TriSpinBasis basis_of(std::span<const float> images, const TrainOptions& options);
+TriSpinBasis basis_of(std::span<const float> images, std::size_t num_components);
 
 }  // namespace trivet::engine

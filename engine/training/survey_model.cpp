@@ -123,6 +123,12 @@ void keep_visible_samples(SurveyedModel& model) {
   }
 }
 
+std::size_t count_turned(NormalsView before, NormalsView after) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) count += before[i].dot(after[i]) < 0 ? 1 : 0;
+  return count;
+}
+
 /// Running sums of the triangles' areas; none if they have no extent.
 std::vector<double> areas_of(const Points& vertices, const Triangles& triangles, float diameter) {
   std::vector<double> areas(triangles.size());
@@ -197,11 +203,13 @@ Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source
     const StageTimer timer(times, "visibility");
     SpreadPoints& all = model.all_samples;
     model.all_views.resize(all.points.size());
+    const Normals given = all.normals;
     for_chunks(model.all_views.size(), kViewGrain, [&](std::size_t first, std::size_t count) {
       kernels::orient_outward(model.rays, all.points.view().slice(first, count),
                               all.normals.span().slice(first, count), model.ray_offset,
                               std::span(model.all_views).subspan(first, count));
     });
+    if (model.has_faces()) model.num_turned = count_turned(given, all.normals);
     keep_visible_samples(model);
   }
   const std::size_t num_seen = model.samples.points.size();

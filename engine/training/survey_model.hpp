@@ -38,7 +38,8 @@ struct SurveyedModel {
   std::vector<ViewMask> all_views;  ///< of all samples
   std::vector<double> areas;        ///< running sums over the triangles; none without a surface
   kernels::RayScene rays;
-  float ray_offset = 0;  ///< how far from the surface rays start
+  float ray_offset = 0;        ///< how far from the surface rays start
+  std::size_t num_turned = 0;  ///< of all samples: whose faces look inwards
 
   bool has_faces() const noexcept { return !areas.empty(); }
   std::size_t num_hidden() const noexcept { return all_views.size() - sample_views.size(); }

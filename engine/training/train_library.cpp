@@ -1,189 +1,358 @@
 #include <fmt/format.h>
-#include <tbb/flow_graph.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <numeric>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "engine/common/parallel.hpp"
-#include "engine/libraries/index_features.hpp"
-#include "engine/train.hpp"
+#include "engine/libraries/assemble_library.hpp"
+#include "engine/libraries/edit_library.hpp"
+#include "engine/training/provenance.hpp"
+#include "engine/training/standard_basis.hpp"
+#include "engine/training/training_parts.hpp"
+#include "engine/training/warn_of_model.hpp"
+#include "engine/training_run.hpp"
+#include "storage/counted.hpp"
 #include "storage/file.hpp"
+#include "storage/file_lock.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
 namespace {
 
-namespace flow = tbb::flow;
+using Clock = std::chrono::steady_clock;
 
-/// Models in memory at once: enough to hide reading and writing behind training, however large the
-/// library.
-constexpr std::size_t kModelsInFlight = 4;
+/// Where models of a fingerprint lie.
+using Known = std::map<std::string, ModelCopy, std::less<>>;
 
-struct Job {
-  std::size_t id = 0;
-  const ModelSource* source = nullptr;
-};
-
-struct Finished {
-  std::size_t id = 0;
-  std::shared_ptr<Result<TrainedModel>> trained;
-};
-
-Result<TrainedModel> read_and_train(const ModelSource& source, LengthUnit unit,
-                                    const TrainOptions& options, const TriSpinBasis& basis) {
-  StageTimes times;
-  std::string hash;
-  const Result<Cloud> surface = [&]() -> Result<Cloud> {
-    const StageTimer timer(times, "read");
-    Result<MappedFile> bytes = MappedFile::open(source.file, ReadOptions{}.max_file_bytes);
-    if (!bytes) return bytes.error();
-    hash = xxh3_hex(bytes->bytes());
-    return read_cloud(source.file, {.unit = unit, .keep_origin = true});
-  }();
-  if (!surface) return surface.error();
-  Result<TrainedModel> trained = train_model(*surface, source, options, basis);
-  if (!trained) return trained;
-  trained->model.source_xxh3 = hash;
-  times.seconds.insert(times.seconds.end(), trained->stats.times.seconds.begin(),
-                       trained->stats.times.seconds.end());
-  trained->stats.times = std::move(times);
-  return trained;
-}
-
-/// Why models cannot be trained, of each that cannot; none are missed but those that only pairs or
-/// features tell. In the order of the sources.
-std::vector<Error> find_faults(std::span<const ModelSource* const> sources, LengthUnit unit,
-                               TrainOptions options, const std::stop_token& stop) {
-  options.point_pairs = options.tri_spin_images = false;
-  std::vector<std::optional<Error>> found(sources.size());
-  engine::for_each_index(sources.size(), [&](std::size_t k) {
-    if (stop.stop_requested()) return;
-    const Result<TrainedModel> trained = read_and_train(*sources[k], unit, options, {});
-    if (!trained) found[k] = trained.error();
-  });
-  std::vector<Error> faults;
-  for (const std::optional<Error>& fault : found) {
-    if (fault) faults.push_back(*fault);
+void note_models(const Library& library, Known& known) {
+  for (const ModelCopy& copy : copies_of(library)) {
+    const std::string& fingerprint = copy.model().fingerprint;
+    if (!fingerprint.empty()) known.emplace(fingerprint, copy);
   }
-  return faults;
 }
 
-Error join_faults(std::span<const Error> faults, std::size_t num_models) {
-  if (faults.size() == 1) return faults[0];
-  Error joined{faults[0].code, fmt::format("{} of {} models cannot be trained; nothing was written",
-                                           faults.size(), num_models)};
-  for (const Error& fault : faults) joined.message += "\n" + fault.message;
-  return joined;
-}
-
-/// All options, whatever their values: {"methods": ["ppf", "trisi"], "relative-step": 0.04, ...}.
-std::string parameters_json(const TrainOptions& options) {
-  nlohmann::ordered_json json;
-  for (const Option<TrainOptions>& option : options_of<TrainOptions>()) {
-    std::visit([&](const auto& value) { json[std::string(option.info.name)] = value; },
-               option.get(options));
+/// In the first that knows it; else null.
+const ModelCopy* find_model(std::initializer_list<const Known*> places,
+                            const std::string& fingerprint) {
+  for (const Known* const place : places) {
+    const auto found = place->find(fingerprint);
+    if (found != place->end()) return &found->second;
   }
-  return json.dump();
+  return nullptr;
+}
+
+Result<std::vector<ModelSource>> by_name(std::vector<ModelSource> sources) {
+  if (sources.empty()) return Error{ErrorCode::usage, "expected at least one model, found none"};
+  std::ranges::sort(sources, {}, &ModelSource::name);
+  const auto twice = std::ranges::adjacent_find(sources, {}, &ModelSource::name);
+  if (twice != sources.end()) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("model '{}': expected each name once, found it for {} and {}; rename "
+                             "one with NAME=FILE",
+                             twice->name, twice->file.string(), std::next(twice)->file.string())};
+  }
+  return sources;
+}
+
+Result<std::string> hash_of(const std::filesystem::path& file) {
+  const Result<MappedFile> bytes = MappedFile::open(file, ReadOptions{}.max_file_bytes);
+  if (!bytes) return bytes.error();
+  return xxh3_hex(bytes->bytes());
+}
+
+ModelFacts facts_of(const ModelCopy& copy, ModelOrigin origin) {
+  const Model& model = copy.model();
+  ModelFacts facts;
+  facts.name = copy.name;
+  facts.origin = origin;
+  facts.num_vertices = model.vertices.size();
+  facts.num_triangles = model.triangles.size();
+  facts.diameter = model.diameter;
+  facts.num_symmetries = model.symmetry.poses.size();
+  facts.num_near_symmetries = model.near_symmetries.size();
+  facts.axis = model.symmetry.axis.has_value();
+  facts.near_axis = model.near_axis.has_value();
+  facts.declared = model.symmetry.declared;
+  facts.num_ppf_entries = model.ppf.entries.size();
+  facts.bytes = engine::stored_bytes(model);
+  for (const TriSpinFeatures& features : model.features) facts.num_features += features.size();
+  return facts;
 }
 
 }  // namespace
 
-Result<LibraryStats> train_library(std::span<const ModelSource> sources, LengthUnit unit,
-                                   const TrainOptions& options, const std::filesystem::path& file,
-                                   const Progress& progress) {
-  if (const Result<void> valid = validate(options); !valid) return valid.error();
-  const auto start = std::chrono::steady_clock::now();
-  Result<LibraryWriter> writer =
-      LibraryWriter::create(file, {unit, "trivet " TRIVET_VERSION, parameters_json(options)});
-  if (!writer) return writer.error();
+struct TrainingRun::State {
+  State(TrainRequest wanted, FileLock held)
+      : request(std::move(wanted)),
+        lock(std::move(held)),
+        header(engine::library_header(request.unit, request.options)),
+        basis(engine::standard_basis(request.options)) {}
 
-  // By name, so that the file does not depend on the order of the command line.
-  std::vector<const ModelSource*> order(sources.size());
-  std::transform(sources.begin(), sources.end(), order.begin(),
-                 [](const ModelSource& source) { return &source; });
-  std::stable_sort(order.begin(), order.end(),
-                   [](const ModelSource* a, const ModelSource* b) { return a->name < b->name; });
-
+  TrainRequest request;  // sources by name
+  FileLock lock;
+  LibraryHeader header;
   TriSpinBasis basis;
-  if (options.tri_spin_images) {
-    std::vector<ModelSource> by_name;
-    for (const ModelSource* source : order) by_name.push_back(*source);
-    Result<TriSpinBasis> found = find_basis(by_name, unit, options, progress.stop);
-    if (!found) {
-      std::vector<Error> faults = find_faults(order, unit, options, progress.stop);
-      if (faults.empty()) faults.push_back(found.error());
-      return join_faults(faults, order.size());
-    }
-    basis = std::move(*found);
-    if (basis.components.size() > 0) {
-      if (const Result<void> added = writer->add(basis); !added) return added.error();
-    }
-  }
+  Clock::time_point start = Clock::now();
 
-  LibraryStats stats;
-  std::optional<Error> failure, fault;  // of writing, of a model
-  std::atomic<bool> failed{false};
-  flow::graph graph;
-  std::size_t next = 0;
-  flow::input_node<Job> jobs(graph, [&](tbb::flow_control& control) {
-    if (next == order.size() || failed || progress.stop.stop_requested()) {
-      control.stop();
-      return Job{};
-    }
-    const Job job{next, order[next]};
-    ++next;
-    return job;
-  });
-  flow::limiter_node<Job> gate(graph, kModelsInFlight);
-  flow::function_node<Job, Finished> train(graph, flow::unlimited, [&](const Job& job) {
-    return Finished{job.id, std::make_shared<Result<TrainedModel>>(
-                                read_and_train(*job.source, unit, options, basis))};
-  });
-  flow::sequencer_node<Finished> in_order(graph,
-                                          [](const Finished& finished) { return finished.id; });
-  flow::function_node<Finished> write(graph, flow::serial, [&](const Finished& finished) {
-    if (failed) return flow::continue_msg{};
-    Result<TrainedModel>& trained = *finished.trained;
-    if (!trained) {
-      fault = trained.error();
-      failed = true;
-    } else if (const Result<void> added = writer->add(trained->model); !added) {
-      failure = added.error();
-      failed = true;
-    } else {
-      stats.models.emplace_back(trained->model.name, std::move(trained->stats));
-      progress(finished.id + 1, order.size(), trained->model.name);
-    }
-    return flow::continue_msg{};
-  });
-  flow::make_edge(jobs, gate);
-  flow::make_edge(gate, train);
-  flow::make_edge(train, in_order);
-  flow::make_edge(in_order, write);
-  flow::make_edge(write, gate.decrementer());
-  jobs.activate();
-  graph.wait_for_all();
+  std::optional<Library> old;      // the file as it was
+  std::vector<ModelCopy> staying;  // of its models, those that are not among the sources
+  std::vector<Library> parts;
+  Known kept, resumed;
+  std::vector<std::string> fingerprints;  // of the sources; empty: unreadable
+  std::vector<std::size_t> jobs;          // sources that are to be trained
+  std::size_t num_unreadable = 0;
 
-  if (failure) return *failure;
-  if (fault) {
-    const auto later = std::span(std::as_const(order)).subspan(stats.models.size() + 1);
-    std::vector<Error> faults = find_faults(later, unit, options, progress.stop);
-    faults.insert(faults.begin(), *fault);
-    return join_faults(faults, order.size());
+  std::mutex mutex;                            // of what follows
+  std::size_t num_given = 0;                   // of the jobs
+  std::map<std::size_t, JobOutcome> outcomes;  // by source
+  std::map<std::size_t, Error> faults;         // likewise
+
+  const std::vector<ModelSource>& sources() const { return request.sources; }
+  std::size_t num_taken_over() const { return sources().size() - jobs.size() - num_unreadable; }
+  std::string path() const { return request.file.string(); }
+  std::string how_to_go_on() const;
+
+  Result<void> open_old();
+  Result<void> find_staying();
+  Result<void> read_sources(const Progress& progress);
+  void plan();
+  Error all_faults() const;
+  Result<std::vector<ModelCopy>> gather_models();
+  const JobOutcome* outcome_of(const ModelCopy& copy) const;
+  TrainReport report_on(const std::vector<ModelCopy>& models) const;
+  bool is_as_it_was(const std::vector<ModelCopy>& models) const;
+};
+
+// With --prune the result is that of the sources alone, whatever the file was.
+Result<void> TrainingRun::State::open_old() {
+  std::error_code error;
+  if (!std::filesystem::exists(request.file, error)) return {};
+  Result<Library> opened = open_library(request.file);
+  if (opened) {
+    old = std::move(*opened);
+    return {};
   }
-  if (stats.models.size() < order.size()) {
+  if (request.prune) return {};
+  return Error{
+      opened.error().code,
+      opened.error().message + "; its models cannot stay: remove the file, or give --prune"};
+}
+
+Result<void> TrainingRun::State::find_staying() {
+  if (!old || request.prune) return {};
+  for (const ModelCopy& copy : copies_of(*old)) {
+    if (!std::ranges::binary_search(sources(), copy.name, {}, &ModelSource::name))
+      staying.push_back(copy);
+  }
+  if (staying.empty()) return {};
+  const std::string differs = why_not_together(*old, {{}, header, {}, {}, basis, {}, {}, {}});
+  if (differs.empty()) return {};
+  return Error{ErrorCode::usage,
+               fmt::format("{}: {} of it, '{}' the first, {} not among the sources and would stay, "
+                           "but {} trained with {}; name them, too, or let them go with --prune",
+                           path(), counted(staying.size(), "model"), staying.front().name,
+                           staying.size() == 1 ? "is" : "are", staying.size() == 1 ? "was" : "were",
+                           differs)};
+}
+
+Result<void> TrainingRun::State::read_sources(const Progress& progress) {
+  fingerprints.resize(sources().size());
+  std::size_t num_done = 0;
+  engine::for_each_index(sources().size(), [&](std::size_t k) {
+    if (progress.stop.stop_requested()) return;
+    const ModelSource& source = sources()[k];
+    const Result<std::string> hash = hash_of(source.file);
+    if (hash)
+      fingerprints[k] = engine::fingerprint_of(source, *hash, request.unit, request.options);
+    const std::lock_guard guard(mutex);
+    if (!hash) faults.emplace(k, hash.error());
+    progress(++num_done, sources().size(), source.name);
+  });
+  num_unreadable = faults.size();
+  if (num_done == sources().size()) return {};
+  return Error{ErrorCode::resumable, fmt::format("{}: stopped before training", path())};
+}
+
+void TrainingRun::State::plan() {
+  if (old) note_models(*old, kept);
+  for (const Library& part : parts) note_models(part, resumed);
+  for (std::size_t k = 0; k < sources().size(); ++k) {
+    const std::string& fingerprint = fingerprints[k];
+    if (!fingerprint.empty() && !kept.contains(fingerprint) && !resumed.contains(fingerprint))
+      jobs.push_back(k);
+  }
+}
+
+std::string TrainingRun::State::how_to_go_on() const {
+  return fmt::format("what was trained is kept in {}; the same command goes on with it",
+                     engine::parts_folder(request.file).string());
+}
+
+Error TrainingRun::State::all_faults() const {
+  const Error& first = faults.begin()->second;
+  if (faults.size() == 1 && sources().size() == 1) return first;
+  Error joined{first.code,
+               fmt::format("{} of {} models cannot be trained; nothing was written ({})",
+                           faults.size(), sources().size(), how_to_go_on())};
+  for (const auto& [source, fault] : faults) joined.message += "\n" + fault.message;
+  return joined;
+}
+
+/// Those that the library is going to have, by name.
+Result<std::vector<ModelCopy>> TrainingRun::State::gather_models() {
+  parts = engine::open_parts(engine::parts_folder(request.file));
+  Known trained;
+  for (const Library& part : parts) note_models(part, trained);
+  std::vector<ModelCopy> models = staying;
+  for (std::size_t k = 0; k < sources().size(); ++k) {
+    if (faults.contains(k)) continue;
+    const ModelSource& source = sources()[k];
+    const ModelCopy* const found = find_model({&kept, &trained}, fingerprints[k]);
+    if (found == nullptr) {
+      return Error{ErrorCode::io,
+                   fmt::format("{}: model '{}' is not as it was at first; its file has changed "
+                               "meanwhile: run the same command again",
+                               source.file.string(), source.name)};
+    }
+    ModelCopy copy = *found;
+    copy.name = source.name;
+    copy.source = source.file.filename().string();
+    models.push_back(std::move(copy));
+  }
+  std::ranges::sort(models, {}, &ModelCopy::name);
+  return models;
+}
+
+/// Of a model that was trained now; else null.
+const JobOutcome* TrainingRun::State::outcome_of(const ModelCopy& copy) const {
+  const auto source = std::ranges::lower_bound(sources(), copy.name, {}, &ModelSource::name);
+  if (source == sources().end() || source->name != copy.name) return nullptr;
+  const auto found = outcomes.find(static_cast<std::size_t>(source - sources().begin()));
+  return found == outcomes.end() ? nullptr : &found->second;
+}
+
+TrainReport TrainingRun::State::report_on(const std::vector<ModelCopy>& models) const {
+  TrainReport report;
+  std::vector<float> diameters;
+  for (const ModelCopy& copy : models) diameters.push_back(copy.model().diameter);
+  const std::vector<std::string> sizes = engine::warn_of_sizes(diameters, request.unit);
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const bool is_kept = old && models[m].library == &*old;
+    ModelFacts facts = facts_of(models[m], is_kept ? ModelOrigin::kept : ModelOrigin::resumed);
+    if (const JobOutcome* const outcome = outcome_of(models[m])) {
+      facts.origin = ModelOrigin::trained;
+      facts.times = outcome->times;
+      facts.warnings = outcome->warnings;
+      if (!sizes[m].empty()) facts.warnings.push_back(sizes[m]);
+    }
+    report.models.push_back(std::move(facts));
+  }
+  for (const auto& [source, fault] : faults)
+    report.faults.push_back({sources()[source].name, fault});
+  for (std::size_t m = 0; old && m < old->models.size(); ++m) {
+    const bool stays =
+        std::ranges::binary_search(models, old->models[m].name, {}, &ModelCopy::name);
+    report.num_removed += stays ? 0 : 1;
+  }
+  report.unchanged = is_as_it_was(models);
+  return report;
+}
+
+bool TrainingRun::State::is_as_it_was(const std::vector<ModelCopy>& models) const {
+  return old && old->version_minor == kLibraryVersionMinor && old->header == header &&
+         models.size() == old->models.size() &&
+         std::ranges::all_of(models, [&](const ModelCopy& copy) {
+           return copy.library == &*old && copy.name == copy.model().name &&
+                  copy.source == copy.model().source;
+         });
+}
+
+TrainingRun::TrainingRun(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TrainingRun::TrainingRun(TrainingRun&&) noexcept = default;
+TrainingRun& TrainingRun::operator=(TrainingRun&&) noexcept = default;
+TrainingRun::~TrainingRun() = default;
+
+Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress& progress) {
+  if (const Result<void> valid = validate(request.options); !valid) return valid.error();
+  Result<std::vector<ModelSource>> sources = by_name(std::move(request.sources));
+  if (!sources) return sources.error();
+  request.sources = std::move(*sources);
+  Result<FileLock> lock = FileLock::acquire(request.file);
+  if (!lock) return lock.error();
+
+  auto state = std::make_unique<State>(std::move(request), std::move(*lock));
+  if (const Result<void> opened = state->open_old(); !opened) return opened.error();
+  if (const Result<void> found = state->find_staying(); !found) return found.error();
+  state->parts = engine::open_parts(engine::parts_folder(state->request.file));
+  if (const Result<void> read = state->read_sources(progress.reading); !read) return read.error();
+  state->plan();
+  return TrainingRun(std::move(state));
+}
+
+const std::vector<ModelSource>& TrainingRun::sources() const noexcept { return state_->sources(); }
+std::size_t TrainingRun::num_taken_over() const noexcept { return state_->num_taken_over(); }
+
+std::optional<TrainingJob> TrainingRun::next() {
+  State& state = *state_;
+  const std::lock_guard guard(state.mutex);
+  if (state.num_given == state.jobs.size()) return std::nullopt;
+  const bool hopeless = !state.faults.empty() && !state.request.keep_going;
+  return TrainingJob{state.jobs[state.num_given++], hopeless};
+}
+
+void TrainingRun::add(JobOutcome outcome) {
+  const std::lock_guard guard(state_->mutex);
+  if (outcome.fault) state_->faults.emplace(outcome.source, *outcome.fault);
+  state_->outcomes.emplace(outcome.source, std::move(outcome));
+}
+
+Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
+  State& state = *state_;
+  const std::size_t num_sources = state.sources().size();
+  if (state.outcomes.size() < state.jobs.size()) {
     return Error{ErrorCode::resumable,
-                 fmt::format("{}: stopped after {} of {} models; nothing was written",
-                             file.string(), stats.models.size(), order.size())};
+                 fmt::format("{}: stopped after {} of {} models; {}", state.path(),
+                             state.num_taken_over() + state.outcomes.size(), num_sources,
+                             state.how_to_go_on())};
   }
-  if (const Result<void> indexed = engine::add_index(*writer); !indexed) return indexed.error();
-  if (const Result<void> published = writer->publish(); !published) return published.error();
-  stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return stats;
+  if (!state.faults.empty() && (!state.request.keep_going || state.faults.size() == num_sources))
+    return state.all_faults();
+
+  Result<std::vector<ModelCopy>> models = state.gather_models();
+  if (!models) return models.error();
+  TrainReport report = state.report_on(*models);
+  if (!report.unchanged) {
+    const Result<void> written = assemble_library(state.header, state.basis, std::move(*models),
+                                                  state.lock, progress.writing);
+    if (!written) {
+      return Error{written.error().code,
+                   fmt::format("{} ({})", written.error().message, state.how_to_go_on())};
+    }
+  }
+  engine::remove_parts(engine::parts_folder(state.request.file));
+  report.seconds = std::chrono::duration<double>(Clock::now() - state.start).count();
+  return report;
+}
+
+Result<TrainReport> train_library(const TrainRequest& request, const TrainProgress& progress) {
+  Result<TrainingRun> run = TrainingRun::begin(request, progress);
+  if (!run) return run.error();
+  const std::size_t total = run->sources().size();
+  std::size_t num_done = run->num_taken_over();
+  progress.training(num_done, total, "");
+  const Result<void> trained = train_models(
+      {run->sources(), request.unit, request.options, request.file}, [&] { return run->next(); },
+      [&](JobOutcome outcome) {
+        const std::string& name = run->sources()[outcome.source].name;
+        run->add(std::move(outcome));
+        progress.training(++num_done, total, name);
+      },
+      progress.training.stop);
+  if (!trained) return trained.error();
+  return run->publish(progress);
 }
 
 }  // namespace trivet

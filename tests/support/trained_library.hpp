@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/train.hpp"
-#include "engine/training/find_basis.hpp"
+#include "engine/training/standard_basis.hpp"
 #include "storage/library.hpp"
 #include "support/rendered_scene.hpp"
 
@@ -21,15 +21,7 @@ inline Library trained_library(const std::vector<std::pair<std::string, const Sh
   const auto source = [](const std::string& name) {
     return ModelSource{name, name + ".ply", 1, {}};
   };
-  if (options.tri_spin_images) {
-    std::vector<float> images;
-    for (const auto& [name, shape] : shapes) {
-      const auto some = engine::sample_images(cloud_of(*shape), source(name), options, 2000);
-      EXPECT_TRUE(some) << some.error().message;
-      images.insert(images.end(), some->begin(), some->end());
-    }
-    library.basis = engine::basis_of(images, options);
-  }
+  library.basis = engine::standard_basis(options);
   for (const auto& [name, shape] : shapes) {
     auto trained = train_model(cloud_of(*shape), source(name), options, library.basis);
     EXPECT_TRUE(trained) << trained.error().message;

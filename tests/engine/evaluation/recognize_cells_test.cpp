@@ -31,8 +31,8 @@ class RecognizeCells : public testing::Test {
       train.relative_step = step;
       train.tri_spin_images = false;
       files_.push_back(folder_ / fmt::format("{}.h5", step));
-      const Result<LibraryStats> trained =
-          train_library(models_of(*rendered), LengthUnit::meter, train, files_.back(), {});
+      const Result<TrainReport> trained =
+          train_library({models_of(*rendered), LengthUnit::meter, train, files_.back()});
       ASSERT_TRUE(trained) << trained.error().message;
     }
   }

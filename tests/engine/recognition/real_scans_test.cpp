@@ -36,7 +36,7 @@ TEST_P(RealScans, GivesTheRightPosesAndNoFalseAlarms) {
 
   const test::TempDir folder;
   const auto trained =
-      train_library(models_of(*manifest), manifest->unit, {}, folder / "library.h5", {});
+      train_library({models_of(*manifest), manifest->unit, {}, folder / "library.h5"});
   ASSERT_TRUE(trained) << trained.error().message;
   Result<Library> library = open_library(folder / "library.h5");
   ASSERT_TRUE(library) << library.error().message;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "engine/progress.hpp"
 #include "kernels/common/pose_math.hpp"
@@ -173,68 +172,6 @@ TEST(SamplingStep, IsSharedByDiametersWithinAnEighthOfAnOctave) {
   EXPECT_FLOAT_EQ(sampling_step(1.08F, 0.05F), 0.05F);
   EXPECT_NE(sampling_step(1.1F, 0.05F), 0.05F);
   EXPECT_FLOAT_EQ(sampling_step(2048, 0.05F), 0.05F * 2048);
-}
-
-class TrainLibrary : public testing::Test {
- protected:
-  TrainLibrary() {
-    EXPECT_TRUE(write_ply(folder_ / "bracket.ply", test::cloud_of(test::bracket())));
-    EXPECT_TRUE(write_ply(folder_ / "lever.ply", test::cloud_of(test::lever())));
-    sources_ = {{"lever", folder_ / "lever.ply", 1, {}},
-                {"bracket", folder_ / "bracket.ply", 1, {}}};
-  }
-  test::TempDir folder_;
-  std::vector<ModelSource> sources_;
-};
-
-TEST_F(TrainLibrary, WritesTheSameBytesForAnyThreadsAndOrder) {
-  std::vector<std::string> bytes;
-  for (const unsigned threads : {1U, 2U}) {
-    const ThreadLimit limit(threads);
-    std::swap(sources_[0], sources_[1]);
-    const auto file = folder_ / "library.h5";
-    const auto stats = train_library(sources_, LengthUnit::meter, {}, file, {});
-    ASSERT_TRUE(stats) << stats.error().message;
-    std::ifstream in(file, std::ios::binary);
-    bytes.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  }
-  EXPECT_EQ(bytes[0], bytes[1]);
-}
-
-TEST_F(TrainLibrary, ReportsEachModelAndReadsBack) {
-  std::vector<std::string> reported;
-  Progress progress;
-  progress.report = [&](std::size_t done, std::size_t total, std::string_view item) {
-    EXPECT_EQ(total, 2U);
-    EXPECT_EQ(done, reported.size() + 1);
-    reported.emplace_back(item);
-  };
-  ASSERT_TRUE(train_library(sources_, LengthUnit::meter, {}, folder_ / "library.h5", progress));
-  EXPECT_EQ(reported, (std::vector<std::string>{"bracket", "lever"}));
-  const auto library = open_library(folder_ / "library.h5");
-  ASSERT_TRUE(library) << library.error().message;
-  EXPECT_EQ(library->models.size(), 2U);
-  EXPECT_EQ(library->models[0].source_xxh3.size(), 32U);
-}
-
-TEST_F(TrainLibrary, LeavesTheOldFileWhenAModelFailsOrWhenStopped) {
-  const auto file = folder_.write("library.h5", "old");
-  sources_.push_back({"broken", folder_.write("broken.ply", "ply\nformat ascii 1.0\n"), 1, {}});
-  const auto failed = train_library(sources_, LengthUnit::meter, {}, file, {});
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().code, ErrorCode::bad_data);
-  EXPECT_NE(failed.error().message.find("broken.ply"), std::string::npos) << failed.error().message;
-
-  std::stop_source stop;
-  stop.request_stop();
-  Progress stopped;
-  stopped.stop = stop.get_token();
-  const auto result = train_library(sources_, LengthUnit::meter, {}, file, stopped);
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, ErrorCode::resumable);
-  EXPECT_EQ(std::filesystem::file_size(file), 3U);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 4)
-      << "no temporary file is left";
 }
 
 }  // namespace

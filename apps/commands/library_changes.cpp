@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <vector>
+
+#include "apps/commands/in_child.hpp"
+#include "apps/commands/library_commands.hpp"
+#include "apps/commands/train_request.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/results/standard_output.hpp"
+#include "engine/libraries/assemble_library.hpp"
+#include "engine/libraries/edit_library.hpp"
+#include "engine/libraries/export_models.hpp"
+#include "engine/libraries/split_library.hpp"
+#include "engine/training/provenance.hpp"
+#include "storage/library/import_library.hpp"
+
+namespace trivet::apps {
+namespace {
+
+struct ChangeArguments {
+  std::string file, to, output, json;
+  std::vector<std::string> names;
+  bool keep_going = false;
+  std::size_t num_parts = 2;
+};
+
+Progress written(const Context& context) {
+  return context.console.progress("wrote", context.stop, true);
+}
+
+/// As they are given, with the unit and the parameters of the library.
+Result<TrainRequest> request_to_add(const ChangeArguments& arguments, const Console& console) {
+  const Result<Library> library = open_library(arguments.file);
+  if (!library) return library.error();
+  Result<ModelInputs> inputs = collect_models(arguments.names);
+  if (!inputs) return inputs.error();
+  for (const std::string& note : inputs->notes) console.line(note);
+  const Result<LengthUnit> unit = choose_unit(*inputs, unit_name(library->header.unit));
+  if (!unit) return unit.error();
+  const Result<TrainOptions> options = engine::parse_parameters(library->header.parameters);
+  if (!options) {
+    return Error{options.error().code,
+                 fmt::format("{}: {}; train all its models again with this version", arguments.file,
+                             options.error().message)};
+  }
+  return TrainRequest{std::move(inputs->sources), *unit, *options, arguments.file, false,
+                      arguments.keep_going};
+}
+
+Result<void> add_models(const ChangeArguments& arguments, const Context& context) {
+  const Result<TrainRequest> request = request_to_add(arguments, context.console);
+  if (!request) return request.error();
+  const Result<TrainReport> report =
+      train_library(*request, train_progress(context.console, context.stop));
+  if (!report) return report.error();
+  return tell_report(*report, *request, arguments.json, context.console);
+}
+
+Result<void> remove(const ChangeArguments& arguments, const Context& context) {
+  return remove_models(arguments.file, arguments.names, written(context));
+}
+
+Result<void> rename(const ChangeArguments& arguments, const Context& context) {
+  return rename_model(arguments.file, arguments.names.front(), arguments.to, written(context));
+}
+
+Result<void> merge(const ChangeArguments& arguments, const Context& context) {
+  std::vector<std::filesystem::path> files{arguments.file};
+  files.insert(files.end(), arguments.names.begin(), arguments.names.end());
+  return merge_libraries(files, arguments.output, written(context));
+}
+
+Result<void> split(const ChangeArguments& arguments, const Context&) {
+  const Result<Library> library = open_library(arguments.file);
+  if (!library) return library.error();
+  const auto files = split_library(*library, arguments.num_parts, arguments.output);
+  if (!files) return files.error();
+  std::string text;
+  for (const auto& part : *files) text += part.string() + '\n';
+  return write_output(text);
+}
+
+Result<void> export_surfaces(const ChangeArguments& arguments, const Context&) {
+  const Result<Library> library = open_library(arguments.file);
+  if (!library) return library.error();
+  const auto files = export_models(*library, arguments.names, arguments.output);
+  if (!files) return files.error();
+  std::string text;
+  for (const auto& file : *files) text += file.string() + '\n';
+  return write_output(text);
+}
+
+Result<void> unpack(const ChangeArguments& arguments, const Progress& progress) {
+  const Result<Library> library = read_repacked_library(arguments.file);
+  if (!library) return library.error();
+  const Result<FileLock> lock = FileLock::acquire(arguments.output);
+  if (!lock) return lock.error();
+  return assemble_library(library->header, library->basis, copies_of(*library), *lock, progress);
+}
+
+/// HDF5 may break down over a damaged file whose structure has no checksums.
+Result<void> import_file(const ChangeArguments& arguments, const Context& context) {
+  return in_child(
+      [&] {
+        return unpack(arguments, {{}, context.stop});
+      },
+      {ErrorCode::bad_data, arguments.file + ": HDF5 broke down over it: the file is damaged; copy "
+                                             "it again or train it anew"});
+}
+
+}  // namespace
+
+void add_library_changes(CLI::App& library, Context& context) {
+  auto arguments = std::make_shared<ChangeArguments>();
+  const auto add = [&](const char* name, const char* help,
+                       Result<void> (*work)(const ChangeArguments&, const Context&)) {
+    CLI::App* const below = library.add_subcommand(name, help);
+    below->add_option("LIBRARY", arguments->file, "Library file")->required();
+    below->callback([arguments, work, &context] {
+      context.run = [arguments, work, &context] { return work(*arguments, context); };
+    });
+    return below;
+  };
+  const auto add_output = [&](CLI::App* command, const char* help) {
+    command->add_option("-o,--output", arguments->output, help)->required();
+  };
+  CLI::App* const add_command =
+      add("add",
+          "Train models into the library, with the unit and the parameters that it has\n\n"
+          "A model of a name that it has is replaced, if its source is another one.",
+          add_models);
+  add_command->add_option("MODEL", arguments->names, "Models, as of trivet train")->required();
+  add_command->add_flag("--keep-going", arguments->keep_going,
+                        "Leave out models that cannot be trained, and write the others");
+  add_command->add_option("--json", arguments->json,
+                          "Write what was trained as JSON to this file, - for standard output");
+  add("remove", "Take models out of the library", remove)
+      ->add_option("NAME", arguments->names, "Names of models")
+      ->required();
+  CLI::App* const rename_command = add("rename", "Give a model another name", rename);
+  rename_command->add_option("NAME", arguments->names, "Name of the model")
+      ->required()
+      ->expected(1);
+  rename_command->add_option("NEW", arguments->to, "Name that it gets")->required();
+  CLI::App* const merge_command =
+      add("merge", "Write the models of several libraries, trained alike, into one", merge);
+  merge_command->add_option("OTHER", arguments->names, "Further library files")->required();
+  add_output(merge_command, "Library file to write; it appears whole or not at all");
+  CLI::App* const split_command = add(
+      "split", "Write parts for several machines (`trivet route`) and print their files", split);
+  split_command->add_option("-n,--parts", arguments->num_parts, "Parts, of about equal size")
+      ->capture_default_str();
+  add_output(split_command, "Folder for them");
+  CLI::App* const export_command = add(
+      "export", "Write the surfaces of models as PLY files and print their paths", export_surfaces);
+  export_command->add_option("NAME", arguments->names, "Names of models; none: all");
+  add_output(export_command, "Folder for them");
+  add_output(add("import",
+                 "Take in a library that another program stored anew\n\n"
+                 "HDF5's tools can chunk, compress and rearrange a file, as h5repack does. Such a "
+                 "library\n"
+                 "cannot be mapped; this checks it, unpacks it and writes it as trivet train does.",
+                 import_file),
+             "Library file to write; it appears whole or not at all");
+}
+
+}  // namespace trivet::apps

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string_view>
+
+#include "apps/commands/library_commands.hpp"
+#include "apps/results/json_output.hpp"
+#include "apps/results/library_summary.hpp"
+#include "apps/results/standard_output.hpp"
+#include "engine/libraries/edit_library.hpp"
+#include "storage/counted.hpp"
+#include "storage/library.hpp"
+
+namespace trivet::apps {
+namespace {
+
+struct ViewArguments {
+  std::string file, other, json;
+};
+
+Result<void> list(const ViewArguments& arguments) {
+  const Result<Library> library = open_library(arguments.file);
+  if (!library) return library.error();
+  std::string text;
+  for (const Model& model : library->models) text += model.name + '\n';
+  return write_output(text);
+}
+
+Result<void> info(const ViewArguments& arguments) {
+  const Result<Library> library = open_library(arguments.file);
+  if (!library) return library.error();
+  if (!arguments.json.empty()) return write_json(arguments.json, library_json(*library));
+  return write_output(library_text(*library));
+}
+
+Result<void> verify(const ViewArguments& arguments) {
+  const Result<Library> library = verify_library(arguments.file);
+  if (!library) return library.error();
+  return write_output(fmt::format("{}: {} and {} are as they were written\n", arguments.file,
+                                  counted(library->models.size(), "model"),
+                                  counted(library->index.size(), "level")));
+}
+
+std::string difference_text(const LibraryDifference& difference) {
+  std::string text;
+  const auto tell = [&](std::string_view what, const std::vector<std::string>& names) {
+    for (const std::string& name : names) text += fmt::format("{:<8} {}\n", what, name);
+  };
+  if (!difference.same_parameters) text += "unit or training parameters differ\n";
+  tell("added", difference.added);
+  tell("removed", difference.removed);
+  tell("changed", difference.changed);
+  for (const auto& [before, after] : difference.renamed)
+    text += fmt::format("{:<8} {} to {}\n", "renamed", before, after);
+  return text +
+         fmt::format("{} the same\n", counted(difference.num_same, "model is", "models are"));
+}
+
+nlohmann::ordered_json difference_json(const LibraryDifference& difference) {
+  nlohmann::ordered_json renamed = nlohmann::ordered_json::array();
+  for (const auto& [before, after] : difference.renamed)
+    renamed.push_back({{"from", before}, {"to", after}});
+  return {{"same_parameters", difference.same_parameters},
+          {"added", difference.added},
+          {"removed", difference.removed},
+          {"changed", difference.changed},
+          {"renamed", std::move(renamed)},
+          {"same", difference.num_same}};
+}
+
+Result<void> diff(const ViewArguments& arguments) {
+  const Result<Library> before = open_library(arguments.file);
+  if (!before) return before.error();
+  const Result<Library> after = open_library(arguments.other);
+  if (!after) return after.error();
+  const LibraryDifference difference = compare_libraries(*before, *after);
+  if (!arguments.json.empty()) return write_json(arguments.json, difference_json(difference));
+  return write_output(difference_text(difference));
+}
+
+}  // namespace
+
+void add_library_views(CLI::App& library, Context& context) {
+  auto arguments = std::make_shared<ViewArguments>();
+  const auto add = [&](const char* name, const char* help,
+                       Result<void> (*work)(const ViewArguments&)) {
+    CLI::App* const below = library.add_subcommand(name, help);
+    below->add_option("LIBRARY", arguments->file, "Library file")->required();
+    below->callback([arguments, work, &context] {
+      context.run = [arguments, work] { return work(*arguments); };
+    });
+    return below;
+  };
+  const auto add_json = [&](CLI::App* command) {
+    command->add_option("--json", arguments->json,
+                        "Write it as JSON to this file, - for standard output");
+  };
+  add("list", "Print the models' names, one a line", list);
+  add_json(add("info", "Print what the file holds", info));
+  add("verify",
+      "Check every byte and every value of the file\n\n"
+      "Opening a library checks its structure, and each model when it is first used. This checks\n"
+      "all of it: checksums, bounds, and that its directory says what HDF5 finds.",
+      verify);
+  CLI::App* const diff_command = add(
+      "diff",
+      "Print which models were added, removed, renamed or changed from one library to another\n\n"
+      "Models are the same where they were trained from the same bytes with the same\n"
+      "parameters.",
+      diff);
+  diff_command->add_option("OTHER", arguments->other, "Library file to compare with it")
+      ->required();
+  add_json(diff_command);
+}
+
+}  // namespace trivet::apps

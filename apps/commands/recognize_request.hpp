@@ -1,0 +1,40 @@
+/// From the command line to what is recognized: of all programs that recognize scenes of files.
+#pragma once
+
+#include <string>
+
+#include "apps/commands/console.hpp"
+#include "apps/inputs/inputs.hpp"
+#include "apps/inputs/open_recognizer.hpp"
+#include "apps/options/recognize_arguments.hpp"
+#include "storage/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace trivet::apps {
+
+struct SceneCommand {
+  std::string library, unit, json, bop_csv, coco, report;
+  OpenOptions opening;
+  SceneArguments scenes;
+  RecognizeArguments recognize;
+  bool estimate_camera = false;
+};
+
+/// `arguments` must live as long as the command.
+void add_scene_command(CLI::App& command, SceneCommand& arguments);
+
+/// All that is needed before the first scene.
+struct RecognitionRequest {
+  Recognizer recognizer;
+  SceneInputs scenes;
+  RecognizeOptions options;  ///< as they were given
+  RecognizeOptions kept;     ///< with what outputs need beside
+};
+
+/// Errors: of opening the library and of collecting the scenes; usage.
+Result<RecognitionRequest> make_request(const SceneCommand& arguments, const Console& console);
+
+}  // namespace trivet::apps

@@ -1,0 +1,117 @@
+#include "apps/commands/run_app.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <span>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "apps/help/exit_codes.hpp"
+#include "apps/options/add_options.hpp"
+#include "apps/results/standard_output.hpp"
+#include "engine/progress.hpp"
+
+namespace trivet::apps {
+namespace {
+
+/// 0, or what an error that is told stands for.
+int end_code(const Result<void>& done, const Console& console) {
+  if (done) return 0;
+  console.error(done.error().message);
+  return exit_code(done.error().code);
+}
+
+/// The arguments as one line that a shell splits into them again.
+std::string command_line(std::span<char* const> arguments) {
+  std::string line;
+  for (const std::string_view argument : arguments) {
+    if (!line.empty()) line += ' ';
+    const bool plain =
+        !argument.empty() && std::all_of(argument.begin(), argument.end(), [](char c) {
+          return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                 std::string_view("_-./:,=+@%").find(c) != std::string_view::npos;
+        });
+    if (plain) {
+      line += argument;
+      continue;
+    }
+    line += '\'';
+    for (const char c : argument) line += c == '\'' ? "'\\''" : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace
+
+std::stop_token watch_signals() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::stop_source source;
+  std::thread([signals, source]() mutable {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    source.request_stop();
+    sigwait(&signals, &signal);
+    std::_Exit(128 + signal);
+  }).detach();
+  return source.get_token();
+}
+
+void add_common_options(CLI::App& app, Context& context) {
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--threads", context.num_threads,
+                 "Threads to use; 0 means all cores. The output does not depend on it.")
+      ->check(CLI::Range(0U, 1024U));
+  app.add_flag("--quiet", context.console.quiet, "Print results and errors only");
+  limit_to(
+      app.add_option_function<std::string>(
+          "--progress",
+          [&context](const std::string& form) { context.console.json_progress = form == "json"; },
+          "How progress is told on standard error: text, or json, an object a line with "
+          "stage, done, total, item and seconds, also with --quiet"),
+      {"text", "json"})
+      ->type_name("FORM")
+      ->default_str("text");
+}
+
+int run_app(CLI::App& app, Context& context, int argc, char** argv) {
+  context.command = command_line({argv, static_cast<std::size_t>(argc)});
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream help, complaint;
+    const bool asked = app.exit(error, help, complaint) == 0;
+    std::cerr << complaint.str();
+    return asked ? end_code(write_output(help.str()), context.console) : 2;
+  }
+
+  try {
+    const ThreadLimit limit(context.num_threads);
+    return end_code(context.run(), context.console);
+  } catch (const std::bad_alloc&) {
+    context.console.error(
+        "out of memory; use a larger relative step, fewer models or a smaller scene");
+    return exit_code(ErrorCode::io);
+  } catch (const std::exception& error) {
+    context.console.error(
+        fmt::format("internal: {}; please report it with the command that led here", error.what()));
+    return exit_code(ErrorCode::internal);
+  }
+}
+
+}  // namespace trivet::apps

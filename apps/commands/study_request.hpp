@@ -1,0 +1,24 @@
+/// Studies as all programs conduct them.
+#pragma once
+
+#include <string>
+
+#include "apps/commands/commands.hpp"
+#include "apps/study/run.hpp"
+
+namespace trivet::apps {
+
+struct StudyArguments {
+  std::string config, output;
+};
+
+/// `arguments` must live as long as the command.
+void add_study_arguments(CLI::App& command, StudyArguments& arguments);
+
+/// Compute what is missing, as `share` has it done, and write tables and report.
+///
+/// reports  whether this process writes them
+Result<void> conduct_study(const StudyArguments& arguments, const Context& context,
+                           const study::Share& share, bool reports = true);
+
+}  // namespace trivet::apps

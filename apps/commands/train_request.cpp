@@ -1,0 +1,88 @@
+#include "apps/commands/train_request.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/inputs/inputs.hpp"
+#include "apps/options/presets.hpp"
+#include "apps/results/json_output.hpp"
+#include "apps/results/train_summary.hpp"
+#include "storage/counted.hpp"
+
+namespace trivet::apps {
+
+void add_train_options(CLI::App& command, TrainArguments& arguments) {
+  command
+      .add_option(
+          "MODEL", arguments.models,
+          "Meshes or clouds (PLY, PCD, OBJ, STL, OFF, XYZ, glTF, NPY), packed by gzip or not, "
+          "NAME=FILE, folders, manifests, or BOP "
+          "data sets")
+      ->required();
+  command
+      .add_option("-o,--output", arguments.output,
+                  "Library file to bring up to date; it changes as a whole or not at all")
+      ->required();
+  command
+      .add_option("--unit", arguments.unit,
+                  "Unit of the models: m (default) or mm; manifests name their own, BOP data sets "
+                  "are in mm")
+      ->check(CLI::IsMember({"m", "mm"}));
+  command.add_flag("--prune", arguments.prune,
+                   "Models of the library that are not named go; else they stay");
+  command.add_flag("--keep-going", arguments.keep_going,
+                   "Leave out models that cannot be trained, and write the others; else nothing is "
+                   "written");
+  command.add_option("--json", arguments.json,
+                     "Write what was trained as JSON to this file, - for standard output");
+  add_option(command, preset_option("Options", "How finely models are sampled"),
+             std::string(kUsualPreset), arguments.preset);
+  add_options<TrainOptions>(command, arguments.given);
+}
+
+Result<TrainRequest> make_request(const TrainArguments& arguments, const Console& console) {
+  Result<ModelInputs> inputs = collect_models(arguments.models);
+  if (!inputs) return inputs.error();
+  for (const std::string& note : inputs->notes) console.line(note);
+  const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
+  if (!unit) return unit.error();
+  const GivenOption& preset = arguments.preset;
+  TrainOptions options =
+      train_presets().find(preset.is_given() ? preset.text : kUsualPreset)->second;
+  if (const Result<void> set = set_given(arguments.given, options); !set) return set.error();
+  return TrainRequest{std::move(inputs->sources), *unit,           options,
+                      arguments.output,           arguments.prune, arguments.keep_going};
+}
+
+TrainProgress train_progress(const Console& console, const std::stop_token& stop) {
+  constexpr bool kBrief = true;
+  return {console.progress("read", stop, kBrief), console.progress("trained", stop),
+          console.progress("wrote", stop, kBrief)};
+}
+
+Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
+                         const std::string& json, const Console& console) {
+  for (const ModelFacts& model : report.models) {
+    for (const std::string& warning : model.warnings)
+      console.warning(fmt::format("{}: {}", model.name, warning));
+  }
+  const std::string file = request.file.string();
+  if (const std::string table = train_table(report, request.unit); !table.empty())
+    console.line(table);
+  console.line(train_line(report, file));
+  if (!json.empty()) {
+    if (const Result<void> written = write_json(json, train_json(report, file, request.unit));
+        !written)
+      return written;
+  }
+  if (report.faults.empty()) return {};
+  Error error{ErrorCode::bad_data,
+              fmt::format("{} left out of {}, which has the others:",
+                          counted(report.faults.size(), "model is", "models are"), file)};
+  for (const ModelFault& fault : report.faults) error.message += "\n" + fault.error.message;
+  return error;
+}
+
+}  // namespace trivet::apps

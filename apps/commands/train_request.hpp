@@ -1,0 +1,39 @@
+/// From the command line to what is trained, and back to what is told: of all programs that train.
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "apps/commands/console.hpp"
+#include "apps/options/add_options.hpp"
+#include "engine/train.hpp"
+#include "storage/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace trivet::apps {
+
+struct TrainArguments {
+  std::vector<std::string> models;
+  std::string output, unit, json;
+  bool prune = false, keep_going = false;
+  GivenOption preset;
+  GivenOptions given;
+};
+
+/// The arguments must outlive the parsing.
+void add_train_options(CLI::App& command, TrainArguments& arguments);
+
+/// Errors: of reading the lists of models, usage.
+Result<TrainRequest> make_request(const TrainArguments& arguments, const Console& console);
+
+TrainProgress train_progress(const Console& console, const std::stop_token& stop);
+
+/// Print warnings, table and summary, and write the JSON. Errors: io; bad_data: models were left out.
+Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
+                         const std::string& json, const Console& console);
+
+}  // namespace trivet::apps

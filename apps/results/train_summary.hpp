@@ -1,0 +1,23 @@
+/// What training did, for people and programs.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "engine/train.hpp"
+
+namespace trivet::apps {
+
+/// A row for each model that is new to the library, but no more than a screen or two; empty: none.
+std::string train_table(const TrainReport& report, LengthUnit unit);
+
+/// "LIB.h5: 1000 models (3 trained, 997 as they were), ... point pairs, ... features, 4.2 s"
+std::string train_line(const TrainReport& report, const std::string& library);
+
+/// {"library", "unit", "seconds", "unchanged", "removed", "models": [{"name", "origin", "kind",
+/// "vertices", "triangles", "diameter", "symmetry", "near_symmetry", "point_pairs", "features",
+/// "bytes", "seconds", "stages", "warnings"}], "faults": [{"name", "reason"}]}
+nlohmann::ordered_json train_json(const TrainReport& report, const std::string& library,
+                                  LengthUnit unit);
+
+}  // namespace trivet::apps

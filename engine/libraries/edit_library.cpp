@@ -1,0 +1,161 @@
+#include "engine/libraries/edit_library.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <map>
+
+#include "engine/libraries/assemble_library.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A library that is going to be replaced.
+struct OpenedForChange {
+  FileLock lock;
+  Library library;
+};
+
+Result<OpenedForChange> open_for_change(const fs::path& file) {
+  Result<FileLock> lock = FileLock::acquire(file);
+  if (!lock) return lock.error();
+  Result<Library> library = open_library(file);
+  if (!library) return library.error();
+  return OpenedForChange{std::move(*lock), std::move(*library)};
+}
+
+bool has_model(const Library& library, const std::string& name) {
+  return std::ranges::binary_search(library.models, name, {}, &Model::name);
+}
+
+Result<void> write_again(const OpenedForChange& opened, std::vector<ModelCopy> models,
+                         const Progress& progress) {
+  return assemble_library(opened.library.header, opened.library.basis, std::move(models),
+                          opened.lock, progress);
+}
+
+/// Whether two models were trained from the same; what is not known differs.
+bool same_model(const Model& a, const Model& b) {
+  return !a.fingerprint.empty() && a.fingerprint == b.fingerprint;
+}
+
+}  // namespace
+
+Result<std::uint32_t> find_model(const Library& library, const std::string& name) {
+  const auto found = std::ranges::lower_bound(library.models, name, {}, &Model::name);
+  if (found != library.models.end() && found->name == name)
+    return static_cast<std::uint32_t>(found - library.models.begin());
+  return Error{ErrorCode::usage,
+               fmt::format("{}: has no model '{}'; `trivet library list` names those that it has",
+                           library.file.string(), name)};
+}
+
+Result<void> remove_models(const fs::path& file, std::span<const std::string> names,
+                           const Progress& progress) {
+  const Result<OpenedForChange> opened = open_for_change(file);
+  if (!opened) return opened.error();
+  for (const std::string& name : names) {
+    if (const auto found = find_model(opened->library, name); !found) return found.error();
+  }
+  std::vector<ModelCopy> staying = copies_of(opened->library);
+  std::erase_if(staying, [&](const ModelCopy& copy) {
+    return std::ranges::find(names, copy.name) != names.end();
+  });
+  if (staying.empty()) {
+    return Error{
+        ErrorCode::usage,
+        fmt::format("{}: expected models that stay, found none: remove the file", file.string())};
+  }
+  return write_again(*opened, std::move(staying), progress);
+}
+
+Result<void> rename_model(const fs::path& file, const std::string& from, const std::string& to,
+                          const Progress& progress) {
+  const Result<OpenedForChange> opened = open_for_change(file);
+  if (!opened) return opened.error();
+  const Result<std::uint32_t> renamed = find_model(opened->library, from);
+  if (!renamed) return renamed.error();
+  if (has_model(opened->library, to)) {
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: has a model '{}' already; remove it first", file.string(), to)};
+  }
+  std::vector<ModelCopy> models = copies_of(opened->library);
+  models[*renamed].name = to;
+  return write_again(*opened, std::move(models), progress);
+}
+
+std::string why_not_together(const Library& a, const Library& b) {
+  const PcaBasis &p = a.basis.components, &q = b.basis.components;
+  if (a.header.unit != b.header.unit) return "another unit";
+  if (a.header.parameters != b.header.parameters)
+    return fmt::format("the parameters {}", a.header.parameters);
+  if (a.basis.support != b.basis.support || a.basis.code_step != b.basis.code_step ||
+      p.mean != q.mean || p.components != q.components)
+    return fmt::format("the principal components of {}", a.header.producer);
+  return "";
+}
+
+Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& into,
+                             const Progress& progress) {
+  std::deque<Library> libraries;  // copies refer to them
+  std::map<std::string, ModelCopy> models;
+  for (const fs::path& file : files) {
+    Result<Library> opened = open_library(file);
+    if (!opened) return opened.error();
+    const Library& library = libraries.emplace_back(std::move(*opened));
+    const Library& first = libraries.front();
+    if (const std::string differs = why_not_together(library, first); !differs.empty()) {
+      return Error{ErrorCode::usage,
+                   fmt::format("{}: was trained with {}, other than {}; train both alike",
+                               file.string(), differs, first.file.string())};
+    }
+    for (ModelCopy& copy : copies_of(library)) {
+      const auto [at, added] = models.emplace(copy.name, copy);
+      if (added || same_model(at->second.model(), copy.model())) continue;
+      return Error{ErrorCode::usage,
+                   fmt::format("{} and {}: both have a model '{}', and not the same; rename one",
+                               at->second.library->file.string(), file.string(), copy.name)};
+    }
+  }
+  const Result<FileLock> lock = FileLock::acquire(into);
+  if (!lock) return lock.error();
+  std::vector<ModelCopy> all;
+  for (auto& [name, copy] : models) all.push_back(std::move(copy));
+  return assemble_library(libraries.front().header, libraries.front().basis, std::move(all), *lock,
+                          progress);
+}
+
+LibraryDifference compare_libraries(const Library& before, const Library& after) {
+  LibraryDifference out;
+  out.same_parameters = before.header.unit == after.header.unit &&
+                        before.header.parameters == after.header.parameters;
+  std::multimap<std::string, std::string> added;  // by fingerprint
+  for (const Model& model : after.models) {
+    if (!has_model(before, model.name)) added.emplace(model.fingerprint, model.name);
+  }
+  for (const Model& model : before.models) {
+    if (const Result<std::uint32_t> now = find_model(after, model.name)) {
+      if (same_model(model, after.models[*now])) {
+        ++out.num_same;
+      } else {
+        out.changed.push_back(model.name);
+      }
+      continue;
+    }
+    const auto renamed = model.fingerprint.empty() ? added.end() : added.find(model.fingerprint);
+    if (renamed == added.end()) {
+      out.removed.push_back(model.name);
+    } else {
+      out.renamed.emplace_back(model.name, renamed->second);
+      added.erase(renamed);
+    }
+  }
+  for (const auto& [fingerprint, name] : added) out.added.push_back(name);
+  std::ranges::sort(out.added);
+  return out;
+}
+
+}  // namespace trivet

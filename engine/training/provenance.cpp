@@ -1,0 +1,97 @@
+#include "engine/training/provenance.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "storage/file.hpp"
+
+namespace trivet::engine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Derived>
+Json numbers(const Eigen::DenseBase<Derived>& values) {
+  Json json = Json::array();
+  for (const float value : values.reshaped()) json.push_back(value);
+  return json;
+}
+
+Json declared_json(const std::optional<Symmetry>& declared) {
+  if (!declared) return nullptr;
+  Json json{{"poses", Json::array()}, {"axis", nullptr}};
+  for (const Pose& pose : declared->poses) json["poses"].push_back(numbers(pose.matrix()));
+  if (declared->axis)
+    json["axis"] = {numbers(declared->axis->direction), numbers(declared->axis->point)};
+  return json;
+}
+
+/// Formats are told by it where the bytes do not tell them.
+std::string extension_of(const ModelSource& source) {
+  std::string extension = source.file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+/// As the command line would say it.
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (const Json& item : value) {
+    if (!text.empty()) text += ',';
+    text += text_of(item);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string fingerprint_of(const ModelSource& source, const std::string& source_xxh3,
+                           LengthUnit unit, const TrainOptions& options) {
+  const Json all{{"revision", kTrainingRevision},
+                 {"source", source_xxh3},
+                 {"extension", extension_of(source)},
+                 {"unit", unit == LengthUnit::meter ? "m" : "mm"},
+                 {"scale", source.scale},
+                 {"symmetry", declared_json(source.symmetry)},
+                 {"parameters", parameters_json(options)}};
+  const std::string text = all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return xxh3_hex(std::as_bytes(std::span(text)));
+}
+
+LibraryHeader library_header(LengthUnit unit, const TrainOptions& options) {
+  return {unit, "trivet " TRIVET_VERSION, parameters_json(options)};
+}
+
+std::string parameters_json(const TrainOptions& options) {
+  Json json;
+  for (const Option<TrainOptions>& option : options_of<TrainOptions>()) {
+    std::visit([&](const auto& value) { json[std::string(option.info.name)] = value; },
+               option.get(options));
+  }
+  return json.dump();
+}
+
+Result<TrainOptions> parse_parameters(const std::string& json) {
+  const auto bad = [&](const std::string& what) {
+    return Error{ErrorCode::bad_data, fmt::format("parameters of training: {}", what)};
+  };
+  const Json all = Json::parse(json, nullptr, false);
+  if (!all.is_object()) return bad("expected a JSON object");
+  TrainOptions options;
+  for (const Option<TrainOptions>& option : options_of<TrainOptions>()) {
+    const auto found = all.find(std::string(option.info.name));
+    if (found == all.end()) return bad(fmt::format("expected '{}', found none", option.info.name));
+    if (const Result<void> set = set_option(option, text_of(*found), options); !set)
+      return bad(set.error().message);
+  }
+  return options;
+}
+
+}  // namespace trivet::engine

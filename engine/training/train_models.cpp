@@ -1,0 +1,151 @@
+#include <tbb/flow_graph.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include "engine/training/model_stages.hpp"
+#include "engine/training/provenance.hpp"
+#include "engine/training/standard_basis.hpp"
+#include "engine/training/training_parts.hpp"
+#include "engine/training_run.hpp"
+#include "storage/file.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet {
+namespace {
+
+namespace flow = tbb::flow;
+using engine::ModelInTraining;
+
+/// Models in memory at once: enough to keep the threads busy while some are read and written, however
+/// large the library.
+std::size_t models_in_flight() {
+  return std::max<std::size_t>(4, 2 * std::thread::hardware_concurrency());
+}
+
+struct Item {
+  std::size_t id = 0;  // rising
+  TrainingJob job;
+  ModelInTraining model;
+  std::string source_xxh3;
+  std::optional<Error> fault;
+
+  bool goes_on() const { return !fault && !job.check_only; }
+};
+/// Shared, since two branches of the graph work on it: each on what is its own.
+using ItemPtr = std::shared_ptr<Item>;
+
+void read_and_survey(const TrainingWork& work, Item& item) {
+  const ModelSource& source = work.sources[item.job.source];
+  const Result<Cloud> surface = [&]() -> Result<Cloud> {
+    const StageTimer timer(item.model.times, "read");
+    Result<MappedFile> bytes = MappedFile::open(source.file, ReadOptions{}.max_file_bytes);
+    if (!bytes) return bytes.error();
+    item.source_xxh3 = xxh3_hex(bytes->bytes());
+    return read_cloud(source.file, {.unit = work.unit, .keep_origin = true});
+  }();
+  const Result<void> good =
+      surface ? engine::survey(*surface, source, work.options, item.model) : surface.error();
+  if (!good) item.fault = good.error();
+}
+
+}  // namespace
+
+Result<void> train_models(const TrainingWork& work,
+                          const std::function<std::optional<TrainingJob>()>& next,
+                          const std::function<void(JobOutcome)>& done,
+                          const std::stop_token& stop) {
+  const TriSpinBasis basis = engine::standard_basis(work.options);
+  engine::PartWriter parts(engine::parts_folder(work.file),
+                           engine::library_header(work.unit, work.options), basis, work.writer);
+  const auto source_of = [&](const ItemPtr& item) -> const ModelSource& {
+    return work.sources[item->job.source];
+  };
+  std::optional<Error> failure;  // of writing
+  std::atomic<bool> failed{false};
+  std::size_t num_items = 0;
+  flow::graph graph;
+
+  // What is not worked on any more passes through all nodes, too.
+  flow::input_node<ItemPtr> jobs(graph, [&](tbb::flow_control& control) {
+    const auto item = std::make_shared<Item>();
+    const std::optional<TrainingJob> job = failed || stop.stop_requested() ? std::nullopt : next();
+    if (!job) {
+      control.stop();
+      return item;
+    }
+    item->id = num_items++;
+    item->job = *job;
+    return item;
+  });
+  flow::limiter_node<ItemPtr> gate(graph, models_in_flight());
+  const auto stage = [&](auto&& body) {
+    return flow::function_node<ItemPtr, ItemPtr>(graph, flow::unlimited,
+                                                 [body](const ItemPtr& item) {
+                                                   body(item);
+                                                   return item;
+                                                 });
+  };
+  auto survey = stage([&](const ItemPtr& item) { read_and_survey(work, *item); });
+  auto symmetries = stage([&](const ItemPtr& item) {
+    if (item->goes_on()) engine::find_symmetries(source_of(item), item->model);
+  });
+  auto pairs = stage([&](const ItemPtr& item) {
+    if (item->goes_on()) engine::pair_up(source_of(item), work.options, item->model);
+  });
+  auto descriptions = stage([&](const ItemPtr& item) {
+    if (item->goes_on()) engine::describe(basis, item->model);
+  });
+  auto codes = stage([&](const ItemPtr& item) {
+    if (item->goes_on()) engine::encode(basis, item->model);
+  });
+  const auto id_of = [](const ItemPtr& item) { return item->id; };
+  flow::join_node<std::tuple<ItemPtr, ItemPtr>, flow::key_matching<std::size_t>> both(graph, id_of,
+                                                                                      id_of);
+  flow::function_node<std::tuple<ItemPtr, ItemPtr>> write(
+      graph, flow::serial, [&](const std::tuple<ItemPtr, ItemPtr>& joined) {
+        Item& item = *std::get<0>(joined);
+        if (item.model.pair_fault) item.fault = item.model.pair_fault;
+        if (failed) return flow::continue_msg{};
+        JobOutcome outcome{item.job.source, item.fault, {}, {}};
+        if (item.goes_on()) {
+          const ModelSource& source = work.sources[item.job.source];
+          TrainedModel trained = engine::finish(source, std::move(item.model));
+          trained.model.source_xxh3 = item.source_xxh3;
+          trained.model.fingerprint =
+              engine::fingerprint_of(source, item.source_xxh3, work.unit, work.options);
+          if (const Result<void> added = parts.add(trained.model); !added) {
+            failure = added.error();
+            failed = true;
+            return flow::continue_msg{};
+          }
+          outcome.times = std::move(trained.stats.times);
+          outcome.warnings = std::move(trained.stats.warnings);
+        }
+        done(std::move(outcome));
+        return flow::continue_msg{};
+      });
+
+  flow::make_edge(jobs, gate);
+  flow::make_edge(gate, survey);
+  flow::make_edge(survey, symmetries);
+  flow::make_edge(symmetries, pairs);
+  flow::make_edge(survey, descriptions);
+  flow::make_edge(descriptions, codes);
+  flow::make_edge(pairs, flow::input_port<0>(both));
+  flow::make_edge(codes, flow::input_port<1>(both));
+  flow::make_edge(both, write);
+  flow::make_edge(write, gate.decrementer());
+  jobs.activate();
+  graph.wait_for_all();
+
+  const Result<void> closed = parts.close();
+  if (failure) return *failure;
+  return closed;
+}
+
+}  // namespace trivet

@@ -1,0 +1,95 @@
+#include "engine/training/warn_of_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernels/surfaces/visibility.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr double kMostSeenAtOnce = 0.9;  // of a closed surface one view sees about half
+constexpr double kMostHidden = 0.3;
+constexpr double kMostTurned = 0.5;
+constexpr std::size_t kFewestPoints = 500;
+constexpr float kSmallest_m = 0.002F, kLargest_m = 10;  // diameters of what is looked for in scans
+constexpr std::array kOtherUnits{1000.0, 25.4, 10.0};   // that lengths are mistaken by
+constexpr double kTypicalSpread = 30;  // of the diameters of one library, either way
+
+double share(std::size_t part, std::size_t all) {
+  return all == 0 ? 0 : static_cast<double>(part) / static_cast<double>(all);
+}
+
+/// Of the samples, those that the view sees that sees most.
+double most_seen_at_once(std::span<const ViewMask> views) {
+  std::array<std::size_t, kernels::kNumViews> seen{};
+  for (const ViewMask& mask : views) {
+    for (std::size_t d = 0; d < seen.size(); ++d) seen[d] += kernels::is_visible(mask, d) ? 1 : 0;
+  }
+  return share(*std::ranges::max_element(seen), views.size());
+}
+
+std::string length_text(double length, LengthUnit unit) {
+  return fmt::format("{:.4g} {}", length, unit == LengthUnit::meter ? "m" : "mm");
+}
+
+}  // namespace
+
+std::vector<std::string> warn_of_model(const SurveyedModel& model) {
+  std::vector<std::string> warnings;
+  if (const double seen = most_seen_at_once(model.sample_views); seen > kMostSeenAtOnce) {
+    warnings.push_back(
+        fmt::format("one view sees {:.0f} % of it, as of a scene or a scan from one "
+                    "side; give the whole object",
+                    100 * seen));
+  }
+  if (const double hidden = share(model.num_hidden(), model.all_views.size());
+      hidden > kMostHidden) {
+    warnings.push_back(
+        fmt::format("{:.0f} % of its surface can be seen from nowhere; remove what "
+                    "lies inside, if it is not meant",
+                    100 * hidden));
+  }
+  if (const double turned = share(model.num_turned, model.all_views.size()); turned > kMostTurned) {
+    warnings.push_back(
+        fmt::format("{:.0f} % of its faces look inwards; they are taken the other "
+                    "way round",
+                    100 * turned));
+  }
+  if (!model.has_faces() && model.vertices.size() < kFewestPoints) {
+    warnings.push_back(fmt::format("only {} points; {} or more, all around, tell its shape",
+                                   model.vertices.size(), kFewestPoints));
+  }
+  return warnings;
+}
+
+std::vector<std::string> warn_of_sizes(std::span<const float> diameters, LengthUnit unit) {
+  std::vector<std::string> warnings(diameters.size());
+  std::vector<float> sorted(diameters.begin(), diameters.end());
+  std::ranges::sort(sorted);
+  const double median = sorted.empty() ? 0 : static_cast<double>(sorted[sorted.size() / 2]);
+  const double in_meters = unit == LengthUnit::meter ? 1 : 1e-3;
+  for (std::size_t m = 0; m < diameters.size(); ++m) {
+    const auto diameter = static_cast<double>(diameters[m]);
+    const double ratio = diameter / median;
+    if (const double meters = diameter * in_meters;
+        meters > static_cast<double>(kLargest_m) || meters < static_cast<double>(kSmallest_m)) {
+      warnings[m] = fmt::format("{} across; is the unit right?", length_text(diameter, unit));
+    } else if (sorted.size() > 2 && (ratio > kTypicalSpread || ratio < 1 / kTypicalSpread)) {
+      const auto other = std::ranges::min_element(kOtherUnits, {}, [&](double factor) {
+        return std::abs(std::abs(std::log(ratio)) - std::log(factor));
+      });
+      warnings[m] = fmt::format(
+          "{} across, where half of the models are within {}; is the unit "
+          "right? Its file's lengths may be {} times too {}",
+          length_text(diameter, unit), length_text(median, unit), *other,
+          ratio > 1 ? "large" : "small");
+    }
+  }
+  return warnings;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,78 @@
+/// The steps of training a library, for who shares its models among processes; one process alone
+/// calls train_library (engine/train.hpp).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "engine/progress.hpp"
+#include "engine/train.hpp"
+#include "storage/result.hpp"
+
+namespace trivet {
+
+/// One model that is to be trained.
+struct TrainingJob {
+  std::size_t source = 0;   ///< which of TrainingRun::sources()
+  bool check_only = false;  ///< find out whether it can be trained at all, and no more
+};
+
+/// What came of a job.
+struct JobOutcome {
+  std::size_t source = 0;
+  std::optional<Error> fault;  ///< why the model cannot be trained
+  StageTimes times;
+  std::vector<std::string> warnings;
+};
+
+/// What all processes of a run must agree on.
+struct TrainingWork {
+  std::span<const ModelSource> sources;
+  LengthUnit unit = LengthUnit::meter;
+  TrainOptions options;
+  std::filesystem::path file;
+  int writer = 0;  ///< of those that train for this file at once: 0, 1, ...
+};
+
+/// Train the models that `next` gives, until it gives none, and keep them beside the file. Stages of
+/// different models overlap (a flow graph with a node a stage).
+///
+/// next  called by one thread at a time, which may wait in it
+/// done  likewise, for each job that came to its end
+/// stop  no more jobs are begun; those that were begun are finished and kept
+/// Errors: of writing.
+Result<void> train_models(const TrainingWork& work,
+                          const std::function<std::optional<TrainingJob>()>& next,
+                          const std::function<void(JobOutcome)>& done, const std::stop_token& stop);
+
+/// A library that is being brought up to date. Holds the lock of its file.
+class TrainingRun {
+ public:
+  /// Look at the sources, the file and what earlier runs left. Errors: as of train_library.
+  static Result<TrainingRun> begin(TrainRequest request, const TrainProgress& progress);
+  TrainingRun(TrainingRun&&) noexcept;
+  TrainingRun& operator=(TrainingRun&&) noexcept;
+  ~TrainingRun();
+
+  const std::vector<ModelSource>& sources() const noexcept;  ///< by name
+  std::size_t num_taken_over() const noexcept;               ///< of them
+  /// The next job; none when all are given out. One thread at a time.
+  std::optional<TrainingJob> next();
+  /// Take note of an outcome. One thread at a time.
+  void add(JobOutcome outcome);
+  /// Write the library, when all jobs came to their ends. Errors: as of train_library.
+  Result<TrainReport> publish(const TrainProgress& progress);
+
+ private:
+  struct State;
+  explicit TrainingRun(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trivet

@@ -1,0 +1,140 @@
+/// Training that is killed, stopped, or finds the disk full, at any moment: the library is as it was
+/// or as it is going to be, and the same command goes on.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <random>
+
+#include "apps/program.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// A library of three models, to which training adds five more and a change.
+class InterruptedTraining : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<test::TempDir>();
+    for (int i = 0; i < 3; ++i)
+      put("m" + std::to_string(i), test::bracket(), 1 + 0.1F * static_cast<float>(i));
+    ASSERT_EQ(train({"m0.ply", "m1.ply", "m2.ply"}).exit_code, 0);
+    before_ = bytes();
+    put("m1", test::lever(), 1.5F);
+    for (int i = 3; i < 8; ++i)
+      put("m" + std::to_string(i), test::lever(), 1 + 0.1F * static_cast<float>(i));
+    const auto start = Clock::now();
+    ASSERT_EQ(train_all().exit_code, 0);
+    seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+    after_ = bytes();
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  void SetUp() override { reset(); }
+
+  static void put(const std::string& name, const test::Shape& shape, float size) {
+    Cloud cloud = test::cloud_of(shape);
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      cloud.points.set(i, size * cloud.points[i]);
+    ASSERT_TRUE(write_ply(*folder_ / (name + ".ply"), cloud));
+  }
+  static test::Outcome train(std::vector<std::string> arguments,
+                             const std::vector<std::string>& environment = {},
+                             const std::function<void(pid_t, const std::string&)>& watch = {}) {
+    arguments.insert(arguments.begin(), "train");
+    arguments.insert(arguments.end(), {"-o", "library.h5", "--preset", "fast", "--samples", "512"});
+    return test::run_trivet(
+        arguments, {.folder = folder_->path(), .environment = environment, .watch = watch});
+  }
+  static test::Outcome train_all(const std::vector<std::string>& environment = {},
+                                 const std::function<void(pid_t, const std::string&)>& watch = {}) {
+    std::vector<std::string> all;
+    for (int i = 0; i < 8; ++i) all.push_back("m" + std::to_string(i) + ".ply");
+    return train(all, environment, watch);
+  }
+  static std::string bytes() { return test::read_bytes(*folder_ / "library.h5"); }
+  /// The library as it was before, and nothing beside it.
+  static void reset() {
+    fs::remove_all(*folder_ / "library.h5.parts");
+    folder_->write("library.h5", before_);
+  }
+  static void expect_whole(const std::string& told) {
+    const std::string now = bytes();
+    EXPECT_TRUE(now == before_ || now == after_) << told;
+  }
+  static void expect_done_by_the_same_command(const std::string& told) {
+    const test::Outcome resumed = train_all();
+    ASSERT_EQ(resumed.exit_code, 0) << told << resumed.error;
+    EXPECT_TRUE(bytes() == after_) << told;
+    for (const auto& entry : fs::directory_iterator(folder_->path())) {
+      const std::string name = entry.path().filename().string();
+      EXPECT_TRUE(name.ends_with(".ply") || name == "library.h5") << told << name;
+    }
+  }
+
+  static inline std::unique_ptr<test::TempDir> folder_;
+  static inline std::string before_, after_;
+  static inline double seconds_ = 0;
+};
+
+TEST_F(InterruptedTraining, GoesOnAfterBeingKilledAtAnyMoment) {
+  constexpr int kKills = 20;
+  std::mt19937 random(1);
+  for (int k = 0; k < kKills; ++k) {
+    if (k % 2 == 0) reset();  // else what was killed is killed again
+    const double at = std::uniform_real_distribution<>(0, seconds_)(random);
+    const auto start = Clock::now();
+    train_all({}, [&](pid_t program, const std::string&) {
+      if (std::chrono::duration<double>(Clock::now() - start).count() >= at)
+        ::kill(program, SIGKILL);
+    });
+    const std::string told = "killed after " + std::to_string(at) + " s: ";
+    expect_whole(told);
+    if (k % 2 == 1) expect_done_by_the_same_command(told);
+  }
+}
+
+TEST_F(InterruptedTraining, SaysHowFarItCameWhenItIsStopped) {
+  bool stopped = false;
+  const test::Outcome outcome = train_all({}, [&](pid_t program, const std::string& error) {
+    if (stopped || error.find("trained 3/8") == std::string::npos) return;
+    stopped = true;
+    ::kill(program, SIGINT);
+  });
+  ASSERT_EQ(outcome.exit_code, 75) << outcome.error;
+  EXPECT_NE(outcome.error.find("of 8 models"), std::string::npos) << outcome.error;
+  EXPECT_TRUE(bytes() == before_);
+  expect_done_by_the_same_command("");
+}
+
+TEST_F(InterruptedTraining, GoesOnWhenAFullDiskIsNotFullAnyMore) {
+  if (std::string(TRIVET_FAILING_WRITES).empty()) GTEST_SKIP() << "not with sanitizers";
+  const std::string preload = std::string("LD_PRELOAD=") + TRIVET_FAILING_WRITES;
+  const test::Outcome counted = train_all({preload, "COUNT_TO=" + (*folder_ / "count").string()});
+  ASSERT_EQ(counted.exit_code, 0) << counted.error;
+  const long num_calls = std::stol(test::read_bytes(*folder_ / "count"));
+  fs::remove(*folder_ / "count");
+  ASSERT_GT(num_calls, 100);
+  constexpr int kPlaces = 20;
+  for (int k = 0; k < kPlaces; ++k) {
+    reset();
+    // The last calls are those that count most: all of them in turn.
+    const long from =
+        k < kPlaces / 2 ? 1 + num_calls * k / (kPlaces / 2) : num_calls - (kPlaces - 1 - k);
+    const test::Outcome failed = train_all({preload, "FAIL_FROM=" + std::to_string(from)});
+    const std::string told =
+        "call " + std::to_string(from) + " of " + std::to_string(num_calls) + ": " + failed.error;
+    EXPECT_TRUE(failed.exit_code == 74 || failed.exit_code == 73) << failed.exit_code << told;
+    EXPECT_NE(failed.error.find("error: "), std::string::npos) << told;
+    expect_whole(told);
+    expect_done_by_the_same_command(told);
+  }
+}
+
+}  // namespace
+}  // namespace trivet
