@@ -1,11 +1,15 @@
 #include "engine/training/describe_model.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "engine/common/parallel.hpp"
 #include "kernels/spin_images/keypoints_uniform.hpp"
+#include "kernels/spin_images/partial_views.hpp"
 #include "kernels/surfaces/visibility.hpp"
 
 namespace trivet::engine {
@@ -15,11 +19,16 @@ constexpr float kRelativeResolution = 0.0125F;  // of the diameter
 constexpr float kNormalClusterRad = 0.52F;
 constexpr std::size_t kNumPartialViews = 42;  // of the directions that samples know
 constexpr std::size_t kFewestSeen = 100;
+// Views that differ in so little of a support give nearly the same image: its distance grows with the
+// share of the surface that one of two images lacks, and reaches kLikeImage at some 4 % of what is seen.
+constexpr float kLikeSupport = 0.04F;
 constexpr float kLikeImage = 0.3F;   // distance of two images of one keypoint that are one
 constexpr float kLikeFrame = 0.25F;  // ... and of their frames, about [rad]
 // Descriptions of a keypoint: those that most views give. All, some ten, make a library twice
 // as large and find no more.
 constexpr std::size_t kMostDescriptions = 5;
+constexpr std::size_t kMostTried = 16;  // for them: some are alike, or have no certain frame
+constexpr std::size_t kGrain = 16;      // keypoints a task
 
 struct Surface {
   Points points;
@@ -52,67 +61,148 @@ std::size_t partial_view(std::size_t v) {
   return (2 * v + 1) * kernels::kNumViews / (2 * kNumPartialViews);
 }
 
-/// Collects descriptions of keypoints, those that differ from the ones of the same keypoint.
-class Collection {
- public:
-  explicit Collection(std::size_t num_points) : of_point_(num_points) {}
+/// Bit 0 of a point's views: all points together, which no view sees. Bit 1 + v: partial view v.
+constexpr std::size_t kWhole = 0, kFirstView = 1;
 
-  void add(const Descriptions& some, std::span<const std::uint32_t> points) {
-    for (std::size_t k = 0; k < some.size(); ++k) {
-      std::vector<std::uint32_t>& known = of_point_[points[k]];
-      const auto image = image_of(some, k);
-      const auto like = std::ranges::find_if(known, [&](std::uint32_t i) {
-        return (some.frames[k] - all_.frames[i]).norm() < kLikeFrame && alike(image, i);
-      });
-      if (like != known.end()) {
-        ++num_views_[*like];
-        continue;
-      }
-      known.push_back(static_cast<std::uint32_t>(all_.size()));
-      num_views_.push_back(1);
-      append(some, k, all_);
+std::vector<kernels::ViewBits> partial_views_of(std::span<const ViewMask> views) {
+  std::vector<kernels::ViewBits> bits(views.size(), kernels::ViewBits{1} << kWhole);
+  std::array<std::size_t, kernels::kMostPartialViews> num_seen{};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (std::size_t v = 0; v < kNumPartialViews; ++v) {
+      if (!kernels::is_visible(views[i], partial_view(v))) continue;
+      bits[i] |= kernels::ViewBits{1} << (kFirstView + v);
+      ++num_seen[kFirstView + v];
     }
   }
+  kernels::ViewBits of_use = ~kernels::ViewBits{0};
+  for (std::size_t v = kFirstView; v < num_seen.size(); ++v) {
+    if (num_seen[v] < kFewestSeen) of_use &= ~(kernels::ViewBits{1} << v);
+  }
+  if (views.size() < kFewestSeen) of_use = 0;
+  for (kernels::ViewBits& some : bits) some &= of_use;
+  return bits;
+}
 
-  /// Those of each keypoint that most views gave, in the order in which they came.
-  Descriptions take() && {
-    std::vector<std::uint32_t> kept;
-    for (std::vector<std::uint32_t>& known : of_point_) {
-      std::ranges::stable_sort(known, std::ranges::greater(),
-                               [&](std::uint32_t i) { return num_views_[i]; });
-      known.resize(std::min(known.size(), kMostDescriptions));
-      kept.insert(kept.end(), known.begin(), known.end());
-    }
-    std::ranges::sort(kept);
-    Descriptions out;
-    for (const std::uint32_t i : kept) append(all_, i, out);
-    return out;
-  }
-
- private:
-  static std::span<const float> image_of(const Descriptions& from, std::size_t i) {
-    return std::span(from.images).subspan(i * kernels::kTriSpinSize, kernels::kTriSpinSize);
-  }
-  static void append(const Descriptions& from, std::size_t i, Descriptions& to) {
-    const auto image = image_of(from, i);
-    to.keypoints.push_back(from.keypoints[i]);
-    to.frames.push_back(from.frames[i]);
-    to.images.insert(to.images.end(), image.begin(), image.end());
-  }
-  bool alike(std::span<const float> image, std::size_t i) const {
-    const float* const other = all_.images.data() + i * kernels::kTriSpinSize;
-    float squared = 0;
-    for (std::size_t c = 0; c < image.size(); ++c) {
-      const float d = image[c] - other[c];
-      squared += d * d;
-    }
-    return squared < kLikeImage * kLikeImage;
+/// The surface of a model, ready for describing its keypoints.
+struct ViewedSurface {
+  ViewedSurface(Surface from, float support_radius)
+      : surface(std::move(from)),
+        views(partial_views_of(surface.views)),
+        radius(support_radius),
+        grid(surface.points, kCell * radius) {
+    const kernels::VoxelHash fine(surface.points, kShare * radius);
+    sharers.num_points = surface.points.size();
+    sharers.counts.resize(kernels::kMostPartialViews * sharers.num_points);
+    for_chunks(sharers.num_points, 256, [&](std::size_t first, std::size_t count) {
+      kernels::count_sharers(fine, views, surface.points.view().slice(first, count), first,
+                             kShare * radius, sharers.counts);
+    });
   }
 
-  Descriptions all_;
-  std::vector<std::uint32_t> num_views_;              // that gave each
-  std::vector<std::vector<std::uint32_t>> of_point_;  // descriptions of each
+  Surface surface;
+  std::vector<kernels::ViewBits> views;
+  float radius;
+  kernels::VoxelHash grid;
+  kernels::Sharers sharers;
 };
+
+/// Views that see nearly the same of a keypoint's surface.
+struct LikeViews {
+  std::size_t first = 0;  ///< of the views; it stands for all
+  std::size_t number = 0;
+};
+
+struct KeypointScratch {
+  kernels::ViewedSupport all;
+  kernels::Support seen;
+  kernels::SpinScratch spin;
+  std::vector<LikeViews> groups;
+  Descriptions found;
+  std::vector<std::size_t> numbers, order;  // of what was found: of views, and most views first
+};
+
+/// Join the views of a keypoint, those of most views first; of as many in the order of views.
+void join_views(const kernels::ViewedSupport& all, kernels::ViewBits views,
+                std::vector<LikeViews>& groups) {
+  groups.clear();
+  for (; views != 0; views &= views - 1) {
+    const auto v = static_cast<std::size_t>(std::countr_zero(views));
+    const auto like = std::ranges::find_if(groups, [&](const LikeViews& group) {
+      const std::size_t differing =
+          kernels::count_differences(all.seen_by(v), all.seen_by(group.first));
+      return static_cast<float>(differing) <= kLikeSupport * static_cast<float>(all.size);
+    });
+    if (like == groups.end()) {
+      groups.push_back({v, 1});
+    } else {
+      ++like->number;
+    }
+  }
+  std::ranges::stable_sort(groups, std::ranges::greater(), &LikeViews::number);
+}
+
+bool alike(std::span<const float> a, std::span<const float> b) {
+  float squared = 0;
+  for (std::size_t c = 0; c < a.size(); ++c) squared += (a[c] - b[c]) * (a[c] - b[c]);
+  return squared < kLikeImage * kLikeImage;
+}
+
+void append(const Descriptions& from, std::size_t i, Descriptions& to) {
+  const auto image = from.image(i);
+  to.keypoints.push_back(from.keypoints[i]);
+  to.frames.push_back(from.frames[i]);
+  to.images.insert(to.images.end(), image.begin(), image.end());
+}
+
+/// What the groups of views see of a keypoint, those apart that are not alike; how many views have
+/// each is added up.
+void describe_groups(const ViewedSurface& model, std::uint32_t point,
+                     const kernels::FrameLimits& limits, KeypointScratch& scratch) {
+  Descriptions& found = scratch.found;
+  found = {};
+  scratch.numbers.clear();
+  for (std::size_t g = 0; g < scratch.groups.size() && g < kMostTried; ++g) {
+    const LikeViews& group = scratch.groups[g];
+    kernels::take_view(scratch.all, group.first, model.sharers.of_view(group.first),
+                       kShare * model.radius, scratch.seen);
+    found.images.resize((found.size() + 1) * kernels::kTriSpinSize);
+    const auto image = std::span(found.images).last<kernels::kTriSpinSize>();
+    const Eigen::Matrix3f frame =
+        kernels::describe_support(scratch.seen, model.surface.normals[point], model.radius, limits,
+                                  image, scratch.spin)
+            .axes;
+    if (frame.isZero()) continue;
+    std::size_t like = 0;
+    while (like < found.size() &&
+           ((frame - found.frames[like]).norm() >= kLikeFrame || !alike(image, found.image(like))))
+      ++like;
+    if (like < found.size()) {
+      scratch.numbers[like] += group.number;
+      continue;
+    }
+    scratch.numbers.push_back(group.number);
+    found.keypoints.push_back(model.surface.points[point]);
+    found.frames.push_back(frame);
+  }
+  found.images.resize(found.size() * kernels::kTriSpinSize);
+}
+
+/// Append what most views see of a keypoint, where their frames are certain enough.
+void describe_keypoint(const ViewedSurface& model, std::uint32_t point,
+                       const kernels::FrameLimits& limits, KeypointScratch& scratch,
+                       Descriptions& out) {
+  kernels::gather_viewed_support(model.grid, model.views, model.surface.points[point], model.radius,
+                                 scratch.all);
+  join_views(scratch.all, model.views[point], scratch.groups);
+  describe_groups(model, point, limits, scratch);
+  std::vector<std::size_t>& order = scratch.order;
+  order.resize(scratch.found.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater(),
+                           [&](std::size_t i) { return scratch.numbers[i]; });
+  order.resize(std::min(order.size(), kMostDescriptions));
+  for (const std::size_t i : order) append(scratch.found, i, out);
+}
 
 }  // namespace
 
@@ -126,40 +216,26 @@ Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& o
   ViewMask directions{};
   for (std::size_t v = 0; v < kNumPartialViews; ++v)
     directions[partial_view(v) / 64] |= std::uint64_t{1} << (partial_view(v) % 64);
-  const Surface surface = visible_surface(model, resolution, directions);
+  const ViewedSurface surface(visible_surface(model, resolution, directions),
+                              options.support * resolution);
   Column<std::uint32_t> keypoints;
   kernels::UniformScratch scratch;
-  kernels::find_uniform_keypoints(surface.points, options.spacing * resolution, keypoints, scratch);
-  std::vector<std::uint8_t> is_keypoint(surface.points.size(), 0);
-  for (std::size_t k = 0; k < keypoints.size(); k += options.stride) is_keypoint[keypoints[k]] = 1;
-
-  Collection collection(surface.points.size());
-  const auto describe_part = [&](auto&& is_seen) {
-    Surface part;
-    std::vector<std::uint32_t> local, point_of;  // keypoints, in the part and in the surface
-    for (std::uint32_t i = 0; i < surface.points.size(); ++i) {
-      if (!is_seen(i)) continue;
-      if (is_keypoint[i] != 0) {
-        local.push_back(static_cast<std::uint32_t>(part.points.size()));
-        point_of.push_back(i);
-      }
-      part.points.push_back(surface.points[i]);
-      part.normals.push_back(surface.normals[i]);
-    }
-    if (part.points.size() < kFewestSeen) return;
-    Descriptions some;
-    const std::vector<std::uint32_t> kept = describe_surface(
-        part.points, part.normals, local, options.support * resolution, options.limits, some);
-    std::vector<std::uint32_t> points;
-    for (const std::uint32_t k : kept) points.push_back(point_of[k]);
-    collection.add(some, points);
-  };
-  describe_part([](std::uint32_t) { return true; });
-  for (std::size_t v = 0; v < kNumPartialViews; ++v) {
-    describe_part(
-        [&](std::uint32_t i) { return kernels::is_visible(surface.views[i], partial_view(v)); });
+  kernels::find_uniform_keypoints(surface.surface.points, options.spacing * resolution, keypoints,
+                                  scratch);
+  const std::size_t num_described = (keypoints.size() + options.stride - 1) / options.stride;
+  std::vector<Descriptions> chunks((num_described + kGrain - 1) / kGrain);
+  PerThread<KeypointScratch> per_thread;
+  for_each_index(chunks.size(), [&](std::size_t c) {
+    const std::size_t end = std::min(num_described, (c + 1) * kGrain);
+    for (std::size_t k = c * kGrain; k < end; ++k)
+      describe_keypoint(surface, keypoints[k * options.stride], options.limits, per_thread.local(),
+                        chunks[c]);
+  });
+  Descriptions all;
+  for (const Descriptions& some : chunks) {
+    for (std::size_t i = 0; i < some.size(); ++i) append(some, i, all);
   }
-  return std::move(collection).take();
+  return all;
 }
 
 }  // namespace trivet::engine

@@ -8,8 +8,6 @@ namespace trivet::engine {
 namespace {
 
 constexpr std::size_t kGrain = 64;
-constexpr float kCell = 0.5F;    // edge of the grid's voxels [radii]
-constexpr float kShare = 0.15F;  // of the balls that points share areas in [radii]: 2.5 resolutions
 
 }  // namespace
 

@@ -18,7 +18,14 @@ struct Descriptions {
   Column<float> images;                 ///< kernels::kTriSpinSize numbers each
 
   std::size_t size() const noexcept { return frames.size(); }
+  std::span<const float> image(std::size_t i) const noexcept {
+    return std::span(images).subspan(i * kernels::kTriSpinSize, kernels::kTriSpinSize);
+  }
 };
+
+// Of a support's radius, as scenes and models are described:
+inline constexpr float kCell = 0.5F;    ///< edge of the voxels that supports are gathered from
+inline constexpr float kShare = 0.15F;  ///< balls that points share areas in: 2.5 resolutions
 
 /// Describe the keypoints whose frame is certain enough, and append them in their order.
 ///

@@ -9,30 +9,49 @@
 
 namespace trivet::engine {
 
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kOtherSheet = 16;  // times the squared distance, where normals are across
+// Nearly all points have a sample this near [spacings]; none that is farther can cost less.
+constexpr float kNear = 1.25F, kFar = 4;
+
+struct NearestSample {
+  float cost = kInfinity;
+  std::uint32_t index = 0;
+  float cosine = 0;
+};
+
+/// Of the samples within a radius. Thin walls have another sheet just behind.
+NearestSample nearest_sample(const kernels::VoxelHash& grid, NormalsView sample_normals,
+                             const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                             float radius) {
+  NearestSample best;
+  grid.visit_within(point, radius, [&](std::uint32_t s, float squared) {
+    if (squared > best.cost) return;
+    const float cosine = sample_normals[s].dot(normal);
+    const float cost = squared * (std::abs(cosine) > 0.5F ? 1 : kOtherSheet);
+    if (cost < best.cost || (cost == best.cost && s < best.index)) best = {cost, s, cosine};
+  });
+  return best;
+}
+
+}  // namespace
+
 void orient_by_samples(PointsView samples, NormalsView sample_normals,
                        std::span<const ViewMask> views, float spacing, PointsView points,
                        NormalsSpan normals) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const kernels::VoxelHash grid(samples, 2 * spacing);
+  const kernels::VoxelHash grid(samples, kNear * spacing);
   for_chunks(points.size(), 1024, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) {
-      const Eigen::Vector3f normal = PointsView(normals)[i];
-      // Thin walls have another sheet just behind.
-      float best = kInfinity;
-      std::uint32_t nearest = 0;
-      float cosine = 0;
-      grid.visit_within(points[i], 4 * spacing, [&](std::uint32_t s, float squared) {
-        const float c = sample_normals[s].dot(normal);
-        const float cost = squared * (std::abs(c) > 0.5F ? 1.0F : 16.0F);
-        if (cost < best || (cost == best && s < nearest)) {
-          best = cost;
-          nearest = s;
-          cosine = c;
-        }
-      });
-      if (!(best < kInfinity) || (!views.empty() && views[nearest] == ViewMask{})) {
+      const Eigen::Vector3f point = points[i], normal = PointsView(normals)[i];
+      const float near = kNear * spacing;
+      NearestSample best = nearest_sample(grid, sample_normals, point, normal, near);
+      if (best.cost > near * near)
+        best = nearest_sample(grid, sample_normals, point, normal, kFar * spacing);
+      if (!(best.cost < kInfinity) || (!views.empty() && views[best.index] == ViewMask{})) {
         normals.set(i, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-      } else if (cosine < 0) {
+      } else if (best.cosine < 0) {
         normals.set(i, -normal);
       }
     }

@@ -193,10 +193,12 @@ std::string TrainingRun::State::how_to_go_on() const {
 
 Error TrainingRun::State::all_faults() const {
   const Error& first = faults.begin()->second;
-  if (faults.size() == 1 && sources().size() == 1) return first;
-  Error joined{first.code,
-               fmt::format("{} of {} models cannot be trained; nothing was written ({})",
-                           faults.size(), sources().size(), how_to_go_on())};
+  const std::string rest =
+      faults.size() < sources().size() ? fmt::format(" ({})", how_to_go_on()) : std::string();
+  if (faults.size() == 1)
+    return {first.code, fmt::format("{}; nothing was written{}", first.message, rest)};
+  Error joined{first.code, fmt::format("{} of {} models cannot be trained; nothing was written{}",
+                                       faults.size(), sources().size(), rest)};
   for (const auto& [source, fault] : faults) joined.message += "\n" + fault.message;
   return joined;
 }

@@ -14,6 +14,7 @@ namespace {
 constexpr double kMostSeenAtOnce = 0.9;  // of a closed surface one view sees about half
 constexpr double kMostHidden = 0.3;
 constexpr double kMostTurned = 0.5;
+constexpr double kMostOpen = 0.05;
 constexpr std::size_t kFewestPoints = 500;
 constexpr float kSmallest_m = 0.002F, kLargest_m = 10;  // diameters of what is looked for in scans
 constexpr std::array kOtherUnits{1000.0, 25.4, 10.0};   // that lengths are mistaken by
@@ -30,6 +31,19 @@ double most_seen_at_once(std::span<const ViewMask> views) {
     for (std::size_t d = 0; d < seen.size(); ++d) seen[d] += kernels::is_visible(mask, d) ? 1 : 0;
   }
   return share(*std::ranges::max_element(seen), views.size());
+}
+
+/// The area that faces lack on the way around: 0 of a closed surface, up to 1 of a sheet. By the sum
+/// of their area vectors, which is that of the holes.
+double open_share(const SurveyedModel& model) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t t = 0; t < model.triangles.size(); ++t) {
+    const Eigen::Vector3d a = model.vertices[model.triangles.a[t]].cast<double>();
+    const Eigen::Vector3d b = model.vertices[model.triangles.b[t]].cast<double>();
+    const Eigen::Vector3d c = model.vertices[model.triangles.c[t]].cast<double>();
+    sum += 0.5 * (b - a).cross(c - a);
+  }
+  return model.has_faces() ? sum.norm() / model.areas.back() : 0;
 }
 
 std::string length_text(double length, LengthUnit unit) {
@@ -58,6 +72,12 @@ std::vector<std::string> warn_of_model(const SurveyedModel& model) {
         fmt::format("{:.0f} % of its faces look inwards; they are taken the other "
                     "way round",
                     100 * turned));
+  }
+  if (const double open = open_share(model); open > kMostOpen) {
+    warnings.push_back(
+        fmt::format("its surface is open, or its faces are wound unevenly: {:.0f} % "
+                    "of its area has nothing across from it",
+                    100 * open));
   }
   if (!model.has_faces() && model.vertices.size() < kFewestPoints) {
     warnings.push_back(fmt::format("only {} points; {} or more, all around, tell its shape",

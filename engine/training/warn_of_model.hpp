@@ -10,8 +10,8 @@
 
 namespace trivet::engine {
 
-/// Sentences without the model's name: a surface that one view sees whole, much of which is hidden,
-/// whose faces look inwards, or that is given by few points.
+/// Sentences without the model's name: a surface that one view sees whole, that is open, much of
+/// which is hidden, whose faces look inwards, or that is given by few points.
 std::vector<std::string> warn_of_model(const SurveyedModel& model);
 
 /// Of each model: a diameter that is that of no part in this unit, or not of the order of those of

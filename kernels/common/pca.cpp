@@ -18,22 +18,43 @@ using Rows =
 constexpr Eigen::Index kBlock = 256;  // vectors that are widened to double at a time
 constexpr std::size_t kLanes = 16;
 
-/// Sixteen partial sums, added up in one order on any processor.
+constexpr std::size_t kVectors = 2, kComponents = 4;  // that are taken together
+
+using Lanes [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+/// The same anywhere in memory.
+struct [[gnu::packed, gnu::may_alias]] Loaded {
+  Lanes lanes;
+};
+
+/// Products of vectors, less the mean, and components: of each pair sixteen partial sums, added up in
+/// one order on any processor and in any company.
 TRIVET_SIMD_CLONES
-float dot_less_mean(const float* __restrict vector, const float* __restrict mean,
-                    const float* __restrict component, std::size_t n) noexcept {
-  alignas(64) std::array<float, kLanes> sums{};
-  std::size_t i = 0;
-  for (; i + kLanes <= n; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k)
-      sums[k] += (vector[i + k] - mean[i + k]) * component[i + k];
+void dots_less_mean(const std::array<const float*, kVectors>& vectors, const float* mean,
+                    const std::array<const float*, kComponents>& components, std::size_t n,
+                    std::array<float, kVectors * kComponents>& out) noexcept {
+  const auto* const m = reinterpret_cast<const Loaded*>(mean);
+  const auto* const v0 = reinterpret_cast<const Loaded*>(vectors[0]);
+  const auto* const v1 = reinterpret_cast<const Loaded*>(vectors[1]);
+  Lanes sums[kVectors * kComponents] = {};
+  for (std::size_t i = 0; i < n / kLanes; ++i) {
+    const Lanes mean_here = m[i].lanes;
+    const Lanes less0 = v0[i].lanes - mean_here, less1 = v1[i].lanes - mean_here;
+    for (std::size_t c = 0; c < kComponents; ++c) {
+      const Lanes component = reinterpret_cast<const Loaded*>(components[c])[i].lanes;
+      sums[c] += less0 * component;
+      sums[kComponents + c] += less1 * component;
+    }
   }
-  for (std::size_t k = 0; i + k < n; ++k)
-    sums[k] += (vector[i + k] - mean[i + k]) * component[i + k];
-  for (std::size_t half = kLanes / 2; half > 0; half /= 2) {
-    for (std::size_t k = 0; k < half; ++k) sums[k] += sums[k + half];
+  for (std::size_t pair = 0; pair < out.size(); ++pair) {
+    const std::size_t v = pair / kComponents, c = pair % kComponents;
+    Lanes sum = sums[pair];
+    for (std::size_t i = n / kLanes * kLanes; i < n; ++i)
+      sum[i % kLanes] += (vectors[v][i] - mean[i]) * components[c][i];
+    for (std::size_t half = kLanes / 2; half > 0; half /= 2) {
+      for (std::size_t k = 0; k < half; ++k) sum[k] += sum[k + half];
+    }
+    out[pair] = sum[0];
   }
-  return sums[0];
 }
 
 }  // namespace
@@ -76,12 +97,22 @@ PcaBasis find_components(std::span<const float> vectors, std::size_t dimension,
 }
 
 void project(const PcaBasis& basis, std::span<const float> vectors, std::span<float> out) noexcept {
-  const std::size_t d = basis.dimension, k = basis.size();
+  const std::size_t d = basis.dimension, k = basis.size(), n = vectors.size() / d;
   assert(vectors.size() * k == out.size() * d);
-  for (std::size_t i = 0; i * d < vectors.size(); ++i) {
-    for (std::size_t c = 0; c < k; ++c) {
-      out[i * k + c] = dot_less_mean(vectors.data() + i * d, basis.mean.data(),
-                                     basis.components.data() + c * d, d);
+  std::array<const float*, kVectors> some{};
+  std::array<const float*, kComponents> components{};
+  std::array<float, kVectors * kComponents> dots{};
+  for (std::size_t i = 0; i < n; i += kVectors) {
+    for (std::size_t v = 0; v < kVectors; ++v)  // the last one again where there are no more
+      some[v] = vectors.data() + std::min(i + v, n - 1) * d;
+    for (std::size_t j = 0; j < k; j += kComponents) {
+      for (std::size_t c = 0; c < kComponents; ++c)
+        components[c] = basis.components.data() + std::min(j + c, k - 1) * d;
+      dots_less_mean(some, basis.mean.data(), components, d, dots);
+      for (std::size_t v = 0; v < kVectors && i + v < n; ++v) {
+        for (std::size_t c = 0; c < kComponents && j + c < k; ++c)
+          out[(i + v) * k + j + c] = dots[v * kComponents + c];
+      }
     }
   }
 }

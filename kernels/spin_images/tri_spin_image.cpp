@@ -1,21 +1,20 @@
 #include "kernels/spin_images/tri_spin_image.hpp"
 
 namespace trivet::kernels {
-LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
-                             const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
-                             float radius, const FrameLimits& limits,
-                             std::span<float, kTriSpinSize> image, TriSpinScratch& scratch) {
+
+LocalFrame describe_support(const Support& support, const Eigen::Vector3f& normal, float radius,
+                            const FrameLimits& limits, std::span<float, kTriSpinSize> image,
+                            SpinScratch& scratch) {
   if (!normal.allFinite()) return {};
-  gather_support(surface, areas, keypoint, radius, scratch.support);
-  if (scratch.support.size < limits.min_points) return {};
-  LocalFrame frame = local_frame(scratch.support, radius, normal);
+  if (support.size < limits.min_points) return {};
+  LocalFrame frame = local_frame(support, radius, normal);
   if (frame.axes.isZero() || frame.second_ratio < limits.min_second_ratio ||
       frame.lean > limits.max_lean)
     return {};
-  aim_first_axis(scratch.support, radius, frame);
+  aim_first_axis(support, radius, frame);
   if (frame.hold < limits.min_hold) return {};
   const auto write = [&](std::span<float, kSpinImageSize> one, int axis) {
-    spin_image(scratch.support, frame.axes.row(axis), radius, one, scratch.spin);
+    spin_image(support, frame.axes.row(axis), radius, one, scratch);
     normalize_spin_image(one);
     if (axis == 2) return;
     for (float& value : one) value *= kTurningWeight;
@@ -24,6 +23,14 @@ LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> ar
   write(image.subspan<kSpinImageSize, kSpinImageSize>(), 1);
   write(image.subspan<2 * kSpinImageSize, kSpinImageSize>(), 2);
   return frame;
+}
+
+LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
+                             const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
+                             float radius, const FrameLimits& limits,
+                             std::span<float, kTriSpinSize> image, TriSpinScratch& scratch) {
+  gather_support(surface, areas, keypoint, radius, scratch.support);
+  return describe_support(scratch.support, normal, radius, limits, image, scratch.spin);
 }
 
 }  // namespace trivet::kernels

@@ -34,11 +34,9 @@ struct TriSpinScratch {
   SpinScratch spin;
 };
 
-/// Write the spin images about e1, e2 and e3 of a keypoint's frame, each normalized, the first two
+/// Write the spin images about e1, e2 and e3 of the frame of a support, each normalized, the first two
 /// times kTurningWeight.
 ///
-/// surface  points of the surface
-/// areas    that each point stands for; empty: the same
 /// normal   of the keypoint, outward or towards the sensor
 /// radius   of the support, > 0
 /// image    kTriSpinSize numbers; not written where the frame is too uncertain
@@ -46,6 +44,13 @@ struct TriSpinScratch {
 /// Same bits on any processor. The scratch grows once.
 /// Source: Guo et al., "Trisi: a distinctive local surface descriptor for 3D modeling and object
 /// recognition", GRAPP 2013; e1 by aim_first_axis.
+LocalFrame describe_support(const Support& support, const Eigen::Vector3f& normal, float radius,
+                            const FrameLimits& limits, std::span<float, kTriSpinSize> image,
+                            SpinScratch& scratch);
+
+/// The same of the points of a surface around a keypoint.
+///
+/// areas  that each point of the surface stands for; empty: the same
 LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
                              const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
                              float radius, const FrameLimits& limits,

@@ -3,10 +3,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "kernels/common/pose_math.hpp"
+#include "storage/simd.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -40,6 +43,35 @@ struct Tally {
   }
 };
 
+constexpr std::size_t kRun = 64;  // samples that are measured at a time
+
+struct Oriented {
+  Eigen::Vector3f point, normal;
+};
+
+/// Squared distances of a point from samples as SampledSurface has them, infinite where normals
+/// disagree.
+TRIVET_SIMD_CLONES
+void measure_run(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
+                 const float* __restrict nxs, const float* __restrict nys,
+                 const float* __restrict nzs, std::size_t n, const Oriented& query, float slack,
+                 float* __restrict squared) noexcept {
+  const float qx = query.point.x(), qy = query.point.y(), qz = query.point.z();
+  const float mx = query.normal.x(), my = query.normal.y(), mz = query.normal.z();
+  for (std::size_t i = 0; i < n; ++i) {
+    const float dx = qx - xs[i], dy = qy - ys[i], dz = qz - zs[i];
+    const float cosine = nxs[i] * mx + nys[i] * my + nzs[i] * mz;
+    const float along = dx * (nxs[i] + mx) + dy * (nys[i] + my) + dz * (nzs[i] + mz);
+    const float agreeing = std::max(cosine, SampledSurface::kMinCosine);
+    const float plane = along * along / (2 + 2 * agreeing);
+    const float lateral = std::max(0.0F, dx * dx + dy * dy + dz * dz - plane);
+    const float excess = std::max(0.0F, std::sqrt(lateral) - slack);
+    const float distance = plane + excess * excess;
+    squared[i] =
+        cosine < SampledSurface::kMinCosine ? std::numeric_limits<float>::infinity() : distance;
+  }
+}
+
 }  // namespace
 
 SampledSurface::SampledSurface(PointsView points, NormalsView normals, float diameter)
@@ -64,6 +96,7 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
   // The mean distance of neighboring samples, found on a grid of about that size.
   constexpr float kCell = 0.05F;
   grid_ = VoxelHash(points_, kCell);
+  for (const std::uint32_t i : grid_.order()) grid_normals_.push_back(normals_[i]);
   double sum_nearest = 0;
   for (std::uint32_t i = 0; i < used; ++i) {
     float nearest = 4 * kCell * kCell;
@@ -96,25 +129,23 @@ float SampledSurface::second_gap(std::uint32_t sample) const noexcept {
 
 SampledSurface::Match SampledSurface::match(const Eigen::Vector3f& point,
                                             const Eigen::Vector3f& normal, float slack,
-                                            std::uint32_t excluded) const noexcept {
+                                            std::uint32_t excluded, float cap) const noexcept {
   Match best;
-  float best_squared = kCap * kCap;
-  grid_.visit_within(point, slack + kCap, [&](std::uint32_t i, float d2) {
-    const Eigen::Vector3f other = normals_[i];
-    const float cosine = other.dot(normal);
-    if (cosine < kMinCosine || i == excluded) return;
-    const float along = (point - points_[i]).dot(other + normal);
-    const float plane_squared = along * along / (2 + 2 * cosine);
-    if (plane_squared >= best_squared) return;
-    const float lateral_squared = d2 - plane_squared;
-    float squared = plane_squared;
-    if (lateral_squared > slack * slack) {
-      const float excess = std::sqrt(lateral_squared) - slack;
-      squared += excess * excess;
-    }
-    if (squared < best_squared) {
-      best_squared = squared;
-      best.index = i;
+  float best_squared = cap * cap;
+  std::array<float, kRun> squared;
+  grid_.visit_runs_within(point, slack + cap, [&](PointsView points, const std::uint32_t* indices) {
+    const auto before = static_cast<std::size_t>(indices - grid_.order().data());
+    for (std::size_t first = 0; first < points.size(); first += kRun) {
+      const std::size_t count = std::min(kRun, points.size() - first);
+      const PointsView some = points.slice(first, count);
+      const NormalsView normals = grid_normals_.view().slice(before + first, count);
+      measure_run(some.x.data(), some.y.data(), some.z.data(), normals.x.data(), normals.y.data(),
+                  normals.z.data(), count, {point, normal}, slack, squared.data());
+      for (std::size_t k = 0; k < count; ++k) {
+        if (!(squared[k] < best_squared) || indices[first + k] == excluded) continue;
+        best_squared = squared[k];
+        best.index = indices[first + k];
+      }
     }
   });
   best.distance = std::sqrt(best_squared);
@@ -143,7 +174,8 @@ void SampledSurface::mark_matched(const Pose& motion, float distance,
                                   std::span<std::uint8_t> out) const noexcept {
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Eigen::Vector3f normal = motion.linear() * normals_[i];
-    out[i] = match(motion * points_[i], normal, slacks_[i], kNone).distance <= distance;
+    const Match found = match(motion * points_[i], normal, slacks_[i], kNone, distance);
+    out[i] = found.index != kNone ? 1 : 0;
   }
 }
 

@@ -68,8 +68,9 @@ class SampledSurface {
     float distance = kCap;
     std::uint32_t index = kNone;
   };
+  /// None where nothing is nearer than `cap`.
   Match match(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float slack,
-              std::uint32_t excluded) const noexcept;
+              std::uint32_t excluded, float cap = kCap) const noexcept;
   /// Distance to the second nearest sample of the same sheet; kMaxSlack where it is farther.
   float second_gap(std::uint32_t sample) const noexcept;
 
@@ -80,6 +81,7 @@ class SampledSurface {
   Points points_;
   Normals normals_;
   VoxelHash grid_;
+  Normals grid_normals_;         // in the grid's order
   Column<float> own_distances_;  // of each sample from all others
 };
 

@@ -1,0 +1,69 @@
+/// What partial views see of the surface around a keypoint.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "kernels/common/voxel_hash.hpp"
+#include "kernels/spin_images/support.hpp"
+#include "storage/columns.hpp"
+
+namespace trivet::kernels {
+
+/// Views that see a point, one bit each.
+using ViewBits = std::uint64_t;
+inline constexpr std::size_t kMostPartialViews = 64;
+
+/// How many points share the area around each, by view: row v has a count a point, 255 at most.
+struct Sharers {
+  Column<std::uint8_t> counts;  ///< kMostPartialViews rows of num_points
+  std::size_t num_points = 0;
+
+  std::span<const std::uint8_t> of_view(std::size_t v) const noexcept {
+    return std::span(counts).subspan(v * num_points, num_points);
+  }
+};
+
+/// Count, for some points of a surface, those within a radius that each view sees: what share_areas
+/// counts where the view's points are all there are.
+///
+/// grid    of all points
+/// points  those [first, first + points.size()) of them
+/// views   of all points
+/// counts  as of Sharers, of all points
+/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
+void count_sharers(const VoxelHash& grid, std::span<const ViewBits> views, PointsView points,
+                   std::size_t first, float radius, std::span<std::uint8_t> counts) noexcept;
+
+/// The surface around a keypoint, all of it, with the views of each point.
+struct ViewedSupport {
+  Column<float> x, y, z;  ///< position less the keypoint's
+  Column<std::uint32_t> index;
+  Column<ViewBits> views;
+  std::size_t size = 0;
+  /// Which of the points each view sees: words of 64 points, the first view's first.
+  Column<std::uint64_t> seen;
+  std::size_t num_words = 0;
+
+  std::span<const std::uint64_t> seen_by(std::size_t v) const noexcept {
+    return std::span(seen).subspan(v * num_words, num_words);
+  }
+};
+
+/// Gather the points of a grid within `radius` of a keypoint. Grows to what it needs once.
+void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> views,
+                           const Eigen::Vector3f& keypoint, float radius, ViewedSupport& support);
+
+/// What one view sees of it, as gather_support gives it for the view's points alone, with the areas
+/// that share_areas gives them.
+void take_view(const ViewedSupport& all, std::size_t view, std::span<const std::uint8_t> sharers,
+               float share_radius, Support& support);
+
+/// Points that only one of two views sees. Pre: a.size() == b.size().
+std::size_t count_differences(std::span<const std::uint64_t> a,
+                              std::span<const std::uint64_t> b) noexcept;
+
+}  // namespace trivet::kernels
