@@ -90,15 +90,16 @@ Progress Console::progress(std::string_view verb, std::stop_token stop, bool bri
         done == total || (total <= kMostLines && !brief) || Clock::now() - told.last > kBetween;
     if (!is_due) return;
     told.last = Clock::now();
-    const std::string rest = pace(told, done, total);
+    const std::string rest =
+        fmt::format("{}{}{}", item.empty() ? "" : " ", item, pace(told, done, total));
     if (!terminal) {
-      tell(fmt::format("{} {}/{} {}{}\n", verb, done, total, item, rest));
+      tell(fmt::format("{} {}/{}{}\n", verb, done, total, rest));
       return;
     }
     constexpr std::size_t kWidth = 30;
     const std::size_t filled = total > 0 ? kWidth * done / total : kWidth;
-    tell(fmt::format("\r\033[K{} [{}{}] {}/{} {}{}{}", verb, std::string(filled, '#'),
-                     std::string(kWidth - filled, '.'), done, total, item, rest,
+    tell(fmt::format("\r\033[K{} [{}{}] {}/{}{}{}", verb, std::string(filled, '#'),
+                     std::string(kWidth - filled, '.'), done, total, rest,
                      done == total ? "\n" : ""));
   };
   return progress;

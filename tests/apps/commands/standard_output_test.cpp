@@ -128,7 +128,8 @@ TEST_F(StandardOutput, IsFollowedByThePathOfTheReport) {
 TEST_F(StandardOutput, CountsOneThingAsOne) {
   EXPECT_NE(run("evaluate library.h5 set.json").out.find("1 scene "), std::string::npos);
   const test::Outcome trained = run("train bracket.ply -o one.h5 --preset fast --methods ppf");
-  EXPECT_NE(trained.error.find("one.h5: 1 model, "), std::string::npos) << trained.error;
+  EXPECT_NE(trained.error.find("one.h5: 1 model (1 trained), "), std::string::npos)
+      << trained.error;
 }
 
 TEST_F(StandardOutput, TellsProgramsOfProgress) {
@@ -148,7 +149,12 @@ TEST_F(StandardOutput, TellsProgramsOfProgress) {
   EXPECT_EQ(done, 2U) << outcome.error;
   const test::Outcome trained =
       run("train bracket.ply -o one.h5 --preset fast --methods ppf --progress json --quiet");
-  EXPECT_EQ(nlohmann::json::parse(trained.error).at("stage"), "trained") << trained.error;
+  std::istringstream told(trained.error);
+  std::vector<std::string> stages;
+  for (std::string text; std::getline(told, text);)
+    stages.push_back(nlohmann::json::parse(text).at("stage"));
+  EXPECT_EQ(stages, (std::vector<std::string>{"read", "trained", "trained", "wrote"}))
+      << trained.error;
   EXPECT_EQ(run("library list library.h5 --progress xml").exit_code, 2);
 }
 

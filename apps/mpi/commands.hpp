@@ -1,0 +1,13 @@
+/// The subcommands of trivet-mpi: those of trivet, shared among processes.
+#pragma once
+
+#include "apps/commands/commands.hpp"
+#include "apps/mpi/ranks.hpp"
+
+namespace trivet::apps::mpi {
+
+void add_train(CLI::App& app, const Ranks& ranks, Context& context);
+void add_recognize(CLI::App& app, const Ranks& ranks, Context& context);
+void add_study(CLI::App& app, const Ranks& ranks, Context& context);
+
+}  // namespace trivet::apps::mpi
