@@ -36,10 +36,12 @@ TEST(WarnOfModel, SaysNothingOfAWholePart) {
 
 TEST(WarnOfModel, TellsOfASurfaceThatIsOpenOrOfOneSide) {
   const Cloud whole = test::cloud_of(test::bracket());
-  const auto height = [&](std::size_t t) { return whole.points[whole.triangles.a[t]].z(); };
-  float top = -1e9F;
-  for (std::size_t t = 0; t < whole.triangles.size(); ++t) top = std::max(top, height(t));
-  const Cloud open = part_of(whole, [&](std::size_t t) { return height(t) < top - 1e-4F; });
+  const Cloud open = part_of(whole, [&](std::size_t t) {  // without the faces that look up
+    const Eigen::Vector3f a = whole.points[whole.triangles.a[t]];
+    const Eigen::Vector3f b = whole.points[whole.triangles.b[t]];
+    const Eigen::Vector3f c = whole.points[whole.triangles.c[t]];
+    return (b - a).cross(c - a).normalized().z() < 0.9F;
+  });
   EXPECT_NE(warnings_of(open).find("open"), std::string::npos) << warnings_of(open);
 
   Cloud sheet;
