@@ -2,11 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "apps/commands/commands.hpp"
 #include "apps/commands/train_request.hpp"
-#include "engine/train.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -14,10 +12,7 @@ namespace {
 Result<void> train(const TrainArguments& arguments, const Context& context) {
   const Result<TrainRequest> request = make_request(arguments, context.console);
   if (!request) return request.error();
-  const Result<TrainReport> report =
-      train_library(*request, train_progress(context.console, context.stop));
-  if (!report) return report.error();
-  return tell_report(*report, *request, arguments.json, context.console);
+  return train_and_tell(*request, arguments.json, context.console, context.stop);
 }
 
 }  // namespace

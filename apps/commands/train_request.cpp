@@ -85,4 +85,11 @@ Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
   return error;
 }
 
+Result<void> train_and_tell(const TrainRequest& request, const std::string& json,
+                            const Console& console, const std::stop_token& stop) {
+  const Result<TrainReport> report = train_library(request, train_progress(console, stop));
+  if (!report) return report.error();
+  return tell_report(*report, request, json, console);
+}
+
 }  // namespace trivet::apps

@@ -36,4 +36,8 @@ TrainProgress train_progress(const Console& console, const std::stop_token& stop
 Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
                          const std::string& json, const Console& console);
 
+/// Train in this process, with progress, and tell what came of it. Errors: of both.
+Result<void> train_and_tell(const TrainRequest& request, const std::string& json,
+                            const Console& console, const std::stop_token& stop);
+
 }  // namespace trivet::apps

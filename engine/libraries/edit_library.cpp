@@ -87,14 +87,15 @@ Result<void> rename_model(const fs::path& file, const std::string& from, const s
   return write_again(*opened, std::move(models), progress);
 }
 
-std::string why_not_together(const Library& a, const Library& b) {
-  const PcaBasis &p = a.basis.components, &q = b.basis.components;
-  if (a.header.unit != b.header.unit) return "another unit";
-  if (a.header.parameters != b.header.parameters)
-    return fmt::format("the parameters {}", a.header.parameters);
-  if (a.basis.support != b.basis.support || a.basis.code_step != b.basis.code_step ||
+std::string why_not_together(const Library& library, const LibraryHeader& header,
+                             const TriSpinBasis& basis) {
+  const PcaBasis &p = library.basis.components, &q = basis.components;
+  if (library.header.unit != header.unit) return "another unit";
+  if (library.header.parameters != header.parameters)
+    return fmt::format("the parameters {}", library.header.parameters);
+  if (library.basis.support != basis.support || library.basis.code_step != basis.code_step ||
       p.mean != q.mean || p.components != q.components)
-    return fmt::format("the principal components of {}", a.header.producer);
+    return fmt::format("the principal components of {}", library.header.producer);
   return "";
 }
 
@@ -107,7 +108,8 @@ Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& in
     if (!opened) return opened.error();
     const Library& library = libraries.emplace_back(std::move(*opened));
     const Library& first = libraries.front();
-    if (const std::string differs = why_not_together(library, first); !differs.empty()) {
+    if (const std::string differs = why_not_together(library, first.header, first.basis);
+        !differs.empty()) {
       return Error{ErrorCode::usage,
                    fmt::format("{}: was trained with {}, other than {}; train both alike",
                                file.string(), differs, first.file.string())};

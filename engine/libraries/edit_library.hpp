@@ -52,7 +52,9 @@ struct LibraryDifference {
 /// What changed from one library to another, by what their models were trained from.
 LibraryDifference compare_libraries(const Library& before, const Library& after);
 
-/// Whether models of both can stand in one file; else what differs, as "another unit".
-std::string why_not_together(const Library& a, const Library& b);
+/// Whether models of a library can stand in a file of this header and basis; else what differs, as
+/// "another unit".
+std::string why_not_together(const Library& library, const LibraryHeader& header,
+                             const TriSpinBasis& basis);
 
 }  // namespace trivet

@@ -148,7 +148,7 @@ Result<void> TrainingRun::State::find_staying() {
       staying.push_back(copy);
   }
   if (staying.empty()) return {};
-  const std::string differs = why_not_together(*old, {{}, header, {}, {}, basis, {}, {}, {}});
+  const std::string differs = why_not_together(*old, header, basis);
   if (differs.empty()) return {};
   return Error{ErrorCode::usage,
                fmt::format("{}: {} of it, '{}' the first, {} not among the sources and would stay, "

@@ -148,7 +148,7 @@ TEST_F(StandardOutput, TellsProgramsOfProgress) {
   }
   EXPECT_EQ(done, 2U) << outcome.error;
   const test::Outcome trained =
-      run("train bracket.ply -o one.h5 --preset fast --methods ppf --progress json --quiet");
+      run("train bracket.ply -o told.h5 --preset fast --methods ppf --progress json --quiet");
   std::istringstream told(trained.error);
   std::vector<std::string> stages;
   for (std::string text; std::getline(told, text);)
