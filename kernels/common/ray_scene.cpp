@@ -2,7 +2,9 @@
 
 #include <embree3/rtcore.h>
 
+#include <array>
 #include <cassert>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -234,6 +236,30 @@ bool RayScene::occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& di
   RTCRay ray = make_ray(origin, direction, t_near, t_far);
   rtcOccluded1(state_->scene, &context, &ray);
   return ray.tfar < 0;  // Embree marks an occluded ray by minus infinity
+}
+
+std::uint32_t RayScene::occluded(const Eigen::Vector3f& origin,
+                                 PointsView directions) const noexcept {
+  assert(directions.size() <= kPacket && "more rays than are traced at a time");
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  alignas(32) std::array<int, kPacket> wanted{};  // -1: yes
+  alignas(32) RTCRay8 rays{};
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    wanted[k] = -1;
+    rays.org_x[k] = origin.x();
+    rays.org_y[k] = origin.y();
+    rays.org_z[k] = origin.z();
+    rays.dir_x[k] = directions.x[k];
+    rays.dir_y[k] = directions.y[k];
+    rays.dir_z[k] = directions.z[k];
+    rays.tfar[k] = std::numeric_limits<float>::infinity();
+    rays.mask[k] = 0xFFFF'FFFFU;
+  }
+  rtcOccluded8(wanted.data(), state_->scene, &context, &rays);
+  std::uint32_t found = 0;
+  for (std::size_t k = 0; k < directions.size(); ++k) found |= (rays.tfar[k] < 0 ? 1U : 0U) << k;
+  return found;
 }
 
 Hit RayScene::intersect(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,

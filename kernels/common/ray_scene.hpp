@@ -62,6 +62,11 @@ class RayScene {
   /// Whether anything lies on origin + t direction for t_near <= t <= t_far (may be infinite).
   bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,
                 float t_far) const noexcept;
+
+  /// Rays that are traced at a time: in half the time of one by one where directions are alike.
+  static constexpr std::size_t kPacket = 8;
+  /// Bit k: whether anything lies on origin + t directions[k] for t >= 0. At most kPacket.
+  std::uint32_t occluded(const Eigen::Vector3f& origin, PointsView directions) const noexcept;
   /// The nearest surface on the same stretch. The direction need not have length 1.
   Hit intersect(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,
                 float t_far) const noexcept;

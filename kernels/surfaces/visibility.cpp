@@ -59,16 +59,54 @@ float largest_of(const Cosines& cosines) {
   return *std::max_element(lanes.begin(), lanes.end());
 }
 
+/// All views, in runs of neighbors: each next one is the nearest to those of its packet so far.
+const std::array<std::size_t, kNumViews>& packed_views() {
+  static const auto order = [] {
+    std::array<std::size_t, kNumViews> made{};
+    std::array<bool, kNumViews> taken{};
+    Eigen::Vector3f sum = view_direction(0);
+    for (std::size_t k = 0; k < kNumViews; ++k) {
+      float nearest = -std::numeric_limits<float>::infinity();
+      for (std::size_t d = 0; d < kNumViews; ++d) {
+        const float along = sum.dot(view_direction(d));
+        if (taken[d] || along <= nearest) continue;
+        nearest = along;
+        made[k] = d;
+      }
+      taken[made[k]] = true;
+      const Eigen::Vector3f last = view_direction(made[k]);
+      sum = (k + 1) % RayScene::kPacket == 0 ? last : Eigen::Vector3f(sum + last);
+    }
+    return made;
+  }();
+  return order;
+}
+
 /// Views of one side of a point; cosines times `side` are those with that side's normal.
 ViewMask free_views(const RayScene& scene, const Eigen::Vector3f& origin, const Cosines& cosines,
                     float side, const ViewMask& wanted) {
-  constexpr float kFar = std::numeric_limits<float>::infinity();
+  std::array<std::size_t, RayScene::kPacket> packet;
+  std::array<float, RayScene::kPacket> x, y, z;
+  std::size_t n = 0;
   ViewMask mask{};
-  for (std::size_t d = 0; d < kNumViews; ++d) {
+  const auto trace = [&] {
+    const std::uint32_t occluded = scene.occluded(
+        origin, PointsView{std::span(x).first(n), std::span(y).first(n), std::span(z).first(n)});
+    for (std::size_t k = 0; k < n; ++k) {
+      if ((occluded >> k & 1U) == 0) mask[packet[k] / 64] |= std::uint64_t{1} << (packet[k] % 64);
+    }
+    n = 0;
+  };
+  const Views& table = views();
+  for (const std::size_t d : packed_views()) {
     if (!(side * cosines[d] > kMinViewCosine) || !is_visible(wanted, d)) continue;
-    if (scene.occluded(origin, view_direction(d), 0, kFar)) continue;
-    mask[d / 64] |= std::uint64_t{1} << (d % 64);
+    packet[n] = d;
+    x[n] = table.x[d];
+    y[n] = table.y[d];
+    z[n] = table.z[d];
+    if (++n == packet.size()) trace();
   }
+  if (n > 0) trace();
   return mask;
 }
 

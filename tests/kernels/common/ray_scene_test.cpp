@@ -122,6 +122,29 @@ TEST(RayScene, AgreesWithReferenceOnSpheres) {
   }
 }
 
+TEST(RayScene, TracesAPacketAsItsRaysOneByOne) {
+  Random random(7);
+  const Shape soup = triangle_soup(random, 60);
+  const auto scene = RayScene::from_mesh(soup.vertices, soup.triangles);
+  ASSERT_TRUE(scene);
+  std::size_t num_occluded = 0;
+  for (std::size_t n = 0; n <= RayScene::kPacket; ++n) {
+    for (int k = 0; k < 50; ++k) {
+      const Vector3f origin = random.direction();
+      Points directions;
+      for (std::size_t i = 0; i < n; ++i) directions.push_back(random.direction());
+      const std::uint32_t found = scene->occluded(origin, directions);
+      for (std::size_t i = 0; i < n; ++i) {
+        EXPECT_EQ((found >> i & 1U) != 0, scene->occluded(origin, directions[i], 0, kFar));
+        num_occluded += found >> i & 1U;
+      }
+      EXPECT_EQ(found >> n, 0U) << "no bits beside those of the rays";
+    }
+  }
+  EXPECT_GT(num_occluded, 100U);
+  EXPECT_LT(num_occluded, 1700U);
+}
+
 TEST(RayScene, SeesOnlyTheStretchBetweenNearAndFar) {
   const Shape cube = test::box({-1, -1, -1}, {1, 1, 1});
   const auto scene = RayScene::from_mesh(cube.vertices, cube.triangles);
