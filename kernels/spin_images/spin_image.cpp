@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "storage/simd.hpp"
 
@@ -33,6 +34,11 @@ void find_bins(const float* __restrict xs, const float* __restrict ys, const flo
     weights[4 * k + 3] = area * (a * c);
     bins[k] = i * static_cast<std::int32_t>(kStride) + j;
   }
+}
+
+TRIVET_SIMD_CLONES
+void scale_to_roots(float* image, float scale) noexcept {
+  for (std::size_t i = 0; i < kSpinImageSize; ++i) image[i] = std::sqrt(scale * image[i]);
 }
 
 }  // namespace
@@ -70,11 +76,16 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
 }
 
 void normalize_spin_image(std::span<float, kSpinImageSize> image) noexcept {
-  double sum = 0;
-  for (const float value : image) sum += static_cast<double>(value);
+  constexpr std::size_t kLanes = 8, kFull = kSpinImageSize / kLanes * kLanes;
+  std::array<double, kLanes> sums{};
+  for (std::size_t i = 0; i < kFull; i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) sums[k] += static_cast<double>(image[i + k]);
+  }
+  for (std::size_t i = kFull; i < kSpinImageSize; ++i)
+    sums[i - kFull] += static_cast<double>(image[i]);
+  const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
   if (!(sum > 0)) return;
-  const auto scale = static_cast<float>(1 / sum);
-  for (float& value : image) value = std::sqrt(scale * value);
+  scale_to_roots(image.data(), static_cast<float>(1 / sum));
 }
 
 }  // namespace trivet::kernels
