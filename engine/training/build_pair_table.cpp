@@ -118,6 +118,7 @@ Result<PairTable> build_pair_table(const SurveyedModel& model, const Symmetry& s
   {
     const StageTimer timer(times, "subsample");
     surface = sample_evenly(model, step, options.normal_cluster_angle_deg * kRadiansPerDegree);
+    drop_hidden(model, surface);
   }
   const std::size_t n = surface.points.size();
   if (n < 10 || n > kMaxPpfPoints) {

@@ -17,4 +17,10 @@ void orient_by_samples(PointsView samples, NormalsView sample_normals,
                        std::span<const ViewMask> views, float spacing, PointsView points,
                        NormalsSpan normals);
 
+/// Set the normals of points to NaN where the nearest sample that looks the same way is one that nothing
+/// sees, or no sample is near. The normals look outwards, as those of the samples do.
+void hide_by_samples(PointsView samples, NormalsView sample_normals,
+                     std::span<const ViewMask> views, float spacing, PointsView points,
+                     NormalsSpan normals);
+
 }  // namespace trivet::engine

@@ -26,6 +26,9 @@ namespace {
 constexpr std::size_t kViewGrain = 16;        // a sample shoots some 300 rays
 constexpr std::size_t kNormalNeighbors = 16;  // of a cloud's point, for the plane through it
 constexpr double kDensePerVoxel = 10;         // surface samples averaged into one point
+// Not that of the samples. Six of such numbers found 262 to 269 of 292 objects of real scenes, with 8
+// to 12 false alarms: so much is chance.
+constexpr std::uint64_t kDenseSeed = 24;
 constexpr double kFewestDense = 4096, kMostDense = 400'000;
 
 /// Sample a mesh; the normals are those of the faces and as reliable as the winding.
@@ -225,17 +228,15 @@ Symmetries find_symmetries(const SurveyedModel& model, const std::optional<Symme
                            StageTimes& times) {
   const SpreadPoints& samples = model.samples;
   Symmetries symmetries;
-  {
-    const StageTimer timer(times, "symmetry");
-    symmetries.exact =
-        declared ? *declared
-                 : kernels::find_symmetry(samples.points, samples.normals, model.diameter);
-  }
-  const StageTimer timer(times, "near symmetry");
+  std::optional<StageTimer> timer(std::in_place, times, "symmetry");
+  const kernels::SampledSurface surface(samples.points, samples.normals, model.diameter);
+  const kernels::TurnScreen screen(surface);
+  symmetries.exact = declared ? *declared : kernels::find_symmetry(surface, screen);
+  timer.emplace(times, "near symmetry");
   kernels::NearSymmetries near =
       kernels::find_near_symmetries({samples.points, samples.normals, model.sample_views,
                                      samples.spacing, model.diameter, model.center},
-                                    symmetries.exact);
+                                    surface, screen, symmetries.exact);
   symmetries.near = std::move(near.motions);
   symmetries.near_axis = near.axis;
   return symmetries;
@@ -246,20 +247,37 @@ SpreadPoints sample_evenly(const SurveyedModel& model, float step, float max_ang
   SpreadPoints dense;
   if (model.has_faces()) {
     const double voxels = model.areas.back() / std::pow(static_cast<double>(step), 2);
-    dense = spread_over(model.vertices, model.triangles, model.areas, 2,
+    dense = spread_over(model.vertices, model.triangles, model.areas, kDenseSeed,
                         static_cast<std::size_t>(std::clamp(std::floor(voxels) * kDensePerVoxel,
                                                             kFewestDense, kMostDense)));
   } else {
     dense = thin_cloud(model.vertices, std::min(known.spacing, 0.5F * step));
   }
-  orient_by_samples(known.points, known.normals, model.all_views, known.spacing, dense.points,
-                    dense.normals);
+  if (!model.faces_look_outward()) {
+    orient_by_samples(known.points, known.normals, model.all_views, known.spacing, dense.points,
+                      dense.normals);
+  }
   SpreadPoints even;
   even.spacing = step;
   kernels::SubsampleScratch scratch;
   kernels::subsample_by_normals(dense.points, dense.normals, step, max_angle_rad, even.points,
                                 even.normals, scratch);
   return even;
+}
+
+void drop_hidden(const SurveyedModel& model, SpreadPoints& surface) {
+  const SpreadPoints& known = model.all_samples;
+  hide_by_samples(known.points, known.normals, model.all_views, known.spacing, surface.points,
+                  surface.normals);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const Eigen::Vector3f point = surface.points[i], normal = surface.normals[i];
+    if (!normal.allFinite()) continue;
+    surface.points.set(kept, point);
+    surface.normals.set(kept++, normal);
+  }
+  surface.points.resize(kept);
+  surface.normals.resize(kept);
 }
 
 }  // namespace trivet::engine

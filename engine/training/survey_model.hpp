@@ -42,6 +42,7 @@ struct SurveyedModel {
   std::size_t num_turned = 0;  ///< of all samples: whose faces look inwards
 
   bool has_faces() const noexcept { return !areas.empty(); }
+  bool faces_look_outward() const noexcept { return has_faces() && num_turned == 0; }
   std::size_t num_hidden() const noexcept { return all_views.size() - sample_views.size(); }
 };
 
@@ -61,9 +62,13 @@ struct Symmetries {
 Symmetries find_symmetries(const SurveyedModel& model, const std::optional<Symmetry>& declared,
                            StageTimes& times);
 
-/// Points of the outer surface with outward normals, one a voxel and direction: normals of a voxel
-/// that differ by more than the angle stay apart. Same bytes for any number of threads.
+/// Points of the surface with outward normals, one a voxel and direction: normals of a voxel that
+/// differ by more than the angle stay apart. Some may be inside, where nothing sees them. Same bytes for
+/// any number of threads.
 SpreadPoints sample_evenly(const SurveyedModel& model, float step, float max_angle_rad);
+
+/// Leave out the points that nothing sees, as the samples know them.
+void drop_hidden(const SurveyedModel& model, SpreadPoints& surface);
 
 /// What is wrong with a surface that cannot be trained from.
 Error bad_surface(const ModelSource& source, const std::string& found);

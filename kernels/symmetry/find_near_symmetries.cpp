@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -12,9 +13,7 @@
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/surfaces/visibility.hpp"
-#include "kernels/symmetry/sampled_surface.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
-#include "kernels/symmetry/turn_screen.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -40,6 +39,12 @@ static_assert(kMaxFound <= kMaxNearSymmetries);
 // What the least alike turn about an axis must keep of all samples: flanges keep 86 % and more,
 // gears 81, mugs 78; nuts 65, boxes 60 and less.
 constexpr float kAnyTurn = 0.72F;
+// ... of TurnScreen's score of any turn about an axis that is not refined yet: those that are found
+// have 0.031 and less.
+constexpr float kMaxAxisScreen = 0.04F;
+// What fewer samples may show less of, about an axis that is not refined to the end.
+constexpr float kCoarser = 0.12F;
+constexpr std::size_t kAxisQueries = 200, kFewTurns = 5;
 constexpr float kSameAxis = 0.99F;          // cosine
 constexpr float kGoldenAngle = 2.3999632F;  // [rad]; its multiples fall on no regular polygon
 constexpr std::size_t kQuickQueries = 300;  // samples of the first rating
@@ -55,13 +60,20 @@ Eigen::Matrix3f spread_turn(int k) {
   return q.toRotationMatrix().cast<float>();
 }
 
+const std::vector<Eigen::Matrix3f>& spread_turns() {
+  static const std::vector<Eigen::Matrix3f> turns = [] {
+    std::vector<Eigen::Matrix3f> made;
+    for (int k = 0; k < kNumTurns; ++k) made.push_back(spread_turn(k));
+    return made;
+  }();
+  return turns;
+}
+
 class Search {
  public:
-  Search(const ModelSamples& samples, const Symmetry& symmetry)
-      : samples_(samples),
-        symmetry_(symmetry),
-        surface_(samples.points, samples.normals, samples.diameter),
-        screen_(surface_) {}
+  Search(const ModelSamples& samples, const SampledSurface& surface, const TurnScreen& screen,
+         const Symmetry& symmetry)
+      : samples_(samples), surface_(surface), screen_(screen), symmetry_(symmetry) {}
 
   NearSymmetries run() {
     NearSymmetries found;
@@ -117,15 +129,30 @@ class Search {
     std::optional<Symmetry::Axis> found;
     for (const Eigen::Vector3f& direction : likely_axes()) {
       Symmetry::Axis axis{direction, Eigen::Vector3f::Zero()};
-      for (int round = 0; round < 4; ++round) axis = refine_axis(surface_, axis, angles);
-      float worst = 1;
-      for (std::size_t k = 0; k < angles.size() && worst > best; ++k)
-        worst = std::min(worst, kept(turn_about(axis, angles[k]), kQueries));
+      const bool hopeless = std::ranges::any_of(angles, [&](float angle) {
+        return screen_.score(turn_about(axis, angle), kMaxAxisScreen) > kMaxAxisScreen;
+      });
+      if (hopeless) continue;
+      axis = refine_axis(surface_, axis, std::span(angles).first(kFewTurns));
+      const float limit = best - kCoarser;
+      if (least_kept(axis, angles, kAxisQueries, limit) <= limit) continue;
+      for (int round = 1; round < 4; ++round) axis = refine_axis(surface_, axis, angles);
+      const float worst = least_kept(axis, angles, kQueries, best);
       if (worst <= best) continue;
       best = worst;
       found = Symmetry::Axis{axis.direction, surface_.to_model(axis.point)};
     }
     return found;
+  }
+
+  /// The share of samples that the least alike of some turns keeps; where it is not above a limit,
+  /// some number that is not.
+  float least_kept(const Symmetry::Axis& axis, std::span<const float> angles,
+                   std::size_t num_queries, float limit) {
+    float least = 1;
+    for (std::size_t k = 0; k < angles.size() && least > limit; ++k)
+      least = std::min(least, kept(turn_about(axis, angles[k]), num_queries));
+    return least;
   }
 
   /// Directions through the centroid.
@@ -163,9 +190,9 @@ class Search {
   /// The rotations that fit best, apart from each other, with the shifts that fit them.
   std::vector<Pose> starts() const {
     std::vector<Rated> rated;
-    for (int k = 0; k < kNumTurns; ++k) {
+    for (const Eigen::Matrix3f& rotation : spread_turns()) {
       Pose turn = Pose::Identity();
-      turn.linear() = spread_turn(k);
+      turn.linear() = rotation;
       const float score = screen_.score(turn, kMaxScreen);
       if (score <= kMaxScreen) rated.push_back({-score, turn});
     }
@@ -271,17 +298,19 @@ class Search {
   }
 
   const ModelSamples& samples_;
+  const SampledSurface& surface_;
+  const TurnScreen& screen_;
   const Symmetry& symmetry_;
-  SampledSurface surface_;
-  TurnScreen screen_;
   std::vector<std::uint8_t> matched_;
 };
 
 }  // namespace
 
-NearSymmetries find_near_symmetries(const ModelSamples& samples, const Symmetry& symmetry) {
-  if (samples.points.size() < kMinSamples || !(samples.diameter > 0)) return {};
-  return Search(samples, symmetry).run();
+NearSymmetries find_near_symmetries(const ModelSamples& samples, const SampledSurface& surface,
+                                    const TurnScreen& screen, const Symmetry& symmetry) {
+  assert(samples.points.size() == surface.size() && "the surface is that of the samples");
+  if (surface.size() < kMinSamples) return {};
+  return Search(samples, surface, screen, symmetry).run();
 }
 
 }  // namespace trivet::kernels

@@ -10,9 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "kernels/symmetry/sampled_surface.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
-#include "kernels/symmetry/turn_screen.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -43,14 +41,13 @@ float turn_between(const Pose& a, const Pose& b) {
 
 class Search {
  public:
-  Search(PointsView samples, NormalsView normals, float diameter, float tolerance)
-      : surface_(samples, normals, diameter), tolerance_(tolerance) {}
+  Search(const SampledSurface& surface, const TurnScreen& screen, float tolerance)
+      : surface_(surface), screen_(screen), tolerance_(tolerance) {}
 
   Symmetry run() {
     if (surface_.size() < kMinSamples) return {};
-    const TurnScreen screen(surface_);
     int failures = 0;
-    for (const TurnScreen::Candidate& candidate : screen.candidates()) {
+    for (const TurnScreen::Candidate& candidate : screen_.candidates()) {
       if (failures == kMaxFailures) break;
       const std::optional<Axis> axis = verify(candidate);
       if (!axis) continue;
@@ -225,16 +222,16 @@ class Search {
     return true;
   }
 
-  SampledSurface surface_;
+  const SampledSurface& surface_;
+  const TurnScreen& screen_;
   float tolerance_;
   std::vector<Pose> group_;  // without the identity
 };
 
 }  // namespace
 
-Symmetry find_symmetry(PointsView samples, NormalsView normals, float diameter, float tolerance) {
-  if (samples.size() < kMinSamples || !(diameter > 0)) return {};
-  return Search(samples, normals, diameter, tolerance).run();
+Symmetry find_symmetry(const SampledSurface& surface, const TurnScreen& screen, float tolerance) {
+  return Search(surface, screen, tolerance).run();
 }
 
 }  // namespace trivet::kernels

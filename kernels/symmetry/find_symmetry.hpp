@@ -1,17 +1,17 @@
 /// Find the rigid motions that map a model onto itself.
 #pragma once
 
+#include "kernels/symmetry/sampled_surface.hpp"
+#include "kernels/symmetry/turn_screen.hpp"
 #include "storage/model.hpp"
-#include "storage/points.hpp"
 
 namespace trivet::kernels {
 
 /// Find the rotations that map a surface onto itself; mirror images are no rigid motions.
 ///
-/// samples    n positions, about uniform over the surface [m]; 2000 to 4000 serve well; with fewer,
-///            symmetries of fine parts are missed; below 200 none is found
-/// normals    n outward unit vectors; samples whose normal is NaN are left out
-/// diameter   largest extent of the surface [m]
+/// surface    2000 to 4000 samples serve well; with fewer, symmetries of fine parts are missed; below
+///            200 none is found
+/// screen     of the surface
 /// tolerance  RMS distance from the surface that a symmetry may leave, as a share of the diameter;
 ///            0.5 % is what scans, facets and scanned products leave. Beside it at most 2 % of the
 ///            surface may be off by three and 0.25 % by six tolerances: a handle or key breaks the
@@ -33,7 +33,7 @@ namespace trivet::kernels {
 /// rated on a coarse distance field; the best are refined and verified on the samples, extended to
 /// the full order of their axis and closed under composition. Every motion of the result has been
 /// verified.
-Symmetry find_symmetry(PointsView samples, NormalsView normals, float diameter,
+Symmetry find_symmetry(const SampledSurface& surface, const TurnScreen& screen,
                        float tolerance = 0.005F);
 
 }  // namespace trivet::kernels

@@ -93,14 +93,14 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
     normals_.push_back(normals[i]);
   }
 
-  // The mean distance of neighboring samples, found on a grid of about that size.
-  constexpr float kCell = 0.05F;
+  // Samples are looked for as far as kCap and kMaxSlack: runs of this length are read fastest.
+  constexpr float kCell = 0.1F;
   grid_ = VoxelHash(points_, kCell);
   for (const std::uint32_t i : grid_.order()) grid_normals_.push_back(normals_[i]);
   double sum_nearest = 0;
   for (std::uint32_t i = 0; i < used; ++i) {
-    float nearest = 4 * kCell * kCell;
-    grid_.visit_within(points_[i], 2 * kCell, [&](std::uint32_t k, float d2) {
+    float nearest = kCell * kCell;
+    grid_.visit_within(points_[i], kCell, [&](std::uint32_t k, float d2) {
       if (k != i) nearest = std::min(nearest, d2);
     });
     sum_nearest += std::sqrt(nearest);

@@ -3,8 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <numeric>
+
+#include "storage/simd.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -16,11 +21,56 @@ constexpr float kMaxScore = 0.022F;
 constexpr float kSameAxis = 0.1F;           // [rad]
 constexpr std::size_t kMaxCandidates = 24;  // of one order
 
+/// Lower the numbers of voxels in a row to their distances from a disc; `first` leads from the disc's
+/// center to the first voxel.
+TRIVET_SIMD_CLONES
+void mark_row(const Eigen::Vector3f& first, const Eigen::Vector3f& normal, float step, float slack,
+              std::size_t n, float* __restrict row) noexcept {
+  const float across = first.y() * first.y() + first.z() * first.z();
+  const float along = normal.y() * first.y() + normal.z() * first.z();
+  const float x0 = first.x(), nx = normal.x();
+  for (std::size_t k = 0; k < n; ++k) {
+    const float x = x0 + static_cast<float>(k) * step;
+    const float plane = nx * x + along;
+    const float lateral = std::sqrt(std::max(0.0F, x * x + across - plane * plane));
+    const float excess = std::max(0.0F, lateral - slack);
+    row[k] = std::min(row[k], std::sqrt(plane * plane + excess * excess));
+  }
+}
+
+constexpr std::size_t kBlock = 16;  // points that are looked up at a time
+
+/// The numbers of a field's voxels that moved points lie in; those outside count as at its border.
+TRIVET_SIMD_CLONES
+void read_field(const float* __restrict field, int size, const Eigen::Matrix3f& turn,
+                const Eigen::Vector3f& shift, const PointsView& points,
+                float* __restrict out) noexcept {
+  const float *const xs = points.x.data(), *const ys = points.y.data(), *const zs = points.z.data();
+  const float xx = turn(0, 0), xy = turn(0, 1), xz = turn(0, 2), sx = shift.x();
+  const float yx = turn(1, 0), yy = turn(1, 1), yz = turn(1, 2), sy = shift.y();
+  const float zx = turn(2, 0), zy = turn(2, 1), zz = turn(2, 2), sz = shift.z();
+  const float last = static_cast<float>(size) - 1;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const float x = xx * xs[k] + xy * ys[k] + xz * zs[k] + sx;
+    const float y = yx * xs[k] + yy * ys[k] + yz * zs[k] + sy;
+    const float z = zx * xs[k] + zy * ys[k] + zz * zs[k] + sz;
+    const auto i = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), last));
+    const auto j = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), last));
+    const auto h = static_cast<std::int32_t>(std::min(std::max(z, 0.0F), last));
+    out[k] = field[(h * size + j) * size + i];
+  }
+}
+
 }  // namespace
 
 TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()) {
   const std::size_t stride = std::max<std::size_t>(1, points_.size() / kNumScored);
-  for (std::size_t i = 0; i < points_.size(); i += stride) scored_.push_back(points_[i]);
+  std::vector<Eigen::Vector3f> scored;
+  for (std::size_t i = 0; i < points_.size(); i += stride) scored.push_back(points_[i]);
+  // What is far out moves most: it tells first that a motion does not fit.
+  std::ranges::stable_sort(scored, std::ranges::greater(),
+                           [](const Eigen::Vector3f& p) { return p.squaredNorm(); });
+  for (const Eigen::Vector3f& p : scored) scored_.push_back(p);
   float radius = 1e-3F;  // of the cloud; above 0 for samples that are all one place
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -36,23 +86,19 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
   const NormalsView normals = surface.normals();
   const float slack = surface.slack();
   const int reach = static_cast<int>(std::ceil((kCap + slack) * scale_));
+  const float step = 1 / scale_;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f p = points_[i], n = normals[i];
     const Eigen::Array3i center = (p.array() * scale_ + 0.5F * kSize).floor().cast<int>();
     const Eigen::Array3i low = (center - reach).max(0), high = (center + reach).min(kSize - 1);
+    const auto offset = [&](int voxel, float of_point) {
+      return (static_cast<float>(voxel) + 0.5F - 0.5F * kSize) * step - of_point;
+    };
     for (int z = low.z(); z <= high.z(); ++z) {
       for (int y = low.y(); y <= high.y(); ++y) {
-        float* row = &field_[static_cast<std::size_t>((z * kSize + y) * kSize)];
-        for (int x = low.x(); x <= high.x(); ++x) {
-          const Eigen::Vector3f voxel =
-              (Eigen::Vector3f(float(x), float(y), float(z)).array() + 0.5F - 0.5F * kSize) /
-              scale_;
-          const Eigen::Vector3f d = voxel - p;
-          const float plane = n.dot(d);
-          const float excess =
-              std::max(0.0F, std::sqrt(std::max(0.0F, d.squaredNorm() - plane * plane)) - slack);
-          row[x] = std::min(row[x], std::sqrt(plane * plane + excess * excess));
-        }
+        float* const row = &field_[static_cast<std::size_t>((z * kSize + y) * kSize + low.x())];
+        mark_row({offset(low.x(), p.x()), offset(y, p.y()), offset(z, p.z())}, n, step, slack,
+                 static_cast<std::size_t>(high.x() - low.x() + 1), row);
       }
     }
   }
@@ -63,14 +109,17 @@ float TurnScreen::score(const Pose& motion, float limit) const noexcept {
 }
 
 float TurnScreen::score(PointsView points, const Pose& motion, float limit) const noexcept {
+  const Eigen::Matrix3f turn = scale_ * motion.linear();
+  const Eigen::Vector3f shift =
+      scale_ * motion.translation() + Eigen::Vector3f::Constant(0.5F * kSize);
   const float stop = limit * static_cast<float>(points.size());
+  std::array<float, kBlock> distances;
   float sum = 0;
-  for (std::size_t i = 0; i < points.size() && sum <= stop; ++i) {
-    const Eigen::Array3i voxel = ((motion * points[i]).array() * scale_ + 0.5F * kSize)
-                                     .max(0.0F)
-                                     .min(kSize - 1.0F)
-                                     .cast<int>();
-    sum += field_[static_cast<std::size_t>((voxel.z() * kSize + voxel.y()) * kSize + voxel.x())];
+  for (std::size_t first = 0; first < points.size() && sum <= stop; first += kBlock) {
+    const std::size_t count = std::min(kBlock, points.size() - first);
+    read_field(field_.data(), kSize, turn, shift, points.slice(first, count), distances.data());
+    sum = std::accumulate(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(count),
+                          sum);
   }
   return sum / static_cast<float>(points.size());
 }

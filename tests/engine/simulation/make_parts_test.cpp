@@ -102,7 +102,8 @@ Symmetry found_symmetry(const Part& part, float diameter) {
   Points points(kNumSamples);
   Normals normals(kNumSamples);
   kernels::sample_mesh(part.vertices, part.triangles, sums, 1, 0, kNumSamples, points, normals);
-  return kernels::find_symmetry(points, normals, diameter);
+  const kernels::SampledSurface surface(points, normals, diameter);
+  return kernels::find_symmetry(surface, kernels::TurnScreen(surface));
 }
 
 // That none is missing. Teeth are fine beside the samples: of gears, which have the most motions,

@@ -40,8 +40,10 @@ struct Found {
   explicit Found(const Shape& shape, std::uint64_t seed = 1)
       : surface(test::sample_shape(shape.vertices, shape.triangles, seed)) {
     surface.diameter = find_diameter(shape.vertices);
-    symmetry = find_symmetry(surface.points, surface.normals, surface.diameter);
-    NearSymmetries near = find_near_symmetries(surface.view(), symmetry);
+    const SampledSurface sampled(surface.points, surface.normals, surface.diameter);
+    const TurnScreen screen(sampled);
+    symmetry = find_symmetry(sampled, screen);
+    NearSymmetries near = find_near_symmetries(surface.view(), sampled, screen, symmetry);
     motions = std::move(near.motions);
     axis = near.axis;
   }
@@ -133,7 +135,8 @@ TEST(FindNearSymmetries, FindsNoneOfWhatIsIrregularOrSymmetric) {
   EXPECT_TRUE(Found(horn()).motions.empty());
   EXPECT_TRUE(Found(test::ellipsoid({1, 1, 1})).motions.empty());
   EXPECT_TRUE(Found(box({0, 0, 0}, {1, 0.4F, 0.2F})).motions.empty());
-  EXPECT_TRUE(find_near_symmetries({}, {}).motions.empty());
+  const SampledSurface nothing({}, {}, 1);
+  EXPECT_TRUE(find_near_symmetries({}, nothing, TurnScreen(nothing), {}).motions.empty());
 }
 
 TEST(FindNearSymmetries, HoldsTheInverseOfEachAndKeepsThemApart) {

@@ -24,7 +24,8 @@ using test::SampledShape;
 using test::Shape;
 
 Symmetry find(const SampledShape& surface) {
-  return find_symmetry(surface.points, surface.normals, surface.diameter);
+  const SampledSurface sampled(surface.points, surface.normals, surface.diameter);
+  return find_symmetry(sampled, TurnScreen(sampled));
 }
 Symmetry find(const Shape& shape, std::uint64_t seed = 1) {
   return find(sample_shape(shape.vertices, shape.triangles, seed));
@@ -177,7 +178,8 @@ TEST(FindSymmetry, DoesNotDependOnTheUnit) {
 TEST(FindSymmetry, FindsNothingInTooFewSamples) {
   const Shape cube = test::box({0, 0, 0}, {1, 1, 1});
   EXPECT_TRUE(find(sample_shape(cube.vertices, cube.triangles, 1, 199)).trivial());
-  EXPECT_TRUE(find_symmetry(PointsView{}, NormalsView{}, 1).trivial());
+  const SampledSurface nothing({}, {}, 1);
+  EXPECT_TRUE(find_symmetry(nothing, TurnScreen(nothing)).trivial());
 }
 
 TEST(FindSymmetry, LeavesOutSamplesWithoutANormal) {
