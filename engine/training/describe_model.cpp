@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "engine/common/parallel.hpp"
@@ -17,18 +15,21 @@ namespace {
 
 constexpr float kRelativeResolution = 0.0125F;  // of the diameter
 constexpr float kNormalClusterRad = 0.52F;
+// Points that supports are made of are so many resolutions apart: their bins are 1.2 wide and more,
+// and points are shared out among four. With 1 no more is found, in twice the time.
+constexpr float kPointSpacing = 2;
+constexpr float kModelShare = kPointSpacing * kShare;
 constexpr std::size_t kNumPartialViews = 42;  // of the directions that samples know
-constexpr std::size_t kFewestSeen = 100;
-// Views that differ in so little of a support give nearly the same image: its distance grows with the
-// share of the surface that one of two images lacks, and reaches kLikeImage at some 4 % of what is seen.
-constexpr float kLikeSupport = 0.04F;
+constexpr std::size_t kFewestSeen = 25;
+// Two views are alike that differ in less of what they see. At 0.04 few are, and five groups stand
+// for so few of all views that less is found.
+constexpr float kLikeSupport = 0.2F;
 constexpr float kLikeImage = 0.3F;   // distance of two images of one keypoint that are one
 constexpr float kLikeFrame = 0.25F;  // ... and of their frames, about [rad]
-// Descriptions of a keypoint: those that most views give. All, some ten, make a library twice
-// as large and find no more.
+// Descriptions of a keypoint: those of the views that most others are like. All, some ten, make a
+// library twice as large and find no more.
 constexpr std::size_t kMostDescriptions = 5;
-constexpr std::size_t kMostTried = 16;  // for them: some are alike, or have no certain frame
-constexpr std::size_t kGrain = 16;      // keypoints a task
+constexpr std::size_t kGrain = 16;  // keypoints a task
 
 struct Surface {
   Points points;
@@ -36,9 +37,9 @@ struct Surface {
   std::vector<ViewMask> views;  // of each point
 };
 
-/// The visible surface at a resolution, with outward normals.
-Surface visible_surface(const SurveyedModel& model, float resolution, const ViewMask& directions) {
-  const SpreadPoints even = sample_evenly(model, resolution, kNormalClusterRad);
+/// The visible surface with outward normals.
+Surface visible_surface(const SurveyedModel& model, float spacing, const ViewMask& directions) {
+  const SpreadPoints even = sample_evenly(model, spacing, kNormalClusterRad);
   Surface seen;
   std::vector<ViewMask> masks(even.points.size());
   const float offset = std::max(model.ray_offset, 1e-3F * model.diameter);
@@ -90,12 +91,14 @@ struct ViewedSurface {
         views(partial_views_of(surface.views)),
         radius(support_radius),
         grid(surface.points, kCell * radius) {
-    const kernels::VoxelHash fine(surface.points, kShare * radius);
-    sharers.num_points = surface.points.size();
-    sharers.counts.resize(kernels::kMostPartialViews * sharers.num_points);
-    for_chunks(sharers.num_points, 256, [&](std::size_t first, std::size_t count) {
-      kernels::count_sharers(fine, views, surface.points.view().slice(first, count), first,
-                             kShare * radius, sharers.counts);
+    for (const std::uint32_t i : grid.order()) views_in_order.push_back(views[i]);
+    const PointsView points = grid.ordered_points();
+    const kernels::VoxelHash fine(points, kModelShare * radius);
+    sharers.num_points = points.size();
+    sharers.counts.resize(kernels::kMostPartialViews * points.size());
+    for_chunks(points.size(), 256, [&](std::size_t first, std::size_t count) {
+      kernels::count_sharers(fine, views_in_order, points.slice(first, count), first,
+                             kModelShare * radius, sharers.counts);
     });
   }
 
@@ -103,105 +106,59 @@ struct ViewedSurface {
   std::vector<kernels::ViewBits> views;
   float radius;
   kernels::VoxelHash grid;
+  // In the order of the grid:
+  std::vector<kernels::ViewBits> views_in_order;
   kernels::Sharers sharers;
-};
-
-/// Views that see nearly the same of a keypoint's surface.
-struct LikeViews {
-  std::size_t first = 0;  ///< of the views; it stands for all
-  std::size_t number = 0;
 };
 
 struct KeypointScratch {
   kernels::ViewedSupport all;
+  kernels::LikeViews views;
   kernels::Support seen;
   kernels::SpinScratch spin;
-  std::vector<LikeViews> groups;
-  Descriptions found;
-  std::vector<std::size_t> numbers, order;  // of what was found: of views, and most views first
+  std::array<float, kernels::kTriSpinSize> image;
 };
 
-/// Join the views of a keypoint, those of most views first; of as many in the order of views.
-void join_views(const kernels::ViewedSupport& all, kernels::ViewBits views,
-                std::vector<LikeViews>& groups) {
-  groups.clear();
-  for (; views != 0; views &= views - 1) {
-    const auto v = static_cast<std::size_t>(std::countr_zero(views));
-    const auto like = std::ranges::find_if(groups, [&](const LikeViews& group) {
-      const std::size_t differing =
-          kernels::count_differences(all.seen_by(v), all.seen_by(group.first));
-      return static_cast<float>(differing) <= kLikeSupport * static_cast<float>(all.size);
-    });
-    if (like == groups.end()) {
-      groups.push_back({v, 1});
-    } else {
-      ++like->number;
-    }
-  }
-  std::ranges::stable_sort(groups, std::ranges::greater(), &LikeViews::number);
-}
-
 bool alike(std::span<const float> a, std::span<const float> b) {
-  float squared = 0;
-  for (std::size_t c = 0; c < a.size(); ++c) squared += (a[c] - b[c]) * (a[c] - b[c]);
-  return squared < kLikeImage * kLikeImage;
+  const auto of = [](std::span<const float> image) {
+    return Eigen::Map<const Eigen::Array<float, kernels::kTriSpinSize, 1>>(image.data());
+  };
+  return (of(a) - of(b)).square().sum() < kLikeImage * kLikeImage;
 }
 
-void append(const Descriptions& from, std::size_t i, Descriptions& to) {
-  const auto image = from.image(i);
-  to.keypoints.push_back(from.keypoints[i]);
-  to.frames.push_back(from.frames[i]);
-  to.images.insert(to.images.end(), image.begin(), image.end());
-}
-
-/// What the groups of views see of a keypoint, those apart that are not alike; how many views have
-/// each is added up.
-void describe_groups(const ViewedSurface& model, std::uint32_t point,
-                     const kernels::FrameLimits& limits, KeypointScratch& scratch) {
-  Descriptions& found = scratch.found;
-  found = {};
-  scratch.numbers.clear();
-  for (std::size_t g = 0; g < scratch.groups.size() && g < kMostTried; ++g) {
-    const LikeViews& group = scratch.groups[g];
-    kernels::take_view(scratch.all, group.first, model.sharers.of_view(group.first),
-                       kShare * model.radius, scratch.seen);
-    found.images.resize((found.size() + 1) * kernels::kTriSpinSize);
-    const auto image = std::span(found.images).last<kernels::kTriSpinSize>();
-    const Eigen::Matrix3f frame =
-        kernels::describe_support(scratch.seen, model.surface.normals[point], model.radius, limits,
-                                  image, scratch.spin)
-            .axes;
-    if (frame.isZero()) continue;
-    std::size_t like = 0;
-    while (like < found.size() &&
-           ((frame - found.frames[like]).norm() >= kLikeFrame || !alike(image, found.image(like))))
-      ++like;
-    if (like < found.size()) {
-      scratch.numbers[like] += group.number;
-      continue;
-    }
-    scratch.numbers.push_back(group.number);
-    found.keypoints.push_back(model.surface.points[point]);
-    found.frames.push_back(frame);
+/// Whether one of the descriptions from the first on is nearly this.
+bool is_known(const Descriptions& known, std::size_t first, const Eigen::Matrix3f& frame,
+              std::span<const float> image) {
+  for (std::size_t i = first; i < known.size(); ++i) {
+    if ((frame - known.frames[i]).norm() < kLikeFrame && alike(image, known.image(i))) return true;
   }
-  found.images.resize(found.size() * kernels::kTriSpinSize);
+  return false;
 }
 
-/// Append what most views see of a keypoint, where their frames are certain enough.
+/// Append what most views see of a keypoint: the most typical view of each group of views that are
+/// alike, the largest first, where its frame is certain enough.
 void describe_keypoint(const ViewedSurface& model, std::uint32_t point,
                        const kernels::FrameLimits& limits, KeypointScratch& scratch,
                        Descriptions& out) {
-  kernels::gather_viewed_support(model.grid, model.views, model.surface.points[point], model.radius,
-                                 scratch.all);
-  join_views(scratch.all, model.views[point], scratch.groups);
-  describe_groups(model, point, limits, scratch);
-  std::vector<std::size_t>& order = scratch.order;
-  order.resize(scratch.found.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::ranges::greater(),
-                           [&](std::size_t i) { return scratch.numbers[i]; });
-  order.resize(std::min(order.size(), kMostDescriptions));
-  for (const std::size_t i : order) append(scratch.found, i, out);
+  kernels::gather_viewed_support(model.grid, model.views_in_order, model.surface.points[point],
+                                 model.radius, scratch.all);
+  kernels::ViewBits left = model.views[point];
+  kernels::compare_views(scratch.all, left, kLikeSupport, scratch.views);
+  const std::size_t before = out.size();
+  while (left != 0 && out.size() < before + kMostDescriptions) {
+    const std::size_t view = kernels::most_typical(scratch.views, left);
+    left &= ~scratch.views.alike[view];
+    kernels::take_view(model.grid, scratch.all, view, model.sharers, kModelShare * model.radius,
+                       scratch.seen);
+    const Eigen::Matrix3f frame =
+        kernels::describe_support(scratch.seen, model.surface.normals[point], model.radius, limits,
+                                  scratch.image, scratch.spin)
+            .axes;
+    if (frame.isZero() || is_known(out, before, frame, scratch.image)) continue;
+    out.keypoints.push_back(model.surface.points[point]);
+    out.frames.push_back(frame);
+    out.images.insert(out.images.end(), scratch.image.begin(), scratch.image.end());
+  }
 }
 
 }  // namespace
@@ -211,30 +168,49 @@ float resolution_for(float diameter, std::uint32_t half_octaves) noexcept {
   return std::exp2((own + static_cast<float>(half_octaves)) / 2);
 }
 
-Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& options) {
+struct ModelDescriber::State {
+  DescribeOptions options;
+  ViewedSurface surface;
+  std::vector<std::uint32_t> keypoints;
+  PerThread<KeypointScratch> scratch;
+};
+
+ModelDescriber::ModelDescriber(const SurveyedModel& model, const DescribeOptions& options) {
   const float resolution = resolution_for(model.diameter, options.half_octaves);
   ViewMask directions{};
   for (std::size_t v = 0; v < kNumPartialViews; ++v)
     directions[partial_view(v) / 64] |= std::uint64_t{1} << (partial_view(v) % 64);
-  const ViewedSurface surface(visible_surface(model, resolution, directions),
-                              options.support * resolution);
+  state_ = std::make_unique<State>(
+      options, ViewedSurface(visible_surface(model, kPointSpacing * resolution, directions),
+                             options.support * resolution));
   Column<std::uint32_t> keypoints;
   kernels::UniformScratch scratch;
-  kernels::find_uniform_keypoints(surface.surface.points, options.spacing * resolution, keypoints,
-                                  scratch);
-  const std::size_t num_described = (keypoints.size() + options.stride - 1) / options.stride;
-  std::vector<Descriptions> chunks((num_described + kGrain - 1) / kGrain);
-  PerThread<KeypointScratch> per_thread;
-  for_each_index(chunks.size(), [&](std::size_t c) {
-    const std::size_t end = std::min(num_described, (c + 1) * kGrain);
-    for (std::size_t k = c * kGrain; k < end; ++k)
-      describe_keypoint(surface, keypoints[k * options.stride], options.limits, per_thread.local(),
-                        chunks[c]);
-  });
-  Descriptions all;
-  for (const Descriptions& some : chunks) {
-    for (std::size_t i = 0; i < some.size(); ++i) append(some, i, all);
+  kernels::find_uniform_keypoints(state_->surface.surface.points, options.spacing * resolution,
+                                  keypoints, scratch);
+  for (std::size_t k = 0; k < keypoints.size(); k += options.stride)
+    state_->keypoints.push_back(keypoints[k]);
+}
+
+ModelDescriber::ModelDescriber(ModelDescriber&&) noexcept = default;
+ModelDescriber& ModelDescriber::operator=(ModelDescriber&&) noexcept = default;
+ModelDescriber::~ModelDescriber() = default;
+
+std::size_t ModelDescriber::num_chunks() const noexcept {
+  return (state_->keypoints.size() + kGrain - 1) / kGrain;
+}
+
+void ModelDescriber::describe(std::size_t chunk, Descriptions& out) const {
+  const std::size_t end = std::min(state_->keypoints.size(), (chunk + 1) * kGrain);
+  for (std::size_t k = chunk * kGrain; k < end; ++k) {
+    describe_keypoint(state_->surface, state_->keypoints[k], state_->options.limits,
+                      state_->scratch.local(), out);
   }
+}
+
+Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& options) {
+  const ModelDescriber describer(model, options);
+  Descriptions all;
+  for (std::size_t c = 0; c < describer.num_chunks(); ++c) describer.describe(c, all);
   return all;
 }
 

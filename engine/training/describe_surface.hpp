@@ -18,6 +18,11 @@ struct Descriptions {
   Column<float> images;                 ///< kernels::kTriSpinSize numbers each
 
   std::size_t size() const noexcept { return frames.size(); }
+  void clear() noexcept {
+    keypoints.resize(0);
+    frames.clear();
+    images.clear();
+  }
   std::span<const float> image(std::size_t i) const noexcept {
     return std::span(images).subspan(i * kernels::kTriSpinSize, kernels::kTriSpinSize);
   }

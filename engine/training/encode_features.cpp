@@ -1,40 +1,40 @@
 #include "engine/training/encode_features.hpp"
 
-#include <algorithm>
 #include <utility>
 
-#include "engine/common/parallel.hpp"
 #include "kernels/common/pca.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 
 namespace trivet::engine {
 
-TriSpinFeatures encode_features(const Descriptions& descriptions, const TriSpinBasis& basis,
-                                float resolution) {
+FeatureRows encode_features(const Descriptions& descriptions, const TriSpinBasis& basis) {
   const std::size_t n = descriptions.size(), k = basis.components.size();
-  TriSpinFeatures out;
-  out.resolution = resolution;
-  out.keypoints = descriptions.keypoints;
-  out.num_components = k;
-  Column<FrameRows> frames(n);
-  Column<std::uint8_t> codes(n * k);
-  PerThread<Column<float>> numbers;
-  for_chunks(n, 256, [&](std::size_t first, std::size_t count) {
-    Column<float>& projected = numbers.local();
-    projected.resize(count * k);
-    kernels::project(basis.components,
-                     std::span(descriptions.images)
-                         .subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
-                     projected);
-    kernels::encode(projected, basis.code_step, std::span(codes).subspan(first * k, count * k));
-    for (std::size_t i = first; i < first + count; ++i) {
-      Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(frames[i].data()) =
-          descriptions.frames[i];
-    }
-  });
-  out.frames = std::move(frames);
-  out.codes = std::move(codes);
-  return out;
+  FeatureRows rows{descriptions.keypoints, Column<FrameRows>(n), Column<std::uint8_t>(n * k)};
+  Column<float> projected(n * k);
+  kernels::project(basis.components, descriptions.images, projected);
+  kernels::encode(projected, basis.code_step, rows.codes);
+  for (std::size_t i = 0; i < n; ++i) {
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rows.frames[i].data()) =
+        descriptions.frames[i];
+  }
+  return rows;
+}
+
+TriSpinFeatures join_features(std::span<const FeatureRows> parts, const TriSpinBasis& basis,
+                              float resolution) {
+  FeatureRows all;
+  for (const FeatureRows& part : parts) {
+    for (std::size_t i = 0; i < part.frames.size(); ++i) all.keypoints.push_back(part.keypoints[i]);
+    all.frames.insert(all.frames.end(), part.frames.begin(), part.frames.end());
+    all.codes.insert(all.codes.end(), part.codes.begin(), part.codes.end());
+  }
+  TriSpinFeatures features;
+  features.resolution = resolution;
+  features.keypoints = std::move(all.keypoints);
+  features.frames = std::move(all.frames);
+  features.codes = std::move(all.codes);
+  features.num_components = basis.components.size();
+  return features;
 }
 
 }  // namespace trivet::engine

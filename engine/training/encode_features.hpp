@@ -1,18 +1,28 @@
 /// Tri-Spin-Images in the basis of a library.
 #pragma once
 
+#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "engine/training/describe_surface.hpp"
 #include "storage/tri_spin_features.hpp"
 
 namespace trivet::engine {
 
-/// Project images and write them as codes. Same bytes for any number of threads.
+/// Features of some keypoints, one after the other.
+struct FeatureRows {
+  Points keypoints;
+  Column<FrameRows> frames;
+  Column<std::uint8_t> codes;
+};
+
+/// Project images and write them as codes.
+FeatureRows encode_features(const Descriptions& descriptions, const TriSpinBasis& basis);
+
+/// All rows of a model, in their order.
 ///
-/// resolution  distance between the points that were described
-TriSpinFeatures encode_features(const Descriptions& descriptions, const TriSpinBasis& basis,
-                                float resolution);
+/// resolution  that they were described at
+TriSpinFeatures join_features(std::span<const FeatureRows> parts, const TriSpinBasis& basis,
+                              float resolution);
 
 }  // namespace trivet::engine

@@ -1,6 +1,7 @@
 #include "engine/training/model_stages.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "engine/common/parallel.hpp"
 #include "engine/training/encode_features.hpp"
@@ -36,22 +37,31 @@ void pair_up(const ModelSource& source, const TrainOptions& options, ModelInTrai
   }
 }
 
-void describe(const TriSpinBasis& basis, ModelInTraining& model) {
+void gather_supports(const TriSpinBasis& basis, ModelInTraining& model) {
   if (basis.components.size() == 0) return;
-  const StageTimer timer(model.feature_times, "describe");
+  const StageTimer timer(model.feature_times, "supports");
   for_each_index(kFeatureScales.size(), [&](std::size_t k) {
-    model.descriptions[k] = describe_model(
-        *model.surveyed, {.half_octaves = kFeatureScales[k], .support = basis.support});
+    model.describers[k].emplace(*model.surveyed, DescribeOptions{.half_octaves = kFeatureScales[k],
+                                                                 .support = basis.support});
   });
 }
 
-void encode(const TriSpinBasis& basis, ModelInTraining& model) {
+void describe(const TriSpinBasis& basis, ModelInTraining& model) {
   if (basis.components.size() == 0) return;
-  const StageTimer timer(model.feature_times, "encode");
+  const StageTimer timer(model.feature_times, "describe");
+  PerThread<Descriptions> images;
   for (std::size_t k = 0; k < kFeatureScales.size(); ++k) {
+    const ModelDescriber& describer = *model.describers[k];
+    std::vector<FeatureRows> rows(describer.num_chunks());
+    for_each_index(rows.size(), [&](std::size_t c) {
+      Descriptions& some = images.local();
+      some.clear();
+      describer.describe(c, some);
+      rows[c] = encode_features(some, basis);
+    });
     model.features[k] =
-        encode_features(std::exchange(model.descriptions[k], {}), basis,
-                        resolution_for(model.surveyed->diameter, kFeatureScales[k]));
+        join_features(rows, basis, resolution_for(model.surveyed->diameter, kFeatureScales[k]));
+    model.describers[k].reset();
   }
 }
 

@@ -9,7 +9,7 @@ namespace trivet::engine {
 
 /// Raised whenever training gives other bytes than before for the same input: models of an older
 /// revision are then trained anew.
-inline constexpr int kTrainingRevision = 1;
+inline constexpr int kTrainingRevision = 2;
 
 /// XXH3-128 of all that a model's bytes come from, but for its name: 32 hexadecimal digits.
 ///

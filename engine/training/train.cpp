@@ -20,8 +20,8 @@ Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
   engine::find_symmetries(source, model);
   engine::in_parallel([&] { engine::pair_up(source, options, model); },
                       [&] {
+                        engine::gather_supports(basis, model);
                         engine::describe(basis, model);
-                        engine::encode(basis, model);
                       });
   if (model.pair_fault) return *model.pair_fault;
   return engine::finish(source, std::move(model));

@@ -97,11 +97,11 @@ Result<void> train_models(const TrainingWork& work,
   auto pairs = stage([&](const ItemPtr& item) {
     if (item->goes_on()) engine::pair_up(source_of(item), work.options, item->model);
   });
+  auto supports = stage([&](const ItemPtr& item) {
+    if (item->goes_on()) engine::gather_supports(basis, item->model);
+  });
   auto descriptions = stage([&](const ItemPtr& item) {
     if (item->goes_on()) engine::describe(basis, item->model);
-  });
-  auto codes = stage([&](const ItemPtr& item) {
-    if (item->goes_on()) engine::encode(basis, item->model);
   });
   const auto id_of = [](const ItemPtr& item) { return item->id; };
   flow::join_node<std::tuple<ItemPtr, ItemPtr>, flow::key_matching<std::size_t>> both(graph, id_of,
@@ -134,10 +134,10 @@ Result<void> train_models(const TrainingWork& work,
   flow::make_edge(gate, survey);
   flow::make_edge(survey, symmetries);
   flow::make_edge(symmetries, pairs);
-  flow::make_edge(survey, descriptions);
-  flow::make_edge(descriptions, codes);
+  flow::make_edge(survey, supports);
+  flow::make_edge(supports, descriptions);
   flow::make_edge(pairs, flow::input_port<0>(both));
-  flow::make_edge(codes, flow::input_port<1>(both));
+  flow::make_edge(descriptions, flow::input_port<1>(both));
   flow::make_edge(both, write);
   flow::make_edge(write, gate.decrementer());
   jobs.activate();

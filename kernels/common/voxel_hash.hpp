@@ -67,6 +67,7 @@ class VoxelHash {
   /// Which points stand one after the other: their indices in the input. Those that
   /// visit_runs_within gives lie in it.
   std::span<const std::uint32_t> order() const noexcept { return indices_; }
+  PointsView ordered_points() const noexcept { return sorted_; }
 
   /// Number of points within radius of a query.
   std::uint32_t count_within(const Eigen::Vector3f& query, float radius) const noexcept;

@@ -17,7 +17,8 @@ namespace trivet::kernels {
 using ViewBits = std::uint64_t;
 inline constexpr std::size_t kMostPartialViews = 64;
 
-/// How many points share the area around each, by view: row v has a count a point, 255 at most.
+/// How many points share the area around each, by view: row v has a count a point, 255 at most, in the
+/// order of the grid that supports are gathered from.
 struct Sharers {
   Column<std::uint8_t> counts;  ///< kMostPartialViews rows of num_points
   std::size_t num_points = 0;
@@ -31,18 +32,17 @@ struct Sharers {
 /// counts where the view's points are all there are.
 ///
 /// grid    of all points
-/// points  those [first, first + points.size()) of them
 /// views   of all points
+/// points  some, those [first, first + points.size()) of the rows of counts
 /// counts  as of Sharers, of all points
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
 void count_sharers(const VoxelHash& grid, std::span<const ViewBits> views, PointsView points,
                    std::size_t first, float radius, std::span<std::uint8_t> counts) noexcept;
 
-/// The surface around a keypoint, all of it, with the views of each point.
+/// The surface around a keypoint, all of it.
 struct ViewedSupport {
-  Column<float> x, y, z;  ///< position less the keypoint's
-  Column<std::uint32_t> index;
-  Column<ViewBits> views;
+  Eigen::Vector3f keypoint{0, 0, 0};
+  Column<std::uint32_t> places;  ///< of its points, in the grid's order
   std::size_t size = 0;
   /// Which of the points each view sees: words of 64 points, the first view's first.
   Column<std::uint64_t> seen;
@@ -54,16 +54,28 @@ struct ViewedSupport {
 };
 
 /// Gather the points of a grid within `radius` of a keypoint. Grows to what it needs once.
+///
+/// views  of all points, in the grid's order
 void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> views,
                            const Eigen::Vector3f& keypoint, float radius, ViewedSupport& support);
 
 /// What one view sees of it, as gather_support gives it for the view's points alone, with the areas
 /// that share_areas gives them.
-void take_view(const ViewedSupport& all, std::size_t view, std::span<const std::uint8_t> sharers,
-               float share_radius, Support& support);
+void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
+               const Sharers& sharers, float share_radius, Support& support);
 
-/// Points that only one of two views sees. Pre: a.size() == b.size().
-std::size_t count_differences(std::span<const std::uint64_t> a,
-                              std::span<const std::uint64_t> b) noexcept;
+/// Which views see nearly the same of a support.
+struct LikeViews {
+  std::array<ViewBits, kMostPartialViews> alike{};       ///< of each view, itself among them
+  std::array<std::uint32_t, kMostPartialViews> sizes{};  ///< points that each sees
+};
+
+/// Compare views of a support: two are alike where the points that only one of them sees are at most
+/// `share` of what they see on average. Only `wanted` views are compared and written.
+void compare_views(const ViewedSupport& all, ViewBits wanted, float share,
+                   LikeViews& views) noexcept;
+
+/// Of some views, the one that most others of them are like; the first of several. Pre: left != 0.
+std::size_t most_typical(const LikeViews& views, ViewBits left) noexcept;
 
 }  // namespace trivet::kernels

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "engine/training/describe_model.hpp"
@@ -43,7 +44,8 @@ TEST(EncodeFeatures, KeepsDistances) {
   ASSERT_TRUE(model);
   const Descriptions all = describe_model(*model, {.stride = 4});
   const TriSpinBasis basis = basis_of(all.images, 60);
-  const TriSpinFeatures features = encode_features(all, basis, 0.01F);
+  const std::array parts{encode_features(all, basis)};
+  const TriSpinFeatures features = join_features(parts, basis, 0.01F);
   ASSERT_EQ(features.size(), all.size());
   ASSERT_EQ(features.codes.size(), 60 * all.size());
   std::vector<float> exact(features.codes.size()), coded(features.codes.size());

@@ -41,24 +41,30 @@ std::vector<Row> rows_of(const Support& support) {
   return rows;
 }
 
-Sharers sharers_of(const Scene& scene, std::size_t chunk) {
-  const VoxelHash fine(scene.points, kShareRadius);
+/// A scene in the order of its grid.
+struct Gridded {
+  VoxelHash grid;
+  std::vector<ViewBits> views;
   Sharers sharers;
-  sharers.num_points = scene.points.size();
-  sharers.counts.resize(kMostPartialViews * sharers.num_points);
-  for (std::size_t first = 0; first < scene.points.size(); first += chunk) {
-    const std::size_t count = std::min(chunk, scene.points.size() - first);
-    count_sharers(fine, scene.views, scene.points.view().slice(first, count), first, kShareRadius,
-                  sharers.counts);
+
+  explicit Gridded(const Scene& scene, std::size_t chunk = 100)
+      : grid(scene.points, 0.5F * kRadius) {
+    for (const std::uint32_t i : grid.order()) views.push_back(scene.views[i]);
+    const PointsView points = grid.ordered_points();
+    const VoxelHash fine(points, kShareRadius);
+    sharers.num_points = points.size();
+    sharers.counts.resize(kMostPartialViews * points.size());
+    for (std::size_t first = 0; first < points.size(); first += chunk) {
+      const std::size_t count = std::min(chunk, points.size() - first);
+      count_sharers(fine, views, points.slice(first, count), first, kShareRadius, sharers.counts);
+    }
   }
-  return sharers;
-}
+};
 
 // The reference: the points of a view alone, as if there were no others.
 TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
   const Scene scene(1);
-  const Sharers sharers = sharers_of(scene, 100);
-  const VoxelHash grid(scene.points, 0.5F * kRadius);
+  const Gridded gridded(scene);
   ViewedSupport all;
   Support found, expected;
   for (const std::size_t view : {0U, 5U, 63U}) {
@@ -71,8 +77,8 @@ TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
     const VoxelHash alone_grid(alone, 0.5F * kRadius);
     for (const std::size_t at : {0U, 17U, 400U}) {
       const Eigen::Vector3f keypoint = scene.points[at];
-      gather_viewed_support(grid, scene.views, keypoint, kRadius, all);
-      take_view(all, view, sharers.of_view(view), kShareRadius, found);
+      gather_viewed_support(gridded.grid, gridded.views, keypoint, kRadius, all);
+      take_view(gridded.grid, all, view, gridded.sharers, kShareRadius, found);
       gather_support(alone_grid, areas, keypoint, kRadius, expected);
       EXPECT_GT(found.size, 20U);
       EXPECT_EQ(rows_of(found), rows_of(expected)) << view;
@@ -82,36 +88,69 @@ TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
 
 TEST(CountSharers, GivesTheSameForAnyChunks) {
   const Scene scene(2);
-  EXPECT_EQ(sharers_of(scene, 1).counts, sharers_of(scene, 1000).counts);
+  EXPECT_EQ(Gridded(scene, 1).sharers.counts, Gridded(scene, 1000).sharers.counts);
 }
 
-TEST(CountDifferences, CountsPointsThatOneViewSees) {
-  const Scene scene(3);
-  const VoxelHash grid(scene.points, 0.5F * kRadius);
-  ViewedSupport all;
-  gather_viewed_support(grid, scene.views, scene.points[0], kRadius, all);
-  const auto differing = [&](std::size_t a, std::size_t b) {
-    std::size_t count = 0;
-    for (std::size_t p = 0; p < all.size; ++p)
-      count += (all.views[p] >> a & 1U) != (all.views[p] >> b & 1U) ? 1 : 0;
-    return count;
-  };
-  for (const auto& [a, b] : {std::pair(0U, 5U), {0U, 63U}, {5U, 63U}, {0U, 7U}}) {
-    EXPECT_EQ(count_differences(all.seen_by(a), all.seen_by(b)), differing(a, b));
-    EXPECT_GT(differing(a, b), 0U);
+// More share than a byte can tell.
+TEST(CountSharers, StopsAt255) {
+  Scene scene(2);
+  for (std::size_t i = 0; i < 300; ++i) {
+    scene.points.push_back({5, 5, 5});
+    scene.views.push_back(ViewBits{1});
   }
-  EXPECT_EQ(count_differences(all.seen_by(5), all.seen_by(5)), 0U);
+  const Sharers sharers = Gridded(scene).sharers;
+  EXPECT_EQ(std::ranges::max(sharers.of_view(0)), 255);
+  EXPECT_LT(std::ranges::max(sharers.of_view(5)), 255);
+}
+
+TEST(CompareViews, FindsThoseThatDifferInLittleOfWhatTheySee) {
+  const Scene scene(3);
+  const Gridded gridded(scene);
+  ViewedSupport all;
+  gather_viewed_support(gridded.grid, gridded.views, scene.points[0], kRadius, all);
+  const auto sees = [&](std::size_t v, std::size_t p) {
+    return (gridded.views[all.places[p]] >> v & 1U) != 0;
+  };
+  for (const float share : {0.3F, 0.6F, 1.5F, 2.0F}) {
+    LikeViews found;
+    const ViewBits wanted = ViewBits{1} | ViewBits{1} << 5U | ViewBits{1} << 63U;
+    compare_views(all, wanted, share, found);
+    for (const std::size_t a : {0U, 5U, 63U}) {
+      std::size_t size = 0;
+      for (std::size_t p = 0; p < all.size; ++p) size += sees(a, p) ? 1 : 0;
+      EXPECT_EQ(found.sizes[a], size);
+      for (const std::size_t b : {0U, 5U, 63U}) {
+        double differing = 0, both = 0;
+        for (std::size_t p = 0; p < all.size; ++p) {
+          differing += sees(a, p) != sees(b, p) ? 1 : 0;
+          both += 0.5 * (sees(a, p) + sees(b, p));
+        }
+        EXPECT_EQ((found.alike[a] >> b & 1U) != 0, differing <= share * both) << a << " " << b;
+      }
+      EXPECT_EQ(found.alike[a] & ~wanted, 0U);
+    }
+  }
+}
+
+TEST(MostTypical, IsTheViewThatMostOfTheOthersAreLike) {
+  LikeViews views;
+  views.alike[1] = 0b0110;
+  views.alike[2] = 0b1110;
+  views.alike[3] = 0b1100;
+  EXPECT_EQ(most_typical(views, 0b1110), 2U);
+  EXPECT_EQ(most_typical(views, 0b1010), 1U) << "the first of equals, of those that are left";
 }
 
 TEST(PartialViews, AllocateOnlyOnce) {
   const Scene scene(4);
-  const Sharers sharers = sharers_of(scene, 100);
-  const VoxelHash grid(scene.points, 0.5F * kRadius);
+  const Gridded gridded(scene);
   ViewedSupport all;
+  LikeViews like;
   Support support;
   const auto describe = [&](std::size_t at) {
-    gather_viewed_support(grid, scene.views, scene.points[at], kRadius, all);
-    take_view(all, 0, sharers.of_view(0), kShareRadius, support);
+    gather_viewed_support(gridded.grid, gridded.views, scene.points[at], kRadius, all);
+    compare_views(all, scene.views[at], 0.2F, like);
+    take_view(gridded.grid, all, 0, gridded.sharers, kShareRadius, support);
   };
   for (std::size_t at = 0; at < scene.points.size(); ++at) describe(at);
   EXPECT_EQ(test::allocations_in([&] {
