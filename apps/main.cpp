@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/run_app.hpp"
 #include "apps/help/command_help.hpp"
+#include "apps/program/run_app.hpp"
 
 int main(int argc, char** argv) {
   using namespace trivet;

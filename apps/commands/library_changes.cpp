@@ -6,8 +6,8 @@
 
 #include "apps/commands/in_child.hpp"
 #include "apps/commands/library_commands.hpp"
-#include "apps/commands/train_request.hpp"
 #include "apps/inputs/inputs.hpp"
+#include "apps/program/train_request.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/libraries/assemble_library.hpp"
 #include "engine/libraries/edit_library.hpp"

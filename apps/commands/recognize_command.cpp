@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/recognize_request.hpp"
+#include "apps/program/recognize_request.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
 #include "apps/results/coco_results.hpp"

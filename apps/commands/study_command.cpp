@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/study_request.hpp"
+#include "apps/program/study_request.hpp"
 
 namespace trivet::apps {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "apps/commands/commands.hpp"
-#include "apps/commands/train_request.hpp"
+#include "apps/program/train_request.hpp"
 
 namespace trivet::apps {
 namespace {

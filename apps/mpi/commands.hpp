@@ -1,8 +1,8 @@
 /// The subcommands of trivet-mpi: those of trivet, shared among processes.
 #pragma once
 
-#include "apps/commands/commands.hpp"
 #include "apps/mpi/ranks.hpp"
+#include "apps/program/context.hpp"
 
 namespace trivet::apps::mpi {
 

@@ -2,10 +2,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/commands/run_app.hpp"
 #include "apps/help/command_help.hpp"
 #include "apps/mpi/commands.hpp"
 #include "apps/mpi/ranks.hpp"
+#include "apps/program/run_app.hpp"
 
 int main(int argc, char** argv) {
   using namespace trivet;

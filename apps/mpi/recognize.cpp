@@ -12,8 +12,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "apps/commands/recognize_request.hpp"
 #include "apps/mpi/commands.hpp"
+#include "apps/program/recognize_request.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/reported_part.hpp"

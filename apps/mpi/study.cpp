@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands/study_request.hpp"
 #include "apps/mpi/commands.hpp"
+#include "apps/program/study_request.hpp"
 #include "engine/progress.hpp"
 
 namespace trivet::apps::mpi {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "apps/commands/train_request.hpp"
 #include "apps/mpi/commands.hpp"
+#include "apps/program/train_request.hpp"
 #include "engine/training_run.hpp"
 
 namespace trivet::apps::mpi {

@@ -1,4 +1,4 @@
-#include "apps/commands/recognize_request.hpp"
+#include "apps/program/recognize_request.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

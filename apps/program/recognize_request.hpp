@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "apps/commands/console.hpp"
 #include "apps/inputs/inputs.hpp"
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/options/recognize_arguments.hpp"
+#include "apps/program/console.hpp"
 #include "storage/result.hpp"
 
 namespace CLI {

@@ -3,7 +3,7 @@
 
 #include <stop_token>
 
-#include "apps/commands/commands.hpp"
+#include "apps/program/context.hpp"
 
 namespace CLI {
 class App;

@@ -1,4 +1,4 @@
-#include "apps/commands/console.hpp"
+#include "apps/program/console.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

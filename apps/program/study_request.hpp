@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "apps/commands/commands.hpp"
+#include "apps/program/context.hpp"
 #include "apps/study/run.hpp"
 
 namespace trivet::apps {

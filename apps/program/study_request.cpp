@@ -1,4 +1,4 @@
-#include "apps/commands/study_request.hpp"
+#include "apps/program/study_request.hpp"
 
 #include <fmt/format.h>
 

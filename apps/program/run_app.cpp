@@ -1,4 +1,4 @@
-#include "apps/commands/run_app.hpp"
+#include "apps/program/run_app.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands/console.hpp"
 #include "apps/options/add_options.hpp"
+#include "apps/program/console.hpp"
 #include "engine/train.hpp"
 #include "storage/result.hpp"
 

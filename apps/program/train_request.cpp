@@ -1,4 +1,4 @@
-#include "apps/commands/train_request.hpp"
+#include "apps/program/train_request.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,21 @@
+/// What all subcommands of a program share.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "apps/program/console.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct Context {
+  Console console;
+  unsigned num_threads = 0;  ///< 0: all cores
+  std::string command;       ///< the whole command line, as a shell takes it
+  std::stop_token stop;
+  std::function<Result<void>()> run;  ///< set by the subcommand that was chosen
+};
+
+}  // namespace trivet::apps
