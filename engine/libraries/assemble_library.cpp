@@ -4,12 +4,33 @@
 
 #include <algorithm>
 
+#include "engine/common/pipeline.hpp"
 #include "engine/libraries/index_features.hpp"
 
 namespace trivet {
 namespace {
 
 constexpr std::uint64_t kMostInMemory = std::uint64_t{256} << 20U;
+
+Result<void> check(const ModelCopy& copy) {
+  for (const ModelPart part : kModelParts) {
+    if (const Result<void> good = copy.library->check(copy.index, part); !good) return good;
+  }
+  return {};
+}
+
+Model as_named(const ModelCopy& copy) {
+  Model model = copy.model();
+  model.name = copy.name;
+  model.source = copy.source;
+  return model;
+}
+
+Error stopped(const std::filesystem::path& file, std::size_t num_written, std::size_t num_models) {
+  return {ErrorCode::resumable,
+          fmt::format("{}: stopped after {} of {} models were written; the file is as it was",
+                      file.string(), num_written, num_models)};
+}
 
 }  // namespace
 
@@ -33,24 +54,20 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
   if (basis.components.size() > 0) {
     if (const Result<void> added = writer->add(basis); !added) return added;
   }
-  for (std::size_t k = 0; k < models.size(); ++k) {
-    if (progress.stop.stop_requested()) {
-      return Error{ErrorCode::resumable,
-                   fmt::format("{}: stopped after {} of {} models were written; the file is as it "
-                               "was",
-                               lock.file().string(), k, models.size())};
-    }
-    const ModelCopy& copy = models[k];
-    for (const ModelPart part : kModelParts) {
-      if (const Result<void> good = copy.library->check(copy.index, part); !good) return good;
-    }
-    Model model = copy.model();
-    model.name = copy.name;
-    model.source = copy.source;
-    if (const Result<void> added = writer->add(model); !added) return added;
-    copy.library->give_back(kMostInMemory);
-    progress(k + 1, models.size(), copy.name);
-  }
+  // Models are checked, which takes the most, while others are written.
+  Result<void> written;
+  engine::prepare_ahead(
+      models.size(), [&](std::size_t k) { return check(models[k]); },
+      [&](std::size_t k, const Result<void>& good) {
+        written = !good                            ? good
+                  : progress.stop.stop_requested() ? stopped(lock.file(), k, models.size())
+                                                   : writer->add(as_named(models[k]));
+        if (!written) return false;
+        models[k].library->give_back(kMostInMemory);
+        progress(k + 1, models.size(), models[k].name);
+        return true;
+      });
+  if (!written) return written;
   if (const Result<void> indexed = engine::add_index(*writer); !indexed) return indexed;
   return writer->publish();
 }
