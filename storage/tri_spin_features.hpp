@@ -18,7 +18,7 @@ using FrameRows = std::array<float, 9>;
 
 /// The features of one model: Tri-Spin-Images in the library's principal components.
 struct TriSpinFeatures {
-  float resolution = 0;          ///< distance between the points that were described [library unit]
+  float resolution = 0;          ///< that scenes are sampled at to be compared [library unit]
   Shared<PointsView> keypoints;  ///< n, in the model's frame
   Shared<std::span<const FrameRows>> frames;    ///< n
   Shared<std::span<const std::uint8_t>> codes;  ///< n of num_components each, see TriSpinBasis
