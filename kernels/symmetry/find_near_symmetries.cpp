@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/surfaces/visibility.hpp"
@@ -42,9 +43,9 @@ constexpr float kAnyTurn = 0.72F;
 // ... of TurnScreen's score of any turn about an axis that is not refined yet: those that are found
 // have 0.031 and less.
 constexpr float kMaxAxisScreen = 0.04F;
-// What fewer samples may show less of, about an axis that is not refined to the end.
-constexpr float kCoarser = 0.12F;
-constexpr std::size_t kAxisQueries = 200, kFewTurns = 5;
+// An axis is refined by few turns, as long as they keep more of few samples.
+constexpr int kMaxRounds = 4;
+constexpr std::size_t kFewTurns = 5, kAxisQueries = 200;
 constexpr float kSameAxis = 0.99F;          // cosine
 constexpr float kGoldenAngle = 2.3999632F;  // [rad]; its multiples fall on no regular polygon
 constexpr std::size_t kQuickQueries = 300;  // samples of the first rating
@@ -133,10 +134,11 @@ class Search {
         return screen_.score(turn_about(axis, angle), kMaxAxisScreen) > kMaxAxisScreen;
       });
       if (hopeless) continue;
-      axis = refine_axis(surface_, axis, std::span(angles).first(kFewTurns));
-      const float limit = best - kCoarser;
-      if (least_kept(axis, angles, kAxisQueries, limit) <= limit) continue;
-      for (int round = 1; round < 4; ++round) axis = refine_axis(surface_, axis, angles);
+      float before = 0, now = kBetter;
+      for (int round = 0; round < kMaxRounds && now >= before + kBetter; ++round) {
+        axis = refine_axis(surface_, axis, std::span(angles).first(kFewTurns));
+        before = std::exchange(now, least_kept(axis, angles, kAxisQueries, 0));
+      }
       const float worst = least_kept(axis, angles, kQueries, best);
       if (worst <= best) continue;
       best = worst;
