@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <cstddef>
-#include <optional>
 #include <utility>
 
 namespace trivet::engine {
@@ -25,14 +24,13 @@ void prepare_ahead(std::size_t n, Prepare&& prepare, Use&& use) {
                                             if (next == n || ended) control.stop();
                                             return next++;
                                           }) &
-          tbb::make_filter<std::size_t, std::optional<Prepared>>(
-              tbb::filter_mode::parallel,
-              [&](std::size_t i) -> std::optional<Prepared> {
-                return Prepared{i, prepare(i)};
-              }) &
-          tbb::make_filter<std::optional<Prepared>, void>(
-              tbb::filter_mode::serial_in_order, [&](std::optional<Prepared> prepared) {
-                if (!ended && !use(prepared->first, std::move(prepared->second))) ended = true;
+          tbb::make_filter<std::size_t, Prepared>(tbb::filter_mode::parallel,
+                                                  [&](std::size_t i) {
+                                                    return Prepared{i, prepare(i)};
+                                                  }) &
+          tbb::make_filter<Prepared, void>(
+              tbb::filter_mode::serial_in_order, [&](Prepared prepared) {
+                if (!ended && !use(prepared.first, std::move(prepared.second))) ended = true;
               }));
 }
 
