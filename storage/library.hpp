@@ -34,8 +34,11 @@ struct WrittenFeatures {
   std::span<const std::byte> mapped;  ///< the file that they lie in: see give_back_around
 };
 
+/// A model as it is going to lie in a library: checked, in columns with their checksums.
+struct PackedModel;
+
 /// Writes models one after the other into a temporary file beside `file`; `publish` makes it
-/// visible. Peak memory is that of one model. Not for use by two threads at once.
+/// visible. Peak memory is that of one model. Not for use by two threads at once, but for `pack`.
 class LibraryWriter {
  public:
   /// Errors: bad_data (header of more than 60,000 bytes), cannot_create, io.
@@ -51,6 +54,11 @@ class LibraryWriter {
   /// Errors: bad_data (invalid or repeated name, broken model, features of another basis), io (disk
   /// full: says how much was needed).
   Result<void> add(const Model& model);
+  /// The part of `add` that takes longest: may be called by many threads at once, while another
+  /// model is added. Errors: bad_data.
+  Result<std::shared_ptr<PackedModel>> pack(const Model& model) const;
+  /// Add what this writer has packed. Errors: bad_data (repeated name), io.
+  Result<void> add(PackedModel& model);
   /// Call `next` with the features of all models that were added, and add the levels that it gives,
   /// piece by piece: so that no level is in memory. At most once, after all models; no model may
   /// come after it.

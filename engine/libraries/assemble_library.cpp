@@ -12,18 +12,19 @@ namespace {
 
 constexpr std::uint64_t kMostInMemory = std::uint64_t{256} << 20U;
 
-Result<void> check(const ModelCopy& copy) {
-  for (const ModelPart part : kModelParts) {
-    if (const Result<void> good = copy.library->check(copy.index, part); !good) return good;
-  }
-  return {};
-}
-
 Model as_named(const ModelCopy& copy) {
   Model model = copy.model();
   model.name = copy.name;
   model.source = copy.source;
   return model;
+}
+
+Result<std::shared_ptr<PackedModel>> check_and_pack(const ModelCopy& copy,
+                                                    const LibraryWriter& writer) {
+  for (const ModelPart part : kModelParts) {
+    if (const Result<void> good = copy.library->check(copy.index, part); !good) return good.error();
+  }
+  return writer.pack(as_named(copy));
 }
 
 Error stopped(const std::filesystem::path& file, std::size_t num_written, std::size_t num_models) {
@@ -54,14 +55,13 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
   if (basis.components.size() > 0) {
     if (const Result<void> added = writer->add(basis); !added) return added;
   }
-  // Models are checked, which takes the most, while others are written.
   Result<void> written;
   engine::prepare_ahead(
-      models.size(), [&](std::size_t k) { return check(models[k]); },
-      [&](std::size_t k, const Result<void>& good) {
-        written = !good                            ? good
+      models.size(), [&](std::size_t k) { return check_and_pack(models[k], *writer); },
+      [&](std::size_t k, const Result<std::shared_ptr<PackedModel>>& packed) {
+        written = !packed                          ? packed.error()
                   : progress.stop.stop_requested() ? stopped(lock.file(), k, models.size())
-                                                   : writer->add(as_named(models[k]));
+                                                   : writer->add(**packed);
         if (!written) return false;
         models[k].library->give_back(kMostInMemory);
         progress(k + 1, models.size(), models[k].name);

@@ -11,6 +11,7 @@
 #include "storage/library.hpp"
 #include "storage/library/directory_columns.hpp"
 #include "storage/library/library_format.hpp"
+#include "storage/library/packed_model.hpp"
 #include "storage/library/write_hdf5.hpp"
 #include "storage/library/write_level.hpp"
 
@@ -23,31 +24,6 @@ using hdf5::create_group;
 using hdf5::gather;
 using hdf5::Handle;
 using hdf5::write_attributes;
-
-StoredAttributes model_attributes(const Model& model) {
-  const Symmetry::Axis axis = model.symmetry.axis.value_or(Symmetry::Axis{{0, 0, 0}, {0, 0, 0}});
-  StoredAttributes out;
-  out.emplace("source", attribute(model.source));
-  out.emplace("source_xxh3", attribute(model.source_xxh3));
-  out.emplace("fingerprint", attribute(model.fingerprint));
-  out.emplace("diameter", attribute(model.diameter));
-  out.emplace("centre", attribute(model.center));
-  out.emplace("sample_spacing", attribute(model.sample_spacing));
-  out.emplace("symmetry_declared", attribute(model.symmetry.declared));
-  out.emplace("symmetry_axis_direction", attribute(Eigen::Vector3f(axis.direction)));
-  out.emplace("symmetry_axis_point", attribute(Eigen::Vector3f(axis.point)));
-  return out;
-}
-
-StoredAttributes table_attributes(const PpfTableView& table) {
-  const PpfQuantization& quantization = table.quantization;
-  StoredAttributes out;
-  out.emplace("num_references", attribute(table.num_references));
-  out.emplace("distance_step", attribute(quantization.distance_step));
-  out.emplace("num_distance_bins", attribute(quantization.num_distance_bins));
-  out.emplace("num_angle_bins", attribute(quantization.num_angle_bins));
-  return out;
-}
 
 StoredAttributes basis_attributes(const TriSpinBasis& basis) {
   StoredAttributes out;
@@ -83,21 +59,9 @@ struct LibraryWriter::State {
 
   // false when HDF5 failed
   bool write(const TriSpinBasis& basis);
-  bool write(const Model& model);
-  bool write_table(hid_t parent, const Model& model, StoredGroup& described) const;
-  bool write_features(hid_t parent, const std::string& name, const TriSpinFeatures& features,
-                      StoredGroup& described) const;
+  bool write(PackedModel& model);
   bool write_directory(const std::string& models_digest, std::string& digest) const;
-  /// What writes datasets into a group, and takes up how they lie there.
-  auto into(hid_t group, StoredGroup& described) const {
-    return [this, group, &described](const format::DatasetSpec& spec,
-                                     std::span<const std::byte> bytes) {
-      const auto [at, added] = described.datasets.emplace(
-          spec.name, hdf5::describe(spec, bytes.size(), xxh3_hex(bytes), symbol(header.unit),
-                                    num_components, 0));
-      return hdf5::write_dataset(group, at->first, at->second, bytes);
-    };
-  }
+  PackedGroup empty_group() const { return {symbol(header.unit), num_components}; }
 
   /// What could not be written; the temporary file goes.
   Error fail(const std::string& what);
@@ -115,71 +79,28 @@ Error LibraryWriter::State::fail(const std::string& what) {
   return error;
 }
 
-// A dataset's bytes are gathered when it is written: one column more than the model at a time.
-bool LibraryWriter::State::write(const Model& model) {
-  const Handle group = create_group(models.get(), model.name);
-  StoredGroup described{model_attributes(model), {}, {}};
-  if (!group || !write_attributes(group.get(), described.attributes)) return false;
-  const auto put = into(group.get(), described);
-  const TrianglesView& triangles = model.triangles;
-  if (!put(format::kVertices, gather(model.vertices)) ||
-      !put(format::kTriangles, gather<std::uint32_t>({triangles.a, triangles.b, triangles.c})) ||
-      !put(format::kSamples, gather(model.samples)) ||
-      !put(format::kSampleNormals, gather(model.sample_normals)) ||
-      !put(format::kSampleViews, std::as_bytes(std::span(model.sample_views))) ||
-      !put(format::kSymmetryPoses, gather(model.symmetry.poses)) ||
-      !put(format::kNearSymmetries, gather(model.near_symmetries)) ||
-      !put(format::kNearAxis, gather(model.near_axis)) ||
-      !write_table(group.get(), model, described))
-    return false;
-  for (std::size_t k = 0; k < model.features.size(); ++k) {
-    if (!write_features(group.get(), std::string(format::kFeatureGroups[k]), model.features[k],
-                        described))
-      return false;
+bool LibraryWriter::State::write(PackedModel& packed) {
+  const std::string& name = packed.model.name;
+  const Handle group = packed.own.write(models.get(), name);
+  if (!group) return false;
+  for (auto& [part_name, part] : packed.parts) {
+    if (!part.write(group.get(), part_name)) return false;
   }
-  if (H5Fflush(hdf5.get(), H5F_SCOPE_LOCAL) < 0) return false;
-  written.emplace(model.name, Written{format::digest(described), record_of(model, described)});
+  const StoredGroup described = packed.described();
+  written.emplace(name, Written{format::digest(described), record_of(packed.model, described)});
   return true;
-}
-
-bool LibraryWriter::State::write_table(hid_t parent, const Model& model,
-                                       StoredGroup& described) const {
-  const Handle group = create_group(parent, "ppf");
-  StoredGroup& table = described.groups["ppf"];
-  table.attributes = table_attributes(model.ppf);
-  const auto put = into(group.get(), table);
-  return group && write_attributes(group.get(), table.attributes) &&
-         put(format::kPpfPoints, gather(model.ppf_points)) &&
-         put(format::kPpfNormals, gather(model.ppf_normals)) &&
-         put(format::kPpfOffsets, std::as_bytes(model.ppf.offsets)) &&
-         put(format::kPpfEntries, std::as_bytes(model.ppf.entries));
-}
-
-bool LibraryWriter::State::write_features(hid_t parent, const std::string& name,
-                                          const TriSpinFeatures& features,
-                                          StoredGroup& described) const {
-  if (num_components == 0) return true;
-  const Handle group = create_group(parent, name);
-  StoredGroup& stored = described.groups[name];
-  stored.attributes.emplace("resolution", attribute(features.resolution));
-  const auto put = into(group.get(), stored);
-  return group && write_attributes(group.get(), stored.attributes) &&
-         put(format::kKeypoints, gather(features.keypoints)) &&
-         put(format::kFrames, std::as_bytes(std::span(features.frames))) &&
-         put(format::kFeatures, std::as_bytes(std::span(features.codes)));
 }
 
 bool LibraryWriter::State::write(const TriSpinBasis& basis) {
   const PcaBasis& pca = basis.components;
-  const Handle group = create_group(root.get(), "trisi");
-  StoredGroup stored{basis_attributes(basis), {}, {}};
-  const auto put = into(group.get(), stored);
   num_components = pca.size();
-  const bool is_written = group && write_attributes(group.get(), stored.attributes) &&
-                          put(format::kMeanImage, std::as_bytes(std::span(pca.mean))) &&
-                          put(format::kImageComponents, std::as_bytes(std::span(pca.components))) &&
-                          put(format::kImageEnergies, std::as_bytes(std::span(pca.energies)));
-  basis_digest = format::digest(stored);
+  PackedGroup packed = empty_group();
+  packed.described.attributes = basis_attributes(basis);
+  packed.add(format::kMeanImage, std::as_bytes(std::span(pca.mean)));
+  packed.add(format::kImageComponents, std::as_bytes(std::span(pca.components)));
+  packed.add(format::kImageEnergies, std::as_bytes(std::span(pca.energies)));
+  const bool is_written = static_cast<bool>(packed.write(root.get(), "trisi"));
+  basis_digest = format::digest(packed.described);
   return is_written;
 }
 
@@ -187,23 +108,28 @@ bool LibraryWriter::State::write_directory(const std::string& models_digest,
                                            std::string& digest) const {
   DirectoryColumns all;
   for (const auto& [name, model] : written) all.add(model.record);
-  const Handle group = create_group(root.get(), "directory");
-  StoredGroup stored;
-  const auto put = into(group.get(), stored);
+  PackedGroup packed = empty_group();
   const auto bytes = [](const auto& column) { return std::as_bytes(std::span(column)); };
-  if (!group || !put(format::kNames, bytes(all.names)) || !put(format::kTexts, bytes(all.texts)) ||
-      !put(format::kTextEnds, bytes(all.text_ends)) ||
-      !put(format::kFingerprints, bytes(all.fingerprints)) ||
-      !put(format::kDiameters, bytes(all.diameter)) || !put(format::kCenters, bytes(all.center)) ||
-      !put(format::kSpacings, bytes(all.spacing)) || !put(format::kAxes, bytes(all.axis)) ||
-      !put(format::kDeclared, bytes(all.declared)) ||
-      !put(format::kNearAxes, bytes(all.near_axis)) ||
-      !put(format::kMotions, gather(all.motions)) ||
-      !put(format::kMotionEnds, bytes(all.motion_ends)) || !put(format::kSteps, bytes(all.step)) ||
-      !put(format::kCounts, bytes(all.counts)) ||
-      !put(format::kResolutions, bytes(all.resolution)) ||
-      !put(format::kPlaces, bytes(all.places)) || !put(format::kChecksums, bytes(all.checksums)))
-    return false;
+  packed.add(format::kNames, bytes(all.names));
+  packed.add(format::kTexts, bytes(all.texts));
+  packed.add(format::kTextEnds, bytes(all.text_ends));
+  packed.add(format::kFingerprints, bytes(all.fingerprints));
+  packed.add(format::kDiameters, bytes(all.diameter));
+  packed.add(format::kCenters, bytes(all.center));
+  packed.add(format::kSpacings, bytes(all.spacing));
+  packed.add(format::kAxes, bytes(all.axis));
+  packed.add(format::kDeclared, bytes(all.declared));
+  packed.add(format::kNearAxes, bytes(all.near_axis));
+  packed.add(format::kMotions, gather(all.motions));
+  packed.add(format::kMotionEnds, bytes(all.motion_ends));
+  packed.add(format::kSteps, bytes(all.step));
+  packed.add(format::kCounts, bytes(all.counts));
+  packed.add(format::kResolutions, bytes(all.resolution));
+  packed.add(format::kPlaces, bytes(all.places));
+  packed.add(format::kChecksums, bytes(all.checksums));
+  const Handle group = packed.write(root.get(), "directory");
+  if (!group) return false;
+  StoredGroup& stored = packed.described;
   stored.attributes.emplace(
       "offset", attribute(ElementType::u64, std::uint64_t{stored.datasets.at("names").offset}));
   stored.attributes.emplace(format::kModelsDigest, attribute(models_digest));
@@ -258,18 +184,9 @@ Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
   return state_->fail("the basis of the features");
 }
 
-Result<void> LibraryWriter::add(const Model& model) {
-  if (!state_ || !state_->file.pending()) return over();
-  if (!state_->index_digest.empty()) {
-    return Error{ErrorCode::internal,
-                 fmt::format("{}: expected no model after the index", state_->target.string())};
-  }
-  if (auto good = format::check_model(model); !good) return good;
-  if (state_->written.contains(model.name)) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}: model '{}': expected each name once; rename one with NAME=FILE",
-                             state_->target.string(), model.name)};
-  }
+Result<std::shared_ptr<PackedModel>> LibraryWriter::pack(const Model& model) const {
+  if (!state_) return over();
+  if (auto good = format::check_model(model); !good) return good.error();
   for (const TriSpinFeatures& features : model.features) {
     if (features.size() == 0 || features.num_components == state_->num_components) continue;
     return Error{ErrorCode::bad_data,
@@ -277,9 +194,31 @@ Result<void> LibraryWriter::add(const Model& model) {
                              state_->target.string(), model.name, state_->num_components,
                              features.num_components)};
   }
+  return std::make_shared<PackedModel>(
+      pack_model(model, symbol(state_->header.unit), state_->num_components));
+}
+
+Result<void> LibraryWriter::add(const Model& model) {
+  if (!state_ || !state_->file.pending()) return over();
+  const Result<std::shared_ptr<PackedModel>> packed = pack(model);
+  return packed ? add(**packed) : packed.error();
+}
+
+Result<void> LibraryWriter::add(PackedModel& packed) {
+  if (!state_ || !state_->file.pending()) return over();
+  if (!state_->index_digest.empty()) {
+    return Error{ErrorCode::internal,
+                 fmt::format("{}: expected no model after the index", state_->target.string())};
+  }
+  const Model& model = packed.model;
+  if (state_->written.contains(model.name)) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: model '{}': expected each name once; rename one with NAME=FILE",
+                             state_->target.string(), model.name)};
+  }
   hdf5::start();
   try {
-    if (state_->write(model)) return {};
+    if (state_->write(packed)) return {};
   } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as half a write
   }
   const std::size_t bytes = model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes();
