@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <future>
 #include <limits>
 #include <span>
 
@@ -134,14 +135,24 @@ Result<void> write_level(const LevelInPieces& made, const std::string& name, hid
   if (!datasets) return failed;
   const std::size_t row_bytes =
       level.stride + sizeof(std::uint32_t) + 3 * sizeof(float) + sizeof(RotationCode);
-  const std::size_t at_once = std::max(std::min(place.piece_bytes / row_bytes, n), std::size_t{1});
-  Piece piece(at_once, level.stride);
-  for (std::size_t at = 0; at < n; at += at_once) {
-    const ListedFeaturesSpan features = piece.first(std::min(at_once, n - at));
+  const std::size_t at_once =
+      std::max(std::min(place.piece_bytes / 2 / row_bytes, n), std::size_t{1});
+  // While a piece is written, the next one is made.
+  std::array pieces{Piece(at_once, level.stride), Piece(at_once, level.stride)};
+  const auto make = [&](std::size_t k) {
+    const std::size_t at = k * at_once;
+    const ListedFeaturesSpan features = pieces[k % 2].first(std::min(at_once, n - at));
     made.list(at, features);
+    return features;
+  };
+  const std::size_t num_pieces = (n + at_once - 1) / at_once;
+  std::future<ListedFeaturesSpan> next;
+  for (std::size_t k = 0; k < num_pieces; ++k) {
+    const ListedFeaturesSpan features = k == 0 ? make(0) : next.get();
+    if (k + 1 < num_pieces) next = std::async(std::launch::async, make, k + 1);
     const auto good = format::check_listed(features.model, features.keypoints, place.num_models);
     if (!good) return broken(good.error());
-    if (!datasets.write(at, features)) return failed;
+    if (!datasets.write(k * at_once, features)) return failed;
   }
   if (!datasets.write_checksums(place.file)) return failed;
   return {};

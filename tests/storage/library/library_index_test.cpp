@@ -56,11 +56,11 @@ class LibraryIndex : public test::LibraryTest {
 };
 
 TEST_F(LibraryIndex, HoldsWhatWasGivenInPieces) {
-  ASSERT_TRUE(add(103, 2, 10 * kRow + kRow / 2));
+  ASSERT_TRUE(add(103, 2, 2 * 10 * kRow + kRow / 2));
   ASSERT_TRUE(writer_.publish());
   std::vector<std::size_t> expected(10, 10);
   expected.push_back(3);
-  EXPECT_EQ(pieces_, expected) << "no more than fits";
+  EXPECT_EQ(pieces_, expected) << "two are in memory, no more than fits";
 
   const auto library = verify_library(file());
   ASSERT_TRUE(library) << library.error().message;
