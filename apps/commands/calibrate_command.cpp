@@ -10,8 +10,8 @@
 #include "apps/inputs/marked_detections.hpp"
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/options/recognize_arguments.hpp"
-#include "apps/results/commission_text.hpp"
 #include "apps/results/standard_output.hpp"
+#include "apps/words/commission_text.hpp"
 #include "engine/default_score.hpp"
 #include "engine/evaluation/score_calibration.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "apps/commands/library_commands.hpp"
 #include "apps/results/json_output.hpp"
-#include "apps/results/library_summary.hpp"
 #include "apps/results/standard_output.hpp"
+#include "apps/words/library_summary.hpp"
 #include "engine/libraries/edit_library.hpp"
 #include "storage/counted.hpp"
 #include "storage/library.hpp"

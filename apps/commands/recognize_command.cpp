@@ -13,9 +13,9 @@
 #include "apps/results/coco_results.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
-#include "apps/results/recognition_text.hpp"
-#include "apps/results/reported_part.hpp"
 #include "apps/results/standard_output.hpp"
+#include "apps/words/recognition_text.hpp"
+#include "apps/words/reported_part.hpp"
 #include "engine/estimate_camera.hpp"
 #include "storage/read_cloud.hpp"
 

@@ -16,7 +16,7 @@
 #include "apps/program/recognize_request.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
-#include "apps/results/reported_part.hpp"
+#include "apps/words/reported_part.hpp"
 #include "engine/camera_check.hpp"
 
 namespace trivet::apps::mpi {

@@ -8,7 +8,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/options/presets.hpp"
 #include "apps/results/json_output.hpp"
-#include "apps/results/train_summary.hpp"
+#include "apps/words/train_summary.hpp"
 #include "storage/counted.hpp"
 
 namespace trivet::apps {

@@ -8,7 +8,7 @@
 
 #include "apps/report/html.hpp"
 #include "apps/results/evaluation_json.hpp"
-#include "apps/results/score_words.hpp"
+#include "apps/words/score_words.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -10,7 +10,7 @@
 #include "apps/report/html.hpp"
 #include "apps/report/pictures.hpp"
 #include "apps/report/recognition_scene.hpp"
-#include "apps/results/score_words.hpp"
+#include "apps/words/score_words.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps {

@@ -14,11 +14,11 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/report/html.hpp"
-#include "apps/results/camera_words.hpp"
-#include "apps/results/place_text.hpp"
-#include "apps/results/rejection_words.hpp"
-#include "apps/results/score_words.hpp"
-#include "apps/results/view_words.hpp"
+#include "apps/words/camera_words.hpp"
+#include "apps/words/place_text.hpp"
+#include "apps/words/rejection_words.hpp"
+#include "apps/words/score_words.hpp"
+#include "apps/words/view_words.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -4,10 +4,10 @@
 #include <limits>
 #include <set>
 
-#include "apps/results/camera_words.hpp"
 #include "apps/results/claims_json.hpp"
-#include "apps/results/rejection_words.hpp"
-#include "apps/results/view_words.hpp"
+#include "apps/words/camera_words.hpp"
+#include "apps/words/rejection_words.hpp"
+#include "apps/words/view_words.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps {

@@ -1,4 +1,4 @@
-#include "apps/results/camera_words.hpp"
+#include "apps/words/camera_words.hpp"
 
 #include <fmt/format.h>
 

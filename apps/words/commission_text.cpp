@@ -1,4 +1,4 @@
-#include "apps/results/commission_text.hpp"
+#include "apps/words/commission_text.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "apps/results/score_words.hpp"
+#include "apps/words/score_words.hpp"
 #include "engine/evaluation/score_curves.hpp"
 #include "storage/counted.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/results/library_summary.hpp"
+#include "apps/words/library_summary.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/results/place_text.hpp"
+#include "apps/words/place_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/results/recognition_text.hpp"
+#include "apps/words/recognition_text.hpp"
 
 #include <fmt/args.h>
 #include <fmt/format.h>
@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/results/camera_words.hpp"
-#include "apps/results/place_text.hpp"
-#include "apps/results/view_words.hpp"
+#include "apps/words/camera_words.hpp"
+#include "apps/words/place_text.hpp"
+#include "apps/words/view_words.hpp"
 #include "storage/counted.hpp"
 
 namespace trivet::apps {

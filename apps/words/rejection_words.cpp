@@ -1,10 +1,10 @@
-#include "apps/results/rejection_words.hpp"
+#include "apps/words/rejection_words.hpp"
 
 #include <fmt/format.h>
 
 #include <initializer_list>
 
-#include "apps/results/score_words.hpp"
+#include "apps/words/score_words.hpp"
 
 namespace trivet::apps {
 namespace {

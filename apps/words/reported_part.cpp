@@ -1,4 +1,4 @@
-#include "apps/results/reported_part.hpp"
+#include "apps/words/reported_part.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "apps/results/score_words.hpp"
+#include "apps/words/score_words.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/results/train_summary.hpp"
+#include "apps/words/train_summary.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/results/view_words.hpp"
+#include "apps/words/view_words.hpp"
 
 #include <fmt/format.h>
 

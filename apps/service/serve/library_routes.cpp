@@ -8,9 +8,9 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/results/detections_json.hpp"
-#include "apps/results/score_words.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/service_routes.hpp"
+#include "apps/words/score_words.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::apps::service {

@@ -1,10 +1,10 @@
-#include "apps/results/rejection_words.hpp"
+#include "apps/words/rejection_words.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "apps/results/score_words.hpp"
+#include "apps/words/score_words.hpp"
 #include "engine/recognize.hpp"
 
 namespace trivet::apps {
