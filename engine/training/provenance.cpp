@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "engine/training/standard_basis.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::engine {
@@ -54,7 +55,12 @@ std::string text_of(const Json& value) {
 
 std::string fingerprint_of(const ModelSource& source, const std::string& source_xxh3,
                            LengthUnit unit, const TrainOptions& options) {
+  static const std::string kBasis = [] {
+    const std::string bytes = basis_bytes(standard_basis({}));
+    return xxh3_hex(std::as_bytes(std::span(bytes)));
+  }();
   const Json all{{"revision", kTrainingRevision},
+                 {"basis", kBasis},
                  {"source", source_xxh3},
                  {"extension", extension_of(source)},
                  {"unit", unit == LengthUnit::meter ? "m" : "mm"},
