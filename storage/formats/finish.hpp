@@ -1,6 +1,9 @@
 /// What all formats have in common behind the reader.
 #pragma once
 
+#include <new>
+#include <stdexcept>
+
 #include "storage/cloud.hpp"
 #include "storage/files/input.hpp"
 
@@ -11,5 +14,17 @@ namespace trivet::formats {
 /// Errors: bad_data when no point is left, a coordinate is beyond 1e7, or the cloud is so small
 /// beside its distance from the origin that float cannot tell its points apart.
 Result<Cloud> finish(Cloud cloud, const Input& input);
+
+/// What `read` gives, or bad_data where the memory does not suffice for it.
+template <class Read>
+Result<Cloud> within_memory(const Input& input, Read&& read) {
+  try {
+    return read();
+  } catch (const std::bad_alloc&) {
+    return input.refuse("needs more memory than there is");
+  } catch (const std::length_error&) {
+    return input.refuse("needs more memory than there is");
+  }
+}
 
 }  // namespace trivet::formats

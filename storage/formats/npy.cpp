@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/arrange_points.hpp"
 #include "storage/formats/depth_image.hpp"
 #include "storage/formats/npy_header.hpp"
 #include "storage/formats/positions.hpp"
@@ -70,27 +70,19 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
   if (count > input.max_points()) return input.refuse_count(count);
 
   const Table table(input, header, columns);
-  const bool organized = header.shape.size() == 3 && header.shape[0] > 1 && header.shape[1] > 1;
   Positions positions, normals;
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d point = table.vector(i, 0);
-    // The camera itself is what pixels without a measurement are often set to.
-    const bool missing = organized && point.isZero(0);
-    positions.push_back(missing ? Eigen::Vector3d::Constant(std::nan("")) : point);
+    positions.push_back(table.vector(i, 0));
     if (columns != 6) continue;
     const Eigen::Vector3d normal = table.vector(i, 3);
     if (auto checked = check_normal(input, normal, i); !checked) return checked.error();
     normals.push_back(normal);
   }
-  Cloud cloud;
-  place(std::move(positions), input, cloud);
-  cloud.normals = round_to_floats(std::move(normals));
-  if (!organized) return cloud;
-  cloud.grid = PixelGrid{static_cast<std::uint32_t>(header.shape[1]),
-                         static_cast<std::uint32_t>(header.shape[0]), Column<std::int32_t>(count)};
-  std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
-  place_viewpoint(Eigen::Vector3d::Zero(), cloud);
-  return cloud;
+  const bool image = header.shape.size() == 3;
+  const std::uint64_t height = image ? header.shape[0] : 1;
+  return arrange_points(std::move(positions), std::move(normals),
+                        static_cast<std::uint32_t>(count / height),
+                        static_cast<std::uint32_t>(height), input);
 }
 
 Result<Cloud> read_depths(const Input& input, const NpyHeader& header) {

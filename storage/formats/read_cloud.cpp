@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <new>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -138,18 +136,14 @@ std::string cloud_name(const std::filesystem::path& file) {
 }
 
 Result<Cloud> formats::read(const Input& input) {
-  try {
+  return within_memory(input, [&]() -> Result<Cloud> {
     if (!is_gzip(input.bytes)) return read_unpacked(input);
     const Result<std::vector<std::byte>> unpacked =
         gunzip(input.bytes, input.file.string(), input.options.max_file_bytes);
     if (!unpacked) return unpacked.error();
     if (is_gzip(*unpacked)) return input.refuse("is packed by gzip twice; unpack it once");
     return read_unpacked({input.file, *unpacked, input.options, input.folder});
-  } catch (const std::bad_alloc&) {
-    return input.refuse("needs more memory than there is");
-  } catch (const std::length_error&) {
-    return input.refuse("needs more memory than there is");
-  }
+  });
 }
 
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
