@@ -9,10 +9,11 @@ forbid() {  # forbid FOLDER PATTERN REASON
 }
 forbid storage '#include "(kernels|engine|apps)/' 'storage may include nothing above it'
 forbid kernels '#include "(engine|apps)/' 'kernels may include only storage'
-forbid engine '#include "apps/' 'engine may not include apps'
+forbid engine '#include "(apps|python)/' 'engine may not include apps'
+forbid apps '#include "python/' 'apps may not include the Python package'
 forbid kernels '#include [<"](tbb|oneapi)/|<thread>|<mutex>|<atomic>|<chrono>|<fstream>|hdf5|H5' 'kernels are mathematics: no threads, files, clocks'
-for layer in storage kernels apps; do forbid $layer '#include [<"](tbb|oneapi)/' 'TBB lives in engine'; done
-for layer in kernels engine apps; do forbid $layer '#include [<"]hdf5|H5[A-Z][a-z]+\(' 'HDF5 lives in storage'; done
+for layer in storage kernels apps python; do forbid $layer '#include [<"](tbb|oneapi)/' 'TBB lives in engine'; done
+for layer in kernels engine apps python; do forbid $layer '#include [<"]hdf5|H5[A-Z][a-z]+\(' 'HDF5 lives in storage'; done
 for layer in storage engine apps; do forbid $layer '#include [<"](flann|embree3)/' 'FLANN and Embree live in kernels'; done
 for library in flann embree3; do
   headers=$(grep -rlE "#include [<\"]$library/" kernels | wc -l)

@@ -1,0 +1,71 @@
+/// Keyword arguments as options, by the engine's own lists of them.
+#pragma once
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <string>
+
+#include "engine/option.hpp"
+#include "python/src/call.hpp"
+
+namespace trivet::python {
+
+/// The option's flag on the command line as a keyword: min_score stands for --min-score.
+inline std::string keyword_of(std::string_view option) {
+  std::string keyword(option);
+  std::ranges::replace(keyword, '-', '_');
+  return keyword;
+}
+
+/// A value of the option's kind; None leaves it open. Raises UsageError.
+OptionValue value_of(const OptionInfo& info, const py::handle& value);
+py::object object_of(const OptionValue& value);
+
+/// Raises UsageError: of a keyword that is no option, or a value out of range.
+template <class Options>
+void set_options(const py::dict& keywords, Options& options) {
+  for (const auto& [key, given] : keywords) {
+    std::string name = py::cast<std::string>(key);
+    std::ranges::replace(name, '_', '-');
+    const Option<Options>* const option = find_option<Options>(name);
+    if (!option || option->info.place == OptionPlace::service_only) {
+      std::string known;
+      for (const Option<Options>& one : options_of<Options>()) {
+        if (one.info.place == OptionPlace::service_only) continue;
+        known += (known.empty() ? "" : ", ") + keyword_of(one.info.name);
+      }
+      raise({ErrorCode::usage,
+             fmt::format("{}: expected one of {}", py::cast<std::string>(key), known)});
+    }
+    const OptionValue value = value_of(option->info, given);
+    const Result<void> valid = check_option(option->info, value);
+    if (!valid) raise(named(option->info, valid.error()));
+    option->set(options, value);
+  }
+}
+
+/// What there is to set: for each keyword its meaning, range and default, as dictionaries.
+template <class Options>
+py::list describe_options() {
+  py::list all;
+  for (const Option<Options>& option : options_of<Options>()) {
+    const OptionInfo& info = option.info;
+    if (info.place == OptionPlace::service_only) continue;
+    py::list choices;
+    for (const Choice& choice : info.choices) choices.append(py::str(std::string(choice.name)));
+    py::dict one;
+    one["name"] = keyword_of(info.name);
+    one["group"] = std::string(info.group);
+    one["help"] = std::string(info.help);
+    one["unit"] = std::string(info.unit);
+    one["range"] = range_text(info);
+    one["choices"] = choices;
+    one["default"] = object_of(option.get(Options{}));
+    all.append(one);
+  }
+  return all;
+}
+
+}  // namespace trivet::python

@@ -1,0 +1,23 @@
+/// Recognition in one scene, and its results.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <stop_token>
+
+#include "engine/recognize.hpp"
+
+namespace trivet::python {
+
+/// Stops what runs with it, from any thread.
+struct Stopper {
+  std::stop_source source;
+};
+
+/// The preset, with what the keywords say in its place. Raises UsageError.
+RecognizeOptions recognize_options(const std::string& preset, const pybind11::dict& keywords);
+
+void add_recognize(pybind11::module_& module);
+
+}  // namespace trivet::python

@@ -1,0 +1,214 @@
+#include "python/src/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "engine/surface_from_points.hpp"
+#include "python/src/arrays.hpp"
+#include "storage/read_cloud.hpp"
+
+namespace trivet::python {
+namespace {
+
+template <class T>
+bool take(const py::array& array, ArrayView& view) {
+  if (!py::isinstance<py::array_t<T>>(array)) return false;
+  const auto size = static_cast<py::ssize_t>(sizeof(T));
+  for (py::ssize_t d = 0; d < array.ndim(); ++d) {
+    if (array.strides(d) % size != 0) return false;
+    view.shape[static_cast<std::size_t>(d)] = static_cast<std::size_t>(array.shape(d));
+    view.strides[static_cast<std::size_t>(d)] = array.strides(d) / size;
+  }
+  if (reinterpret_cast<std::uintptr_t>(array.data()) % alignof(T) != 0) return false;
+  view.data = static_cast<const T*>(array.data());
+  return true;
+}
+
+/// fx, fy, cx, cy, or a 3 x 3 matrix. Raises UsageError.
+Camera camera_from(const py::handle& numbers, double depth_scale) {
+  const py::array_t<double> values =
+      py::array_t<double>::ensure(py::reinterpret_borrow<py::object>(numbers));
+  if (!values) PyErr_Clear();
+  if (values && values.ndim() == 1 && values.size() == 4)
+    return {values.at(0), values.at(1), values.at(2), values.at(3), depth_scale};
+  if (values && values.ndim() == 2 && values.shape(0) == 3 && values.shape(1) == 3)
+    return {values.at(0, 0), values.at(1, 1), values.at(0, 2), values.at(1, 2), depth_scale};
+  raise({ErrorCode::usage, "camera: expected (fx, fy, cx, cy) or a (3, 3) matrix"});
+}
+
+SceneInput input_of(const std::string& name, const py::object& viewpoint, bool closed_surface,
+                    const py::object& unit) {
+  SceneInput input;
+  input.file = name;
+  input.closed_surface = closed_surface;
+  input.unit = unit_from(unit);
+  if (!viewpoint.is_none()) input.viewpoint = vector_from(viewpoint, "viewpoint");
+  return input;
+}
+
+Scene scene_of_points(const py::object& points, const py::object& normals,
+                      const py::object& triangles, const py::object& viewpoint, bool closed_surface,
+                      const py::object& unit, const std::string& name) {
+  Cloud cloud = cloud_from(points, normals, triangles, name, false);
+  return {std::make_shared<const Cloud>(std::move(cloud)),
+          input_of(name, viewpoint, closed_surface, unit)};
+}
+
+Scene scene_of_depths(const py::object& depth, const py::object& camera, double depth_scale,
+                      const py::object& unit, const std::string& name) {
+  py::list converted;
+  const ArrayView view = view_from(depth, "depth", converted);
+  const Camera pinhole = camera_from(camera, depth_scale);
+  SceneInput input = input_of(name, py::none(), false, unit);
+  input.camera = pinhole;
+  const auto cloud = [&] {
+    const py::gil_scoped_release released;
+    return cloud_from_depths(view, pinhole, {.name = name});
+  }();
+  return {std::make_shared<const Cloud>(unwrap(cloud)), std::move(input)};
+}
+
+Scene scene_of_file(const std::string& file, const py::object& camera, double depth_scale,
+                    const py::object& viewpoint, bool closed_surface, const py::object& unit) {
+  SceneInput input = input_of(file, viewpoint, closed_surface, unit);
+  if (!camera.is_none()) input.camera = camera_from(camera, depth_scale);
+  Result<Cloud> cloud = [&] {
+    const py::gil_scoped_release released;
+    return read_scene(input);
+  }();
+  return {std::make_shared<const Cloud>(unwrap(std::move(cloud))), std::move(input)};
+}
+
+py::object grid_of(const Scene& scene, const py::object& owner) {
+  if (!scene.cloud->grid) return py::none();
+  const PixelGrid& grid = *scene.cloud->grid;
+  return view_of<std::int32_t>(grid.point_index, owner, grid.width);
+}
+
+py::dict mesh_of(const Scene& scene, const py::object& method, const py::object& viewpoint) {
+  SurfaceOptions options;
+  if (!viewpoint.is_none()) options.viewpoint = vector_from(viewpoint, "viewpoint");
+  if (!method.is_none()) {
+    const auto name = method.cast<std::string>();
+    for (const SurfaceMethodName& known : kSurfaceMethods) {
+      if (known.name == name) options.method = known.method;
+    }
+    if (!options.method)
+      raise({ErrorCode::usage,
+             fmt::format("method: expected faces, grid or greedy, found '{}'", name)});
+  }
+  unwrap(validate(options));
+  const Surface surface = unwrap([&] {
+    const py::gil_scoped_release released;
+    return surface_from_points(*scene.cloud, scene.input.file.string(), options);
+  }());
+  py::dict out;
+  out["vertices"] = rows_of(surface.mesh.points);
+  out["triangles"] = rows_of(surface.mesh.triangles);
+  out["normals"] = surface.mesh.normals.empty() ? py::object(py::none())
+                                                : py::object(rows_of(surface.mesh.normals));
+  out["offset"] = vector_of(surface.mesh.offset);
+  for (const SurfaceMethodName& known : kSurfaceMethods) {
+    if (known.method == surface.method) out["method"] = std::string(known.name);
+  }
+  out["open_share"] = surface.open_share;
+  out["warning"] = surface.warning;
+  return out;
+}
+
+void write_mesh(const std::string& file, const py::object& vertices, const py::object& triangles,
+                const py::object& normals) {
+  const Cloud cloud = cloud_from(vertices, normals, triangles, file, true);
+  const Result<void> written = [&] {
+    const py::gil_scoped_release released;
+    return write_ply(file, cloud);
+  }();
+  unwrap(written);
+}
+
+}  // namespace
+
+std::optional<LengthUnit> unit_from(const py::object& unit) {
+  if (unit.is_none()) return std::nullopt;
+  const auto name = py::str(unit).cast<std::string>();
+  if (name == "m") return LengthUnit::meter;
+  if (name == "mm") return LengthUnit::millimeter;
+  raise({ErrorCode::usage, fmt::format("unit: expected 'm' or 'mm', found '{}'", name)});
+}
+
+ArrayView view_from(const py::object& given, const char* what, py::list& converted) {
+  py::array array = py::array::ensure(given);
+  if (!array) {
+    PyErr_Clear();
+    raise(
+        {ErrorCode::usage, fmt::format("{}: expected an array of numbers, found {}", what,
+                                       py::type::of(given).attr("__name__").cast<std::string>())});
+  }
+  ArrayView view;
+  if (array.ndim() < 1 || array.ndim() > 3) {
+    raise({ErrorCode::usage,
+           fmt::format("{}: expected 2 or 3 dimensions, found {}", what, array.ndim())});
+  }
+  view.num_dimensions = static_cast<std::size_t>(array.ndim());
+  view.shape = {1, 1, 1};
+  view.strides = {1, 1, 1};
+  bool taken = take<float>(array, view) || take<double>(array, view) ||
+               take<std::uint16_t>(array, view) || take<std::int32_t>(array, view) ||
+               take<std::uint32_t>(array, view) || take<std::int64_t>(array, view);
+  if (!taken) {
+    array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
+    if (!array) {
+      PyErr_Clear();
+      raise({ErrorCode::usage, fmt::format("{}: expected an array of numbers", what)});
+    }
+    take<double>(array, view);
+  }
+  converted.append(array);
+  return view;
+}
+
+Cloud cloud_from(const py::object& points, const py::object& normals, const py::object& triangles,
+                 const std::string& name, bool keep_origin) {
+  py::list converted;
+  MemoryCloudOptions options{.name = name, .keep_origin = keep_origin};
+  const ArrayView view = view_from(points, "points", converted);
+  if (!normals.is_none()) options.normals = view_from(normals, "normals", converted);
+  if (!triangles.is_none()) options.triangles = view_from(triangles, "triangles", converted);
+  Result<Cloud> cloud = [&] {
+    const py::gil_scoped_release released;
+    return cloud_from_points(view, options);
+  }();
+  return unwrap(std::move(cloud));
+}
+
+void add_scene(py::module_& module) {
+  py::class_<Scene>(module, "Scene")
+      .def_static("from_points", &scene_of_points, py::arg("points"), py::kw_only(),
+                  py::arg("normals") = py::none(), py::arg("triangles") = py::none(),
+                  py::arg("viewpoint") = py::none(), py::arg("closed_surface") = false,
+                  py::arg("unit") = py::none(), py::arg("name") = "array")
+      .def_static("from_depth", &scene_of_depths, py::arg("depth"), py::arg("camera"),
+                  py::kw_only(), py::arg("depth_scale") = 1.0, py::arg("unit") = py::none(),
+                  py::arg("name") = "array")
+      .def_static("read", &scene_of_file, py::arg("file"), py::kw_only(),
+                  py::arg("camera") = py::none(), py::arg("depth_scale") = 1.0,
+                  py::arg("viewpoint") = py::none(), py::arg("closed_surface") = false,
+                  py::arg("unit") = py::none())
+      .def("__len__", [](const Scene& scene) { return scene.cloud->points.size(); })
+      .def_property_readonly("name", [](const Scene& scene) { return scene.input.file.string(); })
+      .def_property_readonly("num_invalid",
+                             [](const Scene& scene) { return scene.cloud->num_invalid; })
+      .def_property_readonly("offset",
+                             [](const Scene& scene) { return vector_of(scene.cloud->offset); })
+      .def_property_readonly("points",
+                             [](const Scene& scene) { return rows_of(scene.cloud->points); })
+      .def_property_readonly(
+          "pixels", [](const py::object& self) { return grid_of(self.cast<const Scene&>(), self); })
+      .def("_mesh", &mesh_of);
+  module.def("_write_mesh", &write_mesh);
+}
+
+}  // namespace trivet::python

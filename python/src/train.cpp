@@ -1,0 +1,61 @@
+#include "python/src/train.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/inputs/inputs.hpp"
+#include "apps/options/presets.hpp"
+#include "apps/words/train_summary.hpp"
+#include "engine/train.hpp"
+#include "python/src/arrays.hpp"
+#include "python/src/call.hpp"
+#include "python/src/options.hpp"
+#include "python/src/scene.hpp"
+
+namespace trivet::python {
+namespace {
+
+/// The document of `trivet train --json`.
+std::string train(const std::vector<std::string>& models, const std::string& output,
+                  const py::object& unit, bool prune, bool keep_going, const std::string& preset,
+                  const py::object& progress, const py::dict& keywords) {
+  const auto found = apps::train_presets().find(preset);
+  if (found == apps::train_presets().end()) {
+    raise({ErrorCode::usage,
+           fmt::format("preset: expected fast, balanced or accurate, found '{}'", preset)});
+  }
+  TrainRequest request;
+  request.options = found->second;
+  set_options(keywords, request.options);
+  apps::ModelInputs inputs = unwrap(apps::collect_models(models));
+  unit_from(unit);
+  request.unit =
+      unwrap(apps::choose_unit(inputs, unit.is_none() ? std::string() : unit.cast<std::string>()));
+  request.sources = std::move(inputs.sources);
+  request.file = output;
+  request.prune = prune;
+  request.keep_going = keep_going;
+
+  std::stop_source stop;
+  Reports reports(progress, stop);
+  const Result<TrainReport> report = interruptibly(
+      [&](const std::stop_token& token) {
+        return train_library(request, {{{}, token}, reports.to(token), {{}, token}});
+      },
+      stop);
+  reports.rethrow();
+  return apps::train_json(unwrap(report), output, request.unit).dump();
+}
+
+}  // namespace
+
+void add_train(py::module_& module) {
+  module.def("_train", &train);
+  module.def("_train_options", &describe_options<TrainOptions>);
+}
+
+}  // namespace trivet::python

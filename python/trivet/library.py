@@ -1,0 +1,105 @@
+"""An opened library, and recognition with it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, Iterable, Iterator, Optional, Sequence
+
+from . import _trivet
+from ._geometry import PathLike
+from ._trivet import Stopper
+from .results import Result
+from .scenes import as_scene
+
+_IN_FLIGHT = 2  # one scene is read while another is recognized: more would only cost latency
+
+
+class Library(_trivet.Library):
+    """A library file, mapped: it opens at once, whatever its size.
+
+    It reads as a mapping from names to models: `len(library)`, `library["bracket"]`, `"bracket" in
+    library`, `for name in library`. Any number of threads may use one; it can be pickled, and is
+    then opened again.
+
+    file:        made by `trivet train` or trivet.train
+    calibration: score as `trivet calibrate` adapted it to a cell, from this file
+    memory_mb:   what may stay in memory of what scenes needed
+    verify:      check all of it first; else each model is checked when it is first used
+    Errors: MissingInputError, DataError, InputOutputError.
+    """
+
+    def __init__(
+        self,
+        file: PathLike,
+        *,
+        calibration: Optional[PathLike] = None,
+        memory_mb: int = 768,
+        verify: bool = False,
+    ) -> None:
+        super().__init__(os.fspath(file), calibration=os.fspath(calibration or ""),
+                         memory_mb=memory_mb, verify=verify)
+
+    def __repr__(self) -> str:
+        return f"<trivet.Library {self.file}: {len(self)} models, lengths in {self.unit}>"
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What it was trained with."""
+        return json.loads(self._parameters)
+
+    def recognize(
+        self,
+        scene: Any,
+        *,
+        camera: Any = None,
+        depth_scale: float = 1.0,
+        viewpoint: Optional[Sequence[float]] = None,
+        closed_surface: bool = False,
+        unit: Optional[str] = None,
+        name: str = "array",
+        preset: str = "balanced",
+        stopper: Optional[Stopper] = None,
+        **options: Any,
+    ) -> Result:
+        """Find the models of the library in a scene. Other Python threads run meanwhile; Ctrl-C
+        stops it.
+
+        scene:          points (n, 3), an organized cloud (height, width, 3), a depth image (height,
+                        width) with its camera, a file, a Scene, a Mesh, or a cloud or mesh of
+                        trimesh or Open3D
+        camera:         (fx, fy, cx, cy) or a (3, 3) matrix [pixel], OpenCV's axes
+        depth_scale:    what a depth is multiplied by to be a length (0.001: millimeters to meters)
+        viewpoint:      where the sensor stood, 3 numbers; None: as the file says, else the origin
+        closed_surface: a whole surface that no sensor saw
+        unit:           "m" or "mm" of the scene and the poses; None: the library's
+        preset:         "fast", "balanced" or "accurate"
+        stopper:        stops it from another thread
+        options:        of `trivet recognize`, as min_score=0.7 (trivet.options("recognize"));
+                        expected=[(model, pose), ...] are tested before any search
+        Errors: UsageError, DataError, Stopped.
+        """
+        made = as_scene(scene, camera=camera, depth_scale=depth_scale, viewpoint=viewpoint,
+                        closed_surface=closed_surface, unit=unit, name=name)
+        return Result(_trivet._recognize(self, made, preset, stopper, options))
+
+    def recognize_all(
+        self, scenes: Iterable[Any], *, stopper: Optional[Stopper] = None, **how: Any
+    ) -> Iterator[Result]:
+        """The results of many scenes, or of a stream without end, in their order: while one is
+        recognized, the next one is taken and read. `how`: as of `recognize`."""
+        stop = stopper or Stopper()
+        with ThreadPoolExecutor(_IN_FLIGHT, thread_name_prefix="trivet") as threads:
+            running: deque[Future[Result]] = deque()
+            try:
+                for scene in scenes:
+                    running.append(threads.submit(self.recognize, scene, stopper=stop, **how))
+                    if len(running) == _IN_FLIGHT:
+                        yield running.popleft().result()
+                while running:
+                    yield running.popleft().result()
+            finally:  # left early: what is not wanted any more ends soon
+                if running:
+                    stop.stop()

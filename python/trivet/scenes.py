@@ -1,0 +1,66 @@
+"""Scenes out of arrays and files, and surfaces through their points."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Optional, Sequence
+
+import numpy as np
+
+from . import _trivet
+from ._geometry import Mesh, PathLike, as_mesh, is_path
+from ._trivet import Scene
+
+
+def as_scene(
+    thing: Any,
+    *,
+    camera: Any = None,
+    depth_scale: float = 1.0,
+    viewpoint: Optional[Sequence[float]] = None,
+    closed_surface: bool = False,
+    unit: Optional[str] = None,
+    name: str = "array",
+) -> Scene:
+    """A Scene of a Scene, a file, a depth image (where there is a camera), points (n, 3) or
+    (height, width, 3), a Mesh, or an object of trimesh or Open3D."""
+    if isinstance(thing, Scene):
+        return thing
+    if is_path(thing):
+        return Scene.read(os.fspath(thing), camera=camera, depth_scale=depth_scale,
+                          viewpoint=viewpoint, closed_surface=closed_surface, unit=unit)
+    if camera is not None:
+        return Scene.from_depth(thing, camera, depth_scale=depth_scale, unit=unit, name=name)
+    mesh_ = as_mesh(thing)
+    return Scene.from_points(mesh_.vertices, normals=mesh_.normals, triangles=mesh_.triangles,
+                             viewpoint=viewpoint, closed_surface=closed_surface, unit=unit,
+                             name=name)
+
+
+def mesh(
+    scene: Any,
+    *,
+    method: Optional[str] = None,
+    viewpoint: Optional[Sequence[float]] = None,
+    **how: Any,
+) -> Mesh:
+    """Lay a surface through the points of a scan, as `trivet mesh` does.
+
+    scene:     whatever Library.recognize takes, with the same keywords
+    method:    "grid" (pixels side by side), "greedy" (points in any order) or "faces" (as they
+               came); None: the first one that the scan has what it takes for
+    viewpoint: where the sensor stood; triangles are counter-clockwise seen from there
+    Errors: UsageError, DataError.
+    """
+    made = as_scene(scene, viewpoint=viewpoint, **how)._mesh(method, viewpoint)
+    vertices = made["vertices"]
+    if np.any(made["offset"]):
+        vertices = vertices + made["offset"]
+    return Mesh(vertices, made["triangles"], made["normals"])
+
+
+def write_ply(file: PathLike, geometry: Any) -> None:
+    """Write points or a mesh as binary PLY; the file appears whole or not at all.
+    Errors: CannotCreateError, InputOutputError, DataError."""
+    made = as_mesh(geometry)
+    _trivet._write_mesh(os.fspath(file), made.vertices, made.triangles, made.normals)

@@ -1,0 +1,89 @@
+"""Training of libraries."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Iterable, Mapping, Optional, Union
+
+from . import _trivet
+from ._geometry import PathLike, is_path
+from .scenes import write_ply
+
+Progress = Callable[[int, int, str], None]
+Models = Union[PathLike, Iterable[PathLike], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class TrainReport:
+    """What became of the models.
+
+    models: for each its name, origin ("trained", "resumed", "kept"), counts, diameter, symmetry,
+            seconds and warnings
+    faults: name and reason of models that were left out (keep_going)
+    """
+
+    library: str
+    unit: str
+    seconds: float
+    unchanged: bool
+    models: list[dict[str, Any]]
+    faults: list[dict[str, Any]]
+
+    def __repr__(self) -> str:
+        trained = sum(model["origin"] == "trained" for model in self.models)
+        return (f"<trivet.TrainReport {self.library}: {len(self.models)} models, {trained} trained, "
+                f"{self.seconds:.1f} s>")
+
+
+def arguments_of(models: Models, folder: Path) -> list[str]:
+    """As the command line names them; arrays become files of the folder."""
+    if is_path(models):
+        return [os.fspath(models)]
+    if not isinstance(models, Mapping):
+        return [os.fspath(model) for model in models]
+    arguments = []
+    for number, (name, model) in enumerate(models.items()):
+        if not is_path(model):
+            file = folder / f"{number}.ply"
+            write_ply(file, model)
+            model = file
+        arguments.append(f"{name}={os.fspath(model)}")
+    return arguments
+
+
+def train(
+    models: Models,
+    output: PathLike,
+    *,
+    unit: Optional[str] = None,
+    prune: bool = False,
+    keep_going: bool = False,
+    preset: str = "balanced",
+    progress: Optional[Progress] = None,
+    **options: Any,
+) -> TrainReport:
+    """Bring a library up to date with models: those that are unchanged are taken over, the others
+    trained; the file changes as a whole at the end. Ctrl-C stops it, and the same call goes on.
+
+    models:     {name: file, Mesh, (vertices, triangles), points (n, 3), or a mesh of trimesh or
+                Open3D}, or files, folders, manifests and BOP data sets
+    output:     library file
+    unit:       "m" (also None) or "mm" of the models; manifests name their own
+    prune:      models of the file that are not named go; else they stay
+    keep_going: leave out models that cannot be trained; else nothing is written
+    preset:     "fast", "balanced" or "accurate"
+    progress:   is called with (done, total, name of the model), from any thread
+    options:    of `trivet train`, as relative_step=0.03 (trivet.options("train"))
+    Errors: UsageError, DataError (of all models together), MissingInputError, CannotCreateError,
+    InputOutputError.
+    """
+    with tempfile.TemporaryDirectory(prefix="trivet-") as folder:
+        document = json.loads(
+            _trivet._train(arguments_of(models, Path(folder)), os.fspath(output), unit, prune,
+                           keep_going, preset, progress, options))
+    return TrainReport(document["library"], document["unit"], document["seconds"],
+                       document["unchanged"], document["models"], document["faults"])
