@@ -43,6 +43,12 @@ Result<void> check_array(const Input& input, std::string_view what, const ArrayV
 
   const std::uint64_t number_bytes =
       std::visit([](const auto* data) { return sizeof(*data); }, array.data);
+  const auto place = std::visit(
+      [](const auto* data) { return reinterpret_cast<std::uintptr_t>(data); }, array.data);
+  if (place % number_bytes != 0) {
+    return refuse(
+        fmt::format("expected numbers at multiples of {} bytes, found them between", number_bytes));
+  }
   std::uint64_t left = std::uint64_t{std::numeric_limits<std::ptrdiff_t>::max()} / number_bytes;
   for (std::size_t d = 0; d < array.num_dimensions; ++d) {
     const std::ptrdiff_t stride = array.strides[d];

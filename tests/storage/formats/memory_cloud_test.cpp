@@ -176,6 +176,9 @@ TEST_F(CloudFromPoints, RefusesWhatCannotBe) {
   EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::packed(xyz.data(), 3, 2)), "found (3, 2)"));
   EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::packed<float>(nullptr, 2, 3)), "null"));
   EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::packed(xyz.data(), huge, 3)), "memory"));
+  const auto* const between = reinterpret_cast<const float*>(  // never read
+      reinterpret_cast<std::uintptr_t>(xyz.data()) + 2);
+  EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::packed(between, 1, 3)), "multiples of 4"));
   EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::strided(xyz.data(), 2, 3, far)), "memory"));
   EXPECT_TRUE(is_usage(cloud_from_points({xyz.data(), 4, {1, 2, 3}, {6, 3, 1}}), "dimensions"));
   EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::packed(xyz.data(), 2, 3),
