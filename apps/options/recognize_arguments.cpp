@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/options/presets.hpp"
 #include "apps/results/detections_json.hpp"
+#include "engine/presets.hpp"
 
 namespace trivet::apps {
 namespace {

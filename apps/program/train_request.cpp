@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/options/presets.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/words/train_summary.hpp"
+#include "engine/presets.hpp"
 #include "storage/counted.hpp"
 
 namespace trivet::apps {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/options/presets.hpp"
 #include "apps/service/serve/recognize_query.hpp"
+#include "engine/presets.hpp"
 
 namespace trivet::apps::service {
 

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "apps/options/presets.hpp"
+#include "engine/presets.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -17,29 +20,21 @@ const OptionInfo& preset_parameter() { return kPreset; }
 
 Result<RecognizeQuery> parse_recognize_query(const Parameters& parameters) {
   RecognizeQuery query;
-  std::set<std::string_view> names;
+  std::vector<std::pair<std::string_view, std::string_view>> of_recognition;
+  std::set<std::string_view> of_scene;
   for (const auto& [name, value] : parameters) {
-    if (!names.insert(name).second)
-      return Error{ErrorCode::usage, fmt::format("{}: expected once, found twice", name)};
-    if (name != kPreset.name) continue;
-    const Result<void> known = check_option(kPreset, value);
-    if (!known) return named(kPreset, known.error());
-    query.options = recognize_presets().find(value)->second;
-  }
-  for (const auto& [name, value] : parameters) {
-    Result<void> set;
-    if (const auto* const option = find_option<RecognizeOptions>(name)) {
-      set = set_option(*option, value, query.options);
-    } else if (const auto* const of_scene = find_option<ServedScene>(name)) {
-      set = set_option(*of_scene, value, query.scene);
-    } else if (name != kPreset.name) {
-      return Error{
-          ErrorCode::usage,
-          fmt::format("expected a parameter that /v1/openapi.json names, found '{}'", name)};
+    const auto* const option = find_option<ServedScene>(name);
+    if (!option) {
+      of_recognition.emplace_back(name, value);
+      continue;
     }
-    if (!set) return set.error();
+    if (!of_scene.insert(name).second)
+      return Error{ErrorCode::usage, fmt::format("{}: expected once, found twice", name)};
+    if (const Result<void> set = set_option(*option, value, query.scene); !set) return set.error();
   }
-  if (const Result<void> valid = validate(query.options); !valid) return valid.error();
+  Result<RecognizeOptions> options = parse_recognize_options(of_recognition, "/v1/openapi.json");
+  if (!options) return options.error();
+  query.options = *std::move(options);
   return query;
 }
 

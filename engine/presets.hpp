@@ -3,18 +3,25 @@
 
 #include <array>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/recognize_options.hpp"
 #include "engine/train_options.hpp"
+#include "storage/result.hpp"
 
-namespace trivet::apps {
+namespace trivet {
 
+/// The names of the presets.
 inline constexpr std::array<Choice, 3> kPresets{{{"fast"}, {"balanced"}, {"accurate"}}};
+/// The one with the defaults.
 inline constexpr std::string_view kUsualPreset = "balanced";
 
-/// group, what: heading and meaning of the option of a command.
+/// The option that names one of them.
+///
+/// group, what   heading and meaning of the option of a command
 constexpr OptionInfo preset_option(std::string_view group, std::string_view what) {
   return {.name = "preset",
           .group = group,
@@ -24,12 +31,14 @@ constexpr OptionInfo preset_option(std::string_view group, std::string_view what
           .choices = kPresets};
 }
 
+/// The presets of training, by name.
 inline const std::map<std::string, TrainOptions, std::less<>>& train_presets() {
   static const std::map<std::string, TrainOptions, std::less<>> presets{
       {"fast", {.relative_step = 0.05F}}, {"balanced", {}}, {"accurate", {.relative_step = 0.03F}}};
   return presets;
 }
 
+/// The presets of recognition, by name.
 inline const std::map<std::string, RecognizeOptions, std::less<>>& recognize_presets() {
   static const std::map<std::string, RecognizeOptions, std::less<>> presets{
       {"fast",
@@ -45,4 +54,13 @@ inline const std::map<std::string, RecognizeOptions, std::less<>>& recognize_pre
   return presets;
 }
 
-}  // namespace trivet::apps
+/// Options that came as names and texts, as in queries: one may be "preset", which the others
+/// change wherever it stands.
+///
+/// names_where   what tells all names, for the error
+/// Errors: usage (a name that is none or stands twice; name, range and value).
+Result<RecognizeOptions> parse_recognize_options(
+    std::span<const std::pair<std::string_view, std::string_view>> texts,
+    std::string_view names_where);
+
+}  // namespace trivet
