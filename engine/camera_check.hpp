@@ -11,6 +11,7 @@
 
 namespace trivet {
 
+/// How well the camera that was given fits the objects that were found.
 struct CameraCheck {
   Camera camera;                            ///< that the scene was recognized with
   std::vector<kernels::ScalePull> objects;  ///< the sure ones with enough surface
@@ -22,6 +23,7 @@ struct CameraCheck {
   /// of the focal length, by three objects at least; 0.75 % of depth, by two models at least, since
   /// a single one may be of another size than its model.
   bool focal_is_off() const noexcept;
+  /// The same of the depth scale.
   bool depth_is_off() const noexcept;
 };
 

@@ -11,6 +11,8 @@
 
 namespace trivet {
 
+/// Parts of the pipeline beyond the published method, each of which can be left out to measure what
+/// it is worth.
 enum class Improvement : std::uint8_t {
   clusters,
   planes,
@@ -53,6 +55,7 @@ inline constexpr std::array<Choice, 15> kImprovements{{
      "a detection is held against its near-symmetric alternatives where their renderings differ"},
 }};
 
+/// Some of the improvements.
 class ImprovementSet {
  public:
   constexpr ImprovementSet() = default;

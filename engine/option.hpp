@@ -25,6 +25,7 @@ struct Choice {
 template <class Enum>
 std::span<const Choice> choices_of();
 
+/// A value's name among the choices.
 template <class Enum>
 std::string_view choice_name(Enum value) {
   return choices_of<Enum>()[static_cast<std::size_t>(value)].name;
@@ -40,6 +41,7 @@ std::string value_text(const OptionValue& value);
 /// Whether it leaves the choice open: "auto", infinity, nothing listed.
 bool is_unset(const OptionValue& value);
 
+/// What values an option has.
 enum class OptionKind : std::uint8_t {
   flag,     ///< bool
   number,   ///< double
@@ -49,6 +51,7 @@ enum class OptionKind : std::uint8_t {
   names,    ///< vector<string>, of the choices if there are any
 };
 
+/// What numbers may be, both ends included.
 struct OptionRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -94,6 +97,7 @@ Result<void> check_option(const OptionInfo& info, const OptionValue& value);
 /// The error with the name of its option.
 Error named(const OptionInfo& info, const Error& error);
 
+/// An option, and the field of its options that it stands for.
 template <class Options>
 struct Option {
   OptionInfo info;

@@ -12,10 +12,12 @@ namespace trivet {
 
 /// Poses beyond the limits are neither searched for nor reported.
 struct PoseLimits {
+  /// A box along the axes of the frame.
   struct Region {
     Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};
     bool operator==(const Region&) const = default;
   };
+  /// How far a direction of the model may turn from one of the scene.
   struct Tilt {
     Eigen::Vector3f model_direction{0, 0, 1}, scene_direction{0, 0, 1};  ///< of any length > 0
     float max_angle_deg = 180;

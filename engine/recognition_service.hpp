@@ -14,6 +14,7 @@
 
 namespace trivet {
 
+/// How much the service takes on.
 struct ServiceOptions {
   std::size_t max_waiting = 64;               ///< parts of jobs, 1..100000; more are refused
   std::size_t max_waiting_bytes = 512 << 20;  ///< of jobs, waiting and running, >= 1
@@ -30,6 +31,7 @@ struct LibraryGeneration {
   std::uint64_t number = 0;
 };
 
+/// What deadlines are read from.
 using ServiceClock = std::chrono::steady_clock;
 
 /// What one request asks for: in parts, such as scenes, that are worked on each by itself.
@@ -50,14 +52,17 @@ struct ServiceAnswer {
   double queue_seconds = 0;                             ///< until the first part was begun
   double work_seconds = 0;                              ///< from then until the last was done
 };
+/// Why a job was not done.
 enum class Refusal : std::uint8_t {
   full,      ///< as many wait as may, or as can be answered before this one's deadline
   too_late,  ///< the deadline passed before the answer was there
   gone,      ///< nobody waited any more
   closed,    ///< the service is being shut down
 };
+/// How a job ended.
 using ServiceOutcome = std::variant<ServiceAnswer, Refusal, Error>;
 
+/// What the service is doing.
 struct ServiceState {
   std::size_t num_waiting = 0, num_running = 0;  ///< parts
   std::size_t num_bytes = 0;

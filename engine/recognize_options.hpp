@@ -18,6 +18,7 @@
 
 namespace trivet {
 
+/// Of voting by point pairs.
 struct VoteOptions {
   /// Of the ball around a reference point that its pairs end in [diameters]. Smaller is faster and
   /// bears more occlusion, larger bears more noise.
@@ -64,6 +65,7 @@ struct MatchOptions {
   bool operator==(const MatchOptions&) const = default;
 };
 
+/// From hypotheses to poses: how many are followed.
 struct PoseOptions {
   float cluster_translation = 0.07F;  ///< limit between poses of a cluster, in diameters
   float cluster_rotation_deg = 15;    ///< ... and in degrees
@@ -77,6 +79,7 @@ struct PoseOptions {
   bool operator==(const PoseOptions&) const = default;
 };
 
+/// When a pose agrees with the scan.
 struct VerifyStageOptions {
   float tolerance_sigmas = 3;          ///< agreement in standard deviations of the scene's noise
   float tolerance_diameters = 0.016F;  ///< ... but at least this share of the diameter
@@ -93,6 +96,7 @@ enum class Search : std::uint8_t {
   exhaustive,  ///< each model on its own
 };
 
+/// All that recognition can be told; the defaults are the balanced preset.
 struct RecognizeOptions {
   Method method = Method::fused;
   Search search = Search::automatic;
@@ -124,12 +128,16 @@ struct RecognizeOptions {
   bool operator==(const RecognizeOptions&) const = default;
 };
 
+/// The names of the ways to search.
 template <>
 std::span<const Choice> choices_of<Search>();
+/// The names of the detectors.
 template <>
 std::span<const Choice> choices_of<Detector>();
+/// The names of the ways to group matches.
 template <>
 std::span<const Choice> choices_of<Grouping>();
+/// Every option of recognition.
 template <>
 std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>();
 

@@ -24,6 +24,7 @@ struct TurnExtent {
   float low = 0, high = 0;  ///< [rad]; apart by a whole turn, or by one of its symmetry: any
 };
 
+/// An object that was found.
 struct Detection {
   std::string model;
   /// Probability that the object is here, in this pose or one that the scan cannot tell from it,
@@ -52,6 +53,7 @@ struct Detection {
   float pose_score() const noexcept { return score * pose_share; }
 };
 
+/// Why a pose was not reported.
 enum class Rejection {
   too_low,    ///< the score, or pose_score if that is required, is below min_score
   explained,  ///< better poses already explain more than max_overlap of its pixels
@@ -81,6 +83,7 @@ struct PoseClaim {
   std::optional<std::size_t> detection{};  ///< index of the detection that it became
 };
 
+/// Of an image that a scene was looked at in.
 struct ImageSize {
   std::uint32_t width = 0, height = 0;  ///< [pixel]
   bool operator==(const ImageSize&) const = default;
@@ -92,6 +95,7 @@ struct SceneClaims {
   std::vector<PoseClaim> poses;  ///< in the order of taking
 };
 
+/// What the scene was, and what recognizing it took.
 struct SceneStats {
   std::optional<SceneView> view{};  ///< what saw the scene; none of too few measurements
   StageTimes times;

@@ -8,6 +8,7 @@
 
 namespace trivet {
 
+/// What kind of scan the scene was taken for.
 enum class SceneKind : std::uint8_t {
   image,    ///< the pixels of a depth camera or of an organized scan
   points,   ///< scattered points, or the corners of triangles, seen from one place
@@ -22,12 +23,14 @@ enum class ViewSource : std::uint8_t {
   assumed,  ///< nothing does
 };
 
+/// From where the scene was looked at, and what says so.
 struct SceneView {
   SceneKind kind = SceneKind::points;
   ViewSource source = ViewSource::assumed;
   std::optional<Eigen::Vector3d> viewpoint{};  ///< in the scene file's frame and unit; no surface's
 };
 
+/// As results name it.
 constexpr std::string_view name_of(SceneKind kind) noexcept {
   switch (kind) {
     case SceneKind::image:
@@ -40,6 +43,7 @@ constexpr std::string_view name_of(SceneKind kind) noexcept {
   return "";
 }
 
+/// As results name it.
 constexpr std::string_view name_of(ViewSource source) noexcept {
   switch (source) {
     case ViewSource::given:

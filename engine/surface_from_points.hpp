@@ -22,16 +22,19 @@ enum class SurfaceMethod {
   greedy,  ///< points near one another, with normals
 };
 
+/// A method in words.
 struct SurfaceMethodName {
   SurfaceMethod method;
   std::string_view name;
   std::string_view sentence;
 };
+/// In the order of the enumeration.
 inline constexpr std::array<SurfaceMethodName, 3> kSurfaceMethods{
     {{SurfaceMethod::faces, "faces", "as the file has them"},
      {SurfaceMethod::grid, "grid", "between neighboring pixels of an organized scan"},
      {SurfaceMethod::greedy, "greedy", "greedy projection, for points in any order"}}};
 
+/// How triangles are laid through points.
 struct SurfaceOptions {
   /// Absent: the first one that the cloud has what it takes for.
   std::optional<SurfaceMethod> method{};
@@ -45,6 +48,7 @@ struct SurfaceOptions {
 /// Errors: usage (names the option, its range and its value).
 Result<void> validate(const SurfaceOptions& options);
 
+/// A cloud with triangles, and how they came about.
 struct Surface {
   Cloud mesh;  ///< the points, and normals if there were any, in their order, with triangles
   SurfaceMethod method = SurfaceMethod::faces;

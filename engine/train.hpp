@@ -27,6 +27,7 @@ struct ModelSource {
   std::optional<Symmetry> symmetry;  ///< absent: found by the program
 };
 
+/// What training a model took, and gave.
 struct TrainStats {
   StageTimes times;
   std::size_t num_ppf_points = 0;
@@ -36,6 +37,7 @@ struct TrainStats {
   std::vector<std::string> warnings;   ///< as a person should read them
 };
 
+/// A model, and how it was trained.
 struct TrainedModel {
   Model model;
   TrainStats stats;
@@ -70,6 +72,7 @@ enum class ModelOrigin : std::uint8_t {
   kept,     ///< from the library as it was: unchanged, or not among the sources
 };
 
+/// What a model of the library is, and what training it took.
 struct ModelFacts {
   std::string name;
   ModelOrigin origin = ModelOrigin::trained;
@@ -90,6 +93,7 @@ struct ModelFault {
   Error error;
 };
 
+/// What a run of training came to.
 struct TrainReport {
   std::vector<ModelFacts> models;  ///< of the library, by name
   std::vector<ModelFault> faults;  ///< by name; only where the run was to keep going

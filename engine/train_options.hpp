@@ -13,6 +13,7 @@ namespace trivet {
 /// Principal components that the program knows.
 inline constexpr std::uint32_t kMostComponents = 96;
 
+/// All that training can be told.
 struct TrainOptions {
   float relative_step = 0.04F;  ///< tau_d: sampling step / diameter; smaller finds more, slower
   /// Distance between the model's points that pairs start at, in steps; 0: every point. Larger is
@@ -28,6 +29,7 @@ struct TrainOptions {
   bool operator==(const TrainOptions&) const = default;
 };
 
+/// Every option of training.
 template <>
 std::span<const Option<TrainOptions>> options_of<TrainOptions>();
 

@@ -7,6 +7,7 @@
 
 namespace trivet {
 
+/// Allocates at 64 bytes, the size of a cache line and of the widest vectors.
 template <class T>
 struct ColumnAllocator {
   using value_type = T;
@@ -24,6 +25,7 @@ struct ColumnAllocator {
   bool operator==(const ColumnAllocator&) const = default;
 };
 
+/// One channel of a structure of arrays.
 template <class T>
 using Column = std::vector<T, ColumnAllocator<T>>;
 

@@ -96,6 +96,7 @@ struct Xxh3 {
   /// Of 32 such digits; nothing for another text.
   static std::optional<Xxh3> parse(std::string_view hex);
 };
+/// The checksum of bytes.
 Xxh3 xxh3(std::span<const std::byte> bytes) noexcept;
 /// The same of bytes of a mapping, of which no more than 16 MiB are in memory at a time.
 Xxh3 xxh3_of_mapped(std::span<const std::byte> bytes);

@@ -20,12 +20,14 @@ inline FilePose in_file_frame(const Pose& T_cloud_model, const Eigen::Vector3d& 
   return pose;
 }
 
+/// The pose in the frame of the cloud that has this offset.
 inline Pose in_cloud_frame(const FilePose& T_file_model, const Eigen::Vector3d& offset) {
   FilePose pose = T_file_model;
   pose.translation() -= offset;
   return pose.cast<float>();
 }
 
+/// The place in the frame of the cloud that has this offset.
 inline Eigen::Vector3f in_cloud_frame(const Eigen::Vector3d& place, const Eigen::Vector3d& offset) {
   return (place - offset).cast<float>();
 }

@@ -3,6 +3,7 @@
 
 namespace trivet {
 
+/// A unit of lengths; a library has one for all its models.
 enum class LengthUnit { meter, millimeter };
 
 /// What to multiply a length in one unit by to have it in the other.

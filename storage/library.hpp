@@ -21,6 +21,7 @@ namespace trivet {
 inline constexpr std::uint32_t kLibraryVersionMajor = 1;  ///< another major version is refused
 inline constexpr std::uint32_t kLibraryVersionMinor = 5;  ///< a newer minor version is read
 
+/// What a library says of itself.
 struct LibraryHeader {
   LengthUnit unit = LengthUnit::meter;
   std::string producer;    ///< program and version that wrote the file
@@ -97,6 +98,7 @@ struct Library {
   /// Compare the bytes with their checksums and bounds, once. May be called from many threads.
   /// Errors: bad_data (names the model, the dataset and what is wrong).
   Result<void> check(std::uint32_t model, ModelPart part) const;
+  /// The same of a level of the index.
   Result<void> check_level(std::size_t level) const;
   /// Ask for the bytes of a part that is not checked yet, so that they come while others are read.
   void ask_for(std::uint32_t model, ModelPart part) const noexcept;

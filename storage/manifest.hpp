@@ -17,6 +17,7 @@
 
 namespace trivet {
 
+/// A model that is listed.
 struct ManifestModel {
   std::string name;
   std::filesystem::path file;  ///< relative paths of the manifest are resolved against its folder
@@ -27,6 +28,7 @@ struct ManifestModel {
   std::optional<double> diameter = {};   ///< that errors are measured in, where a data set says
 };
 
+/// An object that a scene is known to hold.
 struct TruthInstance {
   std::string model;
   Pose T_scene_model;
@@ -46,6 +48,7 @@ struct SceneTarget {
   std::uint32_t num_instances = 1;
 };
 
+/// A scene that is listed.
 struct ManifestScene {
   std::filesystem::path file;  ///< resolved
   std::string name;            ///< as written in the manifest
@@ -57,6 +60,7 @@ struct ManifestScene {
   int scene_id = -1, image_id = -1;       ///< BOP; -1: none
 };
 
+/// Models, scenes, and what is known of them: what a manifest or a BOP data set lists.
 struct Manifest {
   LengthUnit unit = LengthUnit::meter;
   std::vector<ManifestModel> models;       ///< in the order of the file

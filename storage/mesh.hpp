@@ -6,6 +6,7 @@
 
 namespace trivet {
 
+/// Vertices, and triangles between them.
 struct Mesh {
   Points vertices;
   Triangles triangles;  ///< every index < vertices.size()

@@ -23,6 +23,7 @@ using Pose = Eigen::Transform<float, 3, Eigen::Isometry, Eigen::DontAlign>;
 
 /// Motions that map the model onto itself. The identity is not listed.
 struct Symmetry {
+  /// A line in the frame of the model.
   struct Axis {
     Eigen::Matrix<float, 3, 1, Eigen::DontAlign> direction{0, 0, 1};  ///< unit vector
     /// A point on the axis [library unit].
@@ -39,6 +40,7 @@ struct Symmetry {
 /// For each surface sample, the directions from which it can be seen, as one bit a direction.
 /// Bit d of word w stands for view_direction(64 w + d) of kernels/surfaces/visibility.hpp.
 inline constexpr std::size_t kViewWords = 4;
+/// A bit for each of the 256 directions.
 using ViewMask = std::array<std::uint64_t, kViewWords>;
 
 /// How many near symmetries a model has at most.
@@ -46,9 +48,11 @@ inline constexpr std::size_t kMaxNearSymmetries = 16;
 
 /// What of a model is checked together, when it is first used.
 enum class ModelPart : std::uint8_t { surface, samples, pairs, features };
+/// All of them.
 inline constexpr std::array kModelParts{ModelPart::surface, ModelPart::samples, ModelPart::pairs,
                                         ModelPart::features};
 
+/// An object that can be recognized.
 struct Model {
   std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
   std::string source;       ///< name of the file it was trained from, without folders
@@ -83,6 +87,7 @@ struct Model {
   /// By scale, the finest first; none if trained without.
   std::array<TriSpinFeatures, kFeatureScales.size()> features;
 
+  /// Whether it was trained with point pairs.
   bool has_pairs() const noexcept { return ppf.quantization.num_distance_bins > 0; }
 };
 

@@ -7,6 +7,7 @@
 
 namespace trivet {
 
+/// What a model may be called, in words.
 inline constexpr std::string_view kModelNameRule =
     "a letter or digit, then at most 127 letters, digits, dots, dashes and underscores, without "
     "'..'";

@@ -23,6 +23,7 @@ struct NeighborhoodsView {
   }
 };
 
+/// The owner of rows of indices.
 struct Neighborhoods {
   Column<std::uint32_t> offsets, indices;
 

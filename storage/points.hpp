@@ -38,6 +38,7 @@ struct PointsSpan {
 };
 
 using NormalsView = PointsView;  ///< unit vectors; NaN where there is none
+/// Unit vectors to write.
 using NormalsSpan = PointsSpan;
 
 /// The owner: three aligned columns of equal length.
@@ -79,6 +80,7 @@ class Points {
   Column<float> x_, y_, z_;
 };
 
+/// The owner of unit vectors.
 using Normals = Points;
 
 }  // namespace trivet

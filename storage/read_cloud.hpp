@@ -15,6 +15,7 @@
 
 namespace trivet {
 
+/// How a file is to be read, and how much of it at most.
 struct ReadOptions {
   std::optional<Camera> camera{};  ///< needed for depth images, ignored otherwise
   /// What coordinates are wanted in. Formats that say their unit, as glTF does, are converted to it;

@@ -26,6 +26,7 @@ struct Error {
   std::string message;
 };
 
+/// A value or an error: ask it whether it has a value before taking one.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -58,6 +59,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> content_;
 };
 
+/// Of what gives no value: success or an error.
 template <>
 class [[nodiscard]] Result<void> {
  public:
