@@ -7,14 +7,16 @@ fail() { echo "error: $1" >&2; failed=1; }
 forbid() {  # forbid FOLDER PATTERN REASON
   if grep -rnE "$2" "$1" --include='*.hpp' --include='*.cpp'; then fail "$1: $3"; fi
 }
-forbid storage '#include "(kernels|engine|apps)/' 'storage may include nothing above it'
-forbid kernels '#include "(engine|apps)/' 'kernels may include only storage'
-forbid engine '#include "(apps|python)/' 'engine may not include apps'
-forbid apps '#include "python/' 'apps may not include the Python package'
+forbid storage '#include "(kernels|engine|c|apps)/' 'storage may include nothing above it'
+forbid kernels '#include "(engine|c|apps)/' 'kernels may include only storage'
+forbid engine '#include "(c|apps|python)/' 'engine may include only kernels and storage'
+forbid c '#include "(kernels|apps)/' 'the C interface may include only engine and storage'
+for layer in apps python; do forbid $layer '#include "c/' 'the C interface is for others: nothing includes it'; done
+for layer in c apps; do forbid $layer '#include "python/' 'the Python package is for others: nothing includes it'; done
 forbid kernels '#include [<"](tbb|oneapi)/|<thread>|<mutex>|<atomic>|<chrono>|<fstream>|hdf5|H5' 'kernels are mathematics: no threads, files, clocks'
-for layer in storage kernels apps python; do forbid $layer '#include [<"](tbb|oneapi)/' 'TBB lives in engine'; done
-for layer in kernels engine apps python; do forbid $layer '#include [<"]hdf5|H5[A-Z][a-z]+\(' 'HDF5 lives in storage'; done
-for layer in storage engine apps; do forbid $layer '#include [<"](flann|embree3)/' 'FLANN and Embree live in kernels'; done
+for layer in storage kernels c apps python; do forbid $layer '#include [<"](tbb|oneapi)/' 'TBB lives in engine'; done
+for layer in kernels engine c apps python; do forbid $layer '#include [<"]hdf5|H5[A-Z][a-z]+\(' 'HDF5 lives in storage'; done
+for layer in storage engine c apps python; do forbid $layer '#include [<"](flann|embree3)/' 'FLANN and Embree live in kernels'; done
 for library in flann embree3; do
   headers=$(grep -rlE "#include [<\"]$library/" kernels | wc -l)
   [ "$headers" -le 1 ] || fail "$library belongs behind one file, found in $headers"

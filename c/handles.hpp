@@ -1,0 +1,88 @@
+/// What stands behind the handles, and the border that no exception crosses.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <new>
+#include <stop_token>
+#include <string_view>
+#include <vector>
+
+#include "c/trivet.h"
+#include "engine/recognize.hpp"
+
+struct trivet_library {
+  trivet::Recognizer recognizer;
+};
+
+struct trivet_result {
+  trivet::SceneResult scene;
+  std::vector<std::uint32_t> models;  ///< by detection, its index in the library
+};
+
+struct trivet_stopper {
+  std::stop_source source;
+};
+
+namespace trivet::c {
+
+/// Write what the call returns where the caller asked for it.
+inline trivet_status tell(trivet_status status, std::string_view message,
+                          trivet_error* error) noexcept {
+  if (!error) return status;
+  constexpr std::size_t kMost = sizeof(error->message) - 1;
+  std::size_t size = std::min(message.size(), kMost);
+  // Not within a character of UTF-8.
+  while (size < message.size() && size > 0 && (message[size] & 0xC0) == 0x80) --size;
+  std::copy_n(message.data(), size, error->message);
+  error->message[size] = '\0';
+  error->status = status;
+  return status;
+}
+
+constexpr trivet_status status_of(ErrorCode code) noexcept {
+  switch (code) {
+    case ErrorCode::usage:
+      return TRIVET_USAGE;
+    case ErrorCode::bad_data:
+      return TRIVET_BAD_DATA;
+    case ErrorCode::missing_input:
+      return TRIVET_MISSING_INPUT;
+    case ErrorCode::cannot_create:
+      return TRIVET_CANNOT_CREATE;
+    case ErrorCode::io:
+      return TRIVET_IO;
+    case ErrorCode::resumable:
+      return TRIVET_STOPPED;
+    case ErrorCode::internal:
+      return TRIVET_INTERNAL;
+  }
+  return TRIVET_INTERNAL;
+}
+
+/// Give the caller what `make` makes, or tell why there is none.
+///
+/// out   gets a new T, or null
+/// make  () -> Result<std::unique_ptr<T>>
+template <class T, class Make>
+trivet_status hand_out(T** out, trivet_error* error, Make&& make) noexcept {
+  if (!out) return tell(TRIVET_USAGE, "expected a place for the result, found null", error);
+  *out = nullptr;
+  try {
+    Result<std::unique_ptr<T>> made = make();
+    if (!made) return tell(status_of(made.error().code), made.error().message, error);
+    *out = made->release();
+    return tell(TRIVET_OK, "", error);
+  } catch (const std::bad_alloc&) {
+    return tell(TRIVET_IO, "out of memory", error);
+  } catch (const std::exception& fault) {
+    return tell(TRIVET_INTERNAL, fault.what(), error);
+  } catch (...) {
+    return tell(TRIVET_INTERNAL, "a fault of unknown kind", error);
+  }
+}
+
+}  // namespace trivet::c
