@@ -29,6 +29,17 @@ foreach(header IN LISTS headers)
   install_header("${header}")
 endforeach()
 
+# The C interface, which needs none of them: libtrivet.so, trivet.h, and how pkg-config finds them wherever they are moved.
+if(TRIVET_BUILD_C)
+  install(TARGETS trivet_c EXPORT trivet_c_targets LIBRARY)
+  install(EXPORT trivet_c_targets NAMESPACE trivet:: DESTINATION ${package_folder} FILE trivet_c_targets.cmake)
+  install(FILES c/trivet.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  file(RELATIVE_PATH prefix_from_pkgconfig "/prefix/${pkgconfig_folder}" /prefix)
+  configure_file(cmake/trivet.pc.in ${PROJECT_BINARY_DIR}/trivet.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/trivet.pc DESTINATION ${pkgconfig_folder})
+endif()
+
 install(EXPORT trivet_targets NAMESPACE trivet:: DESTINATION ${package_folder} FILE trivet_targets.cmake)
 configure_package_config_file(cmake/trivetConfig.cmake.in ${PROJECT_BINARY_DIR}/trivetConfig.cmake
   INSTALL_DESTINATION ${package_folder} NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
