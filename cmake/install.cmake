@@ -1,14 +1,21 @@
 # cmake --install, and find_package(trivet) for those who link to the libraries.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/trivet)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)  # of what names no other
 
-install(TARGETS trivet RUNTIME)
-# Manual pages and completions, which the program writes.
+install(TARGETS trivet RUNTIME COMPONENT program)
+if(TRIVET_BUILD_MPI)
+  install(TARGETS trivet-mpi RUNTIME COMPONENT mpi)
+endif()
+# Manual pages, completions and the unit of systemd, which the program or the place of installation writes.
 install(CODE "set(TRIVET \"$<TARGET_FILE:trivet>\")
   set(PAGES \"${PROJECT_BINARY_DIR}/pages\")
   set(MAN \"${CMAKE_INSTALL_MANDIR}\")
-  set(DATA \"${CMAKE_INSTALL_DATADIR}\")")
-install(SCRIPT "${PROJECT_SOURCE_DIR}/cmake/install_pages.cmake")
+  set(DATA \"${CMAKE_INSTALL_DATADIR}\")
+  set(BIN \"${CMAKE_INSTALL_BINDIR}\")
+  set(SYSTEM \"lib/systemd/system\")
+  set(UNIT \"${PROJECT_SOURCE_DIR}/docs/deploy/trivet.service\")" COMPONENT program)
+install(SCRIPT "${PROJECT_SOURCE_DIR}/cmake/install_pages.cmake" COMPONENT program)
 install(TARGETS trivet_storage trivet_kernels trivet_engine EXPORT trivet_targets ARCHIVE)
 # The public headers, which stand at the top of storage and engine, and what they include.
 function(install_header header)
@@ -31,7 +38,7 @@ endforeach()
 
 # The C interface, which needs none of them: libtrivet.so, trivet.h, and how pkg-config finds them wherever they are moved.
 if(TRIVET_BUILD_C)
-  install(TARGETS trivet_c EXPORT trivet_c_targets LIBRARY)
+  install(TARGETS trivet_c EXPORT trivet_c_targets LIBRARY COMPONENT library NAMELINK_COMPONENT development)
   install(EXPORT trivet_c_targets NAMESPACE trivet:: DESTINATION ${package_folder} FILE trivet_c_targets.cmake)
   install(FILES c/trivet.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

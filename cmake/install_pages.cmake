@@ -1,7 +1,10 @@
-# Let the program write its manual pages and completions, and install them.
-# TRIVET is the built program, PAGES a folder to write into; MAN and DATA are where they go, below the prefix.
+# Let the program write its manual pages and completions, and install them, and the unit of systemd.
+# TRIVET is the built program, PAGES a folder to write into; MAN, DATA and SYSTEM are where they go, below the prefix;
+# UNIT is the unit of a program in /usr/local/bin instead of BIN.
 cmake_path(ABSOLUTE_PATH MAN BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
 cmake_path(ABSOLUTE_PATH DATA BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
+cmake_path(ABSOLUTE_PATH BIN BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
+cmake_path(ABSOLUTE_PATH SYSTEM BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
 function(write_page file)
   execute_process(COMMAND "${TRIVET}" ${ARGN} OUTPUT_FILE "${PAGES}/${file}" COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
@@ -22,7 +25,17 @@ write_page(trivet --completion bash)
 write_page(_trivet --completion zsh)
 write_page(trivet.fish --completion fish)
 
+foreach(manual IN LISTS manuals)  # packed without name and time: the same bytes each time
+  execute_process(COMMAND gzip -9nf "${manual}" COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
+list(TRANSFORM manuals APPEND ".gz")
 file(INSTALL ${manuals} DESTINATION "${MAN}/man1")
 file(INSTALL "${PAGES}/trivet" DESTINATION "${DATA}/bash-completion/completions")
 file(INSTALL "${PAGES}/_trivet" DESTINATION "${DATA}/zsh/site-functions")
 file(INSTALL "${PAGES}/trivet.fish" DESTINATION "${DATA}/fish/vendor_completions.d")
+
+file(READ "${UNIT}" unit)
+string(REPLACE "/usr/local/bin" "${BIN}" unit "${unit}")
+string(REGEX REPLACE "^[^[]*" "" unit "${unit}")  # how to install it
+file(WRITE "${PAGES}/trivet.service" "${unit}")
+file(INSTALL "${PAGES}/trivet.service" DESTINATION "${SYSTEM}")

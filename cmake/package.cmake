@@ -1,13 +1,15 @@
-# cpack -G DEB: trivet, libtrivet0, libtrivet-dev, and where they are built trivet-mpi and python3-trivet; cpack -G TGZ: all
+# cpack -G DEB: trivet, libtrivet0.1, libtrivet-dev, and where they are built trivet-mpi and python3-trivet; cpack -G TGZ: all
 # in one archive. The same bytes again, where SOURCE_DATE_EPOCH says what time it is.
 set(CPACK_PACKAGE_VENDOR "Trivet")
 set(CPACK_PACKAGE_CONTACT "Trivet <trivet@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGE_CHECKSUM SHA256)
 set(CPACK_RESOURCE_FILE_LICENSE "${PROJECT_SOURCE_DIR}/LICENSE")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL program library development)
+set(CPACK_COMPONENTS_ALL program)
+if(TRIVET_BUILD_C)
+  list(APPEND CPACK_COMPONENTS_ALL library development)
+endif()
 if(TRIVET_BUILD_MPI)
   list(APPEND CPACK_COMPONENTS_ALL mpi)
 endif()
@@ -47,7 +49,8 @@ endfunction()
 deb(program trivet science "Recognizes known rigid objects in 3-D scans"
   "The program: trains libraries of models, recognizes them in scans of laser and depth cameras with verified poses, and serves
 recognition over HTTP.")
-deb(library libtrivet0 libs "Recognizes known rigid objects in 3-D scans (C library)" "The C interface of Trivet.")
+set(library_package libtrivet${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+deb(library ${library_package} libs "Recognizes known rigid objects in 3-D scans (C library)" "The C interface of Trivet.")
 deb(development libtrivet-dev libdevel "Recognizes known rigid objects in 3-D scans (headers)"
   "Headers, static libraries and CMake files of Trivet for C++, and its C interface.")
 deb(mpi trivet-mpi science "Recognizes known rigid objects in 3-D scans (many machines)"
@@ -56,6 +59,6 @@ deb(python python3-trivet python "Recognizes known rigid objects in 3-D scans (P
   "The Python package trivet: training, recognition and evaluation with NumPy arrays.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libtrivet0 (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, libfmt-dev, libhdf5-dev, libflann-dev, liblz4-dev, \
+  "${library_package} (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, libfmt-dev, libhdf5-dev, libflann-dev, liblz4-dev, \
 libembree-dev, libpng-dev, libtiff-dev, zlib1g-dev, libxxhash-dev")
 include(CPack)

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/options/presets.hpp"
 #include "apps/report/pictures.hpp"
 #include "apps/results/detections_json.hpp"
 #include "engine/evaluation/evaluation_meshes.hpp"
 #include "engine/pictures/draw_scene.hpp"
+#include "engine/presets.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/call.hpp"
 #include "python/src/library.hpp"
@@ -207,8 +207,8 @@ void add_detections(py::module_& module) {
 }  // namespace
 
 RecognizeOptions recognize_options(const std::string& preset, const py::dict& keywords) {
-  const auto found = apps::recognize_presets().find(preset);
-  if (found == apps::recognize_presets().end()) {
+  const auto found = recognize_presets().find(preset);
+  if (found == recognize_presets().end()) {
     raise({ErrorCode::usage,
            fmt::format("preset: expected fast, balanced or accurate, found '{}'", preset)});
   }

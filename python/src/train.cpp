@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/options/presets.hpp"
 #include "apps/words/train_summary.hpp"
+#include "engine/presets.hpp"
 #include "engine/train.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/call.hpp"
@@ -23,8 +23,8 @@ namespace {
 std::string train(const std::vector<std::string>& models, const std::string& output,
                   const py::object& unit, bool prune, bool keep_going, const std::string& preset,
                   const py::object& progress, const py::dict& keywords) {
-  const auto found = apps::train_presets().find(preset);
-  if (found == apps::train_presets().end()) {
+  const auto found = train_presets().find(preset);
+  if (found == train_presets().end()) {
     raise({ErrorCode::usage,
            fmt::format("preset: expected fast, balanced or accurate, found '{}'", preset)});
   }

@@ -9,7 +9,7 @@ set(prefix "${BUILD}/prefix")
 file(REMOVE_RECURSE "${prefix}" "${BUILD}/consumer")
 run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${prefix}")
 run("${prefix}/bin/trivet" --version)
-foreach(page man/man1/trivet.1 man/man1/trivet-fit-score.1 man/man1/trivet-library.1 bash-completion/completions/trivet
+foreach(page man/man1/trivet.1.gz man/man1/trivet-fit-score.1.gz man/man1/trivet-library.1.gz bash-completion/completions/trivet
     zsh/site-functions/_trivet fish/vendor_completions.d/trivet.fish)
   if(NOT EXISTS "${prefix}/share/${page}")
     message(FATAL_ERROR "share/${page}: expected this page installed, found none")
