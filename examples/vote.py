@@ -71,13 +71,19 @@ def _read_ply(file) -> np.ndarray:
             case []:
                 raise ValueError("expected end_header")
     if storing == "ascii":
-        rows = [file.readline().split() for _ in range(num_points)]
         at = [[name for name, _ in columns].index(axis) for axis in "xyz"]
-        return np.array([[row[i] for i in at] for row in rows], dtype=float)
-    if storing != "binary_little_endian":
+        rows = [file.readline().split() for _ in range(num_points)]
+        points = np.array([[row[i] for i in at] for row in rows if row], dtype=float)
+    elif storing == "binary_little_endian":
+        size = np.dtype(columns).itemsize
+        content = file.read(num_points * size)
+        rows = np.frombuffer(content, columns, count=len(content) // size)
+        points = np.stack([rows[axis] for axis in "xyz"], axis=1).astype(float)
+    else:
         raise ValueError(f"expected ascii or binary_little_endian, found {storing}")
-    rows = np.frombuffer(file.read(num_points * np.dtype(columns).itemsize), columns)
-    return np.stack([rows[axis] for axis in "xyz"], axis=1).astype(float)
+    if len(points) != num_points:
+        raise ValueError(f"expected {num_points} vertices, found {len(points)}")
+    return points
 
 
 def thin(points: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray]:
