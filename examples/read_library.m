@@ -2,8 +2,9 @@
 %
 % usage: octave-cli read_library.m LIBRARY.h5 [MODEL]
 %
-% `load` reads datasets, but no attributes: the diameter and the steps of the pair table are taken
-% from /directory, which is there since version 1.4 of the format. Lengths are in the library's unit.
+% `load` reads datasets, but no attributes: the diameter and the step of the pair table are taken
+% from /directory, which is there since version 1.4 of the format. Lengths are in the library's
+% unit.
 1;
 
 function read_library(file, wanted)
@@ -24,7 +25,7 @@ function read_library(file, wanted)
   model = library.models.(fields{k});
   offsets = model.ppf.offsets;
   entries = model.ppf.entries';  % pairs x 2: reference from 0, turn in 1/65536 of a full one
-  [most, cell] = max(diff(offsets));
+  [~, cell] = max(diff(offsets));
   printf("model     %s\n", names{k});
   printf("diameter  %.6g\n", directory.diameter(k));
   printf("vertices  %d x %d\n", size(model.vertices));
@@ -33,8 +34,8 @@ function read_library(file, wanted)
          numel(offsets) - 1, directory.distance_step(k));
   % Of cell c, counted from 0, the entries are these rows, counted from 1.
   pairs = entries(offsets(cell) + 1 : offsets(cell + 1), :);
-  printf("cell      %d holds most pairs, %d, of references %d to %d\n", cell - 1, most, ...
-         min(pairs(:, 1)), max(pairs(:, 1)));
+  printf("cell      %d holds most pairs, %d: (%d, %d) to (%d, %d)\n", cell - 1, rows(pairs), ...
+         pairs(1, :), pairs(end, :));
 end
 
 arguments = [argv(); {""}];

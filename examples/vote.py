@@ -149,8 +149,9 @@ def vote(model: Model, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         first = np.repeat(offsets[cell] - (np.cumsum(counts) - counts), counts)
         entries = pairs.entries[first + np.arange(len(first))]
         turn = entries[:, 1] - np.repeat(point_pairs.turns(scene_frames[r], near), counts)
-        bins = entries[:, 0].astype(np.int64) * TURN_BINS + turn.astype(np.int64) * TURN_BINS // 65536
-        accumulator = np.bincount(bins, minlength=pairs.num_references * TURN_BINS)
+        turn_bins = turn.astype(np.int64) * TURN_BINS // 65536  # differences have wrapped
+        accumulator = np.bincount(entries[:, 0].astype(np.int64) * TURN_BINS + turn_bins,
+                                  minlength=pairs.num_references * TURN_BINS)
         if not accumulator.any():
             continue
         m, turn_bin = divmod(int(accumulator.argmax()), TURN_BINS)

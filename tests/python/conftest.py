@@ -19,7 +19,8 @@ import read_library  # noqa: E402
 
 
 def run(*words) -> subprocess.CompletedProcess:
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+    command = [str(word) for word in words]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def run_example(name: str, *words) -> subprocess.CompletedProcess:

@@ -56,6 +56,16 @@ def test_it_joins_a_library_that_has_features(trivet, library, outside, tmp_path
     assert len(found[NAME]) == 1
 
 
+def test_texts_may_be_padded_and_their_padding_counts(trivet, outside, tmp_path):
+    padded = tmp_path / "padded.h5"
+    shutil.copy(outside, padded)
+    with h5py.File(padded, "r+") as file:
+        file.attrs.create("producer", np.bytes_("another program"), dtype="S40")
+    reseal(padded)
+    assert read_library(str(padded)).producer == "another program"
+    trivet("library", "import", padded, "-o", tmp_path / "imported.h5")
+
+
 def replace(group: h5py.Group, name: str, data: np.ndarray) -> None:
     del group[name]
     add_model.write_dataset(group, name, data)

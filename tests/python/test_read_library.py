@@ -21,6 +21,8 @@ def test_reads_what_trivet_says(trivet, library):
         found = read.models[model["name"]]
         assert found.diameter == pytest.approx(model["diameter"])
         assert len(found.vertices) == model["vertices"]
+        assert found.triangles.shape == (model["triangles"], 3)
+        assert found.triangles.max() == len(found.vertices) - 1
         assert len(found.samples) == model["samples"]
         assert len(found.pairs.entries) == model["point_pairs"]["pairs"]
         assert len(found.pairs.points) == model["point_pairs"]["points"]
@@ -113,12 +115,12 @@ def test_octave_reads_the_same(library, name):
     pairs = model.pairs
     counts = np.diff(pairs.offsets.astype(np.int64))
     fullest = int(counts.argmax())
-    of_cell = pairs.entries[pairs.offsets[fullest]:pairs.offsets[fullest + 1], 0]
+    first, last = pairs.offsets[fullest:fullest + 2].astype(np.int64) - [0, 1]
     assert "2 models: bracket, brick" in outcome.stdout
-    numbers = [float(number) for number in re.findall(r" (\d[\d.]*)", outcome.stdout.partition("model ")[2])]
-    assert numbers == pytest.approx([
+    numbers = re.findall(r"[ (](\d[\d.]*)", outcome.stdout.partition("model ")[2])
+    assert [float(number) for number in numbers] == pytest.approx([
         model.diameter, *model.vertices.shape, *model.samples.shape, *pairs.entries.shape,
         pairs.quantization.num_cells, pairs.quantization.distance_step, fullest, counts[fullest],
-        of_cell.min(), of_cell.max()], rel=1e-5)
+        *pairs.entries[first], *pairs.entries[last]], rel=1e-5)
     refused = run("octave-cli", "--no-init-file", EXAMPLES / "read_library.m", library, "other")
     assert refused.returncode == 1 and "has no model other" in refused.stderr

@@ -1,9 +1,11 @@
 """examples/vote.py finds the poses that trivet finds."""
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import detections, read_depth, run_example
+from scipy.spatial.transform import Rotation
 
 import vote
 from read_library import read_library
@@ -28,6 +30,21 @@ def test_finds_the_bracket_of_a_scan(trivet, library, outside, tmp_path):
     others = detections(trivet, tmp_path / "trivet.json", library, scan)["bracket"]
     moved, turned = nearest(model, np.array(written["T_scene_model"]), others)
     assert moved < MOST_MOVED and turned < MOST_TURNED
+
+
+def test_points_of_the_model_vote_for_where_it_is(library):
+    model = read_library(str(library)).models["bracket"]
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_euler("xyz", (1, 2, 3)).as_matrix()
+    pose[:3, 3] = 100, 200, 300
+    points = model.pairs.points @ pose[:3, :3].T + pose[:3, 3]
+    normals = model.pairs.normals @ pose[:3, :3].T
+    scene = vote.Scene(points, normals, np.arange(len(points)), np.zeros(3))
+    poses, votes = vote.vote(model, scene)
+    moved, turned, _ = vote.differences(model, pose, poses, np.eye(4)[None])
+    good = (moved < 0.1) & (turned < 15)
+    assert good.mean() > 0.8
+    assert good[votes.argmax()]
 
 
 def test_agrees_with_trivet_on_a_laser_scan(trivet, data, tmp_path):
@@ -86,6 +103,17 @@ def test_differences_are_up_to_symmetry(library):
     pushed = pose.copy()
     pushed[0, 3] += model.diameter / 2
     assert vote.differences(model, pose, pushed[None], motions)[0] == pytest.approx(0.5)
+
+
+def test_turns_about_an_axis_leave_it_where_it_is(library):
+    axis = np.array([0, 0.6, 0.8]), np.array([5, -3, 2])
+    model = replace(read_library(str(library)).models["bracket"], symmetry_axis=axis)
+    motions = vote.symmetric_motions(model, 8)
+    assert len(motions) == 8
+    for along in (0, 10):
+        on_axis = np.append(axis[1] + along * axis[0], 1)
+        np.testing.assert_allclose(motions @ on_axis, np.tile(on_axis, (8, 1)), atol=1e-9)
+    assert np.trace(motions[1, :3, :3]) == pytest.approx(1 + 2 * np.cos(np.pi / 4))
 
 
 def test_reads_ply_and_npy_alike(tmp_path):
