@@ -11,8 +11,8 @@ endfunction()
 
 file(MAKE_DIRECTORY "${PAGES}")
 write_page(trivet.1 --man trivet)
-file(READ "${PAGES}/trivet.1" program)
-string(REGEX MATCHALL "trivet\\\\-[a-z\\-]+\\\\fR\\(1\\)" commands "${program}")  # as it names them: trivet\-fit\-score\fR(1)
+file(READ "${PAGES}/trivet.1" main_page)
+string(REGEX MATCHALL "trivet\\\\-[a-z\\-]+\\\\fR\\(1\\)" commands "${main_page}")  # as it names them: trivet\-fit\-score\fR(1)
 list(TRANSFORM commands REPLACE "trivet\\\\-([a-z\\-]+)\\\\fR\\(1\\)" "\\1")
 list(TRANSFORM commands REPLACE "\\\\" "")
 list(REMOVE_DUPLICATES commands)
@@ -36,6 +36,6 @@ file(INSTALL "${PAGES}/trivet.fish" DESTINATION "${DATA}/fish/vendor_completions
 
 file(READ "${UNIT}" unit)
 string(REPLACE "/usr/local/bin" "${BIN}" unit "${unit}")
-string(REGEX REPLACE "^[^[]*" "" unit "${unit}")  # how to install it
+string(REGEX REPLACE "^#[^\n]*\n" "" unit "${unit}")  # how to install it
 file(WRITE "${PAGES}/trivet.service" "${unit}")
 file(INSTALL "${PAGES}/trivet.service" DESTINATION "${SYSTEM}")

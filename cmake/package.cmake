@@ -1,64 +1,89 @@
-# cpack -G DEB: trivet, libtrivet0.1, libtrivet-dev, and where they are built trivet-mpi and python3-trivet; cpack -G TGZ: all
-# in one archive. The same bytes again, where SOURCE_DATE_EPOCH says what time it is.
+# cpack -G DEB: packages for Debian 12, trivet, libtrivet0.1, libtrivet-dev, trivet-mpi and python3-trivet, of what is built;
+# cpack -G TGZ: the programs and libraries in one archive. The same bytes again where SOURCE_DATE_EPOCH is set.
+set(TRIVET_MAINTAINER "Trivet <trivet@localhost>" CACHE STRING "Who answers for the packages: Name <address>")
 set(CPACK_PACKAGE_VENDOR "Trivet")
-set(CPACK_PACKAGE_CONTACT "Trivet <trivet@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_CONTACT "${TRIVET_MAINTAINER}")
 set(CPACK_PACKAGE_CHECKSUM SHA256)
 set(CPACK_RESOURCE_FILE_LICENSE "${PROJECT_SOURCE_DIR}/LICENSE")
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL program)
-if(TRIVET_BUILD_C)
-  list(APPEND CPACK_COMPONENTS_ALL library development)
-endif()
-if(TRIVET_BUILD_MPI)
-  list(APPEND CPACK_COMPONENTS_ALL mpi)
-endif()
-if(TRIVET_BUILD_PYTHON)
-  list(APPEND CPACK_COMPONENTS_ALL python)
-endif()
+set(CPACK_COMPONENTS_ALL)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(debian_version "${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}")
 
-# deb(COMPONENT PACKAGE SECTION SUMMARY TEXT): and its copyright and changelog, which Debian asks for.
+# deb(COMPONENT PACKAGE SECTION SUMMARY TEXT): a package of what is installed as the component, with the documents that Debian
+# asks for. TEXT has lines of at most 79 letters.
 function(deb component package section summary text)
+  list(APPEND CPACK_COMPONENTS_ALL ${component})
+  set(CPACK_COMPONENTS_ALL "${CPACK_COMPONENTS_ALL}" PARENT_SCOPE)
   string(TOUPPER "${component}" key)
   set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${package} PARENT_SCOPE)
   set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${section} PARENT_SCOPE)
-  set(CPACK_COMPONENT_${key}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${key}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
   set(documents "${PROJECT_BINARY_DIR}/documents/${package}")
-  file(READ "${PROJECT_SOURCE_DIR}/LICENSE" license)
-  string(REGEX REPLACE "\n" "\n " license "${license}")
   file(WRITE "${documents}/copyright" "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: trivet
 
 Files: *
-Copyright: the authors of Trivet
-License: Trivet
- ${license}")
-  install(FILES "${documents}/copyright" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package}" COMPONENT ${component})
-  # gzip without name and time: the same bytes each time
-  install(CODE "execute_process(COMMAND gzip -9nc \"${PROJECT_SOURCE_DIR}/CHANGELOG.md\"
-    OUTPUT_FILE \"${documents}/changelog.gz\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
-  install(FILES "${documents}/changelog.gz" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${package}" COMPONENT ${component})
+Copyright: 2026 the authors of Trivet
+License: Apache-2.0
+ On Debian systems the text of this license is in
+ /usr/share/common-licenses/Apache-2.0
+")
+  file(WRITE "${documents}/changelog.Debian" "trivet (${debian_version}) unstable; urgency=medium
+
+  * All that changed is in changelog.gz.
+
+ -- ${TRIVET_MAINTAINER}  Wed, 25 Nov 2026 00:00:00 +0000
+")
+  # A maintainer is whoever gives packages out: until one is named, lintian is told so.
+  file(WRITE "${documents}/overrides/${package}" "${package}: bogus-mail-host Maintainer *\n")
+  set(docs "${CMAKE_INSTALL_DATADIR}/doc/${package}")
+  install(CODE "# without name and time: the same bytes each time
+  execute_process(COMMAND gzip -9nc \"${PROJECT_SOURCE_DIR}/CHANGELOG.md\" OUTPUT_FILE \"${documents}/changelog.gz\"
+    COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND gzip -9nkf \"${documents}/changelog.Debian\" COMMAND_ERROR_IS_FATAL ANY)"
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES "${documents}/copyright" "${documents}/changelog.gz" "${documents}/changelog.Debian.gz" DESTINATION "${docs}"
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
+  install(FILES "${documents}/overrides/${package}" DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
+    COMPONENT ${component} EXCLUDE_FROM_ALL)
 endfunction()
-deb(program trivet science "Recognizes known rigid objects in 3-D scans"
-  "The program: trains libraries of models, recognizes them in scans of laser and depth cameras with verified poses, and serves
-recognition over HTTP.")
-set(library_package libtrivet${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-deb(library ${library_package} libs "Recognizes known rigid objects in 3-D scans (C library)" "The C interface of Trivet.")
-deb(development libtrivet-dev libdevel "Recognizes known rigid objects in 3-D scans (headers)"
-  "Headers, static libraries and CMake files of Trivet for C++, and its C interface.")
-deb(mpi trivet-mpi science "Recognizes known rigid objects in 3-D scans (many machines)"
-  "Trains libraries, recognizes scenes and runs studies over the processes of Open MPI.")
-deb(python python3-trivet python "Recognizes known rigid objects in 3-D scans (Python)"
-  "The Python package trivet: training, recognition and evaluation with NumPy arrays.")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "${library_package} (= ${PROJECT_VERSION}), libeigen3-dev, libtbb-dev, libfmt-dev, libhdf5-dev, libflann-dev, liblz4-dev, \
-libembree-dev, libpng-dev, libtiff-dev, zlib1g-dev, libxxhash-dev")
+
+deb(program trivet science "recognizes known rigid objects in 3-D scans"
+  "The program: trains libraries of models, recognizes them in scans of laser and
+depth cameras with verified poses, and serves recognition over HTTP.")
+if(TRIVET_BUILD_C)
+  set(library_package libtrivet${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  deb(library ${library_package} libs "recognizes known rigid objects in 3-D scans - C library"
+    "The C interface of Trivet, for programs in any language.")
+  file(WRITE "${PROJECT_BINARY_DIR}/documents/triggers" "activate-noawait ldconfig\n")
+  file(WRITE "${PROJECT_BINARY_DIR}/documents/shlibs"
+    "libtrivet ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} ${library_package} (>= ${PROJECT_VERSION})\n")
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/documents/triggers;${PROJECT_BINARY_DIR}/documents/shlibs")
+  deb(development libtrivet-dev libdevel "recognizes known rigid objects in 3-D scans - headers"
+    "Headers, static libraries and CMake files of Trivet for C++, and what it takes
+to build with its C interface.")
+  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library_package} (= ${debian_version}), libeigen3-dev, libtbb-dev, libfmt-dev, \
+libhdf5-dev, libflann-dev, liblz4-dev, libembree-dev, libpng-dev, libtiff-dev, zlib1g-dev, libxxhash-dev")
+endif()
+if(TRIVET_BUILD_MPI)
+  deb(mpi trivet-mpi science "recognizes known rigid objects in 3-D scans - many machines"
+    "Trains libraries, recognizes scenes and runs studies over the processes of
+Open MPI.")
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "openmpi-bin")
+endif()
+if(TRIVET_BUILD_PYTHON)
+  deb(python python3-trivet python "recognizes known rigid objects in 3-D scans - Python"
+    "The Python package trivet: training, recognition and evaluation with NumPy
+arrays.")
+  math(EXPR next_minor "${Python_VERSION_MINOR} + 1")  # a module is of one version of Python
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), \
+python3 (<< ${Python_VERSION_MAJOR}.${next_minor}), python3-numpy")
+endif()
 include(CPack)
