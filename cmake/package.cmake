@@ -16,15 +16,15 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(debian_version "${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}")
 
-# deb(COMPONENT PACKAGE SECTION SUMMARY TEXT): a package of what is installed as the component, with the documents that Debian
+# deb(COMPONENT PACKAGE SECTION TEXT): a package of what is installed as the component, with the documents that Debian
 # asks for. TEXT has lines of at most 79 letters.
-function(deb component package section summary text)
+function(deb component package section text)
   list(APPEND CPACK_COMPONENTS_ALL ${component})
   set(CPACK_COMPONENTS_ALL "${CPACK_COMPONENTS_ALL}" PARENT_SCOPE)
   string(TOUPPER "${component}" key)
   set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${package} PARENT_SCOPE)
   set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${section} PARENT_SCOPE)
-  set(CPACK_DEBIAN_${key}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${key}_DESCRIPTION "${text}" PARENT_SCOPE)
   set(documents "${PROJECT_BINARY_DIR}/documents/${package}")
   file(WRITE "${documents}/copyright" "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: trivet
@@ -42,7 +42,9 @@ License: Apache-2.0
  -- ${TRIVET_MAINTAINER}  Wed, 25 Nov 2026 00:00:00 +0000
 ")
   # A maintainer is whoever gives packages out: until one is named, lintian is told so.
-  file(WRITE "${documents}/overrides/${package}" "${package}: bogus-mail-host Maintainer *\n")
+  file(WRITE "${documents}/overrides/${package}" "${package}: bogus-mail-host Maintainer *
+${package}: bogus-mail-host-in-debian-changelog *
+")
   set(docs "${CMAKE_INSTALL_DATADIR}/doc/${package}")
   install(CODE "# without name and time: the same bytes each time
   execute_process(COMMAND gzip -9nc \"${PROJECT_SOURCE_DIR}/CHANGELOG.md\" OUTPUT_FILE \"${documents}/changelog.gz\"
@@ -55,33 +57,37 @@ License: Apache-2.0
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endfunction()
 
-deb(program trivet science "recognizes known rigid objects in 3-D scans"
+deb(program trivet science
   "The program: trains libraries of models, recognizes them in scans of laser and
 depth cameras with verified poses, and serves recognition over HTTP.")
 if(TRIVET_BUILD_C)
   set(library_package libtrivet${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  deb(library ${library_package} libs "recognizes known rigid objects in 3-D scans - C library"
+  deb(library ${library_package} libs
     "The C interface of Trivet, for programs in any language.")
   file(WRITE "${PROJECT_BINARY_DIR}/documents/triggers" "activate-noawait ldconfig\n")
   file(WRITE "${PROJECT_BINARY_DIR}/documents/shlibs"
     "libtrivet ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} ${library_package} (>= ${PROJECT_VERSION})\n")
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/documents/triggers;${PROJECT_BINARY_DIR}/documents/shlibs")
-  deb(development libtrivet-dev libdevel "recognizes known rigid objects in 3-D scans - headers"
+  deb(development libtrivet-dev libdevel
     "Headers, static libraries and CMake files of Trivet for C++, and what it takes
 to build with its C interface.")
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library_package} (= ${debian_version}), libeigen3-dev, libtbb-dev, libfmt-dev, \
 libhdf5-dev, libflann-dev, liblz4-dev, libembree-dev, libpng-dev, libtiff-dev, zlib1g-dev, libxxhash-dev")
 endif()
 if(TRIVET_BUILD_MPI)
-  deb(mpi trivet-mpi science "recognizes known rigid objects in 3-D scans - many machines"
+  deb(mpi trivet-mpi science
     "Trains libraries, recognizes scenes and runs studies over the processes of
 Open MPI.")
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "openmpi-bin")
 endif()
 if(TRIVET_BUILD_PYTHON)
-  deb(python python3-trivet python "recognizes known rigid objects in 3-D scans - Python"
+  deb(python python3-trivet python
     "The Python package trivet: training, recognition and evaluation with NumPy
 arrays.")
+  set(documents "${PROJECT_BINARY_DIR}/documents/python3-trivet")
+  file(WRITE "${documents}/postinst" "#!/bin/sh\nset -e\n[ \"$1\" != configure ] || py3compile -p python3-trivet\n")
+  file(WRITE "${documents}/prerm" "#!/bin/sh\nset -e\npy3clean -p python3-trivet\n")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${documents}/postinst;${documents}/prerm")
   math(EXPR next_minor "${Python_VERSION_MINOR} + 1")  # a module is of one version of Python
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), \
 python3 (<< ${Python_VERSION_MAJOR}.${next_minor}), python3-numpy")
