@@ -30,18 +30,6 @@ nlohmann::ordered_json evidence_json(const kernels::ScoreModel& score,
   return json;
 }
 
-std::string_view name_of(Rejection reason) {
-  switch (reason) {
-    case Rejection::too_low:
-      return "too_low";
-    case Rejection::explained:
-      return "explained";
-    case Rejection::too_many:
-      return "too_many";
-  }
-  return "";
-}
-
 nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const SceneResult& result,
                                      const RecognizeOptions& options) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
@@ -159,6 +147,18 @@ bool ends_with(const std::filesystem::path& path, const std::string& name) {
 }
 
 }  // namespace
+
+std::string_view name_of(Rejection reason) {
+  switch (reason) {
+    case Rejection::too_low:
+      return "too_low";
+    case Rejection::explained:
+      return "explained";
+    case Rejection::too_many:
+      return "too_many";
+  }
+  return "";
+}
 
 nlohmann::ordered_json matrix_json(const FilePose& pose) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/recognize.hpp"
@@ -12,6 +13,9 @@
 #include "storage/manifest.hpp"
 
 namespace trivet::apps {
+
+/// "too_low", "explained", "too_many".
+std::string_view name_of(Rejection reason);
 
 /// Four rows of four numbers.
 nlohmann::ordered_json matrix_json(const FilePose& pose);

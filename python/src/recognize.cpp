@@ -154,18 +154,6 @@ py::tuple picture_of(const Recognized& self) {
                         drawing.colors);
 }
 
-std::string text_of(Rejection reason) {
-  switch (reason) {
-    case Rejection::too_low:
-      return "too_low";
-    case Rejection::explained:
-      return "explained";
-    case Rejection::too_many:
-      return "too_many";
-  }
-  return "";
-}
-
 void add_detections(py::module_& module) {
   using Handle = DetectionHandle;
   const auto has = [](auto member) {
@@ -198,8 +186,9 @@ void add_detections(py::module_& module) {
           "pose",
           [](const RejectedHandle& self) { return self.all->place(self.one->T_scene_model); })
       .def_property_readonly("parts", &score_parts<RejectedPose>)
-      .def_property_readonly("reason",
-                             [](const RejectedHandle& self) { return text_of(self.one->reason); })
+      .def_property_readonly(
+          "reason",
+          [](const RejectedHandle& self) { return std::string(apps::name_of(self.one->reason)); })
       .def_property_readonly("explained_by",
                              [](const RejectedHandle& self) { return self.one->explained_by; });
 }
