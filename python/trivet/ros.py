@@ -36,7 +36,8 @@ def points_of(cloud: Mapping[str, Any]) -> np.ndarray:
     height, width = cloud["height"], cloud["width"]
     step, row = cloud["point_step"], cloud["row_step"]
     sizes = [np.dtype(kind).itemsize for kind in kinds]
-    needed = (height - 1) * row + (width - 1) * step + max(map(sum, zip(offsets, sizes)))
+    needed = (height - 1) * row + (width - 1) * step + max(
+        offset + size for offset, size in zip(offsets, sizes))
     if height * width > 0 and raw.size < needed:
         raise DataError(f"PointCloud2: expected {needed} bytes of {height} x {width} points, found "
                         f"{raw.size}")
@@ -47,7 +48,7 @@ def points_of(cloud: Mapping[str, Any]) -> np.ndarray:
     size = sizes[0]
     if kinds[0] in ("<f4", "<f8") and len(set(kinds)) == 1 and offsets == [
             offsets[0] + k * size for k in range(3)]:
-        points = np.ndarray((height, width, 3), kinds[0], raw, offsets[0], (row, step, size))
+        points: np.ndarray = np.ndarray((height, width, 3), kinds[0], raw, offsets[0], (row, step, size))
     else:
         points = np.stack([column(axis) for axis in range(3)], axis=-1).astype(np.float32)
     return points if height > 1 else points.reshape(-1, 3)

@@ -41,7 +41,7 @@ class TrainReport:
 
 def arguments_of(models: Models, folder: Path) -> list[str]:
     """As the command line names them; arrays become files of the folder."""
-    if is_path(models):
+    if isinstance(models, (str, os.PathLike)):
         return [os.fspath(models)]
     if not isinstance(models, Mapping):
         return [os.fspath(model) for model in models]
