@@ -32,8 +32,8 @@ inline void unwrap(const Result<void>& result) {
 /// Whether signals reach this thread.
 bool is_main_thread();
 
-/// Do work(stop token) while other Python threads run; Ctrl-C asks it to stop, and is raised when it
-/// has ended. What the work throws is thrown.
+/// Do work(stop token) while other Python threads run; what the handler of a signal raises, as of
+/// Ctrl-C, asks it to stop, and is raised when it has ended. What the work throws is thrown.
 template <class Work>
 auto interruptibly(Work&& work, std::stop_source stop = {}) {
   if (!is_main_thread()) {
@@ -41,23 +41,19 @@ auto interruptibly(Work&& work, std::stop_source stop = {}) {
     return work(stop.get_token());
   }
   constexpr std::chrono::milliseconds kHowOften{50};
-  bool interrupted = false;
+  std::optional<py::error_already_set> raised;  // by the handler of a signal
   auto result = [&] {
     const py::gil_scoped_release released;
     auto running = std::async(std::launch::async, [&] { return work(stop.get_token()); });
     while (running.wait_for(kHowOften) == std::future_status::timeout) {
       const py::gil_scoped_acquire held;
-      if (interrupted || PyErr_CheckSignals() == 0) continue;
-      interrupted = true;
-      PyErr_Clear();
+      if (raised || PyErr_CheckSignals() == 0) continue;
+      raised.emplace();
       stop.request_stop();
     }
     return running.get();
   }();
-  if (interrupted) {
-    PyErr_SetNone(PyExc_KeyboardInterrupt);
-    throw py::error_already_set();
-  }
+  if (raised) throw py::error_already_set(std::move(*raised));
   return result;
 }
 

@@ -129,6 +129,20 @@ class TestRecognize:
                     depth_scale=piles[0].depth_scale):
                 pass
 
+    def test_raises_what_a_signal_raises(self, piles, library):
+        def expire(number, frame):
+            raise TimeoutError("expired")
+
+        former = signal.signal(signal.SIGALRM, expire)
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        try:
+            with pytest.raises(TimeoutError, match="expired"):
+                for _ in range(100):
+                    library.recognize(piles[0].depth, camera=piles[0].camera,
+                                      depth_scale=piles[0].depth_scale)
+        finally:
+            signal.signal(signal.SIGALRM, former)
+
     def test_shows_pictures(self, piles, library):
         scene = piles[0]
         found = library.recognize(scene.depth, camera=scene.camera, depth_scale=scene.depth_scale)
