@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <thread>
 
 #include "engine/libraries/edit_library.hpp"
 #include "engine/train.hpp"
@@ -173,11 +174,19 @@ TEST_F(TrainLibrary, MixesNoModelsOfOtherParameters) {
 }
 
 TEST_F(TrainLibrary, GoesOnWithWhatAStoppedRunTrained) {
+  // More than are ever in training at once, since those are finished when a run is stopped.
+  const std::size_t num_models = 6 + 2 * std::thread::hardware_concurrency();
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < num_models; ++k) {
+    names.push_back(fmt::format("size_{:03}", k));
+    put(names.back(), test::bracket(), 1 + 0.01F * static_cast<float>(k));
+  }
   StopAfter one(1);
-  const auto stopped = train_library(request(), one.progress);
+  const auto stopped = train_library(request(names), one.progress);
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().code, ErrorCode::resumable);
-  EXPECT_NE(stopped.error().message.find("of 3 models"), std::string::npos)
+  EXPECT_NE(stopped.error().message.find(fmt::format("of {} models", num_models)),
+            std::string::npos)
       << stopped.error().message;
   EXPECT_FALSE(fs::exists(file_));
   ASSERT_TRUE(has_parts());
@@ -186,12 +195,13 @@ TEST_F(TrainLibrary, GoesOnWithWhatAStoppedRunTrained) {
   std::ofstream(engine::parts_folder(file_) / "0-9.h5") << "half a part";
   std::ofstream(engine::parts_folder(file_) / ".0-0.h5.77.0.tmp") << "less";
   std::ofstream(folder_ / ".library.h5.77.0.tmp") << "half a library";
-  const auto report = train_library(request());
+  const auto report = train_library(request(names));
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_GE(count(*report, ModelOrigin::resumed), 1U);
-  EXPECT_EQ(bytes(), fresh({"lever", "bracket", "third"}));
+  EXPECT_EQ(bytes(), fresh(names));
   EXPECT_FALSE(has_parts());
-  EXPECT_EQ(num_entries(), 5U) << "three models and two libraries: no temporary file, no lock";
+  EXPECT_EQ(num_entries(), 3 + num_models + 2)
+      << "the models and two libraries: no temporary file, no lock";
 }
 
 TEST_F(TrainLibrary, TellsAllFaultsTogetherAndKeepsWhatWasTrained) {
