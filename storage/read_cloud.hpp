@@ -72,6 +72,11 @@ std::string encode_ply(const Cloud& cloud);
 /// Write them to a file, which appears whole or not at all. Errors: cannot_create, io.
 Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud);
 
+/// The same as binary glTF (.glb), whose lengths are meters: a node scales those of `unit`, so that
+/// coordinates are read back to the same bits. Axes stay as they are, though glTF calls y up.
+/// Source: glTF 2.0 specification. Errors: usage (larger than 2 GiB), cannot_create, io.
+Result<void> write_glb(const std::filesystem::path& file, const Cloud& cloud, LengthUnit unit);
+
 /// Read the camera of depth images, in one of three forms, each with "depth_scale" (1 if absent):
 /// {"fx", "fy", "cx", "cy"}, or {"cam_K": [9 numbers]} or {"cam_model": a pinhole camera} as in BOP,
 /// or a BOP scene_camera.json, of which the entry `image_id` is taken. BOP's depth_scale gives

@@ -20,7 +20,7 @@ namespace trivet::apps {
 namespace {
 
 struct ChangeArguments {
-  std::string file, to, output, json;
+  std::string file, to, output, json, format = "ply";
   std::vector<std::string> names;
   bool keep_going = false;
   std::size_t num_parts = 2;
@@ -82,7 +82,10 @@ Result<void> split(const ChangeArguments& arguments, const Context&) {
 Result<void> export_surfaces(const ChangeArguments& arguments, const Context&) {
   const Result<Library> library = open_library(arguments.file);
   if (!library) return library.error();
-  const auto files = export_models(*library, arguments.names, arguments.output);
+  const SurfaceFormat format = arguments.format == "ply"    ? SurfaceFormat::ply
+                               : arguments.format == "gltf" ? SurfaceFormat::gltf
+                                                            : SurfaceFormat::bop;
+  const auto files = export_models(*library, arguments.names, format, arguments.output);
   if (!files) return files.error();
   std::string text;
   for (const auto& file : *files) text += file.string() + '\n';
@@ -151,8 +154,17 @@ void add_library_changes(CLI::App& library, Context& context) {
       ->capture_default_str();
   add_output(split_command, "Folder for them");
   CLI::App* const export_command = add(
-      "export", "Write the surfaces of models as PLY files and print their paths", export_surfaces);
+      "export",
+      "Write the surfaces of models and print the paths of what trivet train takes\n\n"
+      "Those of PLY and glTF are called as their models; BOP numbers them, in millimeters, with\n"
+      "their symmetries in models_info.json and their names in manifest.json.",
+      export_surfaces);
   export_command->add_option("NAME", arguments->names, "Names of models; none: all");
+  export_command
+      ->add_option("--as", arguments->format,
+                   "What to write: ply, gltf (binary, in meters) or bop (a folder of models)")
+      ->check(CLI::IsMember({"ply", "gltf", "bop"}))
+      ->capture_default_str();
   add_output(export_command, "Folder for them");
   add_output(add("import",
                  "Take in a library that another program stored anew\n\n"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "engine/common/parallel.hpp"
-#include "engine/training/scaled_points.hpp"
+#include "engine/common/scaled.hpp"
 #include "kernels/surfaces/diameter.hpp"
 #include "storage/read_cloud.hpp"
 

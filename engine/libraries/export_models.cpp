@@ -1,5 +1,6 @@
 #include "engine/libraries/export_models.hpp"
 
+#include "engine/common/bop_models.hpp"
 #include "engine/libraries/edit_library.hpp"
 #include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
@@ -7,18 +8,11 @@
 namespace trivet {
 namespace {
 
-Cloud surface_of(const Model& model) {
-  Cloud cloud;
-  cloud.points = Points(PointsView(model.vertices));
-  cloud.triangles = Triangles(TrianglesView(model.triangles));
-  return cloud;
-}
+namespace fs = std::filesystem;
 
-}  // namespace
-
-Result<std::vector<std::filesystem::path>> export_models(const Library& library,
-                                                         std::span<const std::string> names,
-                                                         const std::filesystem::path& folder) {
+/// Those of these names, or all, none of them damaged.
+Result<std::vector<const Model*>> models_named(const Library& library,
+                                               std::span<const std::string> names) {
   std::vector<std::uint32_t> wanted;
   for (const std::string& name : names) {
     const Result<std::uint32_t> found = find_model(library, name);
@@ -26,14 +20,61 @@ Result<std::vector<std::filesystem::path>> export_models(const Library& library,
     wanted.push_back(*found);
   }
   for (std::uint32_t m = 0; names.empty() && m < library.models.size(); ++m) wanted.push_back(m);
-  if (const Result<void> made = make_folder(folder); !made) return made.error();
-  std::vector<std::filesystem::path> files;
+  std::vector<const Model*> models;
   for (const std::uint32_t m : wanted) {
     if (const Result<void> good = library.check(m, ModelPart::surface); !good) return good.error();
-    const Model& model = library.models[m];
-    files.push_back(folder / (model.name + ".ply"));
-    if (const Result<void> written = write_ply(files.back(), surface_of(model)); !written)
-      return written.error();
+    models.push_back(&library.models[m]);
+  }
+  return models;
+}
+
+Result<fs::path> write_surface(const Model& model, LengthUnit unit, SurfaceFormat format,
+                               const fs::path& folder) {
+  Cloud cloud;
+  cloud.points = Points(PointsView(model.vertices));
+  cloud.triangles = Triangles(TrianglesView(model.triangles));
+  const bool as_ply = format == SurfaceFormat::ply;
+  fs::path file = folder / (model.name + (as_ply ? ".ply" : ".glb"));
+  const Result<void> written = as_ply ? write_ply(file, cloud) : write_glb(file, cloud, unit);
+  if (!written) return written.error();
+  return file;
+}
+
+Result<fs::path> write_data_set(std::span<const Model* const> models, LengthUnit unit,
+                                const fs::path& folder) {
+  std::vector<engine::BopModel> of_bop;
+  for (const Model* model : models)
+    of_bop.push_back({model->name, model->vertices, model->triangles, model->symmetry});
+  Result<std::vector<ManifestModel>> entries = engine::write_bop_models(of_bop, unit, unit, folder);
+  if (!entries) return entries.error();
+  Manifest manifest;
+  manifest.unit = unit;
+  manifest.models = std::move(*entries);
+  fs::path file = folder / "manifest.json";
+  if (const Result<void> written = write_manifest(file, manifest); !written) return written.error();
+  return file;
+}
+
+}  // namespace
+
+Result<std::vector<fs::path>> export_models(const Library& library,
+                                            std::span<const std::string> names,
+                                            SurfaceFormat format, const fs::path& folder) {
+  const Result<std::vector<const Model*>> models = models_named(library, names);
+  if (!models) return models.error();
+  if (const Result<void> made = make_folder(folder); !made) return made.error();
+  const LengthUnit unit = library.header.unit;
+  std::vector<fs::path> files;
+  if (format == SurfaceFormat::bop) {
+    Result<fs::path> file = write_data_set(*models, unit, folder);
+    if (!file) return file.error();
+    files.push_back(std::move(*file));
+    return files;
+  }
+  for (const Model* model : *models) {
+    Result<fs::path> file = write_surface(*model, unit, format, folder);
+    if (!file) return file.error();
+    files.push_back(std::move(*file));
   }
   return files;
 }

@@ -5,6 +5,8 @@
 #include <array>
 #include <filesystem>
 
+#include "engine/common/scaled.hpp"
+
 namespace trivet::engine {
 namespace {
 
@@ -14,17 +16,10 @@ std::array<int, 4> box_of(const PixelBox& pixels) {
 
 }  // namespace
 
-Points in_millimeters(PointsView meters) {
-  Points points;
-  for (std::size_t i = 0; i < meters.size(); ++i)
-    points.push_back((1000 * meters[i].cast<double>()).cast<float>());
-  return points;
-}
-
 Result<BopTruth> BopTruth::create(std::span<const ScanModel> models) {
   BopTruth truth;
   for (const ScanModel& model : models) {
-    const Points vertices = in_millimeters(model.vertices);
+    const Points vertices = scaled_points(model.vertices, 1000);
     Result<kernels::RayScene> surface = kernels::RayScene::from_mesh(vertices, model.triangles);
     if (!surface) return surface.error();
     Eigen::AlignedBox3d box;

@@ -12,9 +12,6 @@
 
 namespace trivet::engine {
 
-/// A model's vertices as models/ has them.
-Points in_millimeters(PointsView meters);
-
 /// From the models, the poses and the measured depth alone, as anyone who has the data set can find
 /// it again: by what is written, not by what is true where an object deviates from its model or a
 /// camera is written wrong. Source: bop_toolkit, scripts/calc_gt_info.py, calc_gt_masks.py.

@@ -8,14 +8,16 @@
 #include <mutex>
 #include <optional>
 
+#include "engine/common/bop_models.hpp"
 #include "engine/common/check_range.hpp"
 #include "engine/common/parallel.hpp"
+#include "engine/common/scaled.hpp"
 #include "engine/simulation/bop_truth.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/deform_surface.hpp"
-#include "kernels/surfaces/diameter.hpp"
 #include "storage/datasets/write_bop.hpp"
+#include "storage/file.hpp"
 #include "storage/read_cloud.hpp"
 #include "storage/write_png.hpp"
 
@@ -24,20 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kModelFolders{"models", "models_eval"};
 constexpr int kSceneId = 1;  // every image is of this scene of BOP
 
 constexpr std::uint64_t kDeviationStream = 0xDE7, kObjectStream = 0x0B1;
 
 /// Coarse: of a trained model only its symmetries are used here.
 constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
-
-Symmetry scaled(Symmetry symmetry, double factor) {
-  const auto f = static_cast<float>(factor);
-  for (Pose& pose : symmetry.poses) pose.translation() *= f;
-  if (symmetry.axis) symmetry.axis->point *= f;
-  return symmetry;
-}
 
 /// The vertices that triangles use, in their order, `factor` times as large.
 void keep_used(const Cloud& surface, double factor, ScanModel& model) {
@@ -78,7 +72,7 @@ Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
   model.metal = options.metal;
   keep_used(*surface, scale * meters, model);
   if (source.symmetry) {
-    model.symmetry = scaled(*source.symmetry, scale / source.scale * meters);
+    model.symmetry = engine::scaled(*source.symmetry, scale / source.scale * meters);
     return model;
   }
   Cloud own;
@@ -115,49 +109,13 @@ Result<void> make_all(std::size_t n, const Progress& progress, Make&& make) {
   return {};
 }
 
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return {};
-  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
-}
-
-/// models/obj_000001.ply ... and models_info.json, in mm, and the same in models_eval/, as errors are
-/// measured on the very meshes; and what the manifest says of them.
+/// Twice, as errors are measured on the very meshes.
 Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> models, LengthUnit unit,
                                                 const fs::path& folder) {
-  std::vector<ManifestModel> entries;
-  std::vector<BopObject> objects;
-  for (const ScanModel& model : models) {
-    const int id = static_cast<int>(entries.size()) + 1;
-    const std::string name = bop_model_name(id) + ".ply";
-    Cloud surface;
-    surface.triangles = model.triangles;
-    surface.points = engine::in_millimeters(model.vertices);
-    Eigen::AlignedBox3d box;
-    for (std::size_t i = 0; i < surface.points.size(); ++i)
-      box.extend(surface.points[i].cast<double>());
-    for (const char* models_folder : kModelFolders) {
-      const Result<void> written = write_ply(folder / models_folder / name, surface);
-      if (!written) return written.error();
-    }
-    objects.push_back({id, static_cast<double>(kernels::find_diameter(surface.points)), box.min(),
-                       box.sizes(), scaled(model.symmetry, 1000)});
-    ManifestModel entry;
-    entry.name = model.name;
-    entry.file = folder / kModelFolders[0] / name;
-    entry.scale = unit_scale(LengthUnit::millimeter, unit);
-    if (!model.symmetry.trivial())
-      entry.symmetry = scaled(model.symmetry, unit_scale(LengthUnit::meter, unit));
-    entry.object_id = id;
-    entries.push_back(std::move(entry));
-  }
-  for (const char* models_folder : kModelFolders) {
-    const Result<void> written =
-        write_bop_models_info(folder / models_folder / "models_info.json", objects);
-    if (!written) return written.error();
-  }
-  return entries;
+  std::vector<engine::BopModel> of_bop;
+  for (const ScanModel& model : models)
+    of_bop.push_back({model.name, model.vertices, model.triangles, model.symmetry});
+  return engine::write_bop_models(of_bop, LengthUnit::meter, unit, folder, {"models_eval"});
 }
 
 Result<void> write_masks(const fs::path& scene_folder, int image_id,
@@ -265,8 +223,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   const Result<engine::BopTruth> bop_truth = engine::BopTruth::create(models);
   if (!bop_truth) return bop_truth.error();
   const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
-  for (const fs::path& made_folder : {folder / kModelFolders[0], folder / kModelFolders[1],
-                                      bop_depth_file(scene_folder, 0).parent_path(),
+  for (const fs::path& made_folder : {bop_depth_file(scene_folder, 0).parent_path(),
                                       bop_mask_file(scene_folder, 0, 0).parent_path(),
                                       bop_visible_mask_file(scene_folder, 0, 0).parent_path()}) {
     if (const Result<void> made = make_folder(made_folder); !made) return made.error();

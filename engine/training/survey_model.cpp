@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "engine/common/parallel.hpp"
+#include "engine/common/scaled.hpp"
 #include "engine/training/orient_by_samples.hpp"
-#include "engine/training/scaled_points.hpp"
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/meshing/triangulate_cloud.hpp"

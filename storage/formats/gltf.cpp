@@ -176,34 +176,29 @@ class GltfReader {
     }
     // A mirrored mesh keeps its outer side.
     const bool mirrored = transform.linear().determinant() < 0;
-    const Part part{primitive, transform, normal_matrix(transform.linear(), mirrored), positions,
-                    normals,   indices,   mode == kPoints ? loose_ : triangles_};
+    const Part part{primitive,
+                    transform,
+                    transform.matrix().isIdentity(0),
+                    normal_matrix(transform.linear(), mirrored),
+                    positions,
+                    normals,
+                    indices,
+                    mode == kPoints ? loose_ : triangles_};
     (mode == kPoints ? loose_normals_ : triangle_normals_) &= normals.has_value();
-    places_.resize(std::max(places_.size(), positions.size()));
-    ++num_parts_;
-    if (mode == kPoints) {
-      for (std::size_t i = 0; i < count; ++i) vertex(part, i);
-      return;
-    }
     if (mode == kTriangles && count % 3 != 0)
       primitive.refuse(fmt::format("expected three corners a triangle, found {}", count));
+    place_vertices(part, count);
+    if (mode == kPoints) return;
+    const auto vertex = [&](std::size_t corner) {
+      return places_[corner_vertex(part, corner)].point;
+    };
     for (std::size_t i = 0; i + 2 < count; i += mode == kTriangles ? 3 : 1) {
       const std::size_t first = mode == kFan ? 0 : i;
       const bool turned = mirrored != (mode == kStrip && i % 2 == 1);
-      const std::uint32_t a = vertex(part, first), b = vertex(part, i + 1), c = vertex(part, i + 2);
+      const std::uint32_t a = vertex(first), b = vertex(i + 1), c = vertex(i + 2);
       part.cloud.triangles.push_back(a, turned ? c : b, turned ? b : c);
     }
   }
-
-  /// A primitive on its way into the cloud.
-  struct Part {
-    const JsonNode& node;
-    const Transform& transform;
-    Eigen::Matrix3d normal_matrix;
-    const GltfAccessor& positions;
-    const std::optional<GltfAccessor>&normals, &indices;
-    Cloud& cloud;
-  };
 
   /// Where a vertex went, if `part` is the one that is read: nothing has to be cleared in between.
   struct Place {
@@ -211,31 +206,59 @@ class GltfReader {
     std::uint32_t point = 0;
   };
 
-  /// Put the vertex of a corner into the cloud, once for each part.
-  std::uint32_t vertex(const Part& part, std::size_t corner) {
-    const std::size_t v = part.indices ? part.indices->index(corner) : corner;
-    if (v >= part.positions.size())
-      part.node.refuse(
-          fmt::format("expected indices below {}, found {}", part.positions.size(), v));
-    Place& place = places_[v];
-    if (place.part == num_parts_) return place.point;
-    Cloud& cloud = part.cloud;
-    if (cloud.points.size() >= input_.max_points()) {
+  /// A primitive on its way into the cloud.
+  struct Part {
+    const JsonNode& node;
+    const Transform& transform;
+    bool as_is;  ///< the transform is none
+    Eigen::Matrix3d normal_matrix;
+    const GltfAccessor& positions;
+    const std::optional<GltfAccessor>&normals, &indices;
+    Cloud& cloud;
+  };
+
+  static std::size_t corner_vertex(const Part& part, std::size_t corner) {
+    return part.indices ? part.indices->index(corner) : corner;
+  }
+
+  /// Put the vertices of `count` corners into the cloud, each once and in their order: what many
+  /// primitives share is not gone through for each.
+  void place_vertices(const Part& part, std::size_t count) {
+    const std::size_t num_vertices = part.positions.size();
+    places_.resize(std::max(places_.size(), num_vertices));
+    used_.clear();
+    ++num_parts_;
+    for (std::size_t corner = 0; corner < count; ++corner) {
+      const std::size_t v = corner_vertex(part, corner);
+      if (v >= num_vertices)
+        part.node.refuse(fmt::format("expected indices below {}, found {}", num_vertices, v));
+      if (places_[v].part == num_parts_) continue;
+      places_[v].part = num_parts_;
+      used_.push_back(v);
+    }
+    if (part.cloud.points.size() + used_.size() > input_.max_points()) {
       part.node.refuse(
           fmt::format("the scene has more points than the limit of {}", input_.max_points()));
     }
-    place = {num_parts_, static_cast<std::uint32_t>(cloud.points.size())};
+    std::ranges::sort(used_);
+    for (const std::size_t v : used_) {
+      places_[v].point = static_cast<std::uint32_t>(part.cloud.points.size());
+      add_vertex(part, v);
+    }
+  }
+
+  static void add_vertex(const Part& part, std::size_t v) {
     const auto vector = [&](const GltfAccessor& from) {
       return Eigen::Vector3d(from.value(v, 0), from.value(v, 1), from.value(v, 2));
     };
     const auto add = [](const Eigen::Vector3d& value, Points& points) {
       points.push_back({to_float(value.x()), to_float(value.y()), to_float(value.z())});
     };
-    add(part.transform * vector(part.positions), cloud.points);
+    const Eigen::Vector3d position = vector(part.positions);
+    add(part.as_is ? position : part.transform * position, part.cloud.points);
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     if (part.normals) normal = part.normal_matrix * vector(*part.normals);
-    add(normal.norm() > 0 ? normal.normalized() : normal, cloud.normals);
-    return place.point;
+    add(normal.norm() > 0 ? normal.normalized() : normal, part.cloud.normals);
   }
 
   /// The inverse transpose up to its length: the cofactors.
@@ -249,7 +272,8 @@ class GltfReader {
   const JsonNode& root_;
   GltfBuffers buffers_;
   std::vector<JsonNode> nodes_, meshes_;
-  std::vector<Place> places_;  ///< by the vertex of the part
+  std::vector<Place> places_;      ///< by the vertex of the part
+  std::vector<std::size_t> used_;  ///< vertices of the part
   std::uint64_t num_parts_ = 0, num_corners_ = 0;
   Cloud triangles_, loose_;
   bool triangle_normals_ = true, loose_normals_ = true;  ///< all primitives have some

@@ -1,32 +1,15 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
 #include <string>
-#include <vector>
 
 #include "storage/file.hpp"
+#include "storage/files/append.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
 namespace {
 
-template <class T>
-void append(std::string& out, T value) {
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), &value, sizeof(T));
-  if (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
-  out.append(bytes.data(), bytes.size());
-}
-
-template <class T>
-void append(std::string& out, const Eigen::Matrix<T, 3, 1>& v) {
-  append(out, v.x());
-  append(out, v.y());
-  append(out, v.z());
-}
+using formats::append;
 
 bool is_far(const Cloud& cloud) { return !cloud.offset.isZero(0); }
 

@@ -1,6 +1,7 @@
 /// From one unit of length to another.
 #pragma once
 
+#include "storage/model.hpp"
 #include "storage/points.hpp"
 
 namespace trivet::engine {
@@ -12,6 +13,13 @@ inline Points scaled_points(PointsView points, double scale) {
     out.set(i, (points[i].cast<double>() * scale).cast<float>());
   }
   return out;
+}
+
+inline Symmetry scaled(Symmetry symmetry, double scale) {
+  const auto f = static_cast<float>(scale);
+  for (Pose& pose : symmetry.poses) pose.translation() *= f;
+  if (symmetry.axis) symmetry.axis->point *= f;
+  return symmetry;
 }
 
 }  // namespace trivet::engine
