@@ -159,8 +159,6 @@ LengthUnit parse_unit(const std::string& text) {
   return text == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
 }
 
-const char* unit_name(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
-
 LengthUnit scene_unit(const SceneInput& scene, LengthUnit library_unit) {
   if (scene.scale == 1) return library_unit;
   return library_unit == LengthUnit::meter ? LengthUnit::millimeter : LengthUnit::meter;

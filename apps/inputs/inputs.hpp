@@ -15,7 +15,6 @@ namespace trivet::apps {
 
 /// "m" or "mm". Pre: checked by the command line.
 LengthUnit parse_unit(const std::string& text);
-const char* unit_name(LengthUnit unit);
 
 /// Whether an argument lists models and scenes: a manifest or a BOP data set.
 bool is_listing(const std::string& argument);

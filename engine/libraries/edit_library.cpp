@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "engine/libraries/assemble_library.hpp"
 
@@ -35,6 +36,19 @@ Result<void> write_again(const OpenedForChange& opened, std::vector<ModelCopy> m
                          const Progress& progress) {
   return assemble_library(opened.library.header, opened.library.basis, std::move(models),
                           opened.lock, progress);
+}
+
+/// Those of a JSON object that differ from another's; all, where one of them is none.
+std::string parameters_beside(const std::string& own, const std::string& other) {
+  const auto a = nlohmann::json::parse(own, nullptr, false),
+             b = nlohmann::json::parse(other, nullptr, false);
+  if (!a.is_object() || !b.is_object()) return own;
+  nlohmann::json differing = nlohmann::json::object();
+  for (const auto& [key, value] : a.items())
+    if (!b.contains(key) || b.at(key) != value) differing[key] = value;
+  for (const auto& [key, value] : b.items())
+    if (!a.contains(key)) differing[key] = nullptr;
+  return differing.dump();
 }
 
 /// Whether two models were trained from the same; what is not known differs.
@@ -90,9 +104,11 @@ Result<void> rename_model(const fs::path& file, const std::string& from, const s
 std::string why_not_together(const Library& library, const LibraryHeader& header,
                              const TriSpinBasis& basis) {
   const PcaBasis &p = library.basis.components, &q = basis.components;
-  if (library.header.unit != header.unit) return "another unit";
+  if (library.header.unit != header.unit)
+    return fmt::format("the unit {}", unit_name(library.header.unit));
   if (library.header.parameters != header.parameters)
-    return fmt::format("the parameters {}", library.header.parameters);
+    return fmt::format("the parameters {}",
+                       parameters_beside(library.header.parameters, header.parameters));
   if (library.basis.support != basis.support || library.basis.code_step != basis.code_step ||
       p.mean != q.mean || p.components != q.components)
     return fmt::format("the principal components of {}", library.header.producer);

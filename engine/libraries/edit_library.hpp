@@ -53,7 +53,7 @@ struct LibraryDifference {
 LibraryDifference compare_libraries(const Library& before, const Library& after);
 
 /// Whether models of a library can stand in a file of this header and basis; else what differs, as
-/// "another unit".
+/// "the unit mm".
 std::string why_not_together(const Library& library, const LibraryHeader& header,
                              const TriSpinBasis& basis);
 

@@ -97,12 +97,12 @@ Result<void> check_sizes(const Library& library, const PreparedScene& scene,
     largest = std::max(largest, model.diameter);
   }
   if (extent >= 0.05F * smallest && extent <= 500 * largest) return {};
-  return Error{ErrorCode::bad_data,
-               fmt::format("{}: expected a scene about as large as the models (diameters {:.4g} to "
-                           "{:.4g} {}), found "
-                           "an extent of {:.4g}; if the scene's unit differs, give --unit",
-                           input.file.string(), smallest, largest,
-                           library.header.unit == LengthUnit::meter ? "m" : "mm", extent)};
+  return Error{
+      ErrorCode::bad_data,
+      fmt::format("{}: expected a scene about as large as the models (diameters {:.4g} to "
+                  "{:.4g} {}), found "
+                  "an extent of {:.4g}; if the scene's unit differs, give --unit",
+                  input.file.string(), smallest, largest, unit_name(library.header.unit), extent)};
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kGrain = 64;
+constexpr std::size_t kSampleGrain = 64;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView norma
         .first<kernels::kTriSpinSize>();
   };
   PerThread<kernels::TriSpinScratch> scratch;
-  for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
+  for_chunks(n, kSampleGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       const std::uint32_t i = keypoints[k];
       frames[k] = kernels::describe_keypoint(grid, areas, points[i], normals[i], radius, limits,

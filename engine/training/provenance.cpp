@@ -63,7 +63,7 @@ std::string fingerprint_of(const ModelSource& source, const std::string& source_
                  {"basis", kBasis},
                  {"source", source_xxh3},
                  {"extension", extension_of(source)},
-                 {"unit", unit == LengthUnit::meter ? "m" : "mm"},
+                 {"unit", unit_name(unit)},
                  {"scale", source.scale},
                  {"symmetry", declared_json(source.symmetry)},
                  {"parameters", parameters_json(options)}};

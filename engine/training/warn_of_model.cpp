@@ -47,7 +47,7 @@ double open_share(const SurveyedModel& model) {
 }
 
 std::string length_text(double length, LengthUnit unit) {
-  return fmt::format("{:.4g} {}", length, unit == LengthUnit::meter ? "m" : "mm");
+  return fmt::format("{:.4g} {}", length, unit_name(unit));
 }
 
 }  // namespace

@@ -170,8 +170,7 @@ void add_library(py::module_& module) {
       .def_property_readonly("names", &names_of)
       .def_property_readonly("file", [](const OpenLibrary& self) { return self.file; })
       .def_property_readonly(
-          "unit",
-          [](const OpenLibrary& self) { return apps::unit_name(self.library().header.unit); })
+          "unit", [](const OpenLibrary& self) { return unit_name(self.library().header.unit); })
       .def_property_readonly("producer",
                              [](const OpenLibrary& self) { return self.library().header.producer; })
       .def_property_readonly(

@@ -64,8 +64,7 @@ Result<void> write_manifest(const std::filesystem::path& file, const Manifest& m
   ordered_json models = ordered_json::object(), scenes = ordered_json::array();
   for (const ManifestModel& model : manifest.models) models[model.name] = model_json(model, folder);
   for (const ManifestScene& scene : manifest.scenes) scenes.push_back(scene_json(scene, folder));
-  ordered_json document{{"unit", manifest.unit == LengthUnit::meter ? "m" : "mm"},
-                        {"models", std::move(models)}};
+  ordered_json document{{"unit", unit_name(manifest.unit)}, {"models", std::move(models)}};
   if (!manifest.models_scored.empty()) document["models_scored"] = manifest.models_scored;
   document["scenes"] = std::move(scenes);
   const std::string text = document.dump(1) + "\n";

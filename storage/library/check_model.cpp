@@ -222,6 +222,17 @@ std::string check_numbers(std::string_view name, std::span<const float> numbers)
   return {};
 }
 
+/// Without a view no sample is ever looked for, and the model never found.
+std::string check_views(const Model& model) {
+  const std::span<const ViewMask> views = model.sample_views;
+  std::string wrong = check_length("sample_views", views.size(), model.samples.size());
+  if (!wrong.empty()) return wrong;
+  const bool seen =
+      std::ranges::any_of(views, [](const ViewMask& mask) { return mask != ViewMask{}; });
+  return seen ? ""
+              : "sample_views: expected directions that samples are seen from, found no bit set";
+}
+
 }  // namespace
 
 Result<void> check_basis(const TriSpinBasis& basis) {
@@ -293,9 +304,7 @@ Result<void> check_part(const Model& model, ModelPart part) {
                                         m.samples.size());
                   },
                   [](const Model& m) { return check_normals("sample_normals", m.sample_normals); },
-                  [](const Model& m) {
-                    return check_length("sample_views", m.sample_views.size(), m.samples.size());
-                  }});
+                  [](const Model& m) { return check_views(m); }});
     case ModelPart::pairs:
       return run(model, {[](const Model& m) { return check_points("ppf/points", m.ppf_points); },
                          [](const Model& m) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "storage/file.hpp"
 #include "storage/library/parse_library.hpp"
@@ -30,6 +31,10 @@ Result<Library> read_repacked(const std::filesystem::path& file) {
                              "something would be lost; import it with the program that wrote it",
                              file.string(), kLibraryVersionMajor, kLibraryVersionMinor,
                              kLibraryVersionMajor, library->version_minor)};
+  }
+  if (!nlohmann::json::accept(library->header.parameters)) {
+    return Error{ErrorCode::bad_data, fmt::format("{}: /parameters: expected JSON, found '{}'",
+                                                  file.string(), library->header.parameters)};
   }
   return library;
 }

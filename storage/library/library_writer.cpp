@@ -33,8 +33,6 @@ StoredAttributes basis_attributes(const TriSpinBasis& basis) {
   return out;
 }
 
-std::string_view symbol(LengthUnit unit) { return unit == LengthUnit::meter ? "m" : "mm"; }
-
 constexpr std::string_view kAxisConvention =
     "models: as in their source; scenes: x right, y down, z forward";
 
@@ -61,7 +59,7 @@ struct LibraryWriter::State {
   bool write(const TriSpinBasis& basis);
   bool write(PackedModel& model);
   bool write_directory(const std::string& models_digest, std::string& digest) const;
-  PackedGroup empty_group() const { return {symbol(header.unit), num_components}; }
+  PackedGroup empty_group() const { return {unit_name(header.unit), num_components}; }
 
   /// What could not be written; the temporary file goes.
   Error fail(const std::string& what);
@@ -195,7 +193,7 @@ Result<std::shared_ptr<PackedModel>> LibraryWriter::pack(const Model& model) con
                              features.num_components)};
   }
   return std::make_shared<PackedModel>(
-      pack_model(model, symbol(state_->header.unit), state_->num_components));
+      pack_model(model, unit_name(state_->header.unit), state_->num_components));
 }
 
 Result<void> LibraryWriter::add(const Model& model) {
@@ -246,7 +244,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
     ++rank;
   }
   const WrittenFeatures all{features, mapped->bytes()};
-  const LevelPlace place{state.file.path(), rank, symbol(state.header.unit), piece_bytes};
+  const LevelPlace place{state.file.path(), rank, unit_name(state.header.unit), piece_bytes};
   Handle group;
   StoredGroup described;
   for (std::size_t k = 0; const std::optional<LevelInPieces> level = next(all, k); ++k) {
@@ -282,7 +280,7 @@ Result<void> LibraryWriter::publish() {
   root.emplace("format_version_major", attribute(kLibraryVersionMajor));
   root.emplace("format_version_minor", attribute(kLibraryVersionMinor));
   root.emplace("producer", attribute(state.header.producer));
-  root.emplace("length_unit", attribute(symbol(state.header.unit)));
+  root.emplace("length_unit", attribute(std::string(unit_name(state.header.unit))));
   root.emplace("axis_convention", attribute(kAxisConvention));
   root.emplace("parameters", attribute(state.header.parameters));
   root.emplace("num_models", attribute(static_cast<std::uint32_t>(models.size())));

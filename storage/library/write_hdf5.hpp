@@ -38,6 +38,7 @@ StoredAttribute attribute(ElementType type, T value) {
 StoredAttribute attribute(float value);
 StoredAttribute attribute(std::uint32_t value);
 StoredAttribute attribute(bool value);
+StoredAttribute attribute(const char*) = delete;  // which would become a bool
 StoredAttribute attribute(const Eigen::Vector3f& v);
 StoredAttribute attribute(std::string_view text);
 

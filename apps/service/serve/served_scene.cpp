@@ -9,7 +9,6 @@ namespace trivet {
 namespace {
 
 using apps::parse_unit;
-using apps::unit_name;
 using apps::service::ServedScene;
 
 constexpr std::string_view kGroup = "How the scan is read";

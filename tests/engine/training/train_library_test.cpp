@@ -332,7 +332,11 @@ TEST_F(EditLibrary, MergesLibrariesThatWereTrainedAlike) {
   EXPECT_EQ(merge_libraries(files, folder_ / "merged.h5").error().code, ErrorCode::usage);
   two.options.num_samples = 300;
   ASSERT_TRUE(train_library(two));
-  EXPECT_EQ(merge_libraries(files, folder_ / "merged.h5").error().code, ErrorCode::usage);
+  const auto differing = merge_libraries(files, folder_ / "merged.h5");
+  ASSERT_FALSE(differing);
+  EXPECT_EQ(differing.error().code, ErrorCode::usage);
+  EXPECT_NE(differing.error().message.find("the parameters {\"samples\":300.0}"), std::string::npos)
+      << differing.error().message;
 }
 
 TEST_F(EditLibrary, TellsWhatChanged) {

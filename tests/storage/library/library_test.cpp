@@ -9,6 +9,7 @@
 #include <csignal>
 #include <limits>
 
+#include "storage/library/import_library.hpp"
 #include "support/craft_library.hpp"
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"
@@ -301,6 +302,9 @@ TEST_F(LibraryTest, RefusesToWriteABrokenModel) {
     m.sample_normals = with_row(m.sample_normals, 1, {0, 0, 0});
   });
   refuses("sample_views", [](Model& m) { m.sample_views = all_but_one(m.sample_views); });
+  refuses("sample_views", [](Model& m) {
+    m.sample_views = std::vector<ViewMask>(m.sample_views.size(), ViewMask{});
+  });
   refuses("symmetry_poses[0]", [](Model& m) { m.symmetry.poses[0].linear() *= 2; });
   refuses("symmetry axis", [](Model& m) { m.symmetry.axis->direction *= 2; });
   refuses("near_symmetries[1]", [](Model& m) { m.near_symmetries[1].linear() *= -1; });
@@ -372,6 +376,20 @@ TEST_F(LibraryTest, SaysSoWhenTheDiskIsFullAndExitsWithoutACrash) {
     ASSERT_TRUE(WIFEXITED(status)) << "crashed with a limit of " << limit << " bytes";
     EXPECT_EQ(WEXITSTATUS(status), limit < needed ? 74 : 0) << "limit " << limit;
     EXPECT_EQ(num_files(folder()), limit < needed ? 0U : 1U) << "limit " << limit;
+  }
+}
+
+TEST_F(LibraryTest, OfOthersIsTakenInOnlyWithParametersInJson) {
+  for (const auto& [parameters, good] : {std::pair{"{\"step\": 2}", true}, {"step 2", false}}) {
+    auto writer = LibraryWriter::create(file(), {LengthUnit::meter, "another program", parameters});
+    ASSERT_TRUE(writer) << writer.error().message;
+    ASSERT_TRUE(writer->publish());
+    const auto read = read_repacked_library(file());
+    EXPECT_EQ(bool(read), good) << parameters;
+    if (read) continue;
+    EXPECT_EQ(read.error().code, ErrorCode::bad_data);
+    EXPECT_NE(read.error().message.find("/parameters: expected JSON"), std::string::npos)
+        << read.error().message;
   }
 }
 
