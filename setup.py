@@ -33,7 +33,7 @@ class BuildByCMake(build_ext):
         build = Path(self.build_temp).resolve()
         subprocess.run(
             ["cmake", "-S", SOURCES, "-B", build, "-DCMAKE_BUILD_TYPE=Release",
-             "-DTRIVET_BUILD_PYTHON=ON", "-DTRIVET_BUILD_TESTS=OFF",
+             "-DTRIVET_BUILD_PYTHON=ON", "-DTRIVET_BUILD_TESTS=OFF", "-DTRIVET_BUILD_C=OFF",
              f"-DPython_EXECUTABLE={sys.executable}"], check=True)
         subprocess.run(["cmake", "--build", build, "--target", "trivet_python", "--parallel",
                         str(os.cpu_count() or 1)], check=True)

@@ -146,3 +146,40 @@ class TestBop:
         assert [one.model for one in again] == [one.model for one in result]
         truth = bop.truth_of(scene, {one.model: 7 for one in scene.truth})
         assert truth[0]["cam_R_m2c"].shape == (3, 3) and truth[0]["cam_t_m2c"].shape == (3, 1)
+
+
+def with_open3d(points, triangles=None):
+    open3d = pytest.importorskip("open3d")
+    points = open3d.utility.Vector3dVector(np.asarray(points, dtype=float))
+    if triangles is None:
+        return open3d.geometry.PointCloud(points)
+    return open3d.geometry.TriangleMesh(points, open3d.utility.Vector3iVector(triangles))
+
+
+def with_trimesh(points, triangles=None):
+    trimesh = pytest.importorskip("trimesh")
+    if triangles is None:
+        return trimesh.PointCloud(points)
+    return trimesh.Trimesh(points, triangles, process=False)
+
+
+@pytest.mark.parametrize("of", [with_open3d, with_trimesh])
+class TestObjectsOfOthers:
+    """Where the packages are installed; TestTrain of test_package.py has their layout."""
+
+    def test_are_trained_from(self, of, library, tmp_path):
+        model = library[library.names[0]]
+        trivet.train({"one": of(model.vertices, np.asarray(model.triangles))},
+                     tmp_path / "one.h5", preset="fast", methods=["ppf"])
+        again = trivet.Library(tmp_path / "one.h5")["one"]
+        np.testing.assert_array_equal(again.vertices, model.vertices)
+        np.testing.assert_array_equal(again.triangles, model.triangles)
+
+    def test_are_recognized_in(self, of, pile, library):
+        scene = pile[0]
+        fx, fy, cx, cy = scene.camera
+        rows, columns = np.nonzero(scene.depth)
+        z = scene.depth[rows, columns] * scene.depth_scale
+        points = np.stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z], axis=1)
+        found = library.recognize(of(points), viewpoint=(0, 0, 0), method="ppf")
+        assert {one.model for one in found} == {one.model for one in scene.truth}
