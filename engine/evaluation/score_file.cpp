@@ -15,8 +15,8 @@ namespace {
 
 using kernels::ScoreModel;
 
-constexpr std::string_view kFormat = "trivet score";
-constexpr int kVersion = 1;
+constexpr std::string_view kScoreFormat = "trivet score";
+constexpr int kScoreVersion = 1;
 constexpr double kLargest = 1e6;
 constexpr std::array<const char*, 2> kErrors{"independent", "shared"};  // from pixel to pixel
 
@@ -49,15 +49,15 @@ std::string score_text(const FittedScore& score) {
   return fmt::format(
       "{{\n  \"format\": \"{}\",\n  \"version\": {},\n  \"origin\": {},\n"
       "  \"bias\": {{\"{}\": {:.5g}, \"{}\": {:.5g}}},\n  \"parts\": {{{}\n  }}\n}}\n",
-      kFormat, kVersion, nlohmann::json(score.origin).dump(), kErrors[0], model.bias[0], kErrors[1],
-      model.bias[1], parts);
+      kScoreFormat, kScoreVersion, nlohmann::json(score.origin).dump(), kErrors[0], model.bias[0],
+      kErrors[1], model.bias[1], parts);
 }
 
 Result<FittedScore> parse_score(std::span<const std::byte> bytes, const std::string& name) {
   FittedScore score;
   ScoreModel& model = score.model;
   const Result<void> done = with_json(bytes, name, [&](const JsonNode& root) {
-    engine::check_format(root, kFormat, kVersion, "trivet fit-score");
+    engine::check_format(root, kScoreFormat, kScoreVersion, "trivet fit-score");
     score.origin = root.at("origin").string();
     for (std::size_t errors = 0; errors < kErrors.size(); ++errors) {
       model.bias[errors] =

@@ -18,7 +18,7 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kGrain = 32;
+constexpr std::size_t kFeatureGrain = 32;
 constexpr std::size_t kMoreForRatio = 7;  // neighbors, among which one is of another place
 // Of groupings that are not by frames.
 constexpr std::size_t kMostGrouped = 3000;  // matches of a model
@@ -62,7 +62,7 @@ Column<std::uint8_t> encode_images(const TriSpinBasis& basis, std::span<const fl
   const std::size_t stride = kernels::code_stride(k);
   Column<std::uint8_t> padded(n * stride);
   PerThread<MatchScratch> per_thread;
-  for_chunks(n, kGrain, [&](std::size_t first, std::size_t count) {
+  for_chunks(n, kFeatureGrain, [&](std::size_t first, std::size_t count) {
     MatchScratch& scratch = per_thread.local();
     scratch.numbers.resize(count * k);
     scratch.codes.resize(count * k);

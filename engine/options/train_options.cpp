@@ -36,7 +36,7 @@ Option<TrainOptions> methods() {
 }
 
 template <auto Path>
-Option<TrainOptions> declare(const OptionInfo& info) {
+Option<TrainOptions> declare_training(const OptionInfo& info) {
   return engine::declare_option<TrainOptions, Path>(info);
 }
 
@@ -46,13 +46,13 @@ template <>
 std::span<const Option<TrainOptions>> options_of<TrainOptions>() {
   static const std::array kOptions{
       methods(),
-      declare<TRIVET_FIELD(num_samples)>(
+      declare_training<TRIVET_FIELD(num_samples)>(
           {.name = "samples",
            .group = kSurface,
            .label = "samples of the surface",
            .help = "Points of the surface that poses are refined and verified by",
            .range = {256, 1 << 20}}),
-      declare<TRIVET_FIELD(relative_step)>(
+      declare_training<TRIVET_FIELD(relative_step)>(
           {.name = "relative-step",
            .group = kPairs,
            .label = "sampling rate tau_d",
@@ -60,7 +60,7 @@ std::span<const Option<TrainOptions>> options_of<TrainOptions>() {
            .help = "Distance between sampled points; smaller finds more, slower; overrides the "
                    "preset",
            .range = {0.01, 0.2}}),
-      declare<TRIVET_FIELD(reference_spacing)>(
+      declare_training<TRIVET_FIELD(reference_spacing)>(
           {.name = "reference-spacing",
            .group = kPairs,
            .label = "spacing of the model's reference points",
@@ -68,24 +68,26 @@ std::span<const Option<TrainOptions>> options_of<TrainOptions>() {
            .help = "Distance between the points that pairs start at, 0 for every point; larger is "
                    "faster and finds a little less",
            .range = {0, 5}}),
-      declare<TRIVET_FIELD(num_angle_bins)>({.name = "angle-bins",
-                                             .group = kPairs,
-                                             .label = "bins over 180° of a pair's angles",
-                                             .help = "Bins over 180 degrees of a pair's angles",
-                                             .range = {6, 60}}),
-      declare<TRIVET_FIELD(normal_cluster_angle_deg)>(
+      declare_training<TRIVET_FIELD(num_angle_bins)>(
+          {.name = "angle-bins",
+           .group = kPairs,
+           .label = "bins over 180° of a pair's angles",
+           .help = "Bins over 180 degrees of a pair's angles",
+           .range = {6, 60}}),
+      declare_training<TRIVET_FIELD(normal_cluster_angle_deg)>(
           {.name = "normal-cluster-angle",
            .group = kPairs,
            .label = "angle between normals that stay apart",
            .unit = "°",
            .help = "Sampled points of one voxel stay apart where their normals differ more",
            .range = {0, 180, true}}),
-      declare<TRIVET_FIELD(num_components)>({.name = "components",
-                                             .group = kFeatures,
-                                             .label = "principal components",
-                                             .help = "Principal components that are kept at most",
-                                             .range = {1, kMostComponents}}),
-      declare<TRIVET_FIELD(component_energy)>(
+      declare_training<TRIVET_FIELD(num_components)>(
+          {.name = "components",
+           .group = kFeatures,
+           .label = "principal components",
+           .help = "Principal components that are kept at most",
+           .range = {1, kMostComponents}}),
+      declare_training<TRIVET_FIELD(component_energy)>(
           {.name = "component-energy",
            .group = kFeatures,
            .label = "share of the variance in the components",

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include "engine/common/parallel.hpp"
+#include "engine/simulation/scan_constants.hpp"
 #include "kernels/simulation/filter_image.hpp"
 #include "kernels/simulation/noise_field.hpp"
 #include "kernels/simulation/sensor_noise.hpp"
@@ -20,19 +20,17 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using kernels::CounterRandom;
 
-constexpr std::size_t kRowGrain = 16;
 constexpr double kLeastSignal = 0.02;    // gray at 88 degrees from 0.7 m, white from 6 m
 constexpr int kSubpixels = 4;            // rays along each side of a pixel that sees an edge
 constexpr std::size_t kNodeSpacing = 4;  // [pixel] bounced light is found so far apart
 constexpr int kBounces = 16;             // rays of a node
 constexpr double kAlike = 0.9;           // cosine of normals that share their bounced light
 constexpr double kLeastCosine = 0.1;     // bounced light grows no more on steeper surfaces
-constexpr double kTurn = 2 * std::numbers::pi;
 // Random numbers of their own, each with room for an image.
 enum Item : std::uint64_t {
   kNoiseItem = 6ULL << 40,
   kBounceItem = 7ULL << 40,
-  kNoiseFieldItem = 8ULL << 40,
+  kRangeFieldItem = 8ULL << 40,
   kPatchItem = 9ULL << 40,
   kWiggleItem = 10ULL << 40
 };
@@ -240,7 +238,7 @@ std::vector<float> echo_scene(const kernels::RayScene& rays, const Camera& camer
   }
 
   const kernels::NoiseField waves(image.width, image.height, flaw.wave_length_pixel, seed, stream,
-                                  kNoiseFieldItem);
+                                  kRangeFieldItem);
   const double phase = CounterRandom(seed, stream, kWiggleItem).uniform(0, kTurn),
                strength = static_cast<double>(options.noise) * flaw.noise,
                white = strength / std::sqrt(flaw.frames);

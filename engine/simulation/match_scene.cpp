@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "engine/common/parallel.hpp"
+#include "engine/simulation/scan_constants.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/filter_image.hpp"
 #include "kernels/simulation/match_windows.hpp"
@@ -17,10 +17,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using kernels::CounterRandom;
-
-constexpr std::size_t kRowGrain = 16;
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// The dots, one by one, and what is added to what windows find of them.
 class Matcher {

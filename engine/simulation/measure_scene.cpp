@@ -10,6 +10,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/simulation/echo_scene.hpp"
 #include "engine/simulation/match_scene.hpp"
+#include "engine/simulation/scan_constants.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/scans/render_depth.hpp"
 #include "kernels/simulation/noise_field.hpp"
@@ -26,13 +27,11 @@ using Eigen::Vector3f;
 using kernels::CounterRandom;
 using kernels::RayScene;
 
-constexpr std::size_t kRowGrain = 16;
 constexpr double kMinCosine = static_cast<double>(kernels::kMinViewCosine);
 constexpr double kEdgeJump = 5;  // of a laser's line, in its widths
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
 constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
-constexpr std::uint64_t kNoiseFieldItem = 15ULL << 40, kHoleItem = 16ULL << 40;
+constexpr std::uint64_t kPixelFieldItem = 15ULL << 40, kHoleItem = 16ULL << 40;
 
 /// Everything that one pixel's measurement looks at.
 class Pixels {
@@ -55,7 +54,7 @@ class Pixels {
     if (line.wave > 0) {
       wave_height_ = line.wave;
       waves_.emplace(image.width, image.height, line.wave_length_pixel, seed, stream,
-                     kNoiseFieldItem);
+                     kPixelFieldItem);
     }
   }
 

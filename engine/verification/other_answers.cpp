@@ -14,7 +14,7 @@ namespace trivet::engine {
 namespace {
 
 // Answers from here on make a crowd, whatever is asked for: a score must not depend on that.
-constexpr float kAnswer = 0.02F, kReported = 0.8F;
+constexpr float kAnswer = 0.02F, kReportedUsually = 0.8F;
 // By the scenes of scripts/calibrate with drawn sensors, 748 right and 103 wrong detections of 0.8
 // and more; the log loss of all answers from 0.02 falls from 0.278 to 0.197, and to 0.193 with
 // siblings.
@@ -27,7 +27,7 @@ constexpr double kNoted = 0.1;              // of the candidate's share; with le
 constexpr std::size_t kPosesOfSibling = 2;  // best ones, compared
 
 SelectOptions down_to_answers(SelectOptions options) {
-  options.min_score = kReported;
+  options.min_score = kReportedUsually;
   options.doubtful_score = kAnswer;
   options.max_instances = std::numeric_limits<std::uint32_t>::max();
   return options;

@@ -27,7 +27,7 @@ constexpr float kSameAxis = 0.99F;  // cosine
 // 670 right ones and 48 of 143 wrong ones.
 constexpr float kOddsOfStrangeAlternative = 0.4F;
 
-double log_odds(float probability) noexcept {
+double alternative_odds(float probability) noexcept {
   constexpr double kLeast = 1e-6;
   const double p = std::clamp(static_cast<double>(probability), kLeast, 1 - kLeast);
   return std::log(p / (1 - p));
@@ -124,7 +124,8 @@ class AmbiguityTest {
     // Edges that lie beside their places may speak for a turn that the whole test speaks against.
     const bool doubtful = tester_.scene().sensor.correlation > 0 &&
                           compare(turned.T_scene_model, candidate).log_ratio +
-                                  log_odds(turned.score) - log_odds(candidate.score) <
+                                  alternative_odds(turned.score) -
+                                  alternative_odds(candidate.score) <
                               0;
     if (doubtful && far) {
       turns.others.insert(turns.others.begin(), turns.best);

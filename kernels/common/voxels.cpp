@@ -63,7 +63,7 @@ VoxelLattice fit_lattice(PointsView points, double cell) {
 
 namespace {
 
-constexpr std::size_t kBlock = 256;  // points numbered at a time
+constexpr std::size_t kNumbered = 256;  // points numbered at a time
 constexpr std::uint64_t kNoVoxel = ~std::uint64_t{0};
 constexpr double kMaxFast = 4503599627370496.0;  // 2^52
 constexpr std::uint64_t kLowBits = (std::uint64_t{1} << 52) - 1;
@@ -89,10 +89,10 @@ void number_voxels(const VoxelLattice& lattice, std::size_t n, const float* __re
 
 /// Sort runs of consecutive points of one voxel.
 void sort_runs(PointsView points, const VoxelLattice& lattice, Voxels& out, VoxelScratch& scratch) {
-  std::array<std::uint64_t, kBlock> numbers;
+  std::array<std::uint64_t, kNumbered> numbers;
   std::uint64_t last = kNoVoxel;
-  for (std::size_t begin = 0; begin < points.size(); begin += kBlock) {
-    const std::size_t n = std::min(kBlock, points.size() - begin);
+  for (std::size_t begin = 0; begin < points.size(); begin += kNumbered) {
+    const std::size_t n = std::min(kNumbered, points.size() - begin);
     number_voxels(lattice, n, &points.x[begin], &points.y[begin], &points.z[begin], numbers.data());
     for (std::size_t k = 0; k < n; ++k) {
       const auto i = static_cast<std::uint32_t>(begin + k);

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::uint32_t kNone = 0xFFFF'FFFFU;
+constexpr std::uint32_t kNoCorner = 0xFFFF'FFFFU;
 // A triangle may turn by up to 60 degrees, and may become this thin (1: equilateral).
 constexpr double kMinTurnCosine = 0.5;
 constexpr double kMinQuality = 0.02;
@@ -58,7 +58,8 @@ struct Quadric {
 struct Vertex {
   Vector3d place;
   Quadric quadric;
-  std::uint32_t first_corner = kNone, last_corner = kNone;  // list of its triangles' corners
+  std::uint32_t first_corner = kNoCorner,
+                last_corner = kNoCorner;  // list of its triangles' corners
   std::uint32_t changes = 0;  // edges that were rated before the last one are out of date
   bool border = false, fixed = false, alive = true;
 };
@@ -90,7 +91,7 @@ class Decimation {
         triangles_.push_back(corners);
     }
     num_triangles_ = triangles_.size();
-    next_corner_.assign(3 * num_triangles_, kNone);
+    next_corner_.assign(3 * num_triangles_, kNoCorner);
     add_planes();
     for (std::uint32_t c = 0; c < next_corner_.size(); ++c) append(vertices_[vertex(c)], c, c);
     add_edges();
@@ -110,14 +111,14 @@ class Decimation {
   }
 
   Mesh result() const {
-    std::vector<std::uint32_t> index(vertices_.size(), kNone);
+    std::vector<std::uint32_t> index(vertices_.size(), kNoCorner);
     for (const Corners& corners : triangles_) {
       if (!is_alive(corners)) continue;
       for (const std::uint32_t i : corners) index[i] = 0;
     }
     Mesh mesh;
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      if (index[i] == kNone) continue;
+      if (index[i] == kNoCorner) continue;
       index[i] = static_cast<std::uint32_t>(mesh.vertices.size());
       mesh.vertices.push_back((vertices_[i].place + origin_).cast<float>());
     }
@@ -128,7 +129,7 @@ class Decimation {
   }
 
  private:
-  static bool is_alive(const Corners& corners) { return corners[0] != kNone; }
+  static bool is_alive(const Corners& corners) { return corners[0] != kNoCorner; }
   static bool holds(const Corners& corners, std::uint32_t vertex) {
     return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
   }
@@ -145,13 +146,13 @@ class Decimation {
   /// Call body(triangle's corners) for the triangles about a vertex.
   template <class Body>
   void for_triangles(const Vertex& v, Body&& body) {
-    for (std::uint32_t c = v.first_corner; c != kNone; c = next_corner_[c]) {
+    for (std::uint32_t c = v.first_corner; c != kNoCorner; c = next_corner_[c]) {
       if (is_alive(triangles_[c / 3])) body(triangles_[c / 3]);
     }
   }
   void append(Vertex& v, std::uint32_t first, std::uint32_t last) {
-    if (first == kNone) return;
-    if (v.first_corner == kNone) {
+    if (first == kNoCorner) return;
+    if (v.first_corner == kNoCorner) {
       v.first_corner = first;
     } else {
       next_corner_[v.last_corner] = first;
@@ -278,11 +279,11 @@ class Decimation {
 
   void collapse(std::uint32_t i, std::uint32_t j, const Vector3d& place) {
     Vertex &u = vertices_[i], &v = vertices_[j];
-    for (std::uint32_t c = v.first_corner; c != kNone; c = next_corner_[c]) {
+    for (std::uint32_t c = v.first_corner; c != kNoCorner; c = next_corner_[c]) {
       Corners& corners = triangles_[c / 3];
       if (!is_alive(corners)) continue;
       if (holds(corners, i)) {
-        corners[0] = kNone;
+        corners[0] = kNoCorner;
         --num_triangles_;
       } else {
         corners[c % 3] = i;
@@ -308,10 +309,10 @@ class Decimation {
 
   void drop_dead_corners(Vertex& v) {
     const std::uint32_t first = v.first_corner;
-    v.first_corner = v.last_corner = kNone;
-    for (std::uint32_t c = first, next; c != kNone; c = next) {
+    v.first_corner = v.last_corner = kNoCorner;
+    for (std::uint32_t c = first, next; c != kNoCorner; c = next) {
       next = next_corner_[c];
-      next_corner_[c] = kNone;
+      next_corner_[c] = kNoCorner;
       if (is_alive(triangles_[c / 3])) append(v, c, c);
     }
   }
@@ -319,7 +320,7 @@ class Decimation {
   Vector3d origin_{0, 0, 0};
   double mean_area_ = 0;
   std::vector<Vertex> vertices_;
-  std::vector<Corners> triangles_;          // first corner kNone: gone
+  std::vector<Corners> triangles_;          // first corner kNoCorner: gone
   std::vector<std::uint32_t> next_corner_;  // of one vertex; corner 3 t + k
   std::vector<std::uint32_t> marks_;        // per vertex: the last question that met it
   std::uint32_t last_mark_ = 0;

@@ -15,7 +15,6 @@ namespace {
 using Place = std::array<std::int32_t, 3>;  // on the lattice
 __extension__ using Int128 = __int128;      // the predicates stay below 2^121
 
-constexpr std::uint32_t kNone = Tetrahedron::kNone;
 constexpr std::int32_t kSteps = 1 << 20;
 // A tetrahedron that holds the lattice, at least its size away.
 constexpr std::array<Place, 4> kFarCorners{{{-kSteps, -kSteps, -kSteps},
@@ -120,8 +119,10 @@ class Insertion {
     places_.insert(places_.end(), kFarCorners.begin(), kFarCorners.end());
     const auto n = static_cast<std::uint32_t>(num_places);
     tetrahedra_.reserve(7 * num_places + 64);
-    tetrahedra_.push_back({{n, n + 1, n + 2, n + 3}, {kNone, kNone, kNone, kNone}});
-    visited_.assign(1, kNone);
+    tetrahedra_.push_back(
+        {{n, n + 1, n + 2, n + 3},
+         {Tetrahedron::kNone, Tetrahedron::kNone, Tetrahedron::kNone, Tetrahedron::kNone}});
+    visited_.assign(1, Tetrahedron::kNone);
   }
 
   void insert(std::uint32_t v, const Place& place) {
@@ -141,17 +142,17 @@ class Insertion {
 
   /// Walk towards a place, from the tetrahedron that was made last.
   std::uint32_t locate(const Place& p) const {
-    std::uint32_t at = last_, from = kNone;
+    std::uint32_t at = last_, from = Tetrahedron::kNone;
     for (;;) {
       const Tetrahedron& t = tetrahedra_[at];
-      std::uint32_t next = kNone;
-      for (std::size_t k = 0; k < 4 && next == kNone; ++k) {
-        if (t.across[k] == kNone || t.across[k] == from) continue;
+      std::uint32_t next = Tetrahedron::kNone;
+      for (std::size_t k = 0; k < 4 && next == Tetrahedron::kNone; ++k) {
+        if (t.across[k] == Tetrahedron::kNone || t.across[k] == from) continue;
         std::array<const Place*, 4> c{&place(t, 0), &place(t, 1), &place(t, 2), &place(t, 3)};
         c[k] = &p;
         if (orientation(*c[0], *c[1], *c[2], *c[3]) < 0) next = t.across[k];
       }
-      if (next == kNone) return at;
+      if (next == Tetrahedron::kNone) return at;
       from = at;
       at = next;
     }
@@ -173,8 +174,8 @@ class Insertion {
     for (std::size_t i = 0; i < cavity_.size(); ++i) {
       for (std::uint32_t k = 0; k < 4; ++k) {
         const std::uint32_t next = tetrahedra_[cavity_[i]].across[k];
-        if (next != kNone && visited_[next] == v) continue;
-        if (next != kNone && conflicts(next, p)) {
+        if (next != Tetrahedron::kNone && visited_[next] == v) continue;
+        if (next != Tetrahedron::kNone && conflicts(next, p)) {
           visited_[next] = v;
           cavity_.push_back(next);
         } else {
@@ -194,7 +195,7 @@ class Insertion {
       const std::uint32_t outside = t.across[face.corner];
       t.corner[face.corner] = v;
       tetrahedra_.push_back(t);
-      if (outside != kNone)
+      if (outside != Tetrahedron::kNone)
         *std::ranges::find(tetrahedra_[outside].across, face.tetrahedron) = made;
       tetrahedra_[face.tetrahedron].across[face.corner] = made;  // for the turns below
     }
@@ -225,15 +226,15 @@ class Insertion {
 
   /// Close the gaps that the old tetrahedra leave, from the highest on, with the last ones.
   void reuse() {
-    visited_.resize(tetrahedra_.size(), kNone);
+    visited_.resize(tetrahedra_.size(), Tetrahedron::kNone);
     std::ranges::sort(cavity_, std::greater());
     for (const std::uint32_t gap : cavity_) {
       const auto moved = static_cast<std::uint32_t>(tetrahedra_.size() - 1);
       if (gap != moved) {
         for (const std::uint32_t next : tetrahedra_[moved].across)
-          if (next != kNone) *std::ranges::find(tetrahedra_[next].across, moved) = gap;
+          if (next != Tetrahedron::kNone) *std::ranges::find(tetrahedra_[next].across, moved) = gap;
         tetrahedra_[gap] = tetrahedra_[moved];
-        visited_[gap] = kNone;
+        visited_[gap] = Tetrahedron::kNone;
       }
       tetrahedra_.pop_back();
     }

@@ -20,7 +20,6 @@ namespace {
 using Eigen::Vector3d;
 using Corners = std::array<std::uint32_t, 3>;
 
-constexpr std::uint32_t kNone = Tetrahedron::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSpacingNeighbors = 8;
 // How much more of the outside lies on one side of a point than on the other; 1: half a ball.
@@ -34,7 +33,7 @@ std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
 
 /// A face of a tetrahedron: the one opposite a corner.
 struct Facet {
-  std::uint32_t tetrahedron = kNone, corner = 0;
+  std::uint32_t tetrahedron = Tetrahedron::kNone, corner = 0;
 };
 
 /// What a boundary edge of the surface may grow by.
@@ -156,7 +155,7 @@ std::vector<std::uint8_t> find_outside(const Faces& faces) {
     reached.pop_back();
     for (std::uint32_t k = 0; k < 4; ++k) {
       const std::uint32_t next = tetrahedra[t].across[k];
-      if (next == kNone || is_outside[next] != 0) continue;
+      if (next == Tetrahedron::kNone || is_outside[next] != 0) continue;
       if (faces.empty_radius(faces.corners({t, k}), {t, k}) < kInfinity) continue;
       is_outside[next] = 1;
       reached.push_back(next);
@@ -263,7 +262,8 @@ class Front {
     std::vector<Candidate> seeds;
     for (std::uint32_t t = 0; t < tetrahedra_.size(); ++t) {
       for (std::uint32_t k = 0; k < 4; ++k) {
-        if (tetrahedra_[t].across[k] == kNone || tetrahedra_[t].across[k] < t) continue;
+        if (tetrahedra_[t].across[k] == Tetrahedron::kNone || tetrahedra_[t].across[k] < t)
+          continue;
         Corners c = faces_.corners({t, k});
         if (!std::ranges::all_of(c, [&](auto v) { return faces_.is_place(v); })) continue;
         if (!agrees(c, min_flat_)) std::swap(c[1], c[2]);
@@ -300,7 +300,7 @@ class Front {
   /// Offer the best face that the surface may grow by at its boundary edge from -> to.
   void propose(std::uint32_t from, std::uint32_t to) {
     const Facet start = edges_.find(edge_key(from, to))->second.facet;
-    if (start.tetrahedron == kNone) return;  // the edge may be in no tetrahedron
+    if (start.tetrahedron == Tetrahedron::kNone) return;  // the edge may be in no tetrahedron
     Candidate best{-kInfinity, {}, {}};
     double best_radius = kInfinity;
     // Turn about the edge through all tetrahedra. The surface's own face comes last.

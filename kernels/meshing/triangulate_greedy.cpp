@@ -19,8 +19,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::uint32_t kNone = 0xFFFFFFFF;
-constexpr std::size_t kSpacingNeighbors = 8;
+constexpr std::uint32_t kNoWedge = 0xFFFFFFFF;
+constexpr std::size_t kFanNeighbors = 8;
 // Height of a neighbor over the tangent plane, in spacings: what noise of 0.4 spacings leaves to
 // 98 of 100 points, and joins no sheets that are two spacings apart.
 constexpr double kMaxHeight = 1;
@@ -45,19 +45,19 @@ class Fans {
     std::uint32_t next;  // of the same point
   };
 
-  explicit Fans(std::size_t n) : first_(n, kNone), num_borders_(n, 0) { wedges_.reserve(6 * n); }
+  explicit Fans(std::size_t n) : first_(n, kNoWedge), num_borders_(n, 0) { wedges_.reserve(6 * n); }
 
-  bool is_empty(std::uint32_t v) const { return first_[v] == kNone; }
+  bool is_empty(std::uint32_t v) const { return first_[v] == kNoWedge; }
   /// Whether triangles are all around a point.
   bool is_closed(std::uint32_t v) const { return !is_empty(v) && num_borders_[v] == 0; }
 
   template <class Visit>
   void visit(std::uint32_t v, Visit&& visit) const {
-    for (std::uint32_t w = first_[v]; w != kNone; w = wedges_[w].next) visit(wedges_[w]);
+    for (std::uint32_t w = first_[v]; w != kNoWedge; w = wedges_[w].next) visit(wedges_[w]);
   }
   template <class Condition>
   bool any(std::uint32_t v, Condition&& condition) const {
-    for (std::uint32_t w = first_[v]; w != kNone; w = wedges_[w].next) {
+    for (std::uint32_t w = first_[v]; w != kNoWedge; w = wedges_[w].next) {
       if (condition(wedges_[w])) return true;
     }
     return false;
@@ -201,7 +201,7 @@ Result<void> Growth::measure() {
   for (const std::uint32_t i : order) places.push_back(points_[i]);
 
   spacings_.assign(points_.size(), 0);
-  const std::size_t n = places.size(), k = std::min(2 * kSpacingNeighbors + 1, n);
+  const std::size_t n = places.size(), k = std::min(2 * kFanNeighbors + 1, n);
   if (n < 3) return {};
   const Result<NearestNeighbors> tree = NearestNeighbors::build(places);
   if (!tree) return tree.error();
@@ -214,7 +214,7 @@ Result<void> Growth::measure() {
   // The other side of a thin wall does not count.
   const auto visit_alike = [&](std::size_t i, auto&& visit) {
     std::size_t num_alike = 0;
-    for (std::size_t j = 1; j < k && num_alike < kSpacingNeighbors; ++j) {
+    for (std::size_t j = 1; j < k && num_alike < kFanNeighbors; ++j) {
       if (are_alike(order[i], order[nearest[k * i + j]]))
         visit(nearest[k * i + j], squared[k * i + j], ++num_alike);
     }

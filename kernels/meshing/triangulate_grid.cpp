@@ -10,7 +10,7 @@ namespace trivet::kernels {
 namespace {
 
 using Eigen::Vector3d;
-using Corners = std::array<std::int32_t, 3>;
+using GridCorners = std::array<std::int32_t, 3>;
 
 constexpr double kNoiseSigmas = 3;  // that an edge or slope may owe to noise
 
@@ -33,7 +33,7 @@ class Judge {
 
   /// Twice the area that the sensor sees of a triangle, times its distance: positive if it sees the
   /// front.
-  double seen(const Corners& c) const {
+  double seen(const GridCorners& c) const {
     const Vector3d a = sight(c[0]);
     return -(sight(c[1]) - a).cross(sight(c[2]) - a).dot(a);
   }
@@ -48,7 +48,7 @@ class Judge {
   }
 
   /// Whether a triangle slopes away from the sensor more than the options and the noise explain.
-  bool grazes(const Corners& c) const {
+  bool grazes(const GridCorners& c) const {
     const Vector3d a = sight(c[0]), b = sight(c[1]), d = sight(c[2]);
     const Vector3d to_sensor = -(a + b + d);
     const Vector3d normal = (b - a).cross(d - a);
@@ -93,13 +93,13 @@ void visit_triangles(const PixelGrid& grid, const Judge& judge, Visit&& visit) {
       }
       if (num_empty > 1) continue;
       if (num_empty == 1) {
-        visit(Corners{p[(empty + 1) % 4], p[(empty + 2) % 4], p[(empty + 3) % 4]});
+        visit(GridCorners{p[(empty + 1) % 4], p[(empty + 2) % 4], p[(empty + 3) % 4]});
         continue;
       }
       const bool odd = (judge.sight(p[3]) - judge.sight(p[1])).squaredNorm() <
                        (judge.sight(p[2]) - judge.sight(p[0])).squaredNorm();
-      visit(odd ? Corners{p[0], p[1], p[3]} : Corners{p[0], p[1], p[2]});
-      visit(odd ? Corners{p[1], p[2], p[3]} : Corners{p[2], p[3], p[0]});
+      visit(odd ? GridCorners{p[0], p[1], p[3]} : GridCorners{p[0], p[1], p[2]});
+      visit(odd ? GridCorners{p[1], p[2], p[3]} : GridCorners{p[2], p[3], p[0]});
     }
   }
 }
@@ -116,7 +116,7 @@ Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
   // All triangles are wound as most of them face the sensor. One that then faces away is seen from
   // behind, which no surface is: to turn it alone would tear it from its neighbors.
   std::int64_t balance = 0;
-  visit_triangles(grid, judge, [&](const Corners& c) {
+  visit_triangles(grid, judge, [&](const GridCorners& c) {
     const double seen = judge.seen(c);
     balance += (seen > 0) - (seen < 0);
   });
@@ -124,7 +124,7 @@ Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
 
   GridTriangulationStats count;
   Triangles triangles;
-  visit_triangles(grid, judge, [&](Corners c) {
+  visit_triangles(grid, judge, [&](GridCorners c) {
     if (mirrored) std::swap(c[1], c[2]);
     if (judge.jumps(c[0], c[1]) || judge.jumps(c[1], c[2]) || judge.jumps(c[2], c[0])) {
       ++count.num_jumps;

@@ -32,10 +32,10 @@ SolidSample smooth_minimum(const SolidSample& a, const SolidSample& b, float rad
           low.gradient + overlap / 2 * (high.gradient - low.gradient)};
 }
 
-struct Motion {
+struct Placement {
   Eigen::Map<const Matrix3f> rotation;
   Eigen::Map<const Vector3f> translation;
-  explicit Motion(const Values& v) : rotation(v.data()), translation(v.data() + 9) {}
+  explicit Placement(const Values& v) : rotation(v.data()), translation(v.data() + 9) {}
 };
 
 /// The turn about z that takes a point to the sector of the first copy, and its side there.
@@ -158,7 +158,7 @@ SolidSample Solid::evaluate(const Node*& node, const Vector3f& p) noexcept {
       return {-a.distance, -a.gradient};
     }
     case Kind::motion: {
-      const Motion inverse(here.values);
+      const Placement inverse(here.values);
       const SolidSample a = evaluate(node, inverse.rotation * p + inverse.translation);
       return {a.distance, inverse.rotation.transpose() * a.gradient};
     }
@@ -229,7 +229,7 @@ float Solid::restrict_node(const Node*& node, const Vector3f& p, float radius,
     case Kind::complement:
       return -restrict_node(node, p, radius, out);
     case Kind::motion: {
-      const Motion inverse(here.values);
+      const Placement inverse(here.values);
       return restrict_node(node, inverse.rotation * p + inverse.translation, radius, out);
     }
     case Kind::mirror_x:

@@ -4,16 +4,12 @@
 #include <cassert>
 #include <cstring>
 
+#include "kernels/spin_images/byte_products.hpp"
 #include "storage/simd.hpp"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
 
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kUsualStride = 64;  // of 60 components: a loop that the compiler unrolls
 constexpr std::size_t kBlock = 16;
 
 /// Each byte is a loop that the compiler unrolls where the stride is known.
@@ -58,13 +54,6 @@ void find_norms(const std::uint8_t* __restrict codes, std::size_t stride, std::s
 
 #if defined(__x86_64__)
 
-bool has_byte_products() noexcept {
-  static const bool has =
-      __builtin_cpu_supports("avx512vnni") != 0 && __builtin_cpu_supports("avx512bw") != 0;
-  return has;
-}
-
-#define TRIVET_BYTE_PRODUCTS __attribute__((target("avx512f,avx512bw,avx512vnni")))
 #pragma GCC diagnostic push  // GCC 12 warns of its own intrinsics
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 

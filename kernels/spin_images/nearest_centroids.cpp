@@ -6,16 +6,13 @@
 #include <cstring>
 #include <limits>
 
+#include "kernels/spin_images/byte_products.hpp"
 #include "kernels/spin_images/code_index.hpp"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
 
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kBlock = 64;          // codes that are compared with a centroid at a time
+constexpr std::size_t kCodes = 64;          // codes that are compared with a centroid at a time
 constexpr std::size_t kFewCentroids = 256;  // that stay in the first cache with their distances
 
 /// One code after the other, on any processor.
@@ -24,7 +21,7 @@ void nearest_one_by_one(std::span<const std::uint8_t> codes, std::size_t stride,
                         std::span<const std::int32_t> norms,
                         std::span<std::uint32_t> nearest) noexcept {
   std::array<std::uint32_t, kFewCentroids> distances;
-  std::array<std::uint32_t, kBlock> least;
+  std::array<std::uint32_t, kCodes> least;
   least.fill(std::numeric_limits<std::uint32_t>::max());
   for (std::size_t first = 0; first < norms.size(); first += kFewCentroids) {
     const std::size_t count = std::min(kFewCentroids, norms.size() - first);
@@ -43,21 +40,14 @@ void nearest_one_by_one(std::span<const std::uint8_t> codes, std::size_t stride,
 
 #if defined(__x86_64__)
 
-constexpr std::size_t kUsualStride = 64;           // of 60 components
 constexpr std::size_t kLanes = 16;                 // numbers in a vector
 constexpr std::size_t kQuads = kUsualStride / 4;   // four bytes of a code make one number
-constexpr std::size_t kVectors = kBlock / kLanes;  // that hold one quad of each code
+constexpr std::size_t kVectors = kCodes / kLanes;  // that hold one quad of each code
 constexpr std::size_t kTile = 6;                   // centroids: 24 sums stay in registers
-
-bool has_byte_products() noexcept {
-  static const bool has =
-      __builtin_cpu_supports("avx512vnni") != 0 && __builtin_cpu_supports("avx512bw") != 0;
-  return has;
-}
 
 /// The bytes of 64 codes less 128, quad by quad: a vector has that of sixteen codes.
 struct alignas(64) Quads {
-  std::array<std::array<std::uint32_t, kBlock>, kQuads> of;
+  std::array<std::array<std::uint32_t, kCodes>, kQuads> of;
 };
 
 void fill(Quads& quads, std::span<const std::uint8_t> codes) noexcept {
@@ -71,7 +61,6 @@ void fill(Quads& quads, std::span<const std::uint8_t> codes) noexcept {
   }
 }
 
-#define TRIVET_BYTE_PRODUCTS __attribute__((target("avx512f,avx512bw,avx512vnni")))
 #pragma GCC diagnostic push  // GCC 12 warns of its own intrinsics
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
@@ -140,7 +129,7 @@ TRIVET_BYTE_PRODUCTS void nearest_by_products(std::span<const std::uint8_t> code
     compare<kTile>(quads, centroids.data(), norms.data(), first, best);
   for (; first < norms.size(); ++first)
     compare<1>(quads, centroids.data(), norms.data(), first, best);
-  alignas(64) std::array<std::uint32_t, kBlock> index;
+  alignas(64) std::array<std::uint32_t, kCodes> index;
   for (std::size_t v = 0; v < kVectors; ++v)
     _mm512_store_si512(index.data() + v * kLanes, best.index[v]);
   std::ranges::copy(std::span(index).first(nearest.size()), nearest.begin());
@@ -167,8 +156,8 @@ void nearest_centroids(std::span<const std::uint8_t> codes, std::size_t stride,
                        std::span<const std::uint8_t> centroids, std::span<const std::int32_t> norms,
                        std::span<std::uint32_t> nearest) noexcept {
   assert(codes.size() == nearest.size() * stride && centroids.size() == norms.size() * stride);
-  for (std::size_t first = 0; first < nearest.size(); first += kBlock) {
-    const std::size_t count = std::min(kBlock, nearest.size() - first);
+  for (std::size_t first = 0; first < nearest.size(); first += kCodes) {
+    const std::size_t count = std::min(kCodes, nearest.size() - first);
     nearest_of_block(codes.subspan(first * stride, count * stride), stride, centroids, norms,
                      nearest.subspan(first, count));
   }

@@ -14,11 +14,11 @@ namespace trivet::kernels {
 namespace {
 
 constexpr std::size_t kSurfaceSamples = 1000;
-constexpr std::size_t kQueries = 128;   // of the other shape
-constexpr float kLike = 0.09F;          // deviations along two axes that may be one [diameters]
-constexpr float kEven = 0.12F;          // share by which deviations across an even axis differ
-constexpr int kStepsAQuarter = 6;       // of turns about such an axis
-constexpr float kOtherRotation = 0.4F;  // [rad]
+constexpr std::size_t kAlignQueries = 128;  // of the other shape
+constexpr float kLike = 0.09F;              // deviations along two axes that may be one [diameters]
+constexpr float kEven = 0.12F;              // share by which deviations across an even axis differ
+constexpr int kStepsAQuarter = 6;           // of turns about such an axis
+constexpr float kOtherRotation = 0.4F;      // [rad]
 constexpr float kNearlyAsNear = 1.3F, kAsNear = 0.001F;  // factor; [diameters]
 constexpr std::size_t kMostRotations = 2;
 
@@ -89,7 +89,7 @@ std::vector<Eigen::Matrix3f> ShapeAligner::likely_rotations(const ShapeFrame& ot
 std::vector<ShapeAligner::Alignment> ShapeAligner::align(PointsView points,
                                                          const ShapeFrame& frame) const {
   // In the other's principal frame, in diameters.
-  const std::size_t n = std::min(points.size(), kQueries);
+  const std::size_t n = std::min(points.size(), kAlignQueries);
   Points queries;
   for (std::size_t i = 0; i < n; ++i)
     queries.push_back(frame.axes.transpose() * (points[i] - frame.center) / diameter_);

@@ -14,13 +14,14 @@
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/surfaces/visibility.hpp"
+#include "kernels/symmetry/angles.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
 
 namespace trivet::kernels {
 namespace {
 
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
-constexpr std::size_t kMinSamples = 200;
+constexpr std::size_t kMinSurface = 200;
 constexpr int kNumTurns = 10000;            // 8 degrees apart; refinement reaches 20 and more
 constexpr float kMaxScreen = 0.045F;        // of TurnScreen's score, which is capped at 0.06
 constexpr std::size_t kMaxCompared = 2000;  // rotations that are compared with each other
@@ -46,10 +47,9 @@ constexpr float kMaxAxisScreen = 0.04F;
 // An axis is refined by few turns, as long as they keep more of few samples.
 constexpr int kMaxRounds = 4;
 constexpr std::size_t kFewTurns = 5, kAxisQueries = 200;
-constexpr float kSameAxis = 0.99F;          // cosine
-constexpr float kGoldenAngle = 2.3999632F;  // [rad]; its multiples fall on no regular polygon
-constexpr std::size_t kQuickQueries = 300;  // samples of the first rating
-constexpr std::size_t kQueries = 800;       // ... and of the last
+constexpr float kAlongAxis = 0.99F;         // cosine
+constexpr std::size_t kFirstQueries = 300;  // samples of the first rating
+constexpr std::size_t kLastQueries = 800;   // ... and of the last
 
 /// The k-th of kNumTurns rotations.
 Eigen::Matrix3f spread_turn(int k) {
@@ -70,10 +70,10 @@ const std::vector<Eigen::Matrix3f>& spread_turns() {
   return turns;
 }
 
-class Search {
+class NearSearch {
  public:
-  Search(const ModelSamples& samples, const SampledSurface& surface, const TurnScreen& screen,
-         const Symmetry& symmetry)
+  NearSearch(const ModelSamples& samples, const SampledSurface& surface, const TurnScreen& screen,
+             const Symmetry& symmetry)
       : samples_(samples), surface_(surface), screen_(screen), symmetry_(symmetry) {}
 
   NearSymmetries run() {
@@ -103,10 +103,10 @@ class Search {
       if (is_identity(reached) || std::ranges::any_of(seen, same) || turns_about(axis, reached))
         continue;
       seen.push_back(reached);
-      if (alike(motion, kQuickQueries) < kMinAlike - 0.1F) continue;
+      if (alike(motion, kFirstQueries) < kMinAlike - 0.1F) continue;
       motion = surface_.refine(motion, 200, 3);
       const Pose alternative = surface_.to_model(motion);
-      const float rating = alike(motion, kQueries);
+      const float rating = alike(motion, kLastQueries);
       if (rating >= kMinAlike && !is_identity(alternative) && is_best_around(motion))
         alternatives.push_back({rating, alternative});
     }
@@ -139,7 +139,7 @@ class Search {
         axis = refine_axis(surface_, axis, std::span(angles).first(kFewTurns));
         before = std::exchange(now, least_kept(axis, angles, kAxisQueries, 0));
       }
-      const float worst = least_kept(axis, angles, kQueries, best);
+      const float worst = least_kept(axis, angles, kLastQueries, best);
       if (worst <= best) continue;
       best = worst;
       found = Symmetry::Axis{axis.direction, surface_.to_model(axis.point)};
@@ -163,7 +163,7 @@ class Search {
     std::vector<Eigen::Vector3f> directions;
     const auto add = [&](const Eigen::Vector3f& direction) {
       const auto same = [&](const Eigen::Vector3f& other) {
-        return std::abs(other.dot(direction)) > kSameAxis;
+        return std::abs(other.dot(direction)) > kAlongAxis;
       };
       if (std::ranges::none_of(directions, same)) directions.push_back(direction);
     };
@@ -173,7 +173,7 @@ class Search {
   }
 
   static bool turns_about(const std::optional<Symmetry::Axis>& axis, const Pose& motion) {
-    return axis && axis->direction.dot(motion.linear() * axis->direction) > kSameAxis;
+    return axis && axis->direction.dot(motion.linear() * axis->direction) > kAlongAxis;
   }
 
   static void best_first(std::vector<Rated>& motions) {
@@ -272,13 +272,13 @@ class Search {
   /// any turn about their normals, refinement does not see why one should be better.
   bool is_best_around(const Pose& motion) {
     const Eigen::Matrix3f axes = screen_.principal_axes();
-    const float limit = alike(motion, kQuickQueries) + kBetter;
+    const float limit = alike(motion, kFirstQueries) + kBetter;
     for (int axis = 0; axis < 3; ++axis) {
       for (const float angle : {-kAround, kAround}) {
         const Eigen::Vector3f turn = angle * axes.col(axis);
         const Pose beside =
             small_motion(turn, Eigen::Vector3f::Zero(), motion.translation()) * motion;
-        if (alike(beside, kQuickQueries) > limit) return false;
+        if (alike(beside, kFirstQueries) > limit) return false;
       }
     }
     return true;
@@ -311,8 +311,8 @@ class Search {
 NearSymmetries find_near_symmetries(const ModelSamples& samples, const SampledSurface& surface,
                                     const TurnScreen& screen, const Symmetry& symmetry) {
   assert(samples.points.size() == surface.size() && "the surface is that of the samples");
-  if (surface.size() < kMinSamples) return {};
-  return Search(samples, surface, screen, symmetry).run();
+  if (surface.size() < kMinSurface) return {};
+  return NearSearch(samples, surface, screen, symmetry).run();
 }
 
 }  // namespace trivet::kernels

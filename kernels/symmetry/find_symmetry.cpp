@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "kernels/symmetry/angles.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
 
 namespace trivet::kernels {
@@ -17,9 +18,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kGoldenAngle =
-    2.3999632F;  // pi (3 - sqrt 5): its multiples fall on no regular polygon
 constexpr std::size_t kMinSamples = 200;
 constexpr int kMaxOrder = 64;  // finer teeth are a continuous axis to within the tolerance
 constexpr std::size_t kMaxGroup = 128;
@@ -103,9 +101,9 @@ class Search {
 
   /// The axis as several turns see it, if all those turns are symmetries.
   std::optional<Axis> refine_free_axis(const Axis& axis) const {
-    constexpr int kNumTurns = 4;
-    std::array<float, kNumTurns> angles;
-    for (int k = 0; k < kNumTurns; ++k) {
+    constexpr int kNumTried = 4;
+    std::array<float, kNumTried> angles;
+    for (int k = 0; k < kNumTried; ++k) {
       angles[static_cast<std::size_t>(k)] =
           std::remainder(kGoldenAngle * static_cast<float>(k + 1), 2 * kPi);
     }

@@ -9,7 +9,7 @@ using Eigen::Vector3f;
 
 namespace {
 
-constexpr std::size_t kRefineQueries = 200;
+constexpr std::size_t kTurnQueries = 200;
 constexpr float kMinAlong = 0.9F;  // cosine: a turn that refinement led elsewhere says nothing
 
 }  // namespace
@@ -36,7 +36,7 @@ Symmetry::Axis refine_axis(const SampledSurface& surface, const Symmetry::Axis& 
   Vector3f direction = Vector3f::Zero(), point = Vector3f::Zero();
   float weights = 0;
   for (const float angle : angles) {
-    const Symmetry::Axis seen = axis_of(surface.refine(turn_about(axis, angle), kRefineQueries, 2));
+    const Symmetry::Axis seen = axis_of(surface.refine(turn_about(axis, angle), kTurnQueries, 2));
     const Vector3f seen_direction = seen.direction;
     const float along = seen_direction.dot(axis.direction);
     if (!(std::abs(along) > kMinAlong)) continue;

@@ -9,16 +9,16 @@
 #include <numbers>
 #include <numeric>
 
+#include "kernels/symmetry/angles.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kNumAxes = 3000;           // on a half sphere: 2.6 degrees apart, none farther than 2
 constexpr std::size_t kNumScored = 128;  // samples that are looked up
 constexpr float kMaxScore = 0.022F;
-constexpr float kSameAxis = 0.1F;           // [rad]
+constexpr float kOneAxis = 0.1F;            // [rad]
 constexpr std::size_t kMaxCandidates = 24;  // of one order
 
 /// Lower the numbers of voxels in a row to their distances from a disc; `first` leads from the disc's
@@ -141,7 +141,7 @@ std::vector<TurnScreen::Candidate> TurnScreen::candidates() const {
     for (int k = 0; k < 3; ++k) rate(principal.col(k));
     for (int k = 0; order <= 5 && k < kNumAxes; ++k) {
       const float z = 1 - (static_cast<float>(k) + 0.5F) / kNumAxes;
-      const float r = std::sqrt(1 - z * z), longitude = 2.3999632F * static_cast<float>(k);
+      const float r = std::sqrt(1 - z * z), longitude = kGoldenAngle * static_cast<float>(k);
       rate({r * std::cos(longitude), r * std::sin(longitude), z});
     }
 
@@ -152,7 +152,7 @@ std::vector<TurnScreen::Candidate> TurnScreen::candidates() const {
     for (const Candidate& candidate : rated) {
       if (result.size() - first == kMaxCandidates) break;
       const auto same = [&](const Candidate& other) {
-        return std::abs(other.direction.dot(candidate.direction)) > std::cos(kSameAxis);
+        return std::abs(other.direction.dot(candidate.direction)) > std::cos(kOneAxis);
       };
       if (std::none_of(result.begin() + static_cast<std::ptrdiff_t>(first), result.end(), same)) {
         result.push_back(candidate);

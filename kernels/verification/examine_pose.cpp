@@ -14,13 +14,13 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
+constexpr float kOblique = 0.17F;      // cosine below which a surface is too oblique to be measured
 constexpr int kMargin = 4;             // rays beyond an outline, which no hole of a cloud is wide
 constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
 constexpr int kRounded = 3;            // windows that sensors round a crease over, at most
-constexpr double kFewest = 6;          // residuals of a window that give a slope
-constexpr int kAcross = 3;             // rays around an outline's place that tell its direction
-constexpr float kSameCosine = 0.985F;  // 10 degrees: directions of outlines err by less
+constexpr double kFewestResiduals = 6;  // residuals of a window that give a slope
+constexpr int kAcross = 3;              // rays around an outline's place that tell its direction
+constexpr float kSameCosine = 0.985F;   // 10 degrees: directions of outlines err by less
 // An edge is seen to about a pixel, some twice the noise of depth: squared, a quarter. It weighs
 // the outline's mean, since the outline's share of the pixels falls with the resolution.
 constexpr double kOutlineShare = 0.25;
@@ -90,7 +90,7 @@ class Examiner {
         const float length = ray.norm();
         if (normal.dot(ray) > 0) normal = -normal;
         const float facing = -normal.dot(ray) / length;
-        if (!(facing > kGrazing)) continue;
+        if (!(facing > kOblique)) continue;
 
         const auto [r, pixel] =
             measure_along(image_, u, v, z, length * facing, options_.verify.tolerance);
@@ -149,7 +149,7 @@ class Examiner {
                         std::min(crop_.width - 1, i + half), std::min(crop_.height - 1, j + half));
         const double n = w[0], mean = w[1] / n;
         sums.smooth += mean * mean / (tolerance * tolerance);
-        if (n < kFewest) continue;
+        if (n < kFewestResiduals) continue;
         const SlopeFit fit = fit_slope({n, w[2], w[3], w[4], w[6], w[5], w[1], w[7], w[8]});
         if (!(fit.determinant > 1e-3 * n * n)) continue;
         const double step =

@@ -10,8 +10,8 @@ namespace trivet::kernels {
 namespace {
 
 constexpr double kLowestShare = 0.03, kHighestShare = 0.97;  // of the rows, for the outer knots
-constexpr int kMaxPasses = 400;
-constexpr double kConverged = 1e-5;  // largest step of a pass, in log odds
+constexpr int kFitPasses = 400;
+constexpr double kFitted = 1e-5;  // largest step of a pass, in log odds
 
 std::array<float, ScoreModel::kKnots> knots_of(std::span<const ScoreParts> parts,
                                                std::size_t part) {
@@ -30,7 +30,7 @@ std::array<float, ScoreModel::kKnots> knots_of(std::span<const ScoreParts> parts
 }
 
 /// One ramp's values over all rows, and what coordinate descent knows of its weight.
-struct Coordinate {
+struct FitCoordinate {
   float* weight;
   std::vector<float> ramp;
   bool bounded;      // a weight, not the bias
@@ -49,8 +49,8 @@ std::vector<float> ramp_of(const ScoreModel& model, std::span<const ScoreParts> 
 }
 
 /// One Newton step along a coordinate, within its trust region. Gives the step taken.
-double descend_along(Coordinate& c, std::span<const std::uint8_t> right, double ridge,
-                     std::span<double> log_odds) {
+double fit_along(FitCoordinate& c, std::span<const std::uint8_t> right, double ridge,
+                 std::span<double> log_odds) {
   const double weight = static_cast<double>(*c.weight);
   double gradient = c.bounded ? ridge * weight : 0, curvature = c.bounded ? ridge : 0;
   for (std::size_t i = 0; i < right.size(); ++i) {
@@ -80,7 +80,7 @@ ScoreModel fit_score(std::span<const ScoreParts> parts, std::span<const std::uin
   ScoreModel model;
   for (std::size_t part = 0; part < kCorrelationPart; ++part)
     model.knots[part] = knots_of(parts, part);
-  std::vector<Coordinate> coordinates;
+  std::vector<FitCoordinate> coordinates;
   for (std::size_t errors = 0; errors < model.weights.size(); ++errors) {
     std::vector<float> shares;
     for (const ScoreParts& row : parts) shares.push_back(sensor_shares(row)[errors]);
@@ -94,11 +94,11 @@ ScoreModel fit_score(std::span<const ScoreParts> parts, std::span<const std::uin
     }
   }
   std::vector<double> log_odds(parts.size(), 0);
-  for (int pass = 0; pass < kMaxPasses; ++pass) {
+  for (int pass = 0; pass < kFitPasses; ++pass) {
     double largest = 0;
-    for (Coordinate& c : coordinates)
-      largest = std::max(largest, descend_along(c, right, ridge, log_odds));
-    if (largest < kConverged) break;
+    for (FitCoordinate& c : coordinates)
+      largest = std::max(largest, fit_along(c, right, ridge, log_odds));
+    if (largest < kFitted) break;
   }
   return model;
 }

@@ -12,8 +12,8 @@ namespace {
 
 using Vector8 = ObjectEquations::Vector8;
 
-constexpr float kGrazing = 0.3F;  // cosine below which half a pixel is more than the noise
-constexpr int kBlock = 16;        // [pixel]; errors of real cameras correlate over 8
+constexpr float kCoarsePixel = 0.3F;  // cosine below which half a pixel is more than the noise
+constexpr int kBlock = 16;            // [pixel]; errors of real cameras correlate over 8
 // Instead of a residual.
 constexpr float kEdge = std::numeric_limits<float>::infinity();  // the model ends, or is not seen
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -97,7 +97,8 @@ void gather_object(const RangeImage& image, const RayScene& surface, const Model
       s.normals.set(at, normal.dot(ray) > 0 ? Eigen::Vector3f(-normal) : normal);
       s.residuals[at] =
           residual_at(image, crop.u(i), crop.v(j), s.depths[at], along, depth_factor, options.gate);
-      if (s.residuals[at] != kEdge && !(along > kGrazing * ray.norm())) s.residuals[at] = kUnknown;
+      if (s.residuals[at] != kEdge && !(along > kCoarsePixel * ray.norm()))
+        s.residuals[at] = kUnknown;
     }
   }
 

@@ -42,10 +42,11 @@ float Evidence::score() const noexcept {
 
 namespace {
 
-constexpr float kGrazing = 0.15F;  // cosine below which a surface is too oblique to be measured
+constexpr float kUnmeasurable =
+    0.15F;  // cosine below which a surface is too oblique to be measured
 // Cosine taken where the scene has no normal: below that of a good fit.
 constexpr float kUnknownNormal = 0.8F;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
 /// Cosines between the rays and the surface.
 TRIVET_SIMD_CLONES
@@ -79,7 +80,7 @@ void fit_pixels(const float* __restrict depth, std::int32_t width, std::int32_t 
     const std::int32_t i = index[k], u = column[i], v = row[i], at = v * width + u;
     const float model_depth = z[i], cosine = facing[i];
     const float own_depth = depth[at];
-    const float own = own_depth > 0 ? (own_depth - model_depth) * cosine : kInfinity;
+    const float own = own_depth > 0 ? (own_depth - model_depth) * cosine : kUnreached;
     float best = own;
     std::int32_t best_pixel = at;
     const auto consider = [&](std::int32_t beside) {
@@ -111,7 +112,7 @@ void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen
   for (std::uint32_t k = 0; k < seen.count; ++k) {
     const float r = seen.residual[k];
     const bool background = options.is_background(planes[static_cast<std::size_t>(seen.pixel[k])]);
-    const bool known = r < kInfinity, behind = known & (r > options.tolerance),
+    const bool known = r < kUnreached, behind = known & (r > options.tolerance),
                before = r < -options.tolerance, agrees = known & !behind & !before;
     unknown += !known;
     violation += behind | (before & background);  // nothing reaches through a table
@@ -167,7 +168,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
                   facing.data());
       seen.count = 0;
       for (std::size_t i = 0; i < block.count; ++i) {
-        const bool faces = posed.sees(first + i) & (facing[i] > kGrazing);
+        const bool faces = posed.sees(first + i) & (facing[i] > kUnmeasurable);
         const bool inside = block.column[i] >= 0;
         evidence.outside += faces & !inside;
         seen.index[seen.count] = static_cast<std::int32_t>(i);
@@ -300,7 +301,7 @@ void for_borders(const Outline& filled, std::size_t side, Visit&& visit) {
 /// The depth of the nearest sample in a cell and the eight around it.
 float nearest_around(std::span<const float> depth, std::size_t side, std::size_t u,
                      std::size_t v) noexcept {
-  float z = kInfinity;
+  float z = kUnreached;
   for (const std::size_t row : {v - 1, v, v + 1}) {
     for (const std::size_t column : {u - 1, u, u + 1}) z = std::min(z, depth[row * side + column]);
   }
@@ -324,7 +325,7 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
     if (!(center.z() > samples.diameter * 0.1F)) continue;
     const OutlineGrid grid = grid_around(center, samples.diameter, spacing, geometry);
     const auto side = static_cast<std::size_t>(grid.side);
-    scratch.depth.assign(side * side, kInfinity);
+    scratch.depth.assign(side * side, kUnreached);
     const Outline filled = widened(draw_samples(posed, n, geometry, grid, scratch.depth), side);
 
     // Beyond each border cell of the outline, one cell out, look at the scene.

@@ -25,6 +25,8 @@
 
 namespace trivet {
 
+/// Of scenes, images and objects.
+inline constexpr int kMaxBopId = 999'999'999;
 /// Instances of which less is visible are no targets of BOP, and count neither way.
 inline constexpr double kBopMinVisibleFraction = 0.1;
 

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "storage/datasets/bop.hpp"
 #include "storage/file.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/text.hpp"
@@ -22,7 +23,6 @@ namespace {
 
 constexpr std::string_view kHeader = "scene_id,im_id,obj_id,score,R,t,time";
 constexpr std::uint64_t kMaxBytes = 1ULL << 30;
-constexpr int kMaxId = 999'999'999;
 constexpr double kMaxNumber = 1e9;
 
 /// What is wrong with a line.
@@ -32,7 +32,7 @@ struct Fault {
 
 int parse_id(std::string_view field, const char* name) {
   const auto id = formats::parse_integer(field);
-  if (!id || *id < 0 || *id > kMaxId)
+  if (!id || *id < 0 || *id > kMaxBopId)
     throw Fault{fmt::format("expected a number as {}, found {}", name, formats::quote(field))};
   return static_cast<int>(*id);
 }

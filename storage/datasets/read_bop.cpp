@@ -19,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxId = 999'999'999;
-
 bool is_there(const fs::path& file) {
   std::error_code ignored;
   return fs::exists(file, ignored);
@@ -54,7 +52,7 @@ std::set<int> list_scenes(const fs::path& split) {
   std::set<int> ids;
   for (const std::string& name : list_folders(split)) {
     const auto id = formats::parse_integer(name);
-    if (id && *id >= 0 && *id <= kMaxId && name == fmt::format("{:06}", *id))
+    if (id && *id >= 0 && *id <= kMaxBopId && name == fmt::format("{:06}", *id))
       ids.insert(static_cast<int>(*id));
   }
   return ids;
@@ -121,7 +119,7 @@ Result<fs::path> choose_split(const fs::path& root) {
 /// An id that stands as a key, written in one way only.
 int parse_id(const std::string& key, const JsonNode& node) {
   const auto id = formats::parse_integer(key);
-  if (!id || *id < 0 || *id > kMaxId || key != std::to_string(*id))
+  if (!id || *id < 0 || *id > kMaxBopId || key != std::to_string(*id))
     node.refuse("expected a number as the name of this entry");
   return static_cast<int>(*id);
 }
@@ -154,11 +152,11 @@ using Targets = std::map<int, ImageTargets>;  ///< by scene
 Result<void> add_targets(const fs::path& file, bool with_counts, Targets& targets) {
   return with_json(file, [&](const JsonNode& root) {
     for (const JsonNode& node : root.elements()) {
-      auto& image =
-          targets[node.at("scene_id").integer(0, kMaxId)][node.at("im_id").integer(0, kMaxId)];
+      auto& image = targets[node.at("scene_id").integer(0, kMaxBopId)]
+                           [node.at("im_id").integer(0, kMaxBopId)];
       if (!with_counts || !node.has("obj_id")) continue;
       const int count = node.at("inst_count").integer(1, 10'000);
-      if (!image.emplace(node.at("obj_id").integer(0, kMaxId), count).second)
+      if (!image.emplace(node.at("obj_id").integer(0, kMaxBopId), count).second)
         node.refuse("expected each object of an image once");
     }
   });
@@ -327,7 +325,7 @@ class SceneReader {
   }
 
   TruthInstance parse_truth(const JsonNode& node) const {
-    const auto name = names_.find(node.at("obj_id").integer(0, kMaxId));
+    const auto name = names_.find(node.at("obj_id").integer(0, kMaxBopId));
     if (name == names_.end()) node.at("obj_id").refuse("expected an object of models_info.json");
     TruthInstance truth{name->second, Pose::Identity(), {}, false};
     truth.T_scene_model.linear() = node.at("cam_R_m2c").rotation();

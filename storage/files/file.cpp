@@ -14,6 +14,8 @@
 #include <new>
 #include <system_error>
 
+#include "storage/files/errno_text.hpp"
+
 namespace trivet {
 namespace {
 
@@ -33,11 +35,9 @@ class Descriptor {
   int number_;
 };
 
-std::string reason() { return std::generic_category().message(errno); }
-
 Error cannot_create(const std::filesystem::path& file) {
   return {ErrorCode::cannot_create,
-          fmt::format("{}: cannot be created: {}", file.string(), reason())};
+          fmt::format("{}: cannot be created: {}", file.string(), errno_text())};
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
@@ -74,12 +74,12 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
   if (!descriptor) {
     const bool missing = errno == ENOENT || errno == ENOTDIR;
     return Error{missing ? ErrorCode::missing_input : ErrorCode::io,
-                 fmt::format("{}: cannot be opened: {}", file.string(), reason())};
+                 fmt::format("{}: cannot be opened: {}", file.string(), errno_text())};
   }
 
   struct stat status {};
   if (::fstat(descriptor.get(), &status) != 0) {
-    return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", file.string(), reason())};
+    return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", file.string(), errno_text())};
   }
   if (!S_ISREG(status.st_mode)) {
     return Error{ErrorCode::bad_data,
@@ -96,7 +96,8 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
   if (size == 0) return mapped;
   void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor.get(), 0);
   if (memory == MAP_FAILED) {
-    return Error{ErrorCode::io, fmt::format("{}: cannot be mapped: {}", file.string(), reason())};
+    return Error{ErrorCode::io,
+                 fmt::format("{}: cannot be mapped: {}", file.string(), errno_text())};
   }
   mapped.data_ = {static_cast<const std::byte*>(memory),
                   [memory, size](const std::byte*) { ::munmap(memory, size); }};
@@ -131,7 +132,7 @@ Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
     const ssize_t count = ::read(descriptor, bytes.data() + size, bytes.size() - size);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0)
-      return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", name, reason())};
+      return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", name, errno_text())};
     size += static_cast<std::size_t>(count);
     if (size > max_bytes) {
       return Error{ErrorCode::bad_data,
@@ -160,8 +161,8 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
 
 Result<void> PendingFile::publish() {
   if (::fsync(descriptor_) != 0) {
-    Error error{ErrorCode::io,
-                fmt::format("{}: cannot be brought to the disk: {}", target_.string(), reason())};
+    Error error{ErrorCode::io, fmt::format("{}: cannot be brought to the disk: {}",
+                                           target_.string(), errno_text())};
     discard();
     return error;
   }
@@ -177,7 +178,7 @@ Result<void> PendingFile::publish() {
   const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!parent || (::fsync(parent.get()) != 0 && errno != EINVAL)) {
     return Error{ErrorCode::io,
-                 fmt::format("{}: the folder cannot be synced: {}", folder.string(), reason())};
+                 fmt::format("{}: the folder cannot be synced: {}", folder.string(), errno_text())};
   }
   return {};
 }
@@ -208,7 +209,7 @@ Result<void> publish_file(const std::filesystem::path& file, std::span<const std
   if (!pending) return pending.error();
   if (!write_all(pending->descriptor(), bytes)) {
     return Error{ErrorCode::io, fmt::format("{}: writing {} bytes failed: {}", file.string(),
-                                            bytes.size(), reason())};
+                                            bytes.size(), errno_text())};
   }
   return pending->publish();
 }

@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "storage/file.hpp"
+#include "storage/files/errno_text.hpp"
 
 namespace trivet {
 namespace {
@@ -23,8 +24,6 @@ namespace fs = std::filesystem;
 fs::path lock_of(const fs::path& file) {
   return file.parent_path() / fmt::format(".{}.lock", file.filename().string());
 }
-
-std::string reason() { return std::generic_category().message(errno); }
 
 /// Whether a path still leads to what was opened by it: whoever held the lock removes its file.
 bool is_at(int descriptor, const fs::path& path) {
@@ -63,7 +62,7 @@ Result<FileLock> FileLock::acquire(const fs::path& file) {
     lock.descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (lock.descriptor_ < 0) {
       return Error{ErrorCode::cannot_create,
-                   fmt::format("{}: cannot be created: {}", file.string(), reason())};
+                   fmt::format("{}: cannot be created: {}", file.string(), errno_text())};
     }
     if (::flock(lock.descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const std::string holder = holder_of(lock.descriptor_);

@@ -18,7 +18,7 @@ namespace trivet::formats {
 namespace {
 
 /// What libtiff's callbacks see.
-struct Source {
+struct TiffSource {
   std::span<const std::byte> bytes;
   std::uint64_t at = 0;
   std::array<char, 160> fault{};  ///< the first one: what follows is its consequence
@@ -33,7 +33,7 @@ struct Source {
 };
 
 tmsize_t on_read(thandle_t handle, void* out, tmsize_t count) {
-  auto& source = *static_cast<Source*>(handle);
+  auto& source = *static_cast<TiffSource*>(handle);
   if (count <= 0 || source.at >= source.bytes.size()) return 0;
   const auto given =
       std::min<std::uint64_t>(static_cast<std::uint64_t>(count), source.bytes.size() - source.at);
@@ -45,7 +45,7 @@ tmsize_t on_read(thandle_t handle, void* out, tmsize_t count) {
 tmsize_t on_write(thandle_t, void*, tmsize_t) { return 0; }
 
 toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
-  auto& source = *static_cast<Source*>(handle);
+  auto& source = *static_cast<TiffSource*>(handle);
   if (whence == SEEK_CUR) offset += source.at;
   if (whence == SEEK_END) offset += source.bytes.size();
   return source.at = offset;
@@ -53,10 +53,10 @@ toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
 
 int on_close(thandle_t) { return 0; }
 
-toff_t on_size(thandle_t handle) { return static_cast<Source*>(handle)->bytes.size(); }
+toff_t on_size(thandle_t handle) { return static_cast<TiffSource*>(handle)->bytes.size(); }
 
 int on_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
-  auto& fault = static_cast<Source*>(user)->fault;
+  auto& fault = static_cast<TiffSource*>(user)->fault;
   if (fault[0] == '\0') std::vsnprintf(fault.data(), fault.size(), format, arguments);
   return 1;  // it goes no further
 }
@@ -64,7 +64,7 @@ int on_error(TIFF*, void* user, const char*, const char* format, va_list argumen
 /// libtiff repairs lengths of strips by taking whatever bytes follow, and warns.
 int on_warning(TIFF*, void* user, const char*, const char* format, va_list) {
   if (std::string_view(format).find("calculating from imagelength") != std::string_view::npos)
-    static_cast<Source*>(user)->guesses_lengths = true;
+    static_cast<TiffSource*>(user)->guesses_lengths = true;
   return 1;
 }
 
@@ -73,7 +73,7 @@ struct Close {
 };
 using Handle = std::unique_ptr<TIFF, Close>;
 
-Handle open(Source& source, const ReadOptions& options) {
+Handle open(TiffSource& source, const ReadOptions& options) {
   // Of one strip, tile or table of them.
   const std::uint64_t most_memory = 8 * options.max_pixels + (1 << 20);
   TIFFOpenOptions* const settings = TIFFOpenOptionsAlloc();
@@ -87,7 +87,7 @@ Handle open(Source& source, const ReadOptions& options) {
   return Handle(tiff);
 }
 
-struct ImageHeader {
+struct TiffHeader {
   std::uint32_t width = 0, height = 0;
   Scalar type = Scalar::uint16;
 
@@ -121,7 +121,7 @@ Result<void> check_layout(const Input& input, TIFF* tiff) {
   return {};
 }
 
-Result<ImageHeader> read_header(const Input& input, TIFF* tiff) {
+Result<TiffHeader> read_header(const Input& input, TIFF* tiff) {
   const auto bits = tag<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE);
   const auto samples = tag<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL);
   const auto format = tag<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT);
@@ -134,9 +134,9 @@ Result<ImageHeader> read_header(const Input& input, TIFF* tiff) {
                     "{} of {} bits and sample format {}; a picture holds no depths",
                     samples, bits, format));
   }
-  const ImageHeader header{tag<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH),
-                           tag<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH),
-                           is_float ? Scalar::float32 : Scalar::uint16};
+  const TiffHeader header{tag<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH),
+                          tag<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH),
+                          is_float ? Scalar::float32 : Scalar::uint16};
   if (auto checked = check_pixels(input, header.width, header.height); !checked)
     return checked.error();
   if (auto checked = check_layout(input, tiff); !checked) return checked.error();
@@ -151,7 +151,7 @@ Result<ImageHeader> read_header(const Input& input, TIFF* tiff) {
 }
 
 /// Rows of the image, some at a time, straight to their place.
-bool decode_strips(TIFF* tiff, const ImageHeader& header, std::span<std::byte> out) {
+bool decode_strips(TIFF* tiff, const TiffHeader& header, std::span<std::byte> out) {
   const auto rows_per_strip = std::min(
       std::max<std::uint32_t>(1, tag<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP)), header.height);
   std::uint32_t strip = 0;
@@ -166,7 +166,7 @@ bool decode_strips(TIFF* tiff, const ImageHeader& header, std::span<std::byte> o
 }
 
 /// Rectangles of the image; those at its right and lower border reach beyond it.
-bool decode_tiles(TIFF* tiff, const ImageHeader& header, std::span<std::byte> out) {
+bool decode_tiles(TIFF* tiff, const TiffHeader& header, std::span<std::byte> out) {
   const auto tile_width = tag<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH);
   const auto tile_height = tag<std::uint32_t>(tiff, TIFFTAG_TILELENGTH);
   const tmsize_t tile_bytes = TIFFTileSize(tiff);
@@ -196,7 +196,7 @@ bool decode_tiles(TIFF* tiff, const ImageHeader& header, std::span<std::byte> ou
 }  // namespace
 
 Result<Cloud> read_depth_tiff(const Input& input) {
-  Source source{input.bytes};
+  TiffSource source{input.bytes};
   const Handle tiff = open(source, input.options);
   if (!tiff)
     return input.refuse(fmt::format("cannot be opened as a TIFF image: {}", source.reason()));

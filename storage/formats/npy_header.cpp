@@ -14,7 +14,7 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::string_view kMagic = "\x93NUMPY"sv;
-constexpr std::size_t kMaxHeaderBytes = 1 << 16, kMaxDimensions = 32;
+constexpr std::size_t kMaxNpyHeader = 1 << 16, kMaxDimensions = 32;
 
 /// Python's literals, one after the other.
 class Literals {
@@ -153,9 +153,9 @@ Result<std::pair<std::string_view, std::size_t>> find_header(const Input& input)
   const std::size_t length = major == 1 ? load<std::uint16_t>(at, std::endian::little)
                                         : load<std::uint32_t>(at, std::endian::little);
   const std::size_t begin = kVersionBytes + (major == 1 ? 2 : 4);
-  if (length > kMaxHeaderBytes) {
+  if (length > kMaxNpyHeader) {
     return input.refuse(
-        fmt::format("expected a header of at most {} bytes, found {}", kMaxHeaderBytes, length));
+        fmt::format("expected a header of at most {} bytes, found {}", kMaxNpyHeader, length));
   }
   if (length > text.size() - begin) {
     return input.refuse(

@@ -26,8 +26,8 @@ struct Highest {
 
 /// What stands beside vertices, normals and faces. Of names: groups and looks. Of numbers: texture
 /// coordinates, points, lines, curves, and what describes curves and surfaces without being one.
-constexpr std::string_view kNames[] = {"g",      "o",      "usemtl",     "mtllib",
-                                       "usemap", "maplib", "shadow_obj", "trace_obj"};
+constexpr std::string_view kNaming[] = {"g",      "o",      "usemtl",     "mtllib",
+                                        "usemap", "maplib", "shadow_obj", "trace_obj"};
 constexpr std::string_view kNumbers[] = {
     "vt",       "vp",       "p",      "l",   "s",    "mg",    "bevel", "lod",   "end",
     "c_interp", "d_interp", "cstype", "deg", "bmat", "step",  "curv",  "curv2", "parm",
@@ -68,7 +68,7 @@ class ObjReader {
     if (key == "v") return read_vector(positions_);
     if (key == "vn") return read_vector(normals_);
     if (key == "f" || key == "fo") return read_face();
-    if (is_among(key, kNames)) return {};  // a backslash at their end is one of a folder
+    if (is_among(key, kNaming)) return {};  // a backslash at their end is one of a folder
     if (is_among(key, kNumbers)) {
       while (!word().empty()) continue;  // to the end of the last line that continues them
       return {};

@@ -10,7 +10,7 @@
 namespace trivet::formats {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = 65536;
+constexpr std::size_t kMaxPcdHeader = 65536;
 
 /// The rest of the line as words.
 std::vector<std::string_view> words_of(TextCursor& cursor) {
@@ -32,7 +32,7 @@ std::optional<Scalar> scalar_of(std::string_view type, std::string_view size) {
 }
 
 /// In any case: some writers put capitals.
-std::optional<PcdEncoding> encoding_named(std::string_view name) {
+std::optional<PcdEncoding> pcd_encoding(std::string_view name) {
   const std::string lower = lower_case(name);
   if (lower == "ascii") return PcdEncoding::ascii;
   if (lower == "binary") return PcdEncoding::binary;
@@ -113,7 +113,7 @@ Result<PcdHeader> make_header(const Input& input, const Lines& lines, const Text
   }
   if (!header.viewpoint.allFinite()) return input.refuse("VIEWPOINT: expected finite numbers");
 
-  const auto encoding = encoding_named(lines.data);
+  const auto encoding = pcd_encoding(lines.data);
   if (!encoding) {
     return input.refuse_line(
         lines.data_line, fmt::format("expected DATA ascii, binary or binary_compressed, found {}",
@@ -135,7 +135,7 @@ const PcdField* PcdHeader::find(std::string_view name) const noexcept {
 }
 
 Result<PcdHeader> parse_pcd_header(const Input& input) {
-  const std::string_view text = input.text().substr(0, kMaxHeaderBytes);
+  const std::string_view text = input.text().substr(0, kMaxPcdHeader);
   TextCursor cursor(text);
   Lines lines;
   do {

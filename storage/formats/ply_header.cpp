@@ -10,23 +10,23 @@
 namespace trivet::formats {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = 65536;
+constexpr std::size_t kMaxPlyHeader = 65536;
 
 std::optional<Scalar> scalar_named(std::string_view name) noexcept {
-  constexpr std::pair<std::string_view, Scalar> kNames[] = {
+  constexpr std::pair<std::string_view, Scalar> kTypeNames[] = {
       {"char", Scalar::int8},      {"int8", Scalar::int8},       {"uchar", Scalar::uint8},
       {"uint8", Scalar::uint8},    {"short", Scalar::int16},     {"int16", Scalar::int16},
       {"ushort", Scalar::uint16},  {"uint16", Scalar::uint16},   {"int", Scalar::int32},
       {"int32", Scalar::int32},    {"uint", Scalar::uint32},     {"uint32", Scalar::uint32},
       {"float", Scalar::float32},  {"float32", Scalar::float32}, {"double", Scalar::float64},
       {"float64", Scalar::float64}};
-  for (const auto& [known, type] : kNames) {
+  for (const auto& [known, type] : kTypeNames) {
     if (name == known) return type;
   }
   return {};
 }
 
-std::optional<PlyEncoding> encoding_named(std::string_view name) noexcept {
+std::optional<PlyEncoding> ply_encoding(std::string_view name) noexcept {
   if (name == "ascii") return PlyEncoding::ascii;
   if (name == "binary_little_endian") return PlyEncoding::little_endian;
   if (name == "binary_big_endian") return PlyEncoding::big_endian;
@@ -58,7 +58,7 @@ const PlyElement* PlyHeader::find(std::string_view name) const noexcept {
 }
 
 Result<PlyHeader> parse_ply_header(const Input& input) {
-  const std::string_view text = input.text().substr(0, kMaxHeaderBytes);
+  const std::string_view text = input.text().substr(0, kMaxPlyHeader);
   TextCursor cursor(text);
   if (const auto magic = cursor.word(); magic != "ply") {
     return input.refuse(
@@ -75,7 +75,7 @@ Result<PlyHeader> parse_ply_header(const Input& input) {
 
     if (key == "format") {
       const auto name = cursor.word();
-      const auto encoding = encoding_named(name);
+      const auto encoding = ply_encoding(name);
       if (!encoding) {
         return refuse(
             fmt::format("expected the format ascii, binary_little_endian or "

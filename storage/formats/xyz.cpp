@@ -31,9 +31,9 @@ struct Columns {
 bool are_faces(PointsView points, NormalsView normals) {
   constexpr std::size_t kFewest = 3;
   constexpr float kFlat = 0.01F;  // of the extent of all points
-  using Box = Eigen::AlignedBox3f;
-  Box all;
-  std::array<Box, 3> faces;
+  using Extent = Eigen::AlignedBox3f;
+  Extent all;
+  std::array<Extent, 3> faces;
   std::array<std::size_t, 3> counts{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     all.extend(points[i]);

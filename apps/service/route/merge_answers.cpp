@@ -9,7 +9,7 @@
 namespace trivet::apps::service {
 namespace {
 
-using Json = nlohmann::json;
+using AnswerJson = nlohmann::json;
 
 void check_numbers(const JsonNode& node) {
   for (const auto& [key, value] : node.members()) value.number();
@@ -37,34 +37,35 @@ ShardScene parse_scene(const JsonNode& node) {
 }
 
 /// Take the larger of each number.
-void take_slower(const Json& other, Json& seconds) {
+void take_slower(const AnswerJson& other, AnswerJson& seconds) {
   for (const auto& [key, value] : other.items()) {
-    Json& mine = seconds[key];
+    AnswerJson& mine = seconds[key];
     if (mine.is_null() || mine < value) mine = value;
   }
 }
 
-void add_counts(const Json& other, Json& counts) {
+void add_counts(const AnswerJson& other, AnswerJson& counts) {
   for (const auto& [key, value] : other.items())
     counts[key] = counts.value(key, std::uint64_t{0}) + value.get<std::uint64_t>();
 }
 
-void sort_by_score(std::vector<Json>& poses) {
-  std::ranges::stable_sort(poses, [](const Json& a, const Json& b) {
+void sort_by_score(std::vector<AnswerJson>& poses) {
+  std::ranges::stable_sort(poses, [](const AnswerJson& a, const AnswerJson& b) {
     return a["score"].get<double>() > b["score"].get<double>();
   });
 }
 
 /// The rejected poses of all shards; what explains one is told by its index among `standing`.
-std::vector<Json> merge_rejected(std::span<const ShardAnswer> answers, std::size_t index,
-                                 std::span<const DetectionPlace> standing) {
-  std::vector<Json> all;
+std::vector<AnswerJson> merge_rejected(std::span<const ShardAnswer> answers, std::size_t index,
+                                       std::span<const DetectionPlace> standing) {
+  std::vector<AnswerJson> all;
   for (std::size_t k = 0; k < answers.size(); ++k) {
-    for (Json pose : answers[k].scenes[index].rejected) {
+    for (AnswerJson pose : answers[k].scenes[index].rejected) {
       if (!pose["explained_by"].is_null()) {
         const DetectionPlace by{k, pose["explained_by"].get<std::size_t>()};
         const auto found = std::ranges::find(standing, by);
-        pose["explained_by"] = found == standing.end() ? Json() : Json(found - standing.begin());
+        pose["explained_by"] =
+            found == standing.end() ? AnswerJson() : AnswerJson(found - standing.begin());
       }
       all.push_back(std::move(pose));
     }
@@ -73,8 +74,8 @@ std::vector<Json> merge_rejected(std::span<const ShardAnswer> answers, std::size
   return all;
 }
 
-Json merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
-  Json merged = answers.front().scenes[index].json;
+AnswerJson merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
+  AnswerJson merged = answers.front().scenes[index].json;
   std::vector<SceneClaims> claims;
   for (const ShardAnswer& answer : answers) claims.push_back(answer.scenes[index].claims);
   for (const ShardAnswer& answer : answers.subspan(1)) {
@@ -84,13 +85,13 @@ Json merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
   // Each shard checked the camera by its own objects.
   if (answers.size() > 1) merged["camera_check"] = nullptr;
   std::vector<DetectionPlace> standing = *merge_claims(claims);
-  const auto detection = [&](const DetectionPlace& place) -> const Json& {
+  const auto detection = [&](const DetectionPlace& place) -> const AnswerJson& {
     return answers[place.library].scenes[index].detections[place.detection];
   };
   std::ranges::stable_sort(standing, [&](const DetectionPlace& a, const DetectionPlace& b) {
     return detection(a)["score"].get<double>() > detection(b)["score"].get<double>();
   });
-  merged["detections"] = Json::array();
+  merged["detections"] = AnswerJson::array();
   for (const DetectionPlace& place : standing) merged["detections"].push_back(detection(place));
   if (merged.contains("rejected")) merged["rejected"] = merge_rejected(answers, index, standing);
   return merged;
@@ -122,7 +123,7 @@ bool is_of_same_scenes(const ShardAnswer& a, const ShardAnswer& b) {
 nlohmann::ordered_json merge_answers(std::span<const ShardAnswer> answers) {
   nlohmann::ordered_json libraries = nlohmann::ordered_json::array();
   nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-  Json seconds = answers.front().seconds;
+  AnswerJson seconds = answers.front().seconds;
   for (const ShardAnswer& answer : answers) {
     nlohmann::ordered_json library{{"shard", answer.shard}};
     for (const auto& [key, value] : answer.library.items()) library[key] = value;

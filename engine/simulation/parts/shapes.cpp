@@ -6,8 +6,6 @@
 namespace trivet::engine::parts {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 Pose turn(float angle, const Vector3f& axis) {
   return Pose(Eigen::AngleAxisf(angle, axis).toRotationMatrix());
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/solid.hpp"
@@ -13,6 +14,7 @@ using Eigen::Vector3f;
 using kernels::CounterRandom;
 using kernels::Solid;
 
+inline constexpr float kPi = std::numbers::pi_v<float>;
 /// Longer than any part: for tools that cut through.
 inline constexpr float kFar = 9;
 

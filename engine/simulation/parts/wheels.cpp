@@ -9,8 +9,6 @@ namespace {
 
 using kernels::half_space;
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 /// An endless spur gear about z of tip radius 1; a tooth points along +x. Straight flanks at the
 /// usual pressure angle of 20 degrees.
 Solid teeth(std::uint32_t count) {

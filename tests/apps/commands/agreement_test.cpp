@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using nlohmann::json;
+using Json = nlohmann::json;
 
 class Agreement : public testing::TestWithParam<const char*> {
  protected:
@@ -41,27 +41,27 @@ class Agreement : public testing::TestWithParam<const char*> {
         test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
     ASSERT_EQ(outcome.exit_code, 0) << arguments[0] << ": " << outcome.error;
   }
-  json parsed(const char* name) const { return json::parse(test::read_bytes(folder_ / name)); }
+  Json parsed(const char* name) const { return Json::parse(test::read_bytes(folder_ / name)); }
 
-  json scored_independently(const std::vector<std::string>& options) const {
+  Json scored_independently(const std::vector<std::string>& options) const {
     std::vector<std::string> arguments{scorer(), manifest(), "found.json", "--json", "theirs.json"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     const test::Outcome outcome = test::run_program(
         TRIVET_PYTHON, arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-    return outcome.exit_code == 0 ? parsed("theirs.json") : json();
+    return outcome.exit_code == 0 ? parsed("theirs.json") : Json();
   }
 
   /// "right/instances" of each group, as the other scorer prints it.
-  static json shares(const json& groups) {
-    json out = json::object();
+  static Json shares(const Json& groups) {
+    Json out = Json::object();
     for (const auto& [name, group] : groups.items()) {
       if (group["instances"] > 0)
         out[name] = group["right"].dump() + "/" + group["instances"].dump();
     }
     return out;
   }
-  static void expect_same(const json& ours, const json& theirs) {
+  static void expect_same(const Json& ours, const Json& theirs) {
     for (const char* number : {"instances", "right", "add_right", "false_positives"})
       EXPECT_EQ(ours.at(number), theirs.at(number)) << number;
     EXPECT_EQ(shares(ours.at("by_model")), theirs.at("by_model"));
@@ -70,7 +70,7 @@ class Agreement : public testing::TestWithParam<const char*> {
     }
     // The other scorer takes poses as they stand, also those that are not quite rigid (some truths
     // of kinect_bunny stretch by 0.3 %). Its angles are arc cosines, which lose small ones.
-    const json &own = ours.at("median_translation_error_over_diameter"),
+    const Json &own = ours.at("median_translation_error_over_diameter"),
                &other = theirs.at("median_translation_error_over_diameter");
     ASSERT_EQ(own.is_null(), other.is_null());
     if (!own.is_null()) {
@@ -113,7 +113,7 @@ class Perturber {
   explicit Perturber(std::vector<EvaluationMesh> meshes) : meshes_(std::move(meshes)) {}
 
   /// Eight detections about one truth.
-  void add(const TruthInstance& truth, json& detections) {
+  void add(const TruthInstance& truth, Json& detections) {
     const EvaluationMesh& mesh = *find_mesh(meshes_, truth.model);
     const Isometry3d pose = truth.T_scene_model.cast<double>() * symmetry(mesh);
     const double limit = 0.1 * mesh.diameter;
@@ -156,8 +156,8 @@ class Perturber {
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) box.extend(mesh.vertices[i]);
     return about(box.center().cast<double>(), {degrees * std::numbers::pi / 180, direction()});
   }
-  void push(const std::string& model, const Isometry3d& pose, json& detections) {
-    json rows = json::array();
+  void push(const std::string& model, const Isometry3d& pose, Json& detections) {
+    Json rows = Json::array();
     for (int row = 0; row < 4; ++row) {
       rows.push_back({pose(row, 0), pose(row, 1), pose(row, 2), pose(row, 3)});
     }
@@ -176,10 +176,10 @@ TEST_P(AgreementOnHardCases, HoldsNearTheLimitsForCopiesSymmetriesAndWrongNames)
   Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(*read);
   ASSERT_TRUE(meshes) << meshes.error().message;
   Perturber perturber(std::move(*meshes));
-  json document{{"scenes", json::array()}};
+  Json document{{"scenes", Json::array()}};
   std::size_t count = 0;
   for (const ManifestScene& scene : read->scenes) {
-    json detections = json::array();
+    Json detections = Json::array();
     for (const TruthInstance& truth : scene.truth) perturber.add(truth, detections);
     count += detections.size();
     document["scenes"].push_back(

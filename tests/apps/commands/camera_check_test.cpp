@@ -10,7 +10,7 @@
 namespace trivet {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 /// Two depth images, with the focal length written right and 4 % too large.
 class CameraCheckCommand : public testing::Test {
@@ -20,9 +20,9 @@ class CameraCheckCommand : public testing::Test {
     run({"scan", "--parts", "6", "-o", "scans", "--scenes", "2", "--instances", "8", "--sensor",
          "laser", "--seed", "3"});
     run({"train", "scans/manifest.json", "-o", "l.h5", "--methods", "ppf"});
-    json manifest = json::parse(test::read_bytes(*folder_ / "scans/manifest.json"));
+    Json manifest = Json::parse(test::read_bytes(*folder_ / "scans/manifest.json"));
     focal_ = manifest["scenes"][0]["camera"]["fx"];
-    for (json& scene : manifest["scenes"]) {
+    for (Json& scene : manifest["scenes"]) {
       for (const char* const key : {"fx", "fy"})
         scene["camera"][key] = 1.04 * scene["camera"][key].get<double>();
     }
@@ -42,11 +42,11 @@ class CameraCheckCommand : public testing::Test {
 };
 
 TEST_F(CameraCheckCommand, SaysNothingOfARightCamera) {
-  const json found = json::parse(run({"recognize", "l.h5", "scans/manifest.json", "--json", "-"}));
+  const Json found = Json::parse(run({"recognize", "l.h5", "scans/manifest.json", "--json", "-"}));
   ASSERT_EQ(found["cameras"].size(), 1U);
   EXPECT_TRUE(found["cameras"][0]["finding"].is_null()) << found["cameras"];
   EXPECT_NEAR(found["cameras"][0]["focal_scale"], 1, 0.01);
-  for (const json& scene : found["scenes"]) {
+  for (const Json& scene : found["scenes"]) {
     EXPECT_EQ(scene["camera_check"]["camera"]["fx"], focal_);
     EXPECT_TRUE(scene["camera_check"]["finding"].is_null());
   }
@@ -62,12 +62,12 @@ TEST_F(CameraCheckCommand, SaysThatTheFocalLengthIsTooLarge) {
 }
 
 TEST_F(CameraCheckCommand, RecognizesWithTheCameraThatItEstimates) {
-  const json found = json::parse(
+  const Json found = Json::parse(
       run({"recognize", "l.h5", "scans/wrong.json", "--estimate-camera", "--json", "-"}));
   ASSERT_EQ(found["cameras"].size(), 1U);
   EXPECT_NEAR(found["cameras"][0]["camera"]["fx"], focal_, 0.01 * focal_);
   EXPECT_TRUE(found["cameras"][0]["finding"].is_null()) << found["cameras"];
-  for (const json& scene : found["scenes"])
+  for (const Json& scene : found["scenes"])
     EXPECT_EQ(scene["camera_check"]["camera"], found["cameras"][0]["camera"]);
 }
 

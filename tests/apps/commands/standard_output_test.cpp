@@ -71,7 +71,7 @@ TEST_F(StandardOutput, IsAnErrorOfInputAndOutputWhereItCannotBeWritten) {
            "evaluate library.h5 set.json --json -",
        }) {
     const test::Outcome outcome =
-        shell(std::string(TRIVET_PROGRAM) + " " + arguments + " > /dev/full");
+        shell(fmt::format("{} {} > /dev/full", TRIVET_PROGRAM, arguments));
     EXPECT_EQ(outcome.exit_code, 74) << arguments << ": " << outcome.error;
     EXPECT_NE(outcome.error.find("error: standard output: "), std::string::npos)
         << arguments << ": " << outcome.error;

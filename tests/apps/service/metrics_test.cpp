@@ -63,7 +63,7 @@ TEST(Metrics, TellsOfItsProcess) {
     EXPECT_NE(at, std::string::npos) << name << " in\n" << text;
     return at == std::string::npos ? 0 : std::stod(text.substr(at + name.size() + 2));
   };
-  const double seconds = value("process_cpu_seconds_total"), open = value("process_open_fds");
+  const double spent = value("process_cpu_seconds_total"), open = value("process_open_fds");
   EXPECT_GT(open, 2);
   EXPECT_GE(value("process_max_fds"), open);
   const int file = ::open("/dev/null", O_RDONLY);
@@ -79,7 +79,7 @@ TEST(Metrics, TellsOfItsProcess) {
   }
   EXPECT_GT(value("process_resident_memory_bytes"), resident + 0.9 * kBytes);
   EXPECT_GT(value("process_virtual_memory_bytes"), value("process_resident_memory_bytes"));
-  EXPECT_GT(value("process_cpu_seconds_total"), seconds);
+  EXPECT_GT(value("process_cpu_seconds_total"), spent);
   const double now = static_cast<double>(std::time(nullptr));
   EXPECT_LE(value("process_start_time_seconds"), now + 1);
   EXPECT_GT(value("process_start_time_seconds"), now - 3600);

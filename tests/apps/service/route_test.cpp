@@ -23,7 +23,7 @@ namespace trivet {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = nlohmann::json;
 using test::Answer;
 using test::ask;
 using test::comes;
@@ -86,7 +86,7 @@ class FakeShard {
       answer = response(200, R"({"ready":true})");
     } else if (head.starts_with("GET /v1/models")) {
       answer =
-          response(200, json{{"unit", "m"}, {"models", json::array({{{"name", model_}}})}}.dump());
+          response(200, Json{{"unit", "m"}, {"models", Json::array({{{"name", model_}}})}}.dump());
     } else if (head.starts_with("POST")) {
       ++num_asked_;
       answer = recognize_();
@@ -112,7 +112,7 @@ class FakeShard {
 };
 
 /// Whether two detections are of one model in one place, to 5 mm.
-bool is_of_one_object(const json& a, const json& b) {
+bool is_of_one_object(const Json& a, const Json& b) {
   double squares = 0;
   for (int row = 0; row < 3; ++row) {
     const double apart =
@@ -131,8 +131,8 @@ class Route : public testing::Test {
          "laser"});
     run({"train", "scans/manifest.json", "-o", "l.h5"});
     run({"library", "split", "l.h5", "-n", "2", "-o", "."});
-    const json camera =
-        json::parse(read_bytes(*folder_ / "scans/manifest.json"))["scenes"][0]["camera"];
+    const Json camera =
+        Json::parse(read_bytes(*folder_ / "scans/manifest.json"))["scenes"][0]["camera"];
     std::string numbers;
     for (const char* const key : {"fx", "fy", "cx", "cy", "depth_scale"})
       numbers += (numbers.empty() ? "" : ",") + camera[key].dump();
@@ -170,14 +170,14 @@ class Route : public testing::Test {
     })) << ask(router->port(), "GET", "/v2/health/ready").body;
     return router;
   }
-  static json missing(const Answer& answer) { return answer.json()["missing"]; }
+  static Json missing(const Answer& answer) { return answer.json()["missing"]; }
 
   static inline std::unique_ptr<test::TempDir> folder_;
   static inline std::string query_;
 };
 
-json without_scores(json detections) {
-  for (json& detection : detections) detection.erase("score");
+Json without_scores(Json detections) {
+  for (Json& detection : detections) detection.erase("score");
   return detections;
 }
 
@@ -198,9 +198,9 @@ TEST_F(Route, AnswersAsTheWholeLibrary) {
       EXPECT_NE(answer.head.find(trace), std::string::npos) << answer.head;
       EXPECT_EQ(answer.json()["partial"], false) << answer.body;
       EXPECT_EQ(answer.json()["libraries"].size(), 2U);
-      const json scene = answer.json()["scenes"][0];
+      const Json scene = answer.json()["scenes"][0];
       EXPECT_FALSE(scene.contains("claims"));
-      const json detections = expected.json()["scenes"][0]["detections"];
+      const Json detections = expected.json()["scenes"][0]["detections"];
       ASSERT_EQ(scene["detections"].size(), detections.size());
       EXPECT_GE(detections.size(), 4U);
       if (is_one_round) {
@@ -210,8 +210,8 @@ TEST_F(Route, AnswersAsTheWholeLibrary) {
         for (std::size_t d = 0; d < detections.size(); ++d)
           EXPECT_NEAR(scene["detections"][d]["score"], detections[d]["score"], 1e-3);
       }
-      for (const json& detection : detections) {
-        EXPECT_TRUE(std::ranges::any_of(scene["detections"], [&](const json& other) {
+      for (const Json& detection : detections) {
+        EXPECT_TRUE(std::ranges::any_of(scene["detections"], [&](const Json& other) {
           return is_of_one_object(detection, other);
         })) << detection.dump(1);
       }
@@ -243,7 +243,7 @@ TEST_F(Route, AsksModelsOfTheShardThatHoldsThem) {
   const Answer one = ask(router->port(), "POST", query_ + "&models=" + name, scan(0));
   EXPECT_EQ(one.status, 200) << one.body;
   EXPECT_EQ(one.json()["partial"], false) << one.body;
-  for (const json& detection : one.json()["scenes"][0]["detections"])
+  for (const Json& detection : one.json()["scenes"][0]["detections"])
     EXPECT_EQ(detection["model"], name);
   EXPECT_EQ(second.num_asked(), 0);
   const Answer none = ask(router->port(), "POST", query_ + "&models=spoon", scan(0));
@@ -259,9 +259,9 @@ TEST_F(Route, TellsTheRejectedPosesOfAllShards) {
   for (const int port : {first->port(), second->port()})
     num_rejected += ask(port, "POST", query, scan(0)).json()["scenes"][0]["rejected"].size();
   EXPECT_GT(num_rejected, 0U);
-  const json scene = ask(router->port(), "POST", query, scan(0)).json()["scenes"][0];
+  const Json scene = ask(router->port(), "POST", query, scan(0)).json()["scenes"][0];
   EXPECT_EQ(scene["rejected"].size(), num_rejected);
-  for (const json& pose : scene["rejected"]) {
+  for (const Json& pose : scene["rejected"]) {
     if (pose["explained_by"].is_null()) continue;
     const auto by = pose["explained_by"].get<std::size_t>();
     ASSERT_LT(by, scene["detections"].size());
@@ -386,15 +386,15 @@ TEST_F(Route, TakesNoRubbishForAnAnswer) {
   const std::string query = query_ + "&method=ppf&rounds=1";
   const Answer good = ask(first->port(), "POST", query + "&claims=true", scan(0));
   ASSERT_EQ(good.status, 200) << good.body;
-  const auto changed = [&](const std::string& pointer, const json& value) {
-    json body = good.json();
-    body[json::json_pointer(pointer)] = value;
+  const auto changed = [&](const std::string& pointer, const Json& value) {
+    Json body = good.json();
+    body[Json::json_pointer(pointer)] = value;
     return response(200, body.dump());
   };
   std::string rubbish;
   FakeShard second([&] { return rubbish; });
   const auto router = route({first->address(), second.address()});
-  const json detections =
+  const Json detections =
       ask(first->port(), "POST", query, scan(0)).json()["scenes"][0]["detections"];
   for (const auto& [answer, reason] : std::vector<std::pair<std::string, std::string>>{
            {"\x01\x02 not http\r\n\r\n", ""},
@@ -405,12 +405,12 @@ TEST_F(Route, TakesNoRubbishForAnAnswer) {
            {response(200, ask(first->port(), "POST", query, scan(0)).body), "claims"},
            {response(500, R"({"error":"it broke"})"), "it broke"},
            {response(418, "tea"), "418"},
-           {changed("/scenes/0/claims/images", json{{1, 1}}), "from 0 to 0"},
-           {changed("/scenes/0/claims/poses/0/runs", json{0, 4e9}), "whole number"},
+           {changed("/scenes/0/claims/images", Json{{1, 1}}), "from 0 to 0"},
+           {changed("/scenes/0/claims/poses/0/runs", Json{0, 4e9}), "whole number"},
            {changed("/scenes/0/claims/poses/0/detection", 1000), "detection"},
-           {changed("/scenes/0/claims/poses", json::array()), "detection 0"},
+           {changed("/scenes/0/claims/poses", Json::array()), "detection 0"},
            {changed("/scenes/0/detections/0/score", "high"), "score"},
-           {changed("/scenes", json::array()), "sizes"}}) {
+           {changed("/scenes", Json::array()), "sizes"}}) {
     rubbish = answer;
     const Answer merged = ask(router->port(), "POST", query, scan(0));
     EXPECT_EQ(merged.status, 200) << merged.body;

@@ -20,20 +20,20 @@ using test::is_refused;
 using test::little;
 
 /// Corners of a part 3 m wide, to the millimeter, in meters east and north of a map's origin.
-const std::vector<Vector3d> kCorners{{512345.123, 5403210.987, 431.001},
-                                     {512348.124, 5403210.988, 431.002},
-                                     {512345.125, 5403212.989, 432.503},
-                                     {512346.626, 5403211.49, 430.004}};
+const std::vector<Vector3d> kTriangleCorners{{512345.123, 5403210.987, 431.001},
+                                             {512348.124, 5403210.988, 431.002},
+                                             {512345.125, 5403212.989, 432.503},
+                                             {512346.626, 5403211.49, 430.004}};
 const Vector3d kSensor{512346.5, 5403211.5, 437.25};
 
 std::string rows() {
   std::string text;
-  for (const Vector3d& p : kCorners) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  for (const Vector3d& p : kTriangleCorners) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
   return text;
 }
 std::string doubles() {
   std::string bytes;
-  for (const Vector3d& p : kCorners) bytes += little({p.x(), p.y(), p.z()});
+  for (const Vector3d& p : kTriangleCorners) bytes += little({p.x(), p.y(), p.z()});
   return bytes;
 }
 
@@ -85,11 +85,12 @@ TEST_F(FarCloud, KeepsMillimetersInEveryFormat) {
   for (const File& file : far_files()) {
     const auto cloud = read(file.name, file.bytes);
     ASSERT_TRUE(cloud) << cloud.error().message;
-    ASSERT_EQ(cloud->points.size(), kCorners.size());
-    for (std::size_t i = 0; i < kCorners.size(); ++i) {
+    ASSERT_EQ(cloud->points.size(), kTriangleCorners.size());
+    for (std::size_t i = 0; i < kTriangleCorners.size(); ++i) {
       const Vector3d p = cloud->points[i].cast<double>() + cloud->offset;
       // Within 6 m of the offset, floats round by 2.4e-7 at most.
-      EXPECT_LT((p - kCorners[i]).cwiseAbs().maxCoeff(), 2.5e-7) << file.name << ", point " << i;
+      EXPECT_LT((p - kTriangleCorners[i]).cwiseAbs().maxCoeff(), 2.5e-7)
+          << file.name << ", point " << i;
     }
     ASSERT_EQ(cloud->viewpoint.has_value(), file.tells_sensor) << file.name;
     if (file.tells_sensor) {

@@ -65,7 +65,7 @@ testing::AssertionResult is_error(const Result<Cloud>& result, ErrorCode code,
 testing::AssertionResult is_usage(const Result<Cloud>& result, std::string_view text) {
   return is_error(result, ErrorCode::usage, text);
 }
-testing::AssertionResult is_refused(const Result<Cloud>& result, std::string_view text) {
+testing::AssertionResult is_refused_array(const Result<Cloud>& result, std::string_view text) {
   return is_error(result, ErrorCode::bad_data, text);
 }
 
@@ -101,9 +101,9 @@ TEST_F(CloudFromPoints, LosesNoDigitsFarFromZero) {
   ASSERT_TRUE(taken) << taken.error().message;
   EXPECT_FALSE(taken->offset.isZero());
   EXPECT_TRUE(are_same(taken, read("far.npy", npy_file("<f8", "(4, 3)", bytes_of(xyz)))));
-  EXPECT_TRUE(is_refused(cloud_from_points(ArrayView::packed(xyz.data(), 4, 3),
-                                           {.name = "far points", .keep_origin = true}),
-                         "far points: "));
+  EXPECT_TRUE(is_refused_array(cloud_from_points(ArrayView::packed(xyz.data(), 4, 3),
+                                                 {.name = "far points", .keep_origin = true}),
+                               "far points: "));
 }
 
 TEST_F(CloudFromPoints, KeepsTheGridOfAnOrganizedCloud) {
@@ -162,7 +162,7 @@ TEST_F(CloudFromPoints, TakesTrianglesAndThoseOfDroppedPointsGo) {
   for (const std::int64_t wrong : {-1, 5}) {
     std::vector<std::int64_t> bad = wide;
     bad[4] = wrong;
-    EXPECT_TRUE(is_refused(take(ArrayView::packed(bad.data(), 3, 3)), "triangle 1"));
+    EXPECT_TRUE(is_refused_array(take(ArrayView::packed(bad.data(), 3, 3)), "triangle 1"));
   }
   EXPECT_TRUE(is_usage(take(ArrayView::packed(faces.data(), 1, 4)), "(m, 3)"));
   EXPECT_TRUE(take(ArrayView::packed<std::uint32_t>(nullptr, 0, 3)));
@@ -184,13 +184,15 @@ TEST_F(CloudFromPoints, RefusesWhatCannotBe) {
   EXPECT_TRUE(is_usage(cloud_from_points(ArrayView::packed(xyz.data(), 2, 3),
                                          {.normals = ArrayView::packed(xyz.data(), 1, 3)}),
                        "normals"));
-  EXPECT_TRUE(is_refused(cloud_from_points({xyz.data(), 3, {huge, huge, 3}, {0, 0, 1}}), "limit"));
-  EXPECT_TRUE(is_refused(cloud_from_points(ArrayView::packed(xyz.data(), 2, 3), {.max_points = 1}),
-                         "limit of 1"));
-  EXPECT_TRUE(is_refused(cloud_from_points(ArrayView::packed<float>(nullptr, 0, 3)), "found none"));
-  const std::vector<float> nothing(6, kNaN);
   EXPECT_TRUE(
-      is_refused(cloud_from_points(ArrayView::packed(nothing.data(), 2, 3)), "none is finite"));
+      is_refused_array(cloud_from_points({xyz.data(), 3, {huge, huge, 3}, {0, 0, 1}}), "limit"));
+  EXPECT_TRUE(is_refused_array(
+      cloud_from_points(ArrayView::packed(xyz.data(), 2, 3), {.max_points = 1}), "limit of 1"));
+  EXPECT_TRUE(
+      is_refused_array(cloud_from_points(ArrayView::packed<float>(nullptr, 0, 3)), "found none"));
+  const std::vector<float> nothing(6, kNaN);
+  EXPECT_TRUE(is_refused_array(cloud_from_points(ArrayView::packed(nothing.data(), 2, 3)),
+                               "none is finite"));
 }
 
 TEST_F(CloudFromDepths, IsTheCloudOfAPng) {
@@ -219,12 +221,12 @@ TEST_F(CloudFromDepths, RefusesWhatCannotBe) {
   const std::vector<float> depths(20 * 16, -1);
   const ArrayView image = ArrayView::packed(depths.data(), 16, 20);
   const std::size_t huge = std::numeric_limits<std::size_t>::max();
-  EXPECT_TRUE(is_refused(cloud_from_depths(image, kCamera), "negate"));
-  EXPECT_TRUE(is_refused(cloud_from_depths(image, {}), "fx, fy and depth_scale"));
-  EXPECT_TRUE(is_refused(cloud_from_depths(image, kCamera, {.max_pixels = 319}), "16"));
-  EXPECT_TRUE(
-      is_refused(cloud_from_depths(ArrayView::packed<float>(nullptr, 0, 20), kCamera), "20 x 0"));
-  EXPECT_TRUE(is_refused(
+  EXPECT_TRUE(is_refused_array(cloud_from_depths(image, kCamera), "negate"));
+  EXPECT_TRUE(is_refused_array(cloud_from_depths(image, {}), "fx, fy and depth_scale"));
+  EXPECT_TRUE(is_refused_array(cloud_from_depths(image, kCamera, {.max_pixels = 319}), "16"));
+  EXPECT_TRUE(is_refused_array(cloud_from_depths(ArrayView::packed<float>(nullptr, 0, 20), kCamera),
+                               "20 x 0"));
+  EXPECT_TRUE(is_refused_array(
       cloud_from_depths(ArrayView::strided(depths.data(), huge, huge, 0, 0), kCamera), "pixels"));
   EXPECT_TRUE(
       is_usage(cloud_from_depths(ArrayView::packed<float>(nullptr, 16, 20), kCamera), "null"));
