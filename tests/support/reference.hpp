@@ -1,7 +1,6 @@
 /// The slow, obvious versions: in double, from the definition, sharing nothing with the kernels.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "storage/points.hpp"
+#include "support/reference_matrices.hpp"
 
 namespace trivet::reference {
 
@@ -55,10 +55,9 @@ inline std::optional<Plane> fit_plane(const std::vector<Eigen::Vector3d>& points
   for (const auto& p : points) {
     covariance += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  const Eigen::Vector3d spread = solver.eigenvalues();
+  const auto [spread, directions] = eigen_system(covariance);
   if (spread[1] <= 1e-6 * spread[2]) return std::nullopt;
-  return Plane{solver.eigenvectors().col(0), std::sqrt(std::max(0.0, spread[0]))};
+  return Plane{directions.col(0), std::sqrt(std::max(0.0, spread[0]))};
 }
 
 /// Points by voxel, in the order of (z, y, x), each list rising.

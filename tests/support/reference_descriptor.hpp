@@ -1,7 +1,6 @@
 /// Local frames and spin images by their formulas, in double.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "kernels/spin_images/spin_image.hpp"
 #include "kernels/spin_images/support.hpp"
+#include "support/reference_matrices.hpp"
 
 namespace trivet::reference {
 
@@ -36,8 +36,8 @@ inline Eigen::Matrix3d local_frame(const std::vector<WeightedPoint>& points, dou
     scatter += w * d * d.transpose();
     lean += w * d;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-  Eigen::Vector3d e1 = solver.eigenvectors().col(2), e3 = solver.eigenvectors().col(0);
+  const Eigen::Matrix3d directions = eigen_system(scatter).vectors;
+  Eigen::Vector3d e1 = directions.col(2), e3 = directions.col(0);
   if (lean.dot(e1) < 0) e1 *= -1;
   if (normal.dot(e3) < 0) e3 *= -1;
   Eigen::Matrix3d axes;

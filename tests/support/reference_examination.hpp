@@ -1,7 +1,9 @@
 /// The slow, obvious examination of a pose: in double, ray by ray and window by window.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +14,7 @@
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
 #include "storage/model.hpp"
+#include "support/reference_matrices.hpp"
 
 namespace trivet::reference {
 
@@ -131,12 +134,13 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   if (residuals.empty()) return out;
   const auto count = static_cast<double>(residuals.size());
   out.residual /= count;
-  Eigen::MatrixX3d offsets(places.size(), 3);
-  for (std::size_t k = 0; k < places.size(); ++k)
-    offsets.row(static_cast<Eigen::Index>(k)) = places[k].transpose();
-  offsets.rowwise() -= offsets.colwise().mean().eval();
+  Eigen::Vector3d middle_of_all = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& place : places) middle_of_all += place / count;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& place : places)
+    scatter += (place - middle_of_all) * (place - middle_of_all).transpose() / count;
   if (places.size() >= 3)
-    out.relief = offsets.jacobiSvd().singularValues()(2) / std::sqrt(count) / tau;
+    out.relief = std::sqrt(std::max(0.0, eigen_system(scatter).values(0))) / tau;
   out.area /= static_cast<double>(diameter) * static_cast<double>(diameter);
 
   // The outline: where the model was seen up to its end, and all around beyond it something
@@ -192,33 +196,30 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     }
   }
   if (outline > 0) A += 0.25 * count / outline * B;
-  out.stability =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(A / count).eigenvalues()(0);
+  out.stability = least_eigenvalue(A / count);
 
   const int half = std::max(1, static_cast<int>(std::lround(2.0 / stride)));
   double num_slopes = 0;
   for (const auto& [at, r] : residuals) {
-    Eigen::MatrixXd rows(0, 3);
-    Eigen::VectorXd values(0);
+    Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();  // of least squares, a + b di + c dj
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (int dj = -half; dj <= half; ++dj) {
       for (int di = -half; di <= half; ++di) {
         const auto found = residuals.find({at.first + di, at.second + dj});
         if (found == residuals.end()) continue;
-        rows.conservativeResize(rows.rows() + 1, 3);
-        values.conservativeResize(values.size() + 1);
-        rows.row(rows.rows() - 1) << 1, di, dj;
-        values(values.size() - 1) = found->second;
+        const Eigen::Vector3d row(1, di, dj);
+        sums += row * row.transpose();
+        right += found->second * row;
       }
     }
-    out.smooth += values.mean() * values.mean() / (tau * tau) / count;
-    if (values.size() < 6) continue;
-    const Eigen::MatrixXd centered =
-        rows.rightCols(2).rowwise() - rows.rightCols(2).colwise().mean();
-    if (!((centered.transpose() * centered).determinant() >
-          1e-3 * static_cast<double>(values.size() * values.size()))) {
-      continue;
-    }
-    const Eigen::Vector3d plane = rows.colPivHouseholderQr().solve(values);
+    const double n = sums(0, 0), mean = right(0) / n;
+    out.smooth += mean * mean / (tau * tau) / count;
+    if (n < 6) continue;
+    const Eigen::Vector2d middle_step = sums.block<2, 1>(1, 0) / n;
+    const Eigen::Matrix2d centered =
+        sums.block<2, 2>(1, 1) - n * middle_step * middle_step.transpose();
+    if (!(centered.determinant() > 1e-3 * n * n)) continue;
+    const Eigen::Vector3d plane = sums.inverse() * right;
     const double step = depths[at] / static_cast<double>(g.fx) * stride;
     out.slope += std::atan(plane.tail<2>().norm() / step);
     num_slopes += 1;

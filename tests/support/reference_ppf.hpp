@@ -2,7 +2,9 @@
 /// kernels.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +17,7 @@
 #include "storage/model.hpp"
 #include "storage/ppf_table.hpp"
 #include "support/random.hpp"
+#include "support/reference_matrices.hpp"
 
 namespace trivet::reference {
 
@@ -108,10 +111,7 @@ inline Eigen::Matrix3d mean_rotation(const std::vector<Eigen::Matrix3d>& rotatio
                                      const std::vector<double>& weights) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < rotations.size(); ++i) sum += weights[i] * rotations[i];
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * sign * svd.matrixV().transpose();
+  return nearest_rotation(sum);
 }
 
 inline double rotation_angle(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
