@@ -35,6 +35,9 @@ file(INSTALL "${PAGES}/_trivet" DESTINATION "${DATA}/zsh/site-functions")
 file(INSTALL "${PAGES}/trivet.fish" DESTINATION "${DATA}/fish/vendor_completions.d")
 
 file(READ "${UNIT}" unit)
+if(CMAKE_INSTALL_PREFIX MATCHES "/_CPack_Packages/")  # an archive, which is unpacked elsewhere
+  set(BIN /usr/local/bin)
+endif()
 string(REPLACE "/usr/local/bin" "${BIN}" unit "${unit}")
 string(REGEX REPLACE "^#[^\n]*\n" "" unit "${unit}")  # how to install it
 file(WRITE "${PAGES}/trivet.service" "${unit}")
