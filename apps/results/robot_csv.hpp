@@ -1,0 +1,29 @@
+/// Detections as a table of poses that a robot takes.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "apps/inputs/inputs.hpp"
+#include "apps/results/robot_poses.hpp"
+#include "engine/recognize.hpp"
+#include "storage/library.hpp"
+#include "storage/result.hpp"
+
+namespace trivet::apps {
+
+struct RobotOptions {
+  RobotConvention convention = RobotConvention::quaternion;
+  FilePose T_robot_scene = FilePose::Identity();  ///< scenes' unit: the hand-eye calibration
+  GraspFrames grasps{};                           ///< library's unit
+};
+
+/// A row for each grasp of each detection, or for the model's own frame where it has no grasps.
+///
+/// results  one a scene
+/// Errors: cannot_create, io.
+Result<void> write_robot_csv(const std::filesystem::path& file, const Library& library,
+                             std::span<const SceneInput> scenes,
+                             std::span<const SceneResult> results, const RobotOptions& options);
+
+}  // namespace trivet::apps

@@ -1,0 +1,138 @@
+#include "apps/results/robot_poses.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "storage/files/json_file.hpp"
+
+namespace trivet {
+
+template <>
+std::span<const Choice> choices_of<apps::RobotConvention>() {
+  static constexpr Choice kChoices[] = {
+      {"quaternion", "x, y, z, w in m, as ROS has them"},
+      {"rpy", "roll, pitch, yaw about the fixed axes x, y, z in rad, and m, as URDF"},
+      {"kuka", "A, B, C about z, y', x'' in degrees, and mm"},
+      {"fanuc", "W, P, R about the fixed axes x, y, z in degrees, and mm"},
+      {"ur", "the rotation vector of Universal Robots in rad, and m"},
+      {"abb", "q1, q2, q3, q4, the scalar first, and mm"}};
+  return kChoices;
+}
+
+}  // namespace trivet
+
+namespace trivet::apps {
+namespace {
+
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+constexpr double kUpright =
+    1 - 1e-12;  // sine of a second angle that leaves the others undetermined
+
+/// Angles about the fixed axes x, y, z, in this order.
+Eigen::Vector3d fixed_angles(const Eigen::Matrix3d& r) {
+  const double sine = -r(2, 0);
+  if (std::abs(sine) > kUpright) {
+    return {0, std::copysign(std::numbers::pi / 2, sine), std::atan2(-r(0, 1), r(1, 1))};
+  }
+  return {std::atan2(r(2, 1), r(2, 2)), std::asin(sine), std::atan2(r(1, 0), r(0, 0))};
+}
+
+Eigen::Quaterniond quaternion_of(const Eigen::Matrix3d& rotation) {
+  Eigen::Quaterniond q(rotation);
+  q.normalize();
+  if (q.w() < 0) q.coeffs() *= -1;
+  return q;
+}
+
+}  // namespace
+
+std::span<const std::string_view> orientation_names(RobotConvention convention) {
+  static constexpr std::string_view kQuaternion[] = {"qx", "qy", "qz", "qw"},
+                                    kRpy[] = {"roll", "pitch", "yaw"}, kKuka[] = {"A", "B", "C"},
+                                    kFanuc[] = {"W", "P", "R"}, kUr[] = {"rx", "ry", "rz"},
+                                    kAbb[] = {"q1", "q2", "q3", "q4"};
+  switch (convention) {
+    case RobotConvention::quaternion:
+      return kQuaternion;
+    case RobotConvention::rpy:
+      return kRpy;
+    case RobotConvention::kuka:
+      return kKuka;
+    case RobotConvention::fanuc:
+      return kFanuc;
+    case RobotConvention::ur:
+      return kUr;
+    case RobotConvention::abb:
+      return kAbb;
+  }
+  return {};
+}
+
+LengthUnit length_unit(RobotConvention convention) {
+  switch (convention) {
+    case RobotConvention::kuka:
+    case RobotConvention::fanuc:
+    case RobotConvention::abb:
+      return LengthUnit::millimeter;
+    default:
+      return LengthUnit::meter;
+  }
+}
+
+RobotPose robot_pose(const FilePose& pose, LengthUnit unit, RobotConvention convention) {
+  RobotPose out;
+  const Eigen::Vector3d position = unit_scale(unit, length_unit(convention)) * pose.translation();
+  out.position = {position.x(), position.y(), position.z()};
+  // Poses are of floats: the nearest rotation in double.
+  const Eigen::Quaterniond q = quaternion_of(pose.linear());
+  const Eigen::Matrix3d rotation = q.toRotationMatrix();
+  const Eigen::Vector3d angles = fixed_angles(rotation);
+  switch (convention) {
+    case RobotConvention::quaternion:
+      out.orientation = {q.x(), q.y(), q.z(), q.w()};
+      break;
+    case RobotConvention::rpy:
+      out.orientation = {angles.x(), angles.y(), angles.z()};
+      break;
+    case RobotConvention::kuka:
+      for (const double angle : {angles.z(), angles.y(), angles.x()})
+        out.orientation.push_back(kDegreesPerRadian * angle);
+      break;
+    case RobotConvention::fanuc:
+      for (const double angle : angles) out.orientation.push_back(kDegreesPerRadian * angle);
+      break;
+    case RobotConvention::ur: {
+      const Eigen::AngleAxisd turn(q);
+      const Eigen::Vector3d vector = turn.angle() * turn.axis();
+      out.orientation = {vector.x(), vector.y(), vector.z()};
+      break;
+    }
+    case RobotConvention::abb:
+      out.orientation = {q.w(), q.x(), q.y(), q.z()};
+      break;
+  }
+  return out;
+}
+
+Result<GraspFrames> read_grasp_frames(const std::filesystem::path& file) {
+  GraspFrames frames;
+  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+    for (const auto& [model, grasps] : root.object().members()) {
+      for (const auto& [name, pose] : grasps.object().members())
+        frames[model][name] = pose.file_pose();
+    }
+  });
+  if (!done) return done.error();
+  return frames;
+}
+
+Result<FilePose> read_frame(const std::filesystem::path& file) {
+  FilePose frame;
+  const Result<void> done =
+      with_json(file, [&](const JsonNode& root) { frame = root.file_pose(); });
+  if (!done) return done.error();
+  return frame;
+}
+
+}  // namespace trivet::apps
