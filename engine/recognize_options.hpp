@@ -96,6 +96,13 @@ enum class Search : std::uint8_t {
   exhaustive,  ///< each model on its own
 };
 
+/// A place of the scene of which recognition tells why models are found there or not.
+struct PlaceQuestion {
+  std::optional<Eigen::Vector3d> point{};  ///< in the frame and unit of the scene's file
+  std::vector<std::string> models{};       ///< that are explained; empty: all that come near
+  bool operator==(const PlaceQuestion&) const = default;
+};
+
 /// All that recognition can be told; the defaults are the balanced preset.
 struct RecognizeOptions {
   Method method = Method::fused;
@@ -117,6 +124,7 @@ struct RecognizeOptions {
   std::optional<float> doubtful_score{};
   std::uint32_t max_instances = 100;  ///< per model
   std::uint32_t max_rejected = 0;     ///< poses per model that are told with the reason
+  PlaceQuestion explain{};            ///< answered in SceneResult::explanation
   bool tell_claims = false;           ///< in SceneResult::claims; without doubtful_score
   /// Report only detections of which this very pose has min_score: score * pose_share.
   bool require_pose = false;

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "engine/camera_check.hpp"
+#include "engine/explanation.hpp"
 #include "engine/method.hpp"
 #include "engine/progress.hpp"
+#include "engine/rejected_pose.hpp"
 #include "engine/scene_view.hpp"
 #include "kernels/scans/sensor_model.hpp"
 #include "kernels/verification/examine_pose.hpp"
@@ -53,27 +55,6 @@ struct Detection {
   float pose_score() const noexcept { return score * pose_share; }
 };
 
-/// Why a pose was not reported.
-enum class Rejection {
-  too_low,    ///< the score, or pose_score if that is required, is below min_score
-  explained,  ///< better poses already explain more than max_overlap of its pixels
-  too_many,   ///< max_instances of its model are better
-};
-
-/// A pose that was tested in full but not reported.
-struct RejectedPose {
-  std::string model;
-  float score = 0;              ///< as of a detection
-  Pose T_scene_model;           ///< model point -> point of the cloud, in the scene file's unit
-  kernels::ScoreParts parts{};  ///< what the score is made of
-  Rejection reason = Rejection::too_low;
-  /// Index of the detection that explains most of its pixels, and what share of them: with the
-  /// reason `explained`, unless that one itself was one too many; and where one that is too low
-  /// lies in the place of a better one.
-  std::optional<std::size_t> explained_by{};
-  float explained_share = 0;
-};
-
 /// A pose that was taken, also if it is not reported: what decides between it and others in its
 /// place.
 struct PoseClaim {
@@ -113,9 +94,10 @@ struct SceneStats {
 
 /// Poses are of the cloud; in_file_frame(pose, offset) gives them as the scene's file has them.
 struct SceneResult {
-  std::vector<Detection> detections;    ///< by falling score, then model name
-  std::vector<RejectedPose> rejected;   ///< by falling score; no two of one placement
-  std::optional<SceneClaims> claims{};  ///< if they are asked for
+  std::vector<Detection> detections;              ///< by falling score, then model name
+  std::vector<RejectedPose> rejected;             ///< by falling score; no two of one placement
+  std::optional<SceneClaims> claims{};            ///< if they are asked for
+  std::optional<PlaceExplanation> explanation{};  ///< of the place that was asked about
   SceneStats stats;
   Eigen::Vector3d offset{0, 0, 0};  ///< of the cloud (Cloud::offset)
 };

@@ -13,10 +13,13 @@
 #include "apps/results/coco_results.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
+#include "apps/results/robot_csv.hpp"
 #include "apps/results/standard_output.hpp"
+#include "apps/words/explanation_words.hpp"
 #include "apps/words/recognition_text.hpp"
 #include "apps/words/reported_part.hpp"
 #include "engine/estimate_camera.hpp"
+#include "engine/libraries/edit_library.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -36,14 +39,44 @@ Result<void> recognize_scenes(const Recognizer& recognizer, std::span<SceneInput
   return {};
 }
 
+/// What the command says of the robot; every grasp must be of a model of the library.
+Result<RobotOptions> robot_options(const SceneCommand& arguments, const Library& library) {
+  RobotOptions options;
+  const std::span<const Choice> conventions = choices_of<RobotConvention>();
+  for (std::size_t k = 0; k < conventions.size(); ++k) {
+    if (conventions[k].name == arguments.robot)
+      options.convention = static_cast<RobotConvention>(k);
+  }
+  if (!arguments.robot_frame.empty()) {
+    const Result<FilePose> frame = read_frame(arguments.robot_frame);
+    if (!frame) return frame.error();
+    options.T_robot_scene = *frame;
+  }
+  if (!arguments.grasps.empty()) {
+    Result<GraspFrames> grasps = read_grasp_frames(arguments.grasps);
+    if (!grasps) return grasps.error();
+    options.grasps = *std::move(grasps);
+    for (const auto& [model, frames] : options.grasps) {
+      if (const Result<std::uint32_t> found = find_model(library, model); !found)
+        return Error{ErrorCode::usage,
+                     fmt::format("{}: {}", arguments.grasps, found.error().message)};
+    }
+  }
+  return options;
+}
+
 Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   Result<RecognitionRequest> request = make_request(arguments, context.console);
   if (!request) return request.error();
   const Recognizer& recognizer = request->recognizer;
   const Library& library = recognizer.library();
+  const Result<RobotOptions> robot = robot_options(arguments, library);
+  if (!robot) return robot.error();
   SceneInputs& scenes = request->scenes;
   const RecognizeOptions &options = request->options, &kept = request->kept;
 
+  RecognizeOptions in_json = options;
+  in_json.max_rejected = 0;  // these are for people
   nlohmann::ordered_json document{{"library", arguments.library},
                                   {"calibration", calibration_json(recognizer)},
                                   {"scenes", nlohmann::ordered_json::array()},
@@ -51,7 +84,7 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   std::vector<BopResult> bop_results;
   std::vector<CocoResult> coco_results;
   Result<void> seen;              // in the depth images
-  std::vector<SceneResult> told;  // for the report
+  std::vector<SceneResult> told;  // for the report and the robot
   std::vector<CameraCheck> checks;
   Result<void> printed;  // what fails first, which more would not mend
   const Result<void> done = recognize_scenes(
@@ -64,11 +97,13 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
         const SceneResult result = reported_part(all, kept);
         const SceneInput& scene = scenes.sources[index];
         if (!arguments.json.empty()) {
-          document["scenes"].push_back(scene_json(scene.file.string(), result, recognizer.score()));
+          document["scenes"].push_back(
+              scene_json(scene.file.string(), result, recognizer.score(), in_json));
         } else if (printed) {
-          printed = write_output(scene_text(scene, result, library, options.min_score));
+          printed = write_output(scene_text(scene, result, library, options.min_score) +
+                                 explanation_text(result, recognizer.score(), options));
         }
-        if (!arguments.report.empty()) told.push_back(result);
+        if (!arguments.report.empty() || !arguments.robot_csv.empty()) told.push_back(result);
         if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
       });
   if (!done) return done;
@@ -84,6 +119,11 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   }
   if (!arguments.coco.empty()) {
     const Result<void> written = write_coco_results(arguments.coco, coco_results);
+    if (!written) return written;
+  }
+  if (!arguments.robot_csv.empty()) {
+    const Result<void> written =
+        write_robot_csv(arguments.robot_csv, library, scenes.sources, told, *robot);
     if (!written) return written;
   }
   if (!arguments.json.empty()) {

@@ -79,14 +79,16 @@ std::string outcome_bytes(std::size_t index, const SceneOutcome& outcome) {
 /// The scenes that this rank gets, one after the other, each by all its threads.
 Result<void> recognize_share(const RecognitionRequest& request, const Worker& worker,
                              const std::stop_token& stop) {
+  RecognizeOptions in_json = request.options;
+  in_json.max_rejected = 0;
   while (const std::optional<std::string> job = worker.next()) {
     const auto index = static_cast<std::size_t>(std::stoull(*job));
     const SceneInput& scene = request.scenes.sources[index];
     const auto emit = [&](std::size_t, const SceneResult& all) {
       const SceneResult result = reported_part(all, request.kept);
-      worker.done(
-          outcome_bytes(index, {scene_json(scene.file.string(), result, request.recognizer.score()),
-                                result.stats.camera_check}));
+      worker.done(outcome_bytes(
+          index, {scene_json(scene.file.string(), result, request.recognizer.score(), in_json),
+                  result.stats.camera_check}));
     };
     const Result<void> done =
         recognize_all(request.recognizer, std::span(&scene, 1), request.kept, {{}, stop}, emit);
@@ -101,6 +103,7 @@ Result<void> refuse_what_is_not_shared(const SceneCommand& arguments) {
   for (const auto& [given, option] : {std::pair(!arguments.bop_csv.empty(), "--bop-csv"),
                                       {!arguments.coco.empty(), "--coco"},
                                       {!arguments.report.empty(), "--report"},
+                                      {!arguments.robot_csv.empty(), "--robot-csv"},
                                       {arguments.estimate_camera, "--estimate-camera"}}) {
     if (given)
       return Error{ErrorCode::usage, fmt::format("{}: only `trivet recognize` has it", option)};

@@ -10,6 +10,7 @@
 #include "apps/options/add_options.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
+#include "apps/results/robot_poses.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -72,6 +73,31 @@ void add_scene_command(CLI::App& command, SceneCommand& arguments) {
                   "Write masks and boxes of the same poses to this file (JSON), as BOP takes them "
                   "for detection and segmentation in images")
       ->type_name("FILE");
+  command
+      .add_option("--robot-csv", arguments.robot_csv,
+                  "Write the poses found to this file as a table that a robot's program takes")
+      ->type_name("FILE");
+  CLI::Option* const table = command.get_option("--robot-csv");
+  std::vector<std::string_view> conventions;
+  for (const Choice& choice : choices_of<RobotConvention>()) conventions.push_back(choice.name);
+  limit_to(command.add_option("--robot", arguments.robot,
+                              fmt::format("How its controller writes poses: {}; default: {}",
+                                          fmt::join(conventions, ", "), conventions.front())),
+           {conventions.begin(), conventions.end()})
+      ->type_name("NAME")
+      ->needs(table);
+  command
+      .add_option("--robot-frame", arguments.robot_frame,
+                  "Pose of the scene's frame in the robot's, of a hand-eye calibration, in the "
+                  "scene's unit: JSON, four rows of four numbers")
+      ->type_name("FILE")
+      ->needs(table);
+  command
+      .add_option("--grasps", arguments.grasps,
+                  "Frames of models to grasp by, in the library's unit: JSON, "
+                  "{\"MODEL\": {\"GRASP\": four rows of four numbers}}")
+      ->type_name("FILE")
+      ->needs(table);
   add_open_options(command, arguments.opening);
   command.add_flag("--estimate-camera", arguments.estimate_camera,
                    "Where sure detections say that the focal length or the depth scale of depth "

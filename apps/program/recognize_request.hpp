@@ -17,6 +17,7 @@ namespace trivet::apps {
 
 struct SceneCommand {
   std::string library, unit, json, bop_csv, coco, report;
+  std::string robot_csv, robot, robot_frame, grasps;
   OpenOptions opening;
   SceneArguments scenes;
   RecognizeArguments recognize;

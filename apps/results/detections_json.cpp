@@ -6,6 +6,7 @@
 
 #include "apps/results/claims_json.hpp"
 #include "apps/words/camera_words.hpp"
+#include "apps/words/explanation_words.hpp"
 #include "apps/words/rejection_words.hpp"
 #include "apps/words/view_words.hpp"
 #include "storage/files/json_file.hpp"
@@ -30,22 +31,50 @@ nlohmann::ordered_json evidence_json(const kernels::ScoreModel& score,
   return json;
 }
 
+nlohmann::ordered_json pose_json(const kernels::ScoreModel& score, const SceneResult& result,
+                                 const RejectedPose& pose, const RecognizeOptions& options) {
+  return {
+      {"model", pose.model},
+      {"score", pose.score},
+      {"T_scene_model", matrix_json(in_file_frame(pose.T_scene_model, result.offset))},
+      {"parts", parts_json(pose.parts)},
+      {"evidence", evidence_json(score, pose.parts)},
+      {"reason", name_of(pose.reason)},
+      {"explained_by", pose.explained_by ? nlohmann::ordered_json(*pose.explained_by) : nullptr},
+      {"explained_share", pose.explained_share},
+      {"words", rejection_words(result, pose, score, options).text()}};
+}
+
 nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const SceneResult& result,
                                      const RecognizeOptions& options) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const RejectedPose& pose : result.rejected) {
-    json.push_back(
-        {{"model", pose.model},
-         {"score", pose.score},
-         {"T_scene_model", matrix_json(in_file_frame(pose.T_scene_model, result.offset))},
-         {"parts", parts_json(pose.parts)},
-         {"evidence", evidence_json(score, pose.parts)},
-         {"reason", name_of(pose.reason)},
-         {"explained_by", pose.explained_by ? nlohmann::ordered_json(*pose.explained_by) : nullptr},
-         {"explained_share", pose.explained_share},
-         {"words", rejection_words(result, pose, score, options).text()}});
-  }
+  for (const RejectedPose& pose : result.rejected)
+    json.push_back(pose_json(score, result, pose, options));
   return json;
+}
+
+nlohmann::ordered_json explanation_json(const SceneResult& result, const kernels::ScoreModel& score,
+                                        const RecognizeOptions& options) {
+  const PlaceExplanation& place = *result.explanation;
+  nlohmann::ordered_json models = nlohmann::ordered_json::array();
+  for (const ModelExplanation& of : place.models) {
+    nlohmann::ordered_json pose, reached;
+    if (of.pose) pose = pose_json(score, result, *of.pose, options);
+    if (const auto stage = of.reached()) reached = kPoseStages[static_cast<std::size_t>(*stage)];
+    nlohmann::ordered_json num_poses;
+    for (std::size_t k = 0; k < kNumPoseStages; ++k)
+      num_poses[std::string(kPoseStages[k])] = of.num_poses[k];
+    models.push_back({{"model", of.model},
+                      {"poses", std::move(num_poses)},
+                      {"reached", std::move(reached)},
+                      {"detection", of.detection ? nlohmann::ordered_json(*of.detection) : nullptr},
+                      {"given_up", of.given_up},
+                      {"pose", std::move(pose)},
+                      {"words", explanation_words(result, of, score, options)}});
+  }
+  return {{"point", {place.point.x(), place.point.y(), place.point.z()}},
+          {"nearest_point", place.nearest_point},
+          {"models", std::move(models)}};
 }
 
 nlohmann::ordered_json alternatives_json(const std::vector<Pose>& alternatives,
@@ -197,7 +226,7 @@ nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
 
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
                                   const kernels::ScoreModel& score,
-                                  const RecognizeOptions* options) {
+                                  const RecognizeOptions& options) {
   nlohmann::ordered_json seconds, detections = nlohmann::ordered_json::array();
   for (const auto& [stage, value] : result.stats.times.seconds) seconds[stage] = value;
   seconds["total"] = result.stats.total_seconds;
@@ -244,7 +273,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
       {"detections", std::move(detections)}};
   if (const Eigen::Vector3d& o = result.offset; !o.isZero(0))
     json["offset"] = {o.x(), o.y(), o.z()};
-  if (options) json["rejected"] = rejected_json(score, result, *options);
+  if (options.max_rejected > 0) json["rejected"] = rejected_json(score, result, options);
+  if (result.explanation) json["explanation"] = explanation_json(result, score, options);
   if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;
 }

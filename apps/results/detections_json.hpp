@@ -21,13 +21,13 @@ std::string_view name_of(Rejection reason);
 nlohmann::ordered_json matrix_json(const FilePose& pose);
 
 /// One element of "scenes", with the evidence of the score that it was recognized with, and with
-/// "claims" where the result holds them.
+/// "claims" and "explanation" where the result holds them.
 ///
-/// options  that it was recognized with; if given, what was rejected is told, with the reasons in
-///          words
+/// options  that it was asked for with; what was rejected is told, with the reasons in words, where
+///          they say so
 nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& result,
                                   const kernels::ScoreModel& score,
-                                  const RecognizeOptions* options = nullptr);
+                                  const RecognizeOptions& options);
 
 /// What a check of a camera told; the "camera_check" of a scene, an element of "cameras".
 nlohmann::ordered_json camera_check_json(const CameraCheck& check);

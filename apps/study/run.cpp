@@ -167,7 +167,7 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
   const auto keep = [&](const Cell& cell, const SceneResult& result, const LibraryUse& use) {
     const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;
     nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-    scenes.push_back(scene_json(name, result, default_score()));
+    scenes.push_back(scene_json(name, result, default_score(), {}));
     return write_json(
         folder.cell(cell).string(),
         {{"scenes", std::move(scenes)},

@@ -72,6 +72,19 @@ struct FieldTraits<ImprovementSet> {
 };
 
 template <>
+struct FieldTraits<std::optional<Eigen::Vector3d>> {
+  static constexpr OptionKind kKind = OptionKind::numbers;
+  static OptionValue get(const std::optional<Eigen::Vector3d>& field) {
+    return field ? std::vector<double>(field->begin(), field->end()) : std::vector<double>();
+  }
+  static void set(std::optional<Eigen::Vector3d>& field, const OptionValue& value) {
+    const auto& n = std::get<std::vector<double>>(value);
+    field.reset();
+    if (!n.empty()) field = Eigen::Vector3d(n[0], n[1], n[2]);
+  }
+};
+
+template <>
 struct FieldTraits<std::optional<PoseLimits::Region>> {
   static constexpr OptionKind kKind = OptionKind::numbers;
   static OptionValue get(const std::optional<PoseLimits::Region>& field) {
@@ -153,6 +166,21 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .help = "Poses per model that are told with the reason why they are no detections",
            .range = {0, 100},
            .place = OptionPlace::service_only}),
+      declare<TRIVET_FIELD(explain.point)>({.name = "explain",
+                                            .group = kAnswers,
+                                            .label = "place to explain",
+                                            .help = "Tell why models are found at the place x,y,z "
+                                                    "of the scene, or are not, in its frame "
+                                                    "and unit",
+                                            .unset_help = "none",
+                                            .length = 3,
+                                            .place = OptionPlace::not_in_studies}),
+      declare<TRIVET_FIELD(explain.models)>({.name = "model",
+                                             .group = kAnswers,
+                                             .label = "models to explain there",
+                                             .help = "Of the place to explain: only these models",
+                                             .unset_help = "all that come near it",
+                                             .place = OptionPlace::not_in_studies}),
       declare<TRIVET_FIELD(tell_claims)>(
           {.name = "claims",
            .group = kAnswers,

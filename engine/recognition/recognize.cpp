@@ -56,6 +56,7 @@ RecognizeOptions in_cloud_frame(RecognizeOptions options, const Eigen::Vector3d&
     region->low -= offset;
     region->high -= offset;
   }
+  if (options.explain.point) *options.explain.point -= offset;
   return options;
 }
 
@@ -85,6 +86,20 @@ Eigen::Vector3f size_of(PointsView points) {
     high = high.max(points[i].array());
   }
   return (high - low).matrix();
+}
+
+/// From a place to the nearest of the points.
+double nearest_distance(PointsView points, const Eigen::Vector3d& place) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    nearest = std::min(nearest, (points[i].cast<double>() - place).norm());
+  return nearest;
+}
+
+/// The place that is asked about, without models.
+PlaceExplanation explained_place(const RecognizeOptions& asked, const RecognizeOptions& in_cloud,
+                                 const Cloud& cloud) {
+  return {*asked.explain.point, nearest_distance(cloud.points, *in_cloud.explain.point), {}};
 }
 
 /// Refuse a scene whose size says that its unit is not the library's.
@@ -119,6 +134,9 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
     return trained.error();
   const Result<ModelGroups> groups = group_models(library, options.models);
   if (!groups) return groups.error();
+  if (const Result<ModelGroups> asked_about = group_models(library, options.explain.models);
+      !asked_about)
+    return asked_about.error();
 
   SceneStats stats;
   stats.num_points = cloud.points.size();
@@ -129,6 +147,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
     nothing.offset = cloud.offset;
     nothing.stats = std::move(stats);
     if (options.tell_claims) nothing.claims = SceneClaims{};
+    if (asked.explain.point) nothing.explanation = explained_place(asked, options, cloud);
     return nothing;
   }
 
@@ -146,6 +165,11 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
     stats.camera_check = engine::check_camera(recognizer, *scene, *cloud.camera, found->detections);
   }
   SceneResult result = engine::report(library, *scene, std::move(*found), std::move(stats));
+  if (result.explanation) {
+    PlaceExplanation place = explained_place(asked, options, cloud);
+    place.models = std::move(result.explanation->models);
+    result.explanation = std::move(place);
+  }
   result.offset = cloud.offset;
   result.stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

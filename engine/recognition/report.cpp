@@ -67,6 +67,18 @@ RejectedPose report_rejected(const Library& library, const RefusedCandidate& ref
 }
 
 /// place  as for report_rejected
+ModelExplanation report_explained(const Library& library, const ExplainedModel& explained,
+                                  std::span<const std::size_t> place, double scene_scale) {
+  ModelExplanation out;
+  out.model = library.models[explained.model].name;
+  out.num_poses = explained.num_poses;
+  if (explained.detection) out.detection = place[*explained.detection];
+  if (explained.pose) out.pose = report_rejected(library, *explained.pose, place, scene_scale);
+  out.given_up = explained.given_up;
+  return out;
+}
+
+/// place  as for report_rejected
 PoseClaim report_claim(const Library& library, TakenClaim taken,
                        std::span<const std::size_t> place) {
   PoseClaim claim{library.models[taken.model].name, taken.rank, std::move(taken.explained)};
@@ -101,6 +113,12 @@ SceneResult report(const Library& library, const PreparedScene& scene, SearchRes
     result.claims = SceneClaims{sizes_of(scene), {}};
     for (TakenClaim& claim : *found.claims)
       result.claims->poses.push_back(report_claim(library, std::move(claim), place));
+  }
+  if (found.explained) {
+    result.explanation.emplace();
+    for (const ExplainedModel& explained : *found.explained)
+      result.explanation->models.push_back(
+          report_explained(library, explained, place, scene.scale));
   }
   result.stats = std::move(stats);
   result.stats.view = scene.view;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "engine/common/check_models.hpp"
@@ -26,7 +28,15 @@ namespace {
 /// what they leave over holds fewer objects: from 0.8 to 0.9, 28 of 35 such detections on 400
 /// rendered scenes were right, and 71 of 76 of the others.
 constexpr float kOddsBesideVotes = 0.55F;
-constexpr float kClimbsFrom = 0.5F;  // score of a candidate whose look-alikes are tested
+constexpr std::size_t kMostExplained = 20;  // models of a place
+constexpr float kClimbsFrom = 0.5F;         // score of a candidate whose look-alikes are tested
+
+std::unique_ptr<PlaceWatch> watch_of(const RecognizeOptions& options, const Library& library,
+                                     const PreparedScene& scene) {
+  if (!options.explain.point) return nullptr;
+  const Eigen::Vector3d place = scene.scale * *options.explain.point;
+  return std::make_unique<PlaceWatch>(library, place.cast<float>(), scene.sensor.noise);
+}
 
 /// Only references whose model could lie within the limits vote.
 void drop_far_references(const PoseLimits& limits, const PreparedScene& scene, float reach,
@@ -66,7 +76,8 @@ class SceneSearch {
                           static_cast<std::size_t>(std::ranges::count(wanted_, true)))),
         stop_(stop),
         stats_(stats),
-        pool_(recognizer, scene, settle_options_, stop, stats.times) {}
+        watch_(watch_of(options, library_, scene)),
+        pool_(recognizer, scene, settle_options_, stop, stats.times, watch_.get()) {}
 
   Result<SearchResult> run() &&;
 
@@ -100,6 +111,11 @@ class SceneSearch {
                                       std::span<const Candidate> better) const;
   /// Whether matches propose a pose that votes had the chance to propose and did not.
   bool is_beside_votes(const Candidate& candidate) const;
+  RefusedCandidate refused_candidate(const RejectedCandidate& refusal,
+                                     std::span<const std::uint32_t> chosen) const;
+  /// Of the place that was asked about; chosen and detections as below.
+  Result<std::vector<ExplainedModel>> explain(std::span<const std::uint32_t> chosen,
+                                              std::span<const Candidate> detections);
   /// chosen  by detection, the candidate that it was
   std::vector<RefusedCandidate> best_rejected(std::span<const std::uint32_t> chosen,
                                               std::span<const Candidate> detections);
@@ -115,6 +131,7 @@ class SceneSearch {
   const std::optional<SearchBudget> budget_;  // none: every model on its own
   const std::stop_token& stop_;
   SceneStats& stats_;
+  const std::unique_ptr<PlaceWatch> watch_;  // of the place that was asked about
   PosePool pool_;
   std::map<float, SceneSample> samples_;  // by sampling step, once it is voted with
   std::vector<SceneMatches> matches_;     // one a level of features, once they are matched
@@ -370,6 +387,11 @@ Result<SearchResult> SceneSearch::conclude() {
   }
   if (options_.tell_claims) result.claims = claims(chosen);
   for (auto& [c, candidate] : refused) candidates_[c] = std::move(candidate);
+  if (watch_) {
+    auto explained = explain(chosen, result.detections);
+    if (!explained) return explained.error();
+    result.explained = *std::move(explained);
+  }
   if (options_.max_rejected > 0) result.rejected = best_rejected(chosen, result.detections);
   return result;
 }
@@ -438,16 +460,74 @@ std::vector<RefusedCandidate> SceneSearch::best_rejected(std::span<const std::ui
   std::vector<RefusedCandidate> rejected;
   for (const RejectedCandidate& refusal :
        best_refused(library_, candidates_, selection_.refused, detections, options_.max_rejected)) {
-    RefusedCandidate& out = rejected.emplace_back();
-    out.candidate = std::move(candidates_[refusal.candidate]);
-    out.reason = refusal.reason;
-    if (!refusal.explained_by) continue;
-    const auto by = std::ranges::find(chosen, *refusal.explained_by);
-    if (by == chosen.end()) continue;
-    out.explained_by = static_cast<std::size_t>(by - chosen.begin());
-    out.explained_share = refusal.explained_share;
+    rejected.push_back(refused_candidate(refusal, chosen));
   }
   return rejected;
+}
+
+RefusedCandidate SceneSearch::refused_candidate(const RejectedCandidate& refusal,
+                                                std::span<const std::uint32_t> chosen) const {
+  RefusedCandidate out;
+  out.candidate = candidates_[refusal.candidate];
+  out.reason = refusal.reason;
+  if (!refusal.explained_by) return out;
+  const auto by = std::ranges::find(chosen, *refusal.explained_by);
+  if (by == chosen.end()) return out;
+  out.explained_by = static_cast<std::size_t>(by - chosen.begin());
+  out.explained_share = refusal.explained_share;
+  return out;
+}
+
+Result<std::vector<ExplainedModel>> SceneSearch::explain(std::span<const std::uint32_t> chosen,
+                                                         std::span<const Candidate> detections) {
+  const std::map<std::uint32_t, PlaceWatch::OfModel> seen = watch_->models();
+  const std::vector<std::string>& asked = options_.explain.models;
+  std::vector<ExplainedModel> explained;
+  for (std::uint32_t m = 0; m < library_.models.size(); ++m) {
+    const auto at = seen.find(m);
+    const bool is_asked = std::ranges::find(asked, library_.models[m].name) != asked.end();
+    if (asked.empty() ? at == seen.end() : !is_asked) continue;
+    explained.push_back({.model = m});
+    if (at != seen.end()) explained.back().num_poses = at->second.num_poses;
+  }
+  for (ExplainedModel& of : explained) {
+    for (std::size_t d = 0; d < detections.size(); ++d) {
+      if (detections[d].model != of.model ||
+          !watch_->reaches(of.model, detections[d].T_scene_model, kTouch))
+        continue;
+      if (!of.detection || detections[d].score > detections[*of.detection].score) of.detection = d;
+    }
+    const RejectedCandidate* best = nullptr;
+    for (const RejectedCandidate& refusal : selection_.refused) {
+      const Candidate& candidate = candidates_[refusal.candidate];
+      if (candidate.model != of.model ||
+          !watch_->reaches(of.model, candidate.T_scene_model, kTouch))
+        continue;
+      if (best == nullptr || candidate.score > candidates_[best->candidate].score) best = &refusal;
+    }
+    if (best != nullptr && !of.detection) of.pose = refused_candidate(*best, chosen);
+  }
+  const auto order = [&](const ExplainedModel& of) {
+    const auto at = seen.find(of.model);
+    const auto furthest = at == seen.end() ? std::nullopt : at->second.furthest;
+    return std::tuple(!of.detection, of.pose ? -of.pose->candidate.score : 1.0F,
+                      furthest ? -static_cast<int>(furthest->stage) : 1,
+                      furthest ? -furthest->merit : 0.0F);
+  };
+  std::ranges::stable_sort(explained, {}, order);
+  if (asked.empty()) explained.resize(std::min(explained.size(), kMostExplained));
+
+  for (ExplainedModel& of : explained) {
+    const auto at = seen.find(of.model);
+    if (of.detection || of.pose || at == seen.end() || !at->second.furthest) continue;
+    if (at->second.furthest->stage == PoseStage::examined) continue;  // it moved elsewhere
+    const std::vector<SuggestedPose> given_up{{of.model, at->second.furthest->T_scene_model}};
+    Result<std::vector<Candidate>> tested = pool_.test({&given_up, 1}, 1);
+    if (!tested) return tested.error();
+    of.given_up = true;
+    if (!tested->empty()) of.pose = RefusedCandidate{std::move(tested->front())};
+  }
+  return explained;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// The search of one scene: rounds of proposals, and the choice among all that was verified.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -36,12 +37,23 @@ struct TakenClaim {
   std::optional<std::size_t> detection{};  ///< index of the one that it became
 };
 
+/// What became of a model's poses at the place that was asked about.
+struct ExplainedModel {
+  std::uint32_t model = 0;
+  std::array<std::size_t, kNumPoseStages> num_poses{};
+  std::optional<std::size_t> detection{};  ///< index of the one that lies there
+  std::optional<RefusedCandidate>
+      pose{};             ///< the best of those that came furthest, as it was tested
+  bool given_up = false;  ///< before its full test, which was made for this alone
+};
+
 /// Poses and lengths are in the scene's frame, in the library's unit.
 struct SearchResult {
   std::vector<Candidate> detections;       ///< in the order of taking
   std::vector<RefusedCandidate> rejected;  ///< the best of each model, by falling score
   /// Of the detections and of candidates that were one too many, if they are asked for.
   std::optional<std::vector<TakenClaim>> claims{};
+  std::optional<std::vector<ExplainedModel>> explained{};  ///< if a place was asked about
 };
 
 /// Test the expected poses, then search round by round for what is not yet explained; of all

@@ -71,6 +71,7 @@ struct PosePool::State {
   const SettleOptions& options;
   const std::stop_token& stop;
   StageTimes& times;
+  PlaceWatch* watch;
   std::map<std::uint32_t, std::unique_ptr<const ModelStages>> stages{};  // by model
   PooledPoses seen{};  // all that were in the running, as they looked first
   PooledPoses waiting{};
@@ -108,7 +109,15 @@ struct PosePool::State {
     return out;
   }
 
+  void tell(PoseStage stage, const PooledPoses& poses) const {
+    if (watch == nullptr) return;
+    for (const auto& [of, pose] : poses)
+      watch->note(stage, of->index(), pose.T_scene_model,
+                  stage == PoseStage::looked_at ? pose.votes : pose.score);
+  }
+
   void refine(PooledPoses& poses) {
+    tell(PoseStage::refined, poses);
     {
       const StageTimer timer(times, "refine");
       for_each_pose(poses, [](const ModelStages& of, CoarsePose& pose) { of.refine(pose); });
@@ -148,6 +157,7 @@ struct PosePool::State {
   }
 
   Result<std::vector<Candidate>> examine(const PooledPoses& poses) {
+    tell(PoseStage::examined, poses);
     const StageTimer timer(times, "examine");
     auto surfaces = surfaces_of(poses);
     if (!surfaces) return surfaces.error();
@@ -170,8 +180,9 @@ struct PosePool::State {
 };
 
 PosePool::PosePool(const Recognizer& recognizer, const PreparedScene& scene,
-                   const SettleOptions& options, const std::stop_token& stop, StageTimes& times)
-    : state_(new State{recognizer, scene, options, stop, times}) {}
+                   const SettleOptions& options, const std::stop_token& stop, StageTimes& times,
+                   PlaceWatch* watch)
+    : state_(new State{recognizer, scene, options, stop, times, watch}) {}
 PosePool::~PosePool() = default;
 
 Result<void> PosePool::add(std::span<const ModelProposals> proposals, const PoseBudget& budget) {
@@ -184,6 +195,12 @@ Result<void> PosePool::add(std::span<const ModelProposals> proposals, const Pose
     if (const Result<void> prepared = s.prepare(models); !prepared) return prepared;
     std::vector<const ModelStages*> stages;
     for (const std::uint32_t m : models) stages.push_back(s.stages.at(m).get());
+    if (s.watch != nullptr) {
+      for (const ModelProposals& of_model : proposals)
+        for (const Proposals& of_source : of_model.proposals)
+          for (const kernels::Hypothesis& one : of_source.hypotheses)
+            s.watch->note(PoseStage::proposed, of_model.model, one.T_scene_model, one.votes);
+    }
     std::vector<std::vector<CoarsePose>> clusters(proposals.size());
     for_each_index(proposals.size(), [&](std::size_t k) {
       if (!s.stop.stop_requested()) clusters[k] = stages[k]->cluster(proposals[k].proposals);
@@ -194,6 +211,7 @@ Result<void> PosePool::add(std::span<const ModelProposals> proposals, const Pose
     poses = take_best(&CoarsePose::votes, budget.looked_at, poses);
   }
   const StageTimer timer(s.times, "preselect");
+  s.tell(PoseStage::looked_at, poses);
   s.for_each_pose(poses, [](const ModelStages& of, CoarsePose& pose) { of.look(pose); });
   s.num_looked_at += poses.size();
   choose_of_each(poses, [](const ModelStages& of, const auto& looked_at) {

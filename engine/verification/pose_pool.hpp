@@ -14,6 +14,7 @@
 #include "engine/recognizer.hpp"
 #include "engine/verification/candidate.hpp"
 #include "engine/verification/model_stages.hpp"
+#include "engine/verification/place_watch.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::engine {
@@ -44,8 +45,10 @@ struct SuggestedPose {
 class PosePool {
  public:
   /// All arguments are referred to. Once `stop` is requested, what is left to do is not done.
+  ///
+  /// watch  is told what comes to which stage; null: nobody is
   PosePool(const Recognizer& recognizer, const PreparedScene& scene, const SettleOptions& options,
-           const std::stop_token& stop, StageTimes& times);
+           const std::stop_token& stop, StageTimes& times, PlaceWatch* watch);
   ~PosePool();
 
   /// Cluster the hypotheses of each model, and look at each cluster. Errors: bad_data (damaged).

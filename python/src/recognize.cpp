@@ -65,7 +65,7 @@ Recognized recognize_scene(const OpenLibrary& library, const Scene& scene,
 
 std::string json_of(const Recognized& self) {
   return apps::scene_json(self.scene.input.file.string(), self.result, self.recognizer->score(),
-                          self.options.max_rejected > 0 ? &self.options : nullptr)
+                          self.options)
       .dump(2);
 }
 

@@ -28,6 +28,14 @@ ShardScene parse_scene(const JsonNode& node) {
     if (pose.has("explained_by")) pose.at("explained_by").integer(0, last);
     scene.rejected.push_back(pose.value());
   }
+  if (node.has("explanation")) {
+    for (const JsonNode& of : node.at("explanation").at("models").elements()) {
+      of.at("words").string();
+      if (of.has("detection")) of.at("detection").integer(0, last);
+      if (of.has("pose") && of.at("pose").has("explained_by"))
+        of.at("pose").at("explained_by").integer(0, last);
+    }
+  }
   check_numbers(node.at("seconds"));
   check_numbers(node.at("counts"));
   scene.claims = parse_claims(node.at("claims"), scene.detections.size());
@@ -55,23 +63,51 @@ void sort_by_score(std::vector<AnswerJson>& poses) {
   });
 }
 
+/// Where a detection of a shard stands in the joined answer; null where it does not, or is null.
+AnswerJson place_among(std::span<const DetectionPlace> standing, std::size_t shard,
+                       const AnswerJson& detection) {
+  if (detection.is_null()) return {};
+  const auto found =
+      std::ranges::find(standing, DetectionPlace{shard, detection.get<std::size_t>()});
+  return found == standing.end() ? AnswerJson() : AnswerJson(found - standing.begin());
+}
+
 /// The rejected poses of all shards; what explains one is told by its index among `standing`.
 std::vector<AnswerJson> merge_rejected(std::span<const ShardAnswer> answers, std::size_t index,
                                        std::span<const DetectionPlace> standing) {
   std::vector<AnswerJson> all;
   for (std::size_t k = 0; k < answers.size(); ++k) {
     for (AnswerJson pose : answers[k].scenes[index].rejected) {
-      if (!pose["explained_by"].is_null()) {
-        const DetectionPlace by{k, pose["explained_by"].get<std::size_t>()};
-        const auto found = std::ranges::find(standing, by);
-        pose["explained_by"] =
-            found == standing.end() ? AnswerJson() : AnswerJson(found - standing.begin());
-      }
+      pose["explained_by"] = place_among(standing, k, pose["explained_by"]);
       all.push_back(std::move(pose));
     }
   }
   sort_by_score(all);
   return all;
+}
+
+/// What all shards say of the place that was asked about, those that found something there first.
+AnswerJson merge_explanations(std::span<const ShardAnswer> answers, std::size_t index,
+                              std::span<const DetectionPlace> standing) {
+  std::vector<AnswerJson> all;
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    const AnswerJson& scene = answers[k].scenes[index].json;
+    if (!scene.contains("explanation")) continue;
+    for (AnswerJson of : scene["explanation"]["models"]) {
+      const bool was_found = !of["detection"].is_null();
+      of["detection"] = place_among(standing, k, of["detection"]);
+      if (was_found && of["detection"].is_null())
+        of["words"] = "is found here by its shard alone; another model explains the place better";
+      if (!of["pose"].is_null())
+        of["pose"]["explained_by"] = place_among(standing, k, of["pose"]["explained_by"]);
+      all.push_back(std::move(of));
+    }
+  }
+  std::ranges::stable_sort(all, std::ranges::greater(),
+                           [](const AnswerJson& of) { return !of["detection"].is_null(); });
+  AnswerJson merged = answers.front().scenes[index].json["explanation"];
+  merged["models"] = std::move(all);
+  return merged;
 }
 
 AnswerJson merge_scenes(std::span<const ShardAnswer> answers, std::size_t index) {
@@ -94,6 +130,8 @@ AnswerJson merge_scenes(std::span<const ShardAnswer> answers, std::size_t index)
   merged["detections"] = AnswerJson::array();
   for (const DetectionPlace& place : standing) merged["detections"].push_back(detection(place));
   if (merged.contains("rejected")) merged["rejected"] = merge_rejected(answers, index, standing);
+  if (merged.contains("explanation"))
+    merged["explanation"] = merge_explanations(answers, index, standing);
   return merged;
 }
 

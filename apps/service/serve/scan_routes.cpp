@@ -69,10 +69,8 @@ void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
     tell_recognition(call, found, state->results);
     Json scenes = Json::array();
     for (std::size_t i = 0; i < state->results.size(); ++i) {
-      const RecognizeOptions& options = state->request.options;
       scenes.push_back(scene_json(state->request.scans[i].name, state->results[i],
-                                  found.generation->recognizer.score(),
-                                  options.max_rejected > 0 ? &options : nullptr));
+                                  found.generation->recognizer.score(), state->request.options));
     }
     const Library& library = found.generation->recognizer.library();
     return json_response(

@@ -1,0 +1,19 @@
+/// Why a model is found at a place, or is not, in the words of all pages.
+#pragma once
+
+#include <string>
+
+#include "engine/recognize.hpp"
+
+namespace trivet::apps {
+
+/// A sentence without its subject, the model: "was refined here, but ...". `explanation` is one of the
+/// result's, `options` those that it was recognized with.
+std::string explanation_words(const SceneResult& result, const ModelExplanation& explanation,
+                              const kernels::ScoreModel& score, const RecognizeOptions& options);
+
+/// Lines for people about the place that was asked about; empty without one.
+std::string explanation_text(const SceneResult& result, const kernels::ScoreModel& score,
+                             const RecognizeOptions& options);
+
+}  // namespace trivet::apps
