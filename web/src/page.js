@@ -17,6 +17,7 @@ import { Settings } from "./settings.js";
 import { timesView } from "./times.js";
 import { Meshes } from "./view/meshes.js";
 import { SceneView } from "./view/scene_view.js";
+import { WhyList } from "./why_list.js";
 import {
   countWords,
   lengthWords,
@@ -34,6 +35,7 @@ const view = makeView();
 const lists = {
   found: new PoseList(byId("found"), (id) => select(id)),
   rejected: new PoseList(byId("rejected"), (id) => select(id)),
+  why: new WhyList(byId("why"), (id) => lookAt(id)),
 };
 const libraryPanel = new LibraryPanel((model) => showModel(model));
 
@@ -43,6 +45,7 @@ let settings = null;
 let scan = null;
 let points = null; // of the scan: { key, positions, total, viewpoint }
 let running = null; // the AbortController of what is being asked
+let shownThings = []; // what is drawn of the result
 let selected = null;
 
 function makeView() {
@@ -81,8 +84,9 @@ function clearResult() {
   selected = null;
   if (byId("problem").contains(document.activeElement)) byId("headline").focus();
   for (const id of ["problem", "advice"]) byId(id).replaceChildren();
-  for (const id of ["found", "rejected", "times", "answer"]) byId(`${id}-section`).hidden = true;
+  for (const id of ["found", "rejected", "why", "times", "answer"]) byId(`${id}-section`).hidden = true;
   for (const list of Object.values(lists)) list.show([]);
+  shownThings = [];
   view?.setThings([]);
 }
 
@@ -255,7 +259,62 @@ async function showResult(result, signal) {
   byId("times").replaceChildren(...timesView(answer, result.seconds));
   byId("times-section").hidden = false;
   showAnswer(result, scan.name);
+  shownThings = things;
   await pose(things, signal);
+}
+
+/** Ask why models are found, or are not, at a place of the scan as its points are drawn. */
+async function askWhy(place) {
+  if (!shownThings.length && byId("times-section").hidden) return; // nothing is answered yet
+  running?.abort();
+  const asking = new AbortController();
+  running = asking;
+  const inScan = place.map((x, axis) => x + (points.offset[axis] ?? 0));
+  byId("why-section").hidden = false;
+  byId("why-note").textContent = `Looking at ${placeWords(inScan, settings.unit)} …`;
+  lists.why.show([]);
+  byId("why-section").scrollIntoView({ block: "nearest" });
+  setBusy(true);
+  try {
+    const parameters = settings.parameters(scan);
+    parameters.set("explain", inScan.join(","));
+    const { answer } = await service.recognize(scan, parameters, asking.signal);
+    await showWhy(answer.scenes[0].explanation, asking.signal);
+  } catch (error) {
+    if (!asking.signal.aborted) byId("why-note").textContent = error.message;
+  } finally {
+    if (running === asking) setBusy(false);
+  }
+}
+
+async function showWhy({ point, models }, signal) {
+  const entries = models.map((explained, k) => {
+    const found = explained.detection === null ? null : `found-${explained.detection}`;
+    return { id: found ?? (explained.pose && `why-${k}`), explained };
+  });
+  byId("why-note").textContent =
+    `At ${placeWords(point, settings.unit)}` +
+    (models.length ? ":" : ": no pose of any model was proposed here.");
+  lists.why.show(entries);
+  const drawn = entries
+    .filter(({ id }) => id?.startsWith("why"))
+    .map(({ id, explained }) => ({ id, kind: "why", label: "?", pose: explained.pose }));
+  await pose([...shownThings, ...drawn], signal);
+  lookAt(entries.find(({ id }) => id)?.id ?? null);
+  byId("why-section").scrollIntoView({ block: "nearest" });
+}
+
+/** Show what a row of the answer is about in the view, and leave the other lists as they are. */
+function lookAt(id) {
+  selected = id;
+  lists.why.open(id);
+  view?.select(id);
+}
+
+function setAsking(asks) {
+  byId("ask").setAttribute("aria-pressed", asks);
+  byId("canvas").classList.toggle("asks", asks);
+  if (view) view.asks = asks;
 }
 
 function rejectedNote(all, told) {
@@ -329,6 +388,7 @@ function showLayer(layer, shown) {
 function showTools(model = false) {
   byId("tools").hidden = !view || !(points || model);
   for (const layer of ["scan", "found", "rejected"]) byId(`layer-${layer}`).hidden = model;
+  byId("ask").hidden = model;
 }
 
 const toggleLayer = (layer) => showLayer(layer, !isShown(layer));
@@ -379,6 +439,7 @@ function listen() {
   for (const layer of ["scan", "found", "rejected"]) {
     byId(`layer-${layer}`).onclick = () => toggleLayer(layer);
   }
+  byId("ask").onclick = () => setAsking(!view.asks);
   for (const name of ["result", "models"]) byId(`tab-${name}`).onclick = () => showTab(name);
   moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
   moveByArrows(byId("tools"), "button");
@@ -386,6 +447,11 @@ function listen() {
   addEventListener("keydown", onShortcut);
   if (!view) return;
   view.onPick = (id) => select(id);
+  view.onAsk = (point) => askWhy(point);
+  byId("canvas").addEventListener("keydown", (event) => {
+    const point = event.key === "Enter" && view.asks && view.pointInTheMiddle();
+    if (point) askWhy(point);
+  });
   view.onLook = (point, distance) => {
     const { unit } = settings;
     byId("look").textContent = point
@@ -405,6 +471,7 @@ function onShortcut(event) {
     s: () => toggleLayer("scan"),
     d: () => toggleLayer("found"),
     r: () => toggleLayer("rejected"),
+    w: () => view && setAsking(!view.asks),
     m: () => {
       const opens = byId("models").hidden;
       showTab(opens ? "models" : "result");

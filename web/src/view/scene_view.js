@@ -23,6 +23,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { element } from "../dom.js";
 import { distanceToSee, frameOf } from "./frame.js";
 import { outlineMaterial, Picture } from "./picture.js";
+import { pickPoint } from "./pick_point.js";
 import { makeScanPoints } from "./scan_points.js";
 import { SeenParts } from "./seen_parts.js";
 import { Sensor } from "./sensor.js";
@@ -63,7 +64,7 @@ function makeAxes() {
  * The 3-D view: one scan with posed models, or one model by itself.
  *
  * It draws only when something changed. Things are posed in the scan's frame; `onPick(id)` tells
- * which one was clicked (null: none), `onLook(point, distance)` where the camera looks, in the
+ * which one was clicked (null: none), `onAsk(point)` which point of the scan, `onLook(point, distance)` where the camera looks, in the
  * scan's frame and unit, and `onScale(length)` how long a pixel is there, in the unit of what is
  * shown (null: nothing is).
  */
@@ -94,7 +95,11 @@ export class SceneView {
   #isFitted = false;
   #isNew = false; // no mark was placed yet
 
+  /** Whether a click asks about a place of the scan instead of picking what is drawn. */
+  asks = false;
+
   onPick = () => {};
+  onAsk = () => {};
   onLook = () => {};
   onScale = () => {};
 
@@ -166,7 +171,7 @@ export class SceneView {
   /**
    * Pose models in the scan.
    *
-   * things  [{ id, kind: "found" or "rejected", geometry, pose: Matrix4 of the geometry's points in
+   * things  [{ id, kind: "found", "rejected" or "why", geometry, pose: Matrix4 of the geometry's points in
    *         the scan's frame, color, label, alternatives: other such poses }]
    */
   setThings(things) {
@@ -401,6 +406,11 @@ export class SceneView {
       if (moved || this.#model || !this.#frame) return;
       const { offsetX, offsetY } = event;
       const { clientWidth, clientHeight } = this.#canvas;
+      if (this.asks) {
+        const point = this.#pointAt(offsetX, offsetY);
+        if (point) this.onAsk(point);
+        return;
+      }
       caster.setFromCamera(
         new Vector2((2 * offsetX) / clientWidth - 1, 1 - (2 * offsetY) / clientHeight),
         this.#camera,
@@ -411,6 +421,23 @@ export class SceneView {
       )[0];
       this.onPick(hit ? hit.object.userData.id : null);
     });
+  }
+
+  /** The point of the scan that is seen there, in the scan's frame, or null. */
+  #pointAt(x, y) {
+    const { clientWidth, clientHeight } = this.#canvas;
+    const project = new Matrix4()
+      .multiplyMatrices(this.#camera.projectionMatrix, this.#camera.matrixWorldInverse)
+      .multiply(this.#points.matrix);
+    const centered = this.#points.geometry.getAttribute("position").array;
+    const point = pickPoint(centered, project, x, y, clientWidth, clientHeight);
+    return point && this.#frame.center.clone().add(new Vector3(...point)).toArray();
+  }
+
+  /** The point of the scan in the middle of the view, or null. */
+  pointInTheMiddle() {
+    if (!this.#frame || this.#model) return null;
+    return this.#pointAt(this.#canvas.clientWidth / 2, this.#canvas.clientHeight / 2);
   }
 
   #resize() {

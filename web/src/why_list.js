@@ -1,0 +1,72 @@
+import { element, moveByArrows } from "./dom.js";
+import { scoreWords } from "./words.js";
+
+const kStages = [
+  ["proposed", "proposed"],
+  ["looked_at", "looked at"],
+  ["refined", "refined"],
+  ["examined", "tested by rays"],
+];
+
+/** "12 proposed, 3 looked at, 1 refined, none tested by rays" */
+const stagesWords = (poses) =>
+  kStages.map(([stage, words]) => `${poses[stage] || "none"} ${words}`).join(", ");
+
+/** What became of each model at a place of the scan. */
+export class WhyList {
+  #list;
+  #buttons = new Map();
+
+  /** list  an `ol`; onOpen(id) is called when a row is opened, onOpen(null) when it is closed */
+  constructor(list, onOpen) {
+    this.#list = list;
+    this.onOpen = onOpen;
+    moveByArrows(list, "button.pose");
+  }
+
+  /** things  [{ id: of what it draws in the view, explained: as the service gave it }] */
+  show(things) {
+    this.#buttons.clear();
+    this.#list.replaceChildren(
+      ...things.map(({ id, explained }) => {
+        const score = explained.pose?.score;
+        const told = [
+          element("span", { className: "name" }, explained.model),
+          score !== undefined &&
+            element(
+              "span",
+              { className: "score" },
+              element("span", { className: "unseen" }, "score "),
+              scoreWords(score),
+            ),
+          element(
+            "span",
+            { className: "note" },
+            explained.words,
+            element("br"),
+            element("span", { className: "dim" }, stagesWords(explained.poses)),
+          ),
+        ];
+        // Without a pose there is nothing to look at.
+        if (!id) return element("li", {}, element("div", { className: "pose" }, told));
+        const button = element(
+          "button",
+          {
+            type: "button",
+            className: "pose",
+            "aria-pressed": "false",
+            onclick: () => this.onOpen(button.getAttribute("aria-pressed") === "true" ? null : id),
+          },
+          told,
+        );
+        this.#buttons.set(button, id);
+        return element("li", {}, button);
+      }),
+    );
+  }
+
+  /** Mark the row of this id as the one that is drawn. */
+  open(id) {
+    for (const [button, own] of this.#buttons) button.setAttribute("aria-pressed", own === id);
+  }
+}
