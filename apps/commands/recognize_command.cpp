@@ -20,6 +20,7 @@
 #include "apps/words/reported_part.hpp"
 #include "engine/estimate_camera.hpp"
 #include "engine/libraries/edit_library.hpp"
+#include "engine/options/declare_option.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -42,11 +43,7 @@ Result<void> recognize_scenes(const Recognizer& recognizer, std::span<SceneInput
 /// What the command says of the robot; every grasp must be of a model of the library.
 Result<RobotOptions> robot_options(const SceneCommand& arguments, const Library& library) {
   RobotOptions options;
-  const std::span<const Choice> conventions = choices_of<RobotConvention>();
-  for (std::size_t k = 0; k < conventions.size(); ++k) {
-    if (conventions[k].name == arguments.robot)
-      options.convention = static_cast<RobotConvention>(k);
-  }
+  engine::FieldTraits<RobotConvention>::set(options.convention, arguments.robot);
   if (!arguments.robot_frame.empty()) {
     const Result<FilePose> frame = read_frame(arguments.robot_frame);
     if (!frame) return frame.error();

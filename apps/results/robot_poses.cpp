@@ -26,8 +26,8 @@ namespace trivet::apps {
 namespace {
 
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
-constexpr double kUpright =
-    1 - 1e-12;  // sine of a second angle that leaves the others undetermined
+// Sine of a second angle that leaves the other two undetermined.
+constexpr double kUpright = 1 - 1e-12;
 
 /// Angles about the fixed axes x, y, z, in this order.
 Eigen::Vector3d fixed_angles(const Eigen::Matrix3d& r) {

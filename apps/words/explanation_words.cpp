@@ -29,7 +29,6 @@ std::string giving_up(const ModelExplanation& explanation, const PoseOptions& li
           "(max-examined)",
           limits.max_examined);
   }
-  return {};
 }
 
 }  // namespace

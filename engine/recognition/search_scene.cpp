@@ -111,8 +111,9 @@ class SceneSearch {
                                       std::span<const Candidate> better) const;
   /// Whether matches propose a pose that votes had the chance to propose and did not.
   bool is_beside_votes(const Candidate& candidate) const;
-  RefusedCandidate refused_candidate(const RejectedCandidate& refusal,
-                                     std::span<const std::uint32_t> chosen) const;
+  /// What a refusal says of a candidate, the one that it is about.
+  static RefusedCandidate refused(const RejectedCandidate& refusal, Candidate candidate,
+                                  std::span<const std::uint32_t> chosen);
   /// Of the place that was asked about; chosen and detections as below.
   Result<std::vector<ExplainedModel>> explain(std::span<const std::uint32_t> chosen,
                                               std::span<const Candidate> detections);
@@ -460,15 +461,15 @@ std::vector<RefusedCandidate> SceneSearch::best_rejected(std::span<const std::ui
   std::vector<RefusedCandidate> rejected;
   for (const RejectedCandidate& refusal :
        best_refused(library_, candidates_, selection_.refused, detections, options_.max_rejected)) {
-    rejected.push_back(refused_candidate(refusal, chosen));
+    rejected.push_back(refused(refusal, std::move(candidates_[refusal.candidate]), chosen));
   }
   return rejected;
 }
 
-RefusedCandidate SceneSearch::refused_candidate(const RejectedCandidate& refusal,
-                                                std::span<const std::uint32_t> chosen) const {
+RefusedCandidate SceneSearch::refused(const RejectedCandidate& refusal, Candidate candidate,
+                                      std::span<const std::uint32_t> chosen) {
   RefusedCandidate out;
-  out.candidate = candidates_[refusal.candidate];
+  out.candidate = std::move(candidate);
   out.reason = refusal.reason;
   if (!refusal.explained_by) return out;
   const auto by = std::ranges::find(chosen, *refusal.explained_by);
@@ -505,7 +506,8 @@ Result<std::vector<ExplainedModel>> SceneSearch::explain(std::span<const std::ui
         continue;
       if (best == nullptr || candidate.score > candidates_[best->candidate].score) best = &refusal;
     }
-    if (best != nullptr && !of.detection) of.pose = refused_candidate(*best, chosen);
+    if (best != nullptr && !of.detection)
+      of.pose = refused(*best, candidates_[best->candidate], chosen);
   }
   const auto order = [&](const ExplainedModel& of) {
     const auto at = seen.find(of.model);
