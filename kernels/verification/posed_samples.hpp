@@ -38,8 +38,9 @@ class PosedSamples {
     return (samples_.views[i][view_word_] >> view_bit_ & 1U) != 0;
   }
 
-  /// Place samples from `first` to below `end`, no more than a block. No allocation. The same bits
-  /// as T_camera_model() * point, its rotation times the normal, and ImageGeometry::pixel_of.
+  /// Place samples from `first` to below `end`, no more than a block. No allocation. Each sample the
+  /// same bits in any block: points as move_points sums, normals c0 x + (c1 y + c2 z), both without
+  /// fused products, as Eigen on x86-64 (on arm64 it fuses); pixels as ImageGeometry::pixel_of.
   void place(std::size_t first, std::size_t end, SampleBlock& block) const noexcept;
 
  private:
@@ -49,7 +50,7 @@ class PosedSamples {
   std::size_t view_word_, view_bit_;
 };
 
-/// Move points: ((c0 x + c1 y) + c2 z) + t, as Eigen sums. Columns must not overlap.
+/// Move points: ((c0 x + c1 y) + c2 z) + t, c the rotation's columns. Columns must not overlap.
 void move_points(const Pose& pose, PointsView points, float* x, float* y, float* z) noexcept;
 
 }  // namespace trivet::kernels

@@ -26,6 +26,7 @@ TEST(PosedSamples, PlacesThemToTheBitAsOneByOne) {
   const PosedSamples posed(close.geometry, samples, close.T_scene_model);
   const Pose pose = posed.T_camera_model();
   const Eigen::Matrix3f R = pose.linear();
+  const Vector3f t = pose.translation();
   SampleBlock block;
   std::size_t inside = 0, next = 0;
   for (std::size_t first = 0; first < samples.points.size(); first += kSampleBlock) {
@@ -34,7 +35,12 @@ TEST(PosedSamples, PlacesThemToTheBitAsOneByOne) {
     next += block.count;
     for (std::size_t k = 0; k < block.count; ++k) {
       const std::size_t i = first + k;
-      const Vector3f p = pose * samples.points[i], n = R * samples.normals[i];
+      const Vector3f m = samples.points[i], mn = samples.normals[i];
+      Vector3f p, n;
+      for (int row = 0; row < 3; ++row) {
+        p[row] = R(row, 0) * m.x() + R(row, 1) * m.y() + R(row, 2) * m.z() + t[row];
+        n[row] = R(row, 0) * mn.x() + (R(row, 1) * mn.y() + R(row, 2) * mn.z());
+      }
       ASSERT_EQ(Vector3f(block.x[k], block.y[k], block.z[k]), p) << i;
       ASSERT_EQ(Vector3f(block.normal_x[k], block.normal_y[k], block.normal_z[k]), n) << i;
       const std::int64_t pixel = close.geometry.pixel_of(p);
