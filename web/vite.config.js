@@ -1,5 +1,8 @@
 import { defineConfig } from "vite";
 
+// For `vite` and `vite preview`: where a service runs.
+const service = process.env.TRIVET_SERVICE ?? "http://127.0.0.1:8080";
+
 // Names without hashes, since the program embeds the files by name; nothing inlined, since the
 // service's content security policy forbids it.
 export default defineConfig({
@@ -11,5 +14,5 @@ export default defineConfig({
       output: { entryFileNames: "assets/page.js", assetFileNames: "assets/page[extname]" },
     },
   },
-  server: { proxy: { "/v1": "http://127.0.0.1:8080", "/v2": "http://127.0.0.1:8080" } },
+  server: { proxy: { "/v1": service, "/v2": service } },
 });

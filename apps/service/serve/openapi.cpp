@@ -79,7 +79,24 @@ Json parameter_of(const OptionInfo& info, const OptionValue& usual) {
   } else if (!is_unset(usual)) {
     parameter["schema"]["default"] = value_json(usual);
   }
+  // For who makes a form of them.
+  parameter["x-group"] = info.group;
+  parameter["x-label"] = info.label;
+  if (!info.unit.empty()) parameter["x-unit"] = info.unit;
   return parameter;
+}
+
+/// By preset, what it sets otherwise than the usual one: {"fast": {"references": 0.05, ...}, ...}.
+Json presets_json() {
+  Json presets = Json::object();
+  for (const auto& [name, values] : recognize_presets()) {
+    Json& changed = presets[name] = Json::object();
+    for (const auto& option : options_of<RecognizeOptions>()) {
+      if (const OptionValue value = option.get(values); value != option.get({}))
+        changed[option.info.name] = value_json(value);
+    }
+  }
+  return presets;
 }
 
 /// Each path of the library, once more with its generation.
@@ -113,6 +130,7 @@ std::string write_document() {
   };
   for (const auto& option : options_of<ServedScene>()) add(option.info, option.get({}));
   add(preset_parameter(), std::string(kUsualPreset));
+  parameters[preset_parameter().name]["x-presets"] = presets_json();
   for (const auto& option : options_of<RecognizeOptions>()) add(option.info, option.get({}));
   return document.dump();
 }
