@@ -4,7 +4,10 @@ target_compile_features(trivet_compiler INTERFACE cxx_std_20)
 target_compile_options(trivet_compiler INTERFACE
   -Wall -Wextra -Wconversion -Wshadow $<$<BOOL:${TRIVET_WARNINGS_AS_ERRORS}>:-Werror>
   # Same bits on every machine of one instruction set: no contraction that depends on inlining.
-  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+  -ffp-contract=off -fno-math-errno -fno-trapping-math
+  # A program takes of a folder that is compiled together only what it calls.
+  -ffunction-sections -fdata-sections)
+target_link_options(trivet_compiler INTERFACE -Wl,--gc-sections)
 if(TRIVET_SANITIZE)
   # The vptr check misfires inside TBB's flow graph.
   target_compile_options(trivet_compiler INTERFACE -fsanitize=${TRIVET_SANITIZE} -fno-sanitize=vptr
@@ -24,6 +27,11 @@ function(compile_folders_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # What a source keeps to itself is still its own, though it is included now.
   target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+endfunction()
+
+# compile_lightly(TARGET): what only passes on words and arrays takes two thirds of the time to compile, and runs as fast.
+function(compile_lightly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # add_layer(NAME LIBRARIES...): a static library from all sources of this folder.
