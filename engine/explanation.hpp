@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/rejected_pose.hpp"
+#include "kernels/verification/examine_pose.hpp"
 
 namespace trivet {
 
@@ -26,6 +27,10 @@ inline constexpr std::array<std::string_view, 4> kPoseStages{"proposed", "looked
 /// How many there are.
 inline constexpr std::size_t kNumPoseStages = kPoseStages.size();
 
+/// The names of what a ray says, in results.
+inline constexpr std::array<std::string_view, 6> kRayVerdicts{
+    "agrees", "looked_through", "runs_on", "background", "hidden", "unmeasured"};
+
 /// What became of the poses of one model that reach to the place.
 struct ModelExplanation {
   std::string model;
@@ -39,6 +44,9 @@ struct ModelExplanation {
   /// Whether the search had given this pose up before its full test, which was then made for the
   /// explanation alone: reason says nothing.
   bool given_up = false;
+  /// What rays of the full test say of the detection's pose or this one. Places are in the scene's
+  /// frame and unit.
+  std::vector<kernels::JudgedRay> rays{};
 
   /// The last stage that a pose came to; none: nothing proposed one.
   std::optional<PoseStage> reached() const noexcept {

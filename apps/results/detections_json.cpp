@@ -1,6 +1,7 @@
 #include "apps/results/detections_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -53,6 +54,21 @@ nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const Sce
   return json;
 }
 
+/// By what they say, x, y, z of each place in the frame of the scene's file.
+nlohmann::ordered_json rays_json(const SceneResult& result,
+                                 std::span<const kernels::JudgedRay> rays) {
+  nlohmann::ordered_json json;
+  for (const std::string_view verdict : kRayVerdicts)
+    json[std::string(verdict)] = nlohmann::ordered_json::array();
+  for (const kernels::JudgedRay& ray : rays) {
+    nlohmann::ordered_json& places =
+        json[std::string(kRayVerdicts[static_cast<std::size_t>(ray.verdict)])];
+    const Eigen::Vector3d place = ray.place.cast<double>() + result.offset;
+    for (const double x : place) places.push_back(std::round(1e6 * x) / 1e6);
+  }
+  return json;
+}
+
 nlohmann::ordered_json explanation_json(const SceneResult& result, const kernels::ScoreModel& score,
                                         const RecognizeOptions& options) {
   const PlaceExplanation& place = *result.explanation;
@@ -70,6 +86,7 @@ nlohmann::ordered_json explanation_json(const SceneResult& result, const kernels
                       {"detection", of.detection ? nlohmann::ordered_json(*of.detection) : nullptr},
                       {"given_up", of.given_up},
                       {"pose", std::move(pose)},
+                      {"rays", rays_json(result, of.rays)},
                       {"words", explanation_words(result, of, score, options)}});
   }
   return {{"point", {place.point.x(), place.point.y(), place.point.z()}},

@@ -75,6 +75,8 @@ ModelExplanation report_explained(const Library& library, const ExplainedModel& 
   if (explained.detection) out.detection = place[*explained.detection];
   if (explained.pose) out.pose = report_rejected(library, *explained.pose, place, scene_scale);
   out.given_up = explained.given_up;
+  out.rays = explained.rays;
+  for (kernels::JudgedRay& ray : out.rays) ray.place /= static_cast<float>(scene_scale);
   return out;
 }
 

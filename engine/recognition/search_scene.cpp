@@ -529,6 +529,14 @@ Result<std::vector<ExplainedModel>> SceneSearch::explain(std::span<const std::ui
     of.given_up = true;
     if (!tested->empty()) of.pose = RefusedCandidate{std::move(tested->front())};
   }
+
+  for (ExplainedModel& of : explained) {
+    if (!of.detection && !of.pose) continue;
+    const Candidate& at = of.detection ? detections[*of.detection] : of.pose->candidate;
+    auto rays = pool_.judged_rays({of.model, at.T_scene_model});
+    if (!rays) return rays.error();
+    of.rays = *std::move(rays);
+  }
   return explained;
 }
 

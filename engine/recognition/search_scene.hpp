@@ -45,6 +45,7 @@ struct ExplainedModel {
   std::optional<RefusedCandidate>
       pose{};             ///< the best of those that came furthest, as it was tested
   bool given_up = false;  ///< before its full test, which was made for this alone
+  std::vector<kernels::JudgedRay> rays{};  ///< of the detection's or this pose
 };
 
 /// Poses and lengths are in the scene's frame, in the library's unit.

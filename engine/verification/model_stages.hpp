@@ -72,6 +72,7 @@ class ModelStages {
   std::optional<Candidate> examine(const kernels::RayScene& surface,
                                    const kernels::ScoreModel& score, const CoarsePose& pose,
                                    kernels::ExamineScratch& scratch) const;
+  const PoseTester& tester() const noexcept { return tester_; }
   /// Whether most of what some samples of the pose meet is marked.
   ///
   /// marked  one a pixel over all images

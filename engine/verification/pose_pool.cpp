@@ -296,6 +296,16 @@ Result<std::vector<Candidate>> PosePool::test(std::span<const std::vector<Sugges
   return s.examine(chosen);
 }
 
+Result<std::vector<kernels::JudgedRay>> PosePool::judged_rays(const SuggestedPose& suggested) {
+  const Result<void> prepared = state_->prepare({&suggested.model, 1});
+  if (!prepared) return prepared.error();
+  const auto surface = state_->recognizer.surface(suggested.model);
+  if (!surface) return surface.error();
+  return state_->stages.at(suggested.model)
+      ->tester()
+      .judged_rays(**surface, suggested.T_scene_model);
+}
+
 std::size_t PosePool::num_looked_at() const noexcept { return state_->num_looked_at; }
 std::size_t PosePool::num_refined() const noexcept { return state_->num_refined; }
 std::size_t PosePool::num_examined() const noexcept { return state_->num_examined; }

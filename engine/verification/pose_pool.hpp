@@ -15,6 +15,7 @@
 #include "engine/verification/candidate.hpp"
 #include "engine/verification/model_stages.hpp"
 #include "engine/verification/place_watch.hpp"
+#include "kernels/verification/examine_pose.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::engine {
@@ -72,6 +73,9 @@ class PosePool {
   /// Errors: as above.
   Result<std::vector<Candidate>> test(std::span<const std::vector<SuggestedPose>> lists,
                                       std::size_t examined);
+
+  /// What each ray of the full test says of a pose as it is. Errors: internal and bad_data, as above.
+  Result<std::vector<kernels::JudgedRay>> judged_rays(const SuggestedPose& suggested);
 
   std::size_t num_looked_at() const noexcept;
   std::size_t num_refined() const noexcept;

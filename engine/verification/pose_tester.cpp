@@ -87,20 +87,38 @@ Pose PoseTester::refined(const Pose& pose, const kernels::RefineOptions& options
   return kernels::refine_pose(scene_.images, samples_, pose, options).T_scene_model;
 }
 
-Candidate PoseTester::examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                              const Pose& pose, kernels::ExamineScratch& scratch) const {
+kernels::ExamineOptions PoseTester::examine_options(const Pose& pose) const {
   kernels::ExamineOptions options;
   options.verify = strict(pose);
   options.window = std::round(scene_.window);
   options.correlated_noise = scene_.sensor.correlated_noise_at(range_of(pose));
   options.correlation = scene_.sensor.correlation;
   options.edge_pixels = edge_pixels(pose);
+  return options;
+}
+
+/// Which way it is turned is another question than whether it is there.
+const std::optional<Symmetry::Axis>& PoseTester::free_axis() const {
+  return model_.symmetry.axis ? model_.symmetry.axis : model_.near_axis;
+}
+
+std::vector<kernels::JudgedRay> PoseTester::judged_rays(const kernels::RayScene& surface,
+                                                        const Pose& pose) const {
+  kernels::ExamineScratch scratch;
+  kernels::Examination examination;
+  std::vector<kernels::JudgedRay> rays;
+  kernels::examine_pose(scene_.images, surface, samples_, free_axis(), pose, examine_options(pose),
+                        scratch, examination, nullptr, &rays);
+  return rays;
+}
+
+Candidate PoseTester::examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                              const Pose& pose, kernels::ExamineScratch& scratch) const {
+  const kernels::ExamineOptions options = examine_options(pose);
   Candidate candidate;
   candidate.T_scene_model = pose;
   candidate.tolerance = options.verify.tolerance;
-  // Which way it is turned is another question than whether it is there.
-  const auto& turns = model_.symmetry.axis ? model_.symmetry.axis : model_.near_axis;
-  kernels::examine_pose(scene_.images, surface, samples_, turns, pose, options, scratch,
+  kernels::examine_pose(scene_.images, surface, samples_, free_axis(), pose, options, scratch,
                         candidate.examination, &candidate.explained);
   candidate.parts = kernels::score_parts(
       candidate.examination, candidate.tolerance / model_.diameter, scene_.sensor.correlation);

@@ -62,8 +62,13 @@ class PoseTester {
   /// Test by rays.
   Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                     const Pose& pose, kernels::ExamineScratch& scratch) const;
+  /// What the rays of that test say one by one.
+  std::vector<kernels::JudgedRay> judged_rays(const kernels::RayScene& surface,
+                                              const Pose& pose) const;
 
  private:
+  kernels::ExamineOptions examine_options(const Pose& pose) const;
+  const std::optional<Symmetry::Axis>& free_axis() const;
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
 

@@ -50,11 +50,13 @@ struct Sums {
 class Examiner {
  public:
   Examiner(const RangeImage& image, const ModelSamples& samples, const Pose& T_scene_model,
-           const PixelBox& box, const ExamineOptions& options, ExamineScratch& scratch)
+           const PixelBox& box, const ExamineOptions& options, ExamineScratch& scratch,
+           std::vector<JudgedRay>* rays)
       : image_(image),
         g_(image.geometry),
         options_(options),
         s_(scratch),
+        rays_(rays),
         T_camera_model_(g_.T_camera_scene * T_scene_model),
         diameter_(samples.diameter),
         center_(T_camera_model_ * samples.center),
@@ -96,6 +98,7 @@ class Examiner {
             measure_along(image_, u, v, z, length * facing, options_.verify.tolerance);
         if (pixel < 0) {
           out.unknown += square;
+          tell(RayVerdict::unmeasured, ray * z);
           continue;
         }
         const bool background =
@@ -105,18 +108,22 @@ class Examiner {
           if (measured_beside(image_, u, v, z, length * facing, tolerance, edge_)) continue;
           if (r > 0 || background) {  // nothing reaches through a table
             out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
+            tell(RayVerdict::looked_through, ray * z);
           } else {
             out.occluded += square;
             if (r > -kShallow * tolerance) out.sunk += square;
             s_.state[at] = kHidden;
             s_.residual[at] = r;
+            tell(RayVerdict::hidden, ray * z);
           }
         } else if (background) {
           out.background += square;
+          tell(RayVerdict::background, ray * z);
         } else {
           s_.state[at] = kConsistent;
           s_.residual[at] = r;
           out.consistent += square;
+          tell(RayVerdict::agrees, ray * z);
           const double share = static_cast<double>(r / tolerance);
           sums.count += 1;
           sums.squares += share * share;
@@ -181,6 +188,11 @@ class Examiner {
   }
 
  private:
+  /// at  in the camera's frame
+  void tell(RayVerdict verdict, const Eigen::Vector3f& at) const {
+    if (rays_ != nullptr) rays_->push_back({g_.T_camera_scene.inverse() * at, verdict});
+  }
+
   bool inside(int u, int v) const noexcept {
     return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
   }
@@ -268,7 +280,7 @@ class Examiner {
 
   /// A place where the model ends: what lies beyond, and how it holds the pose.
   void judge_end(const Eigen::Matrix3f& R_scene_camera, int i, int j, int di, int dj, float jump,
-                 Examination& out, Sums& sums) const noexcept {
+                 Examination& out, Sums& sums) const {
     const bool free = judge_beyond(i, j, di, dj, jump, out);
     sums.outline += 1;
     if (!free || !agrees_within(i, j, di, dj)) return;
@@ -284,7 +296,7 @@ class Examiner {
   }
 
   /// Add what lies beyond a place of the outline; returns whether that is free.
-  bool judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const noexcept {
+  bool judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const {
     const float z = s_.distance[crop_.at(i, j)];
     const int last = reach(z);
     bool any = false, open = false, judged = true;
@@ -310,6 +322,7 @@ class Examiner {
     } else if (judged) {
       const bool touches = creases(crop_.u(i), crop_.v(j), di, dj);
       (touches ? out.outline_touching : out.outline_crossed) += length;
+      if (!touches) tell(RayVerdict::runs_on, ray_through(g_, crop_.u(i), crop_.v(j)) * z);
     }
     return open;
   }
@@ -397,6 +410,7 @@ class Examiner {
   const ImageGeometry& g_;
   const ExamineOptions& options_;
   ExamineScratch& s_;
+  std::vector<JudgedRay>* rays_;
   Pose T_camera_model_;
   float diameter_;
   Eigen::Vector3f center_;
@@ -430,9 +444,10 @@ float off_plane(const Sums& sums) {
 void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
                   const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
                   const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
-                  Examination& out, ExplainedPixels* explained) {
+                  Examination& out, ExplainedPixels* explained, std::vector<JudgedRay>* rays) {
   out = {};
   if (explained) *explained = {};
+  if (rays) rays->clear();
   const float radius = 0.5F * ball_diameter(samples);
   Sums sums;
   std::uint32_t first_pixel = 0;
@@ -440,7 +455,7 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
     const std::optional<PixelBox> box = project_ball(
         image.geometry, image.geometry.T_camera_scene * (T_scene_model * samples.center), radius);
     if (box) {
-      Examiner examiner(image, samples, T_scene_model, *box, options, scratch);
+      Examiner examiner(image, samples, T_scene_model, *box, options, scratch, rays);
       examiner.compare(surface, first_pixel, out, sums, explained);
       examiner.smooth(sums);
       examiner.follow_outline(out, sums);

@@ -73,12 +73,27 @@ struct ExplainedPixels {
   std::uint32_t square = 1;           ///< side of the squares [pixel]; of the last image with any
 };
 
+/// What is measured along a ray that meets a posed model, for who wants to see it.
+enum class RayVerdict : std::uint8_t {
+  agrees,          ///< where the model says
+  looked_through,  ///< something farther, or a background plane that the model would reach through
+  runs_on,         ///< the model ends here, and what is measured does not
+  background,      ///< agrees, but only with a background plane
+  hidden,          ///< something nearer
+  unmeasured,      ///< nothing
+};
+struct JudgedRay {
+  Eigen::Vector3f place;  ///< where it meets the model, in the scene's frame
+  RayVerdict verdict;
+};
+
 /// Shoot rays at the model through the pixels that it may cover, at most some 2,500 an image, and
 /// compare what they meet with the measured depth.
 ///
 /// surface    of the model, in its own frame and unit
 /// free_axis  if any, turns about it need not be held by what is seen
 /// explained  if given, is replaced by the consistent pixels
+/// rays       if given, is replaced by what single rays say; one at an end of the model may do so twice
 /// Along each ray: r = (measured - model's depth) times the cosine of incidence. |r| <= tolerance
 /// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose; so are
 /// background planes, and the neighbors that are looked at where the pixel itself does not agree.
@@ -89,6 +104,7 @@ struct ExplainedPixels {
 void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
                   const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
                   const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
-                  Examination& out, ExplainedPixels* explained = nullptr);
+                  Examination& out, ExplainedPixels* explained = nullptr,
+                  std::vector<JudgedRay>* rays = nullptr);
 
 }  // namespace trivet::kernels

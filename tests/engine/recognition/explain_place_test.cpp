@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "engine/recognition/two_parts.hpp"
 
 namespace trivet {
@@ -40,6 +42,9 @@ TEST_F(ExplainPlace, NamesTheDetectionThatLiesThereAndWhatOthersCameTo) {
   EXPECT_EQ(result.detections[*first.detection].model, "bracket");
   EXPECT_EQ(first.reached(), PoseStage::examined);
   EXPECT_FALSE(first.pose);
+  const auto agreeing =
+      std::ranges::count(first.rays, kernels::RayVerdict::agrees, &kernels::JudgedRay::verdict);
+  EXPECT_GT(2 * agreeing, std::ssize(first.rays));
   const ModelExplanation* const other = of(result, "lever");
   ASSERT_NE(other, nullptr);
   EXPECT_FALSE(other->detection);
@@ -62,6 +67,10 @@ TEST_F(ExplainPlace, ChangesNoResultAndNeedsNoUnitOfTheLibrary) {
   ASSERT_EQ(in_mm.explanation->models.size(), asked.explanation->models.size());
   EXPECT_NEAR(in_mm.explanation->nearest_point, 1000 * asked.explanation->nearest_point, 0.1);
   EXPECT_EQ(in_mm.explanation->models[0].detection, asked.explanation->models[0].detection);
+  const std::vector<kernels::JudgedRay>& rays = asked.explanation->models[0].rays;
+  ASSERT_EQ(in_mm.explanation->models[0].rays.size(), rays.size());
+  for (std::size_t k = 0; k < rays.size(); ++k)
+    EXPECT_LT((in_mm.explanation->models[0].rays[k].place - 1000 * rays[k].place).norm(), 0.2F);
 }
 
 TEST_F(ExplainPlace, TestsAfterAllWhatWasGivenUp) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -76,14 +77,15 @@ RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float w
 /// With the tolerance and the background of all tests.
 Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
                     const std::optional<Symmetry::Axis>& free_axis = {},
-                    ExplainedPixels* explained = nullptr, ExamineOptions options = {}) {
+                    ExplainedPixels* explained = nullptr, ExamineOptions options = {},
+                    std::vector<JudgedRay>* rays = nullptr) {
   options.verify.tolerance = kTolerance;
   static const std::array<std::uint8_t, 1> kBackground{1};
   options.verify.plane_is_background = kBackground;
   ExamineScratch scratch;
   Examination out;
   examine_pose({&image, 1}, body.surface, body.samples, free_axis, pose, options, scratch, out,
-               explained);
+               explained, rays);
   return out;
 }
 
@@ -104,6 +106,20 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   EXPECT_GT(e.outline_free, 100);
   EXPECT_EQ(e.outline_crossed, 0);
   EXPECT_GT(e.stability, 0.005F) << "three faces hold a box";
+}
+
+/// What single rays say adds up to the examination.
+void expect_told(const std::vector<JudgedRay>& rays, const Examination& e, std::uint32_t square) {
+  const auto told = [&](RayVerdict verdict) {
+    return static_cast<float>(std::ranges::count(rays, verdict, &JudgedRay::verdict));
+  };
+  const auto side = static_cast<float>(square);
+  EXPECT_EQ(side * side * told(RayVerdict::agrees), e.consistent);
+  EXPECT_EQ(side * side * told(RayVerdict::background), e.background);
+  EXPECT_EQ(side * side * told(RayVerdict::hidden), e.occluded);
+  EXPECT_EQ(side * side * told(RayVerdict::unmeasured), e.unknown);
+  EXPECT_GE(side * side * told(RayVerdict::looked_through) + 0.01F, e.violation);
+  EXPECT_EQ(side * told(RayVerdict::runs_on), e.outline_crossed);
 }
 
 // Boxes before and behind the model, with noise, holes and a labeled plane; crops of every stride;
@@ -135,7 +151,14 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     ExamineOptions options;
     if (trial % 4 > 0) options.correlation = between(0, 1);
     if (trial % 4 > 1) options.edge_pixels = static_cast<int>(std::lround(between(2, 6)));
-    const Examination e = examine(image, body, pose, {}, &explained, options);
+    std::vector<JudgedRay> rays;
+    const Examination e = examine(image, body, pose, {}, &explained, options, &rays);
+    expect_told(rays, e, explained.square);
+    for (const JudgedRay& ray : rays) {
+      const Vector3f gap =
+          (pose.inverse() * ray.place).cwiseAbs() - body.shape.vertices.front().cwiseAbs();
+      EXPECT_NEAR(gap.maxCoeff(), 0, 1e-5F);  // on a box
+    }
     const reference::Examination naive = reference::examination(
         image, body.surface, body.samples.diameter, pose, explained.square, kTolerance,
         options.edge_pixels, static_cast<double>(options.correlation));
