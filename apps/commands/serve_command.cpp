@@ -23,6 +23,7 @@
 #include "apps/service/serve/service_routes.hpp"
 #include "engine/method.hpp"
 #include "engine/recognition_service.hpp"
+#include "engine/training/provenance.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -88,6 +89,11 @@ Result<std::string> check(const ServeSettings& settings) {
   std::string found = fmt::format("{}: {} model{} [{}], for method {}", settings.library,
                                   library.models.size(), library.models.size() == 1 ? "" : "s",
                                   unit_name(library.header.unit), fmt::join(methods, " and "));
+  if (!settings.workshop.folder.empty()) {
+    const auto options = engine::parse_parameters(library.header.parameters);
+    if (!options) return options.error();
+    found += fmt::format("\nparts are trained in {}", settings.workshop.folder);
+  }
   if (!settings.examples.empty())
     found += fmt::format("\n{}: examples: {}", settings.examples, examples->size());
   return found;
@@ -106,10 +112,25 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   RecognitionService service(settings.service(), *first);
   first = std::shared_ptr<const LibraryGeneration>();
   std::optional<LibrarySlot> slot(std::in_place, settings.files(), service, metrics);
+  std::unique_ptr<PartWorkshop> workshop;
+  if (!settings.workshop.folder.empty()) {
+    auto opened = PartWorkshop::open(
+        settings.workshop, settings.library,
+        [&](LibrarySlot::Done done) { slot->reload(std::move(done)); }, daemon.log());
+    if (!opened) return opened.error();
+    workshop = *std::move(opened);
+  }
+  std::unique_ptr<LiveScans> live;
+  if (!settings.live.folder.empty()) {
+    auto watched = LiveScans::watch(settings.live, service, metrics, daemon.log());
+    if (!watched) return watched.error();
+    live = *std::move(watched);
+  }
   ServiceRoutes routes(
       service, metrics, daemon.log(),
       {milliseconds(settings.listen.deadline_ms), settings.service().max_waiting_bytes},
-      std::move(*examples), [&](LibrarySlot::Done done) { slot->reload(std::move(done)); });
+      std::move(*examples), [&](LibrarySlot::Done done) { slot->reload(std::move(done)); },
+      workshop.get(), live.get());
   routes.set_num_connections([&] { return daemon.num_connections(); });
   if (const Result<void> started = daemon.start(routes); !started) return started.error();
   routes.set_ready(true);
@@ -120,6 +141,8 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   notify_systemd("STOPPING=1");
   daemon.drain([&] { routes.set_ready(false); },
                [&](ServiceClock::time_point deadline) { return service.drain(deadline); });
+  live.reset();
+  workshop.reset();
   slot.reset();  // a library that is being read is answered for, too
   daemon.tell_end();
   return {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -113,6 +114,27 @@ std::string why_not_together(const Library& library, const LibraryHeader& header
       p.mean != q.mean || p.components != q.components)
     return fmt::format("the principal components of {}", library.header.producer);
   return "";
+}
+
+Result<void> take_models(const Library& from, const fs::path& file, std::size_t most_models,
+                         const Progress& progress) {
+  const Result<OpenedForChange> opened = open_for_change(file);
+  if (!opened) return opened.error();
+  const Library& library = opened->library;
+  if (const std::string differs = why_not_together(from, library.header, library.basis);
+      !differs.empty()) {
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: was trained with {}, other than {}; train it as the others",
+                             from.file.string(), differs, file.string())};
+  }
+  std::vector<ModelCopy> models = copies_of(library);
+  std::erase_if(models, [&](const ModelCopy& copy) { return has_model(from, copy.name); });
+  std::ranges::move(copies_of(from), std::back_inserter(models));
+  if (models.size() > most_models) {
+    return Error{ErrorCode::usage, fmt::format("{}: expected at most {} models, found {}",
+                                               file.string(), most_models, models.size())};
+  }
+  return write_again(*opened, std::move(models), progress);
 }
 
 Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& into,

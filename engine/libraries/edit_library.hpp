@@ -30,6 +30,14 @@ Result<void> remove_models(const std::filesystem::path& file, std::span<const st
 Result<void> rename_model(const std::filesystem::path& file, const std::string& from,
                           const std::string& to, const Progress& progress = {});
 
+/// Put the models of one library into another's file, in place of those of the same names.
+///
+/// most_models  that may be in it then
+/// Errors: usage (another unit, other parameters or components; too many models), those of
+/// assemble_library.
+Result<void> take_models(const Library& from, const std::filesystem::path& file,
+                         std::size_t most_models, const Progress& progress = {});
+
 /// Write all models of some libraries into one. A model that several have is taken once.
 /// Errors: usage (libraries of other units, parameters or components; models of one name that are
 /// not the same), those of assemble_library.

@@ -32,15 +32,20 @@ export class LibraryPanel {
   #filter = byId("filter");
   #rows = [];
 
-  /** onShow(model) is called when the user picks one. */
-  constructor(onShow) {
+  /**
+   * onShow(model)            is called when the user picks one
+   * onRename(name, to), onRemove(name)  where the service lets models change
+   */
+  constructor({ onShow, onRename, onRemove }) {
     this.onShow = onShow;
+    this.onRename = onRename;
+    this.onRemove = onRemove;
     this.#filter.addEventListener("input", () => this.#narrow());
     moveByArrows(this.#list, "button.model");
   }
 
-  /** library  { unit, models } */
-  show({ unit, models }) {
+  /** library  { unit, models }; mayChange  whether models may be renamed and removed */
+  show({ unit, models }, mayChange) {
     this.#rows = models.map((model) => {
       const picture = model.thumbnail
         ? element("img", { src: model.thumbnail, alt: "", loading: "lazy", width: 72, height: 72 })
@@ -56,10 +61,36 @@ export class LibraryPanel {
           `${lengthWords(model.diameter, unit)} across, ${symmetryWords(model.symmetry)}`,
         ),
       );
-      return { model, button, item: element("li", {}, button, adviceOnNear(model)) };
+      const item = element("li", {}, button, adviceOnNear(model), mayChange && this.#changes(model));
+      return { model, button, item };
     });
     this.#list.replaceChildren(...this.#rows.map(({ item }) => item));
     this.#narrow();
+  }
+
+  #changes({ name }) {
+    const to = element("input", {
+      type: "text",
+      value: name,
+      autocomplete: "off",
+      "aria-label": `New name of ${name}`,
+    });
+    const button = (label, onclick) =>
+      element("button", { type: "button", "aria-label": `${label} ${name}`, onclick }, label);
+    return element(
+      "details",
+      { className: "change" },
+      element("summary", { "aria-label": `Change ${name}` }, "Change"),
+      to,
+      element(
+        "p",
+        { className: "buttons" },
+        button("Rename", () => this.onRename(name, to.value.trim())),
+        button("Remove", () => {
+          if (confirm(`Remove ${name} from the library?`)) this.onRemove(name);
+        }),
+      ),
+    );
   }
 
   /** Mark the model that the view shows; null: none. */

@@ -8,6 +8,7 @@ import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
 import { unitThatFits } from "./extents.js";
 import { listenForFiles } from "./open_files.js";
+import { PartsPanel } from "./parts_panel.js";
 import { PoseList } from "./pose_list.js";
 import { worthTelling } from "./rejected.js";
 import { showScale } from "./scale_bar.js";
@@ -37,7 +38,19 @@ const lists = {
   rejected: new PoseList(byId("rejected"), (id) => select(id)),
   why: new WhyList(byId("why"), (id) => lookAt(id)),
 };
-const libraryPanel = new LibraryPanel((model) => showModel(model));
+const partMeshes = new Meshes();
+const libraryPanel = new LibraryPanel({
+  onShow: (model) => showModel(model),
+  onRename: (name, to) => changeLibrary(() => service.renameModel(name, to)),
+  onRemove: (name) => changeLibrary(() => service.removeModel(name)),
+});
+const partsPanel = new PartsPanel({
+  onShow: ({ model }) => {
+    partMeshes.setModels([model]);
+    showModel(model, partMeshes);
+  },
+  onPublished: () => loadLibrary(),
+});
 
 let library = { unit: "m", models: [], generation: 0 };
 let scoreParts = null;
@@ -46,6 +59,7 @@ let scan = null;
 let points = null; // of the scan: { key, positions, total, viewpoint }
 let running = null; // the AbortController of what is being asked
 let shownThings = []; // what is drawn of the result
+let rays = new Map(); // by thing, what they say of it, where that was asked
 let selected = null;
 
 function makeView() {
@@ -87,6 +101,7 @@ function clearResult() {
   for (const id of ["found", "rejected", "why", "times", "answer"]) byId(`${id}-section`).hidden = true;
   for (const list of Object.values(lists)) list.show([]);
   shownThings = [];
+  rays = new Map();
   view?.setThings([]);
 }
 
@@ -122,6 +137,7 @@ function openScan(next, camera) {
 }
 
 async function openFiles(files) {
+  if (partsPanel.allowed && !byId("models").hidden) return partsPanel.bring([...files]);
   try {
     const read = await readFiles(files);
     if (read.scan) return await openScan(read.scan, read.camera);
@@ -296,6 +312,7 @@ async function showWhy({ point, models }, signal) {
     `At ${placeWords(point, settings.unit)}` +
     (models.length ? ":" : ": no pose of any model was proposed here.");
   lists.why.show(entries);
+  rays = new Map(entries.map(({ id, explained }) => [id, explained.rays]));
   const drawn = entries
     .filter(({ id }) => id?.startsWith("why"))
     .map(({ id, explained }) => ({ id, kind: "why", label: "?", pose: explained.pose }));
@@ -308,6 +325,7 @@ async function showWhy({ point, models }, signal) {
 function lookAt(id) {
   selected = id;
   lists.why.open(id);
+  view?.showRays(rays.get(id) ?? null, points.offset);
   view?.select(id);
 }
 
@@ -369,6 +387,7 @@ async function pose(things, signal) {
 function select(id) {
   selected = id;
   for (const list of Object.values(lists)) list.open(id);
+  view?.showRays(null);
   view?.select(id);
 }
 
@@ -398,17 +417,32 @@ const toggleLayer = (layer) => showLayer(layer, !isShown(layer));
 async function loadLibrary() {
   library = await service.fetchLibrary();
   meshes.setModels(library.models);
-  libraryPanel.show(library);
+  libraryPanel.show(library, partsPanel.allowed);
   byId("library-facts").textContent =
     `${library.library}: ${numbered(library.models.length, "model", "models")}, ` +
     `generation ${library.generation}`;
 }
 
-async function showModel(model) {
+/** Do something that changes the library, and show what comes of it. */
+async function changeLibrary(change) {
   try {
-    const geometry = await meshes.get(model.name);
+    await change();
+    await loadLibrary();
+  } catch (error) {
+    byId("models-count").textContent = error.message;
+  }
+}
+
+/** source  of its mesh */
+async function showModel(model, source = meshes) {
+  try {
+    const geometry = await source.get(model.name);
     if (byId("models").hidden) return;
-    view?.showModel(geometry, kAloneColor);
+    const axes = [
+      ...model.symmetry.axes,
+      ...model.near_symmetry.axes.map((axis) => ({ ...axis, near: true })),
+    ];
+    view?.showModel(geometry, kAloneColor, axes);
     libraryPanel.mark(model);
     showTools(true);
     byId("welcome").hidden = true;
@@ -488,7 +522,9 @@ function onShortcut(event) {
 
 async function start() {
   try {
+    await partsPanel.start();
     await loadLibrary();
+    partsPanel.unit = library.unit;
     scoreParts = await service.fetchScoreParts();
     settings = new Settings(library.unit, await service.fetchParameters());
     settings.onSubmit(run);

@@ -3,6 +3,8 @@
 const kDepthFormats = ["png", "tif", "tiff"];
 const kCloudFormats = ["ply", "pcd", "obj", "stl", "off", "xyz", "asc", "pts", "txt", "csv", "glb"];
 const kFormats = [...kCloudFormats, ...kDepthFormats, "npy"];
+/** Of files that models are trained from. */
+export const kPartFormats = [...kCloudFormats, "gltf", "step", "stp", "gz"];
 export const kAccepted = [...kFormats, "gz", "json"].map((format) => `.${format}`).join(",");
 
 /** Whether a scan is a depth image, which needs its camera. */

@@ -52,6 +52,15 @@ export const fetchLibrary = () => getJson("/v1/models");
 /** [{ name, query: parameters to read it with, url }] */
 export const fetchExamples = async () => (await getJson("/v1/examples")).examples;
 
+/**
+ * { watched, scans: [{ number, name, query, time, seconds, detections, error, url, answer: its
+ *   address }] }, those of numbers above `after`
+ */
+export const fetchLive = (after) => getJson(`/v1/live?after=${after}`);
+
+/** What is at an address of the service, as text. */
+export const fetchText = async (address) => (await ask(address)).text();
+
 /** { bias, parts: [{ name, label, meaning, most_evidence }] }: see scoreBars */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
 
@@ -67,6 +76,27 @@ export async function fetchParameters() {
 export async function fetchBytes(address, signal) {
   return (await ask(address, { signal })).arrayBuffer();
 }
+
+/**
+ * { allowed, max_bytes, max_seconds, parts: [{ name, file, bytes, unit, state: "waiting", "training",
+ *   "trained" or "failed", seconds, error, facts: of a trained one as `trivet train --json` has
+ *   them, model: as of fetchLibrary, without a thumbnail }] }
+ */
+export const fetchParts = () => getJson("/v1/parts");
+
+const change = async (method, path, parameters = {}, body = undefined) =>
+  (await ask(`${path}?${new URLSearchParams(parameters)}`, { method, body })).json();
+const partPath = (name) => `/v1/parts/${encodeURIComponent(name)}`;
+const modelPath = (name) => `/v1/models/${encodeURIComponent(name)}`;
+
+/** unit  of the file's coordinates */
+export const bringPart = (name, file, unit) =>
+  change("PUT", partPath(name), { file: file.name, unit }, file);
+export const declarePart = (name) => change("PATCH", partPath(name));
+export const dropPart = (name) => change("DELETE", partPath(name));
+export const publishPart = (name) => change("PUT", modelPath(name));
+export const renameModel = (name, to) => change("PATCH", modelPath(name), { name: to });
+export const removeModel = (name) => change("DELETE", modelPath(name));
 
 const post = (path, parameters, body, signal) =>
   ask(`${path}?${parameters}`, { method: "POST", body, signal });

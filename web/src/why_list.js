@@ -1,5 +1,6 @@
 import { element, moveByArrows } from "./dom.js";
-import { scoreWords } from "./words.js";
+import { countRays } from "./rays.js";
+import { countWords, scoreWords } from "./words.js";
 
 const kStages = [
   ["proposed", "proposed"],
@@ -11,6 +12,18 @@ const kStages = [
 /** "12 proposed, 3 looked at, 1 refined, none tested by rays" */
 const stagesWords = (poses) =>
   kStages.map(([stage, words]) => `${poses[stage] || "none"} ${words}`).join(", ");
+
+/** How many rays say what, with the colors that they have in the view. */
+const legend = (rays) =>
+  element(
+    "span",
+    { className: "rays" },
+    countRays(rays).map(({ verdict, count }) => {
+      const swatch = element("span", { className: "swatch" });
+      swatch.style.background = verdict.color;
+      return element("span", {}, swatch, `${verdict.words} ${countWords(count)}`);
+    }),
+  );
 
 /** What became of each model at a place of the scan. */
 export class WhyList {
@@ -45,6 +58,7 @@ export class WhyList {
             explained.words,
             element("br"),
             element("span", { className: "dim" }, stagesWords(explained.poses)),
+            id && legend(explained.rays),
           ),
         ];
         // Without a pose there is nothing to look at.

@@ -1,6 +1,6 @@
 import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
@@ -41,12 +41,31 @@ export default async function startService() {
     "laser",
   );
   run("train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5");
+  mkdirSync(join(folder, "live"));
+  const { unit, scenes } = JSON.parse(readFileSync(join(folder, "scans/manifest.json")));
+  const { camera } = scenes[0];
   const service = spawn(
     program,
-    ["serve", "l.h5", "--port", "0", "--examples", "scans/manifest.json", "--drain-grace-ms", "0"],
+    [
+      "serve",
+      "l.h5",
+      "--port",
+      "0",
+      "--examples",
+      "scans/manifest.json",
+      "--allow-training",
+      "drafts",
+      "--watch",
+      "live",
+      "--watch-query",
+      `unit=${unit}&camera=${["fx", "fy", "cx", "cy", "depth_scale"].map((key) => camera[key])}`,
+      "--drain-grace-ms",
+      "0",
+    ],
     { cwd: folder, stdio: ["ignore", "ignore", "pipe"] },
   );
   const ended = once(service, "exit");
+  process.env.TRIVET_FOLDER = folder;
   process.env.TRIVET_URL = await addressOf(service);
   service.stderr.resume();
   return async () => {

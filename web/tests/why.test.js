@@ -35,6 +35,11 @@ test("a place of the scan is asked about, and every model answers", async ({ pag
   expect(models[0].detection).not.toBeNull();
   await expect(whyRows(page).first()).toContainText("is found here with a score of");
   await expect(whyRows(page).first()).toHaveAttribute("aria-pressed", "true");
+  // What its rays say, by the counts that stand beside their colors.
+  const legend = whyRows(page).first().locator(".rays");
+  const told = Object.entries(models[0].rays).filter(([, places]) => places.length);
+  await expect(legend.locator("> span")).toHaveCount(told.length);
+  await expect(legend).toContainText(`agrees ${models[0].rays.agrees.length / 3}`);
   // What was found stays as it was, below the answer; the view looks at the model that lies there.
   await expect(foundRows(page)).toHaveCount(detections.length);
   await expect(page.locator("#found [aria-expanded=true]")).toHaveCount(0);

@@ -1,49 +1,20 @@
 // What shows the library, and what comes with it.
 #include <fmt/format.h>
 
-#include <array>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/results/detections_json.hpp"
 #include "apps/service/http/http_messages.hpp"
+#include "apps/service/serve/model_json.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/words/score_words.hpp"
-#include "storage/file.hpp"
 
 namespace trivet::apps::service {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::uint64_t kMaxExampleBytes = 256 << 20;
-
-Json symmetry_json(const Symmetry& symmetry) {
-  return {{"poses", symmetry.poses.size()}, {"axis", symmetry.axis.has_value()}};
-}
-
-/// What the model nearly looks the same by, and what declares it in a manifest: with the symmetries
-/// that it has, since a declaration stands for all.
-Json near_symmetry_json(const Model& model) {
-  Json declaration;
-  if (!model.near_symmetries.empty() || model.near_axis) {
-    declaration["symmetries"] = Json::array();
-    for (const std::vector<Pose>* poses : {&model.symmetry.poses, &model.near_symmetries}) {
-      for (const Pose& pose : *poses)
-        declaration["symmetries"].push_back(apps::matrix_json(pose.cast<double>()));
-    }
-    if (const auto& axis = model.near_axis ? model.near_axis : model.symmetry.axis) {
-      const auto vector = [](const auto& v) { return std::array{v.x(), v.y(), v.z()}; };
-      declaration["symmetry_axis"] = {{"axis", vector(axis->direction)},
-                                      {"offset", vector(axis->point)}};
-    }
-  }
-  return {{"poses", model.near_symmetries.size()},
-          {"axis", model.near_axis.has_value()},
-          {"declaration", std::move(declaration)}};
-}
 
 }  // namespace
 
@@ -55,12 +26,10 @@ void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
     const auto view = [&](const char* what) {
       return write_target({fmt::format("/v1/models/{}/{}", model.name, what), {}});
     };
-    models.push_back({{"name", model.name},
-                      {"diameter", model.diameter},
-                      {"symmetry", symmetry_json(model.symmetry)},
-                      {"near_symmetry", near_symmetry_json(model)},
-                      {"thumbnail", view("thumbnail.png")},
-                      {"mesh", view("mesh.ply")}});
+    Json told = model_json(model);
+    told["thumbnail"] = view("thumbnail.png");
+    told["mesh"] = view("mesh.ply");
+    models.push_back(std::move(told));
   }
   reply(call, json_response(200, {{"library", library.file.filename().string()},
                                   {"generation", generation->number},
@@ -99,14 +68,10 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
   const std::optional<std::size_t> index = whole_number(rest.substr(1));
   if (rest.front() != '/' || !index || *index >= examples_.size())
     return reply(call, error_response(404, "no such example"));
-  submit_one(
-      call, [file = examples_[*index].file](const LibraryGeneration&) -> Result<HttpResponse> {
-        const Result<MappedFile> bytes = MappedFile::open(file, kMaxExampleBytes);
-        if (!bytes) return error_response(404, "the example's file is gone");
-        const std::span<const std::byte> view = bytes->bytes();
-        return HttpResponse{
-            200, std::string(reinterpret_cast<const char*>(view.data()), view.size()), kBytes, {}};
-      });
+  submit_one(call,
+             [file = examples_[*index].file](const LibraryGeneration&) -> Result<HttpResponse> {
+               return file_response(file);
+             });
 }
 
 void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
@@ -125,10 +90,7 @@ void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::reload(const CallPtr& call, std::string_view) {
-  reload_([this, call](const Result<void>& done) {
-    reply(call, done ? json_response(200, {{"generation", service_.generation()->number}})
-                     : error_response(409, done.error().message));
-  });
+  reload_(tell_generation(call));
 }
 
 }  // namespace trivet::apps::service

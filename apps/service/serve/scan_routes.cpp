@@ -8,16 +8,12 @@
 #include <vector>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/inputs/open_recognizer.hpp"
-#include "apps/results/detections_json.hpp"
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/serve/scan_request.hpp"
+#include "apps/service/serve/recognition_job.hpp"
 #include "apps/service/serve/service_routes.hpp"
 
 namespace trivet::apps::service {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kDefaultShownPoints = 250'000, kMaxShownPoints = 5'000'000;
 
@@ -40,48 +36,12 @@ std::string shown_points(const Points& points, std::size_t max_points) {
 void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
   Result<ScanRequest> asked = parse_scan_request(call->request, call->target);
   if (!asked) return reply(call, error_response(asked.error()));
-  struct State {
-    ScanRequest request;
-    std::vector<SceneResult> results;
-  };
-  const std::size_t num_scans = asked->scans.size();
-  const auto state =
-      std::make_shared<State>(State{std::move(*asked), std::vector<SceneResult>(num_scans)});
-  ServiceJob job;
-  job.num_parts = num_scans;
-  job.work = [this, state](std::size_t i, const LibraryGeneration& generation,
-                           const std::stop_token& stop) -> Result<void> {
-    const ScanPart& scan = state->request.scans[i];
-    const LengthUnit unit = generation.recognizer.library().header.unit;
-    const auto begun = ServiceClock::now();
-    const Result<Cloud> cloud =
-        read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene, unit);
-    if (!cloud) return cloud.error();
-    metrics_.observe_stage("decode",
-                           std::chrono::duration<double>(ServiceClock::now() - begun).count());
-    Result<SceneResult> result = trivet::recognize(
-        generation.recognizer, *cloud, scan.scene.input(unit), state->request.options, stop);
-    if (!result) return result.error();
-    state->results[i] = std::move(*result);
-    return {};
-  };
-  submit(call, std::move(job), [this, call, state](const ServiceAnswer& found) {
-    tell_recognition(call, found, state->results);
-    Json scenes = Json::array();
-    for (std::size_t i = 0; i < state->results.size(); ++i) {
-      scenes.push_back(scene_json(state->request.scans[i].name, state->results[i],
-                                  found.generation->recognizer.score(), state->request.options));
-    }
-    const Library& library = found.generation->recognizer.library();
-    return json_response(
-        200, {{"request_id", call->id},
-              {"library",
-               {{"file", library.file.filename().string()},
-                {"generation", found.generation->number},
-                {"calibration", calibration_json(found.generation->recognizer)}}},
-              {"seconds", {{"queue", found.queue_seconds}, {"work", found.work_seconds}}},
-              {"scenes", std::move(scenes)}});
-  });
+  const auto recognition = std::make_shared<Recognition>(std::move(*asked));
+  submit(call, recognition_job(recognition, metrics_),
+         [this, call, recognition](const ServiceAnswer& found) {
+           tell_recognition(call, found, recognition->results);
+           return json_response(200, recognition_json(*recognition, found, call->id));
+         });
 }
 
 void ServiceRoutes::points(const CallPtr& call, std::string_view) {

@@ -28,6 +28,22 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
       number_setting("max-waiting-mb", "Memory of requests that arrive, wait and run; more get 503",
                      s.max_waiting_mb, 1, kMaxMb),
       text_setting("examples", "Manifest or BOP data set whose scenes the page offers", s.examples),
+      text_setting("watch",
+                   "Recognize each scan that comes into this folder, for /v1/live and the page",
+                   s.live.folder),
+      text_setting("watch-query",
+                   "Parameters of /v1/recognize for these scans, as "
+                   "unit=mm&camera=525,525,319.5,239.5,1",
+                   s.live.query),
+      text_setting("allow-training",
+                   "Let clients train parts, and publish, rename and remove models; drafts lie in "
+                   "this folder",
+                   s.workshop.folder),
+      number_setting("training-mb", "Largest file of a part", s.workshop.max_file_mb, 1, kMaxMb),
+      number_setting("training-seconds", "Longest training of a part", s.workshop.max_seconds, 1,
+                     86'400),
+      number_setting("training-models", "Models that the library may have then",
+                     s.workshop.max_models, 1, 10'000'000),
   };
   all.front().argument = "LIBRARY";
   for (Setting& one : settings_of(s.listen)) all.push_back(std::move(one));

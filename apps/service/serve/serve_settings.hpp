@@ -7,6 +7,8 @@
 
 #include "apps/service/listen_settings.hpp"
 #include "apps/service/serve/library_slot.hpp"
+#include "apps/service/serve/live_scans.hpp"
+#include "apps/service/serve/workshop/part_workshop.hpp"
 #include "engine/recognition_service.hpp"
 
 namespace trivet::apps::service {
@@ -15,6 +17,8 @@ struct ServeSettings {
   std::string library, examples;
   OpenOptions opening;
   std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512;
+  WorkshopSettings workshop;
+  LiveSettings live;
   ListenSettings listen;
 
   ServiceOptions service() const;

@@ -24,6 +24,16 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
       {"POST", "/v1/points", false, true, "points", &R::points},
       {"GET", "/v1/models", false, false, "models", &R::list_models},
       {"GET", "/v1/models/", true, false, "model", &R::view_model},
+      {"PUT", "/v1/models/", true, false, "publish_part", &R::publish_part},
+      {"PATCH", "/v1/models/", true, false, "rename_model", &R::rename_model},
+      {"DELETE", "/v1/models/", true, false, "remove_model", &R::remove_model},
+      {"GET", "/v1/parts", false, false, "parts", &R::list_parts},
+      {"GET", "/v1/parts/", true, false, "part", &R::view_part},
+      {"PUT", "/v1/parts/", true, true, "bring_part", &R::bring_part},
+      {"PATCH", "/v1/parts/", true, false, "declare_part", &R::declare_part},
+      {"DELETE", "/v1/parts/", true, false, "drop_part", &R::drop_part},
+      {"GET", "/v1/live", false, false, "live_scans", &R::list_live},
+      {"GET", "/v1/live/", true, false, "live_scan", &R::view_live},
       {"GET", "/v1/examples", true, false, "examples", &R::examples},
       {"GET", "/v1/score-parts", false, false, "score_parts", &R::score_parts},
       {"POST", "/v1/library/reload", false, false, "reload", &R::reload},
@@ -43,14 +53,16 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
 
 ServiceRoutes::ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
                              const RouteOptions& options, std::vector<Example> examples,
-                             Reload reload)
+                             Reload reload, PartWorkshop* workshop, const LiveScans* live)
     : service_(service),
       metrics_(metrics),
       log_(log),
       replies_(metrics, log, RequestWords::route_and_body),
       options_(options),
       examples_(std::move(examples)),
-      reload_(std::move(reload)) {
+      reload_(std::move(reload)),
+      workshop_(workshop),
+      live_(live) {
   for (const Route& route : routes()) {
     const std::string name(route.name);
     if (route.is_work) {

@@ -14,8 +14,10 @@
 #include "apps/service/http/call.hpp"
 #include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/inference/statistics.hpp"
+#include "apps/service/serve/live_scans.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/model_views.hpp"
+#include "apps/service/serve/workshop/part_workshop.hpp"
 #include "engine/recognition_service.hpp"
 #include "engine/recognize.hpp"
 #include "storage/result.hpp"
@@ -33,8 +35,12 @@ class ServiceRoutes {
   /// Calls back once the library was read anew, or could not be.
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
   /// All that is given outlives the routes.
+  ///
+  /// workshop  null: the library is only read
+  /// live      null: no folder is watched
   ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
-                const RouteOptions& options, std::vector<Example> examples, Reload reload);
+                const RouteOptions& options, std::vector<Example> examples, Reload reload,
+                PartWorkshop* workshop = nullptr, const LiveScans* live = nullptr);
 
   void handle(HttpRequest request, HttpAnswer answer);
   /// What needs work is refused before its body is read where no more is taken.
@@ -52,6 +58,16 @@ class ServiceRoutes {
   void points(const CallPtr& call, std::string_view rest);
   void list_models(const CallPtr& call, std::string_view rest);
   void view_model(const CallPtr& call, std::string_view rest);
+  void list_parts(const CallPtr& call, std::string_view rest);
+  void view_part(const CallPtr& call, std::string_view rest);
+  void bring_part(const CallPtr& call, std::string_view rest);
+  void declare_part(const CallPtr& call, std::string_view rest);
+  void drop_part(const CallPtr& call, std::string_view rest);
+  void publish_part(const CallPtr& call, std::string_view rest);
+  void remove_model(const CallPtr& call, std::string_view rest);
+  void rename_model(const CallPtr& call, std::string_view rest);
+  void list_live(const CallPtr& call, std::string_view rest);
+  void view_live(const CallPtr& call, std::string_view rest);
   void examples(const CallPtr& call, std::string_view rest);
   void score_parts(const CallPtr& call, std::string_view rest);
   void reload(const CallPtr& call, std::string_view rest);
@@ -72,6 +88,8 @@ class ServiceRoutes {
   void submit_one(const CallPtr& call,
                   std::function<Result<HttpResponse>(const LibraryGeneration&)> work);
   void refuse(const CallPtr& call, Refusal refusal);
+  /// Answers with the generation that answers then.
+  PartWorkshop::Done tell_generation(const CallPtr& call);
   void tell_recognition(const CallPtr& call, const ServiceAnswer& found,
                         std::span<const SceneResult> results);
   void reply(const CallPtr& call, HttpResponse response) const {
@@ -85,6 +103,8 @@ class ServiceRoutes {
   const RouteOptions options_;
   const std::vector<Example> examples_;
   const Reload reload_;
+  PartWorkshop* const workshop_;
+  const LiveScans* const live_;
   Thumbnails thumbnails_;
   InferenceStatistics inferences_;
   std::function<std::size_t()> num_connections_;

@@ -24,9 +24,11 @@ import { element } from "../dom.js";
 import { distanceToSee, frameOf } from "./frame.js";
 import { outlineMaterial, Picture } from "./picture.js";
 import { pickPoint } from "./pick_point.js";
+import { makeRayPoints } from "./ray_points.js";
 import { makeScanPoints } from "./scan_points.js";
 import { SeenParts } from "./seen_parts.js";
 import { Sensor } from "./sensor.js";
+import { makeTurnAxes } from "./turn_axes.js";
 
 const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
@@ -83,6 +85,7 @@ export class SceneView {
   #sensor;
   #frame = null;
   #points = null;
+  #rays = null;
   #found = new Group();
   #model = null; // shown by itself
   #things = []; // { id, kind, mesh, outline, mark, center, place, radius, color, alternatives }
@@ -175,6 +178,7 @@ export class SceneView {
    *         the scan's frame, color, label, alternatives: other such poses }]
    */
   setThings(things) {
+    this.showRays(null);
     this.#selected = null;
     freeMaterials(this.#found);
     for (const { outline } of this.#things) freeMaterials(outline);
@@ -243,6 +247,16 @@ export class SceneView {
     }
   }
 
+  /** What rays say of a pose, see makeRayPoints; null: nothing. */
+  showRays(rays, offset) {
+    this.#rays?.removeFromParent();
+    this.#rays?.geometry.dispose();
+    this.#rays?.material.dispose();
+    this.#rays = rays && this.#frame ? makeRayPoints(rays, offset, this.#frame) : null;
+    if (this.#rays) this.#solid.add(this.#rays);
+    this.#arrange();
+  }
+
   /** Show or hide { scan, found, rejected }. */
   setLayers(layers) {
     Object.assign(this.#layers, layers);
@@ -258,13 +272,14 @@ export class SceneView {
     if (this.#points) this.#points.visible = this.#layers.scan && !this.#model;
     for (const thing of this.#things) {
       const shown = this.#shows(thing);
-      if (thing.mesh) thing.mesh.visible = shown;
+      if (thing.mesh) thing.mesh.visible = shown && !(this.#rays && thing === chosen);
       thing.outline.visible = shown && (thing.kind === "rejected" || thing === chosen);
       thing.mark.hidden = !shown;
       thing.mark.classList.toggle("selected", thing === chosen);
       this.#paint(thing);
     }
     this.#sensor.show(this.#model ? null : (this.#frame?.sensor ?? null));
+    if (this.#rays) this.#rays.visible = !this.#model;
     this.#axes.visible = Boolean(chosen) && !this.#model;
     if (chosen) {
       const length = (1.1 * chosen.radius) / chosen.matrix.getMaxScaleOnAxis();
@@ -286,8 +301,8 @@ export class SceneView {
     this.#flyTo(thing.center, back, (kRoom * thing.radius) / Math.sin(half));
   }
 
-  /** Show one model by itself, until closeModel(). */
-  showModel(geometry, color) {
+  /** Show one model by itself, until closeModel(). axes  of its symmetries: see makeTurnAxes */
+  showModel(geometry, color, axes = []) {
     this.closeModel(false);
     this.#saved ??= [this.#camera.position.clone(), this.#controls.target.clone()];
     const material = new MeshLambertMaterial({
@@ -299,6 +314,7 @@ export class SceneView {
     mesh.matrixAutoUpdate = false;
     this.#model = { mesh, frame: frameOf(geometry.attributes.position.array, null) };
     mesh.matrix.copy(this.#model.frame.toWorld);
+    mesh.add(makeTurnAxes(axes, this.#model.frame.radius, this.colors.selected));
     this.#solid.add(mesh);
     this.#arrange();
     this.fit(false);
@@ -312,7 +328,7 @@ export class SceneView {
   closeModel(back = true) {
     if (this.#model) {
       this.#model.mesh.removeFromParent();
-      this.#model.mesh.material.dispose();
+      freeMaterials(this.#model.mesh);
       this.#model = null;
     }
     if (!back) return;

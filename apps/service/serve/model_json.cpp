@@ -1,0 +1,91 @@
+#include "apps/service/serve/model_json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "apps/results/detections_json.hpp"
+
+namespace trivet::apps::service {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kSameAxis = 0.9998F;  // cosine of 1 degree
+constexpr float kDegreesPerRadian = 180 / std::numbers::pi_v<float>;
+
+/// A line that turns map the model about onto itself, or nearly.
+struct TurnAxis {
+  Eigen::Vector3f direction, point;
+  float turn = 0;  ///< the smallest [rad]; 0: any
+};
+
+/// The axes of some turns, each once. Every symmetry keeps the center in place, near ones nearly.
+std::vector<TurnAxis> axes_of(std::span<const Pose> poses, const std::optional<Symmetry::Axis>& any,
+                              const Eigen::Vector3f& center) {
+  std::vector<TurnAxis> axes;
+  if (any) axes.push_back({any->direction, any->point, 0});
+  for (const Pose& pose : poses) {
+    const Eigen::AngleAxisf turn(Eigen::Matrix3f(pose.linear()));
+    const auto same = std::ranges::find_if(axes, [&](const TurnAxis& axis) {
+      return std::abs(axis.direction.dot(turn.axis())) > kSameAxis;
+    });
+    if (same == axes.end()) {
+      axes.push_back({turn.axis(), center, turn.angle()});
+    } else if (same->turn > 0) {
+      same->turn = std::min(same->turn, turn.angle());
+    }
+  }
+  return axes;
+}
+
+Json vector_json(const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z()}; }
+
+Json axes_json(const std::vector<TurnAxis>& axes) {
+  Json json = Json::array();
+  for (const TurnAxis& axis : axes) {
+    json.push_back({{"direction", vector_json(axis.direction)},
+                    {"point", vector_json(axis.point)},
+                    {"turn_deg", axis.turn > 0 ? Json(kDegreesPerRadian * axis.turn) : Json()}});
+  }
+  return json;
+}
+
+/// What declares in a manifest what the model nearly looks the same by: with the symmetries that it
+/// has, since a declaration stands for all.
+Json declaration_json(const Model& model) {
+  if (model.near_symmetries.empty() && !model.near_axis) return nullptr;
+  Json declaration{{"symmetries", Json::array()}};
+  for (const std::vector<Pose>* poses : {&model.symmetry.poses, &model.near_symmetries}) {
+    for (const Pose& pose : *poses)
+      declaration["symmetries"].push_back(apps::matrix_json(pose.cast<double>()));
+  }
+  if (const auto& axis = model.near_axis ? model.near_axis : model.symmetry.axis) {
+    declaration["symmetry_axis"] = {{"axis", vector_json(axis->direction)},
+                                    {"offset", vector_json(axis->point)}};
+  }
+  return declaration;
+}
+
+}  // namespace
+
+Json model_json(const Model& model) {
+  return {{"name", model.name},
+          {"diameter", model.diameter},
+          {"symmetry",
+           {{"poses", model.symmetry.poses.size()},
+            {"axis", model.symmetry.axis.has_value()},
+            {"axes", axes_json(axes_of(model.symmetry.poses, model.symmetry.axis, model.center))},
+            {"declared", model.symmetry.declared}}},
+          {"near_symmetry",
+           {{"poses", model.near_symmetries.size()},
+            {"axis", model.near_axis.has_value()},
+            {"axes", axes_json(axes_of(model.near_symmetries, model.near_axis, model.center))},
+            {"declaration", declaration_json(model)}}}};
+}
+
+}  // namespace trivet::apps::service

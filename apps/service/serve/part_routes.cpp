@@ -1,0 +1,117 @@
+// What changes the library: parts that are brought, trained and published, models that go.
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "apps/service/http/http_messages.hpp"
+#include "apps/service/serve/model_json.hpp"
+#include "apps/service/serve/service_routes.hpp"
+
+namespace trivet::apps::service {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr unsigned kAccepted = 202;
+
+HttpResponse read_only_response() {
+  return error_response(403,
+                        "expected a service started with --allow-training; this one only reads");
+}
+
+HttpResponse done_response(const Result<void>& done) {
+  return done ? json_response(kAccepted, Json::object()) : error_response(done.error());
+}
+
+Result<LengthUnit> parse_unit(const std::string& text) {
+  for (const LengthUnit unit : {LengthUnit::meter, LengthUnit::millimeter}) {
+    if (text == unit_name(unit)) return unit;
+  }
+  return Error{ErrorCode::usage, fmt::format("unit: expected m or mm, found '{}'", text)};
+}
+
+}  // namespace
+
+void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
+  if (!workshop_) return reply(call, json_response(200, {{"allowed", false}}));
+  Json parts = workshop_->tell();
+  for (Json& part : parts) {
+    const auto library = workshop_->trained(part["name"]);
+    part["model"] = library ? model_json(library->models.front()) : Json();
+    if (library)
+      part["model"]["mesh"] =
+          write_target({fmt::format("/v1/parts/{}/mesh.ply", part["name"].get<std::string>()), {}});
+  }
+  const WorkshopSettings& limits = workshop_->settings();
+  reply(call, json_response(200, {{"allowed", true},
+                                  {"max_bytes", std::uint64_t{limits.max_file_mb} << 20},
+                                  {"max_seconds", limits.max_seconds},
+                                  {"parts", std::move(parts)}}));
+}
+
+void ServiceRoutes::view_part(const CallPtr& call, std::string_view rest) {
+  constexpr std::string_view kMesh = "/mesh.ply";
+  if (!workshop_) return reply(call, read_only_response());
+  if (!rest.ends_with(kMesh))
+    return reply(call, error_response(404, "expected mesh.ply of a part"));
+  rest.remove_suffix(kMesh.size());
+  const auto library = workshop_->trained(std::string(rest));
+  if (!library) return reply(call, error_response(404, fmt::format("no trained part '{}'", rest)));
+  reply(call, {200, model_mesh(library->models.front()), "model/ply", {}});
+}
+
+void ServiceRoutes::bring_part(const CallPtr& call, std::string_view rest) {
+  if (!workshop_) return reply(call, read_only_response());
+  const std::size_t most = std::size_t{workshop_->settings().max_file_mb} << 20;
+  if (call->request.body.size() > most) {
+    return reply(
+        call, error_response(413, fmt::format("expected a part of at most {} bytes, found {}", most,
+                                              call->request.body.size())));
+  }
+  const Result<LengthUnit> unit = parse_unit(call->target.parameter("unit").value_or(""));
+  if (!unit) return reply(call, error_response(unit.error()));
+  submit_one(
+      call,
+      [this, name = std::string(rest), unit = *unit,
+       file = call->target.parameter("file").value_or(""),
+       body = std::move(call->request.body)](const LibraryGeneration&) -> Result<HttpResponse> {
+        return done_response(workshop_->bring(name, file, unit, body));
+      });
+}
+
+void ServiceRoutes::declare_part(const CallPtr& call, std::string_view rest) {
+  if (!workshop_) return reply(call, read_only_response());
+  reply(call, done_response(workshop_->declare(std::string(rest))));
+}
+
+void ServiceRoutes::drop_part(const CallPtr& call, std::string_view rest) {
+  if (!workshop_) return reply(call, read_only_response());
+  reply(call, done_response(workshop_->drop(std::string(rest))));
+}
+
+PartWorkshop::Done ServiceRoutes::tell_generation(const CallPtr& call) {
+  return [this, call](const Result<void>& done) {
+    reply(call, done ? json_response(200, {{"generation", service_.generation()->number}})
+                     : error_response(409, done.error().message));
+  };
+}
+
+void ServiceRoutes::publish_part(const CallPtr& call, std::string_view rest) {
+  if (!workshop_) return reply(call, read_only_response());
+  workshop_->publish(std::string(rest), tell_generation(call));
+}
+
+void ServiceRoutes::remove_model(const CallPtr& call, std::string_view rest) {
+  if (!workshop_) return reply(call, read_only_response());
+  workshop_->remove(std::string(rest), tell_generation(call));
+}
+
+void ServiceRoutes::rename_model(const CallPtr& call, std::string_view rest) {
+  if (!workshop_) return reply(call, read_only_response());
+  workshop_->rename(std::string(rest), call->target.parameter("name").value_or(""),
+                    tell_generation(call));
+}
+
+}  // namespace trivet::apps::service

@@ -1,0 +1,385 @@
+#include "apps/service/serve/workshop/part_workshop.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include "apps/service/serve/workshop/run_child.hpp"
+#include "engine/libraries/edit_library.hpp"
+#include "engine/training/provenance.hpp"
+#include "storage/file.hpp"
+#include "storage/files/json_file.hpp"
+#include "storage/manifest.hpp"
+#include "storage/model_name.hpp"
+
+namespace trivet::apps::service {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::string_view kManifest = "manifest.json", kLibrary = "part.h5", kFacts = "part.json";
+constexpr std::uint64_t kMostFacts = 1 << 20;
+constexpr std::size_t kLongestFileName = 200;
+constexpr std::array<std::string_view, 4> kStates{"waiting", "training", "trained", "failed"};
+
+double seconds_since(Clock::time_point begun) {
+  return std::chrono::duration<double>(Clock::now() - begun).count();
+}
+
+/// As flags of `trivet train`, where they are not the defaults.
+std::vector<std::string> flags_of(const TrainOptions& options) {
+  std::vector<std::string> flags;
+  for (const auto& option : options_of<TrainOptions>()) {
+    const OptionValue value = option.get(options);
+    if (value == option.get({})) continue;
+    flags.push_back(fmt::format("--{}", option.info.name));
+    const auto* const names = std::get_if<std::vector<std::string>>(&value);
+    flags.push_back(names ? fmt::format("{}", fmt::join(*names, ",")) : value_text(value));
+  }
+  return flags;
+}
+
+/// Errors: usage: no file of a part is called so.
+Result<void> check_file_name(const std::string& file) {
+  const bool plain = !file.empty() && file.size() <= kLongestFileName && file.front() != '.' &&
+                     std::ranges::none_of(file, [](char c) {
+                       return c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ';
+                     });
+  // Beside what the workshop itself puts there.
+  const bool taken = file == kManifest || file == kLibrary || file == kFacts;
+  if (plain && !taken) return {};
+  return Error{ErrorCode::usage,
+               fmt::format("file: expected the name of a file of up to {} characters, found '{}'",
+                           kLongestFileName, file.substr(0, kLongestFileName))};
+}
+
+/// Without what the client does not know: where its file lies.
+std::string in_clients_words(std::string message, const fs::path& folder) {
+  for (const std::string& own : {std::string("error: "), folder.string() + "/"}) {
+    if (const std::size_t at = message.find(own); at != std::string::npos)
+      message.erase(at, own.size());
+  }
+  return message;
+}
+
+/// What a model nearly looks the same by, and the symmetries that it has: a declaration stands for
+/// all. None: it has nothing near.
+std::optional<Symmetry> with_near_ones(const Model& model) {
+  if (model.near_symmetries.empty() && !model.near_axis) return std::nullopt;
+  Symmetry all = model.symmetry;
+  all.poses.insert(all.poses.end(), model.near_symmetries.begin(), model.near_symmetries.end());
+  if (model.near_axis) all.axis = model.near_axis;
+  return all;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
+                                                         fs::path library, Reload reload,
+                                                         RequestLog& log) {
+  const Result<Library> opened = open_library(library);
+  if (!opened) return opened.error();
+  const Result<TrainOptions> options = engine::parse_parameters(opened->header.parameters);
+  if (!options) {
+    return Error{options.error().code,
+                 fmt::format("{}: {}; train all its models again with this version",
+                             library.string(), options.error().message)};
+  }
+  if (const Result<void> made = make_folder(settings.folder); !made) return made.error();
+  std::unique_ptr<PartWorkshop> workshop(new PartWorkshop(std::move(settings), std::move(library),
+                                                          std::move(reload), log,
+                                                          opened->header.unit, flags_of(*options)));
+  if (const Result<void> adopted = workshop->adopt(); !adopted) return adopted.error();
+  return workshop;
+}
+
+PartWorkshop::PartWorkshop(WorkshopSettings settings, fs::path library, Reload reload,
+                           RequestLog& log, LengthUnit unit, std::vector<std::string> options)
+    : settings_(std::move(settings)),
+      library_(std::move(library)),
+      reload_(std::move(reload)),
+      log_(log),
+      unit_(unit),
+      options_(std::move(options)),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+PartWorkshop::~PartWorkshop() {
+  thread_.request_stop();
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& [name, draft] : drafts_) draft.stop.request_stop();
+  }
+  changed_.notify_all();
+}
+
+fs::path PartWorkshop::folder_of(const std::string& name) const {
+  return fs::path(settings_.folder) / name;
+}
+
+/// Drafts that an earlier service left; what is no draft is left alone.
+Result<void> PartWorkshop::adopt() {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(settings_.folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const Result<Manifest> manifest = read_manifest(entry.path() / kManifest);
+    if (!is_model_name(name) || !manifest || manifest->models.size() != 1) continue;
+    const ManifestModel& model = manifest->models.front();
+    Draft draft;
+    draft.file = model.file.filename().string();
+    draft.bytes = fs::file_size(model.file, error);
+    draft.unit = model.scale == 1             ? unit_
+                 : unit_ == LengthUnit::meter ? LengthUnit::millimeter
+                                              : LengthUnit::meter;
+    drafts_.emplace(name, std::move(draft));
+    take_up(name);
+  }
+  if (!error) return {};
+  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", settings_.folder, error.message())};
+}
+
+void PartWorkshop::take_up(const std::string& name) {
+  ask([this, name] { train(name); });
+}
+
+Result<void> PartWorkshop::write_manifest_of(const std::string& name, const Draft& draft,
+                                             const std::optional<Symmetry>& symmetry) const {
+  Manifest manifest;
+  manifest.unit = unit_;
+  manifest.models.push_back(
+      {name, folder_of(name) / draft.file, unit_scale(draft.unit, unit_), symmetry});
+  return write_manifest(folder_of(name) / kManifest, manifest);
+}
+
+Result<void> PartWorkshop::bring(const std::string& name, const std::string& file, LengthUnit unit,
+                                 std::string_view bytes) {
+  if (!is_model_name(name)) {
+    return Error{ErrorCode::usage,
+                 fmt::format("expected a name of {}, found '{}'", kModelNameRule, name)};
+  }
+  if (const Result<void> good = check_file_name(file); !good) return good.error();
+  const std::lock_guard one_at_a_time(files_mutex_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!drafts_.contains(name) && drafts_.size() >= settings_.max_drafts) {
+      return Error{ErrorCode::usage, fmt::format("expected at most {} drafts: publish or drop some",
+                                                 settings_.max_drafts)};
+    }
+  }
+  (void)forget(name);
+  Draft draft;
+  draft.file = file;
+  draft.bytes = bytes.size();
+  draft.unit = unit;
+  const fs::path folder = folder_of(name);
+  if (const Result<void> made = make_folder(folder); !made) return made.error();
+  Result<void> written =
+      publish_file(folder / file, std::as_bytes(std::span(bytes.data(), bytes.size())));
+  if (written) written = write_manifest_of(name, draft, std::nullopt);
+  if (!written) {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+    return written.error();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    drafts_.insert_or_assign(name, std::move(draft));
+  }
+  take_up(name);
+  return {};
+}
+
+Result<void> PartWorkshop::declare(const std::string& name) {
+  const std::shared_ptr<const Library> library = trained(name);
+  if (!library) return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
+  const std::lock_guard one_at_a_time(files_mutex_);
+  const std::optional<Symmetry> symmetry = with_near_ones(library->models.front());
+  if (!symmetry) {
+    return Error{ErrorCode::usage,
+                 fmt::format("draft '{}': it has no near symmetry to declare", name)};
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    const auto at = drafts_.find(name);
+    if (at == drafts_.end()) return Error{ErrorCode::usage, fmt::format("no draft '{}'", name)};
+    if (const Result<void> written = write_manifest_of(name, at->second, symmetry); !written)
+      return written.error();
+    at->second.state = State::waiting;
+    at->second.library.reset();
+  }
+  take_up(name);
+  return {};
+}
+
+Result<void> PartWorkshop::drop(const std::string& name) {
+  const std::lock_guard one_at_a_time(files_mutex_);
+  return forget(name);
+}
+
+Result<void> PartWorkshop::forget(const std::string& name) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto at = drafts_.find(name);
+    if (at == drafts_.end()) return Error{ErrorCode::usage, fmt::format("no draft '{}'", name)};
+    at->second.stop.request_stop();
+    drafts_.erase(at);
+  }
+  std::error_code ignored;
+  fs::remove_all(folder_of(name), ignored);
+  return {};
+}
+
+void PartWorkshop::train(const std::string& name) {
+  std::stop_token stop;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto at = drafts_.find(name);
+    if (at == drafts_.end() || at->second.state != State::waiting) return;
+    at->second.state = State::training;
+    at->second.begun = Clock::now();
+    stop = at->second.stop.get_token();
+  }
+  Draft made;
+  const Result<void> done = train_and_read(name, stop, made);
+  const std::lock_guard lock(mutex_);
+  const auto at = drafts_.find(name);
+  // Another one of its name may have come meanwhile.
+  if (at == drafts_.end() || at->second.stop.get_token() != stop) return;
+  Draft& draft = at->second;
+  draft.seconds = seconds_since(draft.begun);
+  draft.state = done ? State::trained : State::failed;
+  draft.error = done ? "" : in_clients_words(done.error().message, folder_of(name));
+  draft.facts = std::move(made.facts);
+  draft.library = std::move(made.library);
+  log_.write(done ? "info" : "warning", done ? "part trained" : "part not trained",
+             {{"model", name}, {"seconds", draft.seconds}, {"error", draft.error}});
+}
+
+Result<void> PartWorkshop::train_and_read(const std::string& name, const std::stop_token& stop,
+                                          Draft& out) const {
+  const fs::path folder = folder_of(name);
+  std::vector<std::string> program{settings_.program,
+                                   "train",
+                                   (folder / kManifest).string(),
+                                   "-o",
+                                   (folder / kLibrary).string(),
+                                   "--json",
+                                   (folder / kFacts).string(),
+                                   "--prune"};
+  program.insert(program.end(), options_.begin(), options_.end());
+  ChildLimits limits;
+  limits.time = std::chrono::seconds(settings_.max_seconds);
+  if (const Result<void> done = run_child(program, limits, stop); !done) return done.error();
+  const Result<MappedFile> facts = MappedFile::open(folder / kFacts, kMostFacts);
+  if (!facts) return facts.error();
+  const auto* const text = reinterpret_cast<const char*>(facts->bytes().data());
+  const auto json =
+      nlohmann::ordered_json::parse(text, text + facts->bytes().size(), nullptr, false);
+  if (json.is_object() && json.contains("models") && json["models"].size() == 1)
+    out.facts = json["models"][0];
+  Result<Library> library = open_library(folder / kLibrary);
+  if (!library) return library.error();
+  if (library->models.size() != 1) return Error{ErrorCode::internal, "expected one trained model"};
+  if (const Result<void> good = library->check(0, ModelPart::surface); !good) return good.error();
+  out.library = std::make_shared<const Library>(std::move(*library));
+  return {};
+}
+
+void PartWorkshop::publish(const std::string& name, Done done) {
+  change(
+      "part published", name,
+      [this, name]() -> Result<void> {
+        const std::shared_ptr<const Library> draft = trained(name);
+        if (!draft) return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
+        return take_models(*draft, library_, settings_.max_models);
+      },
+      std::move(done), [this, name] { (void)drop(name); });
+}
+
+void PartWorkshop::remove(const std::string& model, Done done) {
+  change(
+      "model removed", model,
+      [this, model] {
+        return remove_models(library_, {&model, 1});
+      },
+      std::move(done));
+}
+
+void PartWorkshop::rename(const std::string& from, const std::string& to, Done done) {
+  change(
+      "model renamed", from, [this, from, to] { return rename_model(library_, from, to); },
+      std::move(done));
+}
+
+/// Edit the library's file and answer with what came of it.
+void PartWorkshop::change(std::string_view what, const std::string& name,
+                          std::function<Result<void>()> edit, Done done,
+                          std::function<void()> after) {
+  ask([this, what, name, edit = std::move(edit), done = std::move(done),
+       after = std::move(after)]() mutable {
+    if (thread_.get_stop_token().stop_requested())
+      return done(Error{ErrorCode::resumable, "the service ends: ask the next one"});
+    const Result<void> edited = edit();
+    if (!edited) {
+      log_.write("warning", fmt::format("not done: {}", what),
+                 {{"model", name}, {"error", edited.error().message}});
+      return done(edited);
+    }
+    if (after) after();
+    log_.write("info", what, {{"model", name}});
+    reload_([done = std::move(done)](const Result<void>& read) { done(read); });
+  });
+}
+
+nlohmann::ordered_json PartWorkshop::tell() const {
+  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, draft] : drafts_) {
+    nlohmann::ordered_json error;
+    if (!draft.error.empty()) error = draft.error;
+    parts.push_back(
+        {{"name", name},
+         {"file", draft.file},
+         {"bytes", draft.bytes},
+         {"unit", unit_name(draft.unit)},
+         {"state", kStates[static_cast<std::size_t>(draft.state)]},
+         {"seconds", draft.state == State::training ? seconds_since(draft.begun) : draft.seconds},
+         {"error", std::move(error)},
+         {"facts", draft.facts}});
+  }
+  return parts;
+}
+
+std::shared_ptr<const Library> PartWorkshop::trained(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto at = drafts_.find(name);
+  return at == drafts_.end() ? nullptr : at->second.library;
+}
+
+void PartWorkshop::ask(Work work) {
+  {
+    const std::lock_guard lock(mutex_);
+    work_.push_back(std::move(work));
+  }
+  changed_.notify_all();
+}
+
+void PartWorkshop::run(const std::stop_token& stop) {
+  for (;;) {
+    Work next;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return stop.stop_requested() || !work_.empty(); });
+      if (work_.empty()) return;
+      next = std::move(work_.front());
+      work_.pop_front();
+    }
+    next();
+  }
+}
+
+}  // namespace trivet::apps::service

@@ -1,0 +1,100 @@
+// Scans that come into a watched folder are recognized as they come.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "apps/service/http_client.hpp"
+#include "apps/service/serve_fixture.hpp"
+
+namespace trivet::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LiveScans : public ServeFixture {
+ protected:
+  static nlohmann::json scans(int port, int number, const std::string& query = "") {
+    nlohmann::json told;
+    for (int k = 0; k < 3000; ++k) {
+      told = ask(port, "GET", "/v1/live" + query).json()["scans"];
+      if (static_cast<int>(told.size()) >= number) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return told;
+  }
+};
+
+TEST_F(LiveScans, AreRecognizedAsTheyCome) {
+  fs::create_directory(folder_ / "in");
+  fs::copy(depth_, folder_ / "in/old.png");
+  const Outcome outcome = serve({"--watch", "in", "--watch-query", parameters_}, [&](int port) {
+    std::ofstream(folder_ / "in/notes.md") << "no scan";
+    fs::copy(depth_, folder_ / "in/first.png");
+    nlohmann::json told = scans(port, 1);
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0]["name"], "first.png");
+    EXPECT_EQ(told[0]["number"], 1);
+    EXPECT_EQ(told[0]["query"], "format=png&" + parameters_);
+    EXPECT_TRUE(told[0]["error"].is_null());
+
+    // As one that is sent, to the bit.
+    const nlohmann::json sent = ask(port, "POST", query_, read_bytes(depth_)).json();
+    const nlohmann::json answer = ask(port, "GET", told[0]["answer"]).json();
+    EXPECT_EQ(answer["scenes"][0]["detections"], sent["scenes"][0]["detections"]);
+    EXPECT_EQ(told[0]["detections"], sent["scenes"][0]["detections"].size());
+    EXPECT_EQ(ask(port, "GET", told[0]["url"]).body, read_bytes(depth_));
+
+    std::ofstream(folder_ / "in/damaged.png") << "\x89PNG no more";
+    told = scans(port, 1, "?after=1");
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_NE(told[0]["error"].get<std::string>().find("damaged.png"), std::string::npos);
+    EXPECT_EQ(ask(port, "GET", told[0]["answer"]).status, 404);
+    // One that is written again is new.
+    fs::remove(folder_ / "in/damaged.png");
+    fs::copy(depth_, folder_ / "in/damaged.png");
+    told = scans(port, 1, "?after=2");
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_TRUE(told[0]["error"].is_null()) << told;
+    fs::remove(folder_ / "in/first.png");
+    EXPECT_EQ(ask(port, "GET", "/v1/live/1/scan").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/live/77/scan").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/live?after=x").status, 400);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(LiveScans, AreTakenInWholeThoughTheyAreWrittenSlowly) {
+  fs::create_directory(folder_ / "in");
+  serve({"--watch", "in", "--watch-query", parameters_}, [&](int port) {
+    const std::string bytes = read_bytes(depth_);
+    std::ofstream file(folder_ / "in/slow.png", std::ios::binary);
+    for (std::size_t part = 0; part < 8; ++part) {
+      const std::size_t first = part * bytes.size() / 8, next = (part + 1) * bytes.size() / 8;
+      file.write(bytes.data() + first, static_cast<std::streamsize>(next - first)).flush();
+      std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    }
+    file.close();
+    const nlohmann::json told = scans(port, 1);
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_TRUE(told[0]["error"].is_null()) << told;
+  });
+}
+
+TEST_F(LiveScans, RefusesWhatItCannotWatch) {
+  const Outcome folder = serve({"--watch", "nowhere"}, [](int) {});
+  EXPECT_NE(folder.error.find("nowhere"), std::string::npos) << folder.error;
+  EXPECT_NE(folder.exit_code, 0);
+  fs::create_directory(folder_ / "in");
+  const Outcome query = serve({"--watch", "in", "--watch-query", "min-score=7"}, [](int) {});
+  EXPECT_NE(query.error.find("min-score"), std::string::npos) << query.error;
+  EXPECT_NE(query.exit_code, 0);
+  serve({}, [](int port) {
+    EXPECT_EQ(ask(port, "GET", "/v1/live").json(), (nlohmann::json{{"watched", false}}));
+  });
+}
+
+}  // namespace
+}  // namespace trivet::test

@@ -1,0 +1,149 @@
+// Parts that clients bring to a service are trained aside, published, renamed and removed.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "apps/service/http_client.hpp"
+#include "apps/service/serve_fixture.hpp"
+
+namespace trivet::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PartWorkshop : public ServeFixture {
+ protected:
+  std::string part(int number) const {
+    return read_bytes(folder_ / ("scans/models/obj_00000" + std::to_string(number) + ".ply"));
+  }
+
+  /// Its entry in /v1/parts once nothing of it is going on.
+  static nlohmann::json settled(int port, const std::string& name) {
+    for (int k = 0; k < 3000; ++k) {
+      for (const nlohmann::json& part : ask(port, "GET", "/v1/parts").json()["parts"]) {
+        if (part["name"] == name && part["state"] != "waiting" && part["state"] != "training")
+          return part;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return {};
+  }
+
+  static std::vector<std::string> models(int port) {
+    std::vector<std::string> names;
+    for (const nlohmann::json& model : ask(port, "GET", "/v1/models").json()["models"])
+      names.push_back(model["name"]);
+    return names;
+  }
+
+  void train(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> all{"train"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome =
+        run_trivet(all, {.folder = folder_.path(), .environment = {}, .watch = {}});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  }
+};
+
+TEST_F(PartWorkshop, PublishesWhatTrainingWouldMake) {
+  std::ofstream(folder_ / "nut.ply", std::ios::binary) << part(2);
+  const std::vector<std::string> how{"--unit", "mm", "--relative-step", "0.05", "--methods", "ppf"};
+  fs::remove(folder_ / "l.h5");
+  const auto with = [&](std::vector<std::string> models, const char* file) {
+    models.insert(models.end(), how.begin(), how.end());
+    models.insert(models.end(), {"-o", file});
+    train(models);
+  };
+  with({"bracket=scans/models/obj_000001.ply"}, "l.h5");
+  with({"bracket=scans/models/obj_000001.ply", "nut=nut.ply"}, "both.h5");
+  const std::string before = read_bytes(folder_ / "l.h5");
+  const Outcome outcome = serve({"--allow-training", "drafts"}, [&](int port) {
+    EXPECT_EQ(ask(port, "PUT", "/v1/parts/nut?file=nut.ply&unit=mm", part(2)).status, 202);
+    const nlohmann::json draft = settled(port, "nut");
+    EXPECT_EQ(draft["state"], "trained") << draft;
+    EXPECT_EQ(draft["facts"]["triangles"], 2000);
+    EXPECT_EQ(ask(port, "GET", draft["model"]["mesh"]).body.rfind("ply", 0), 0U);
+    EXPECT_EQ(read_bytes(folder_ / "l.h5"), before);
+    const Answer published = ask(port, "PUT", "/v1/models/nut");
+    EXPECT_EQ(published.status, 200) << published.body;
+    EXPECT_EQ(published.json()["generation"], 2);
+    EXPECT_EQ(models(port), (std::vector<std::string>{"bracket", "nut"}));
+    EXPECT_EQ(read_bytes(folder_ / "l.h5"), read_bytes(folder_ / "both.h5"));
+    EXPECT_TRUE(ask(port, "GET", "/v1/parts").json()["parts"].empty());
+
+    EXPECT_EQ(ask(port, "PATCH", "/v1/models/nut?name=m8").status, 200);
+    EXPECT_EQ(models(port), (std::vector<std::string>{"bracket", "m8"}));
+    EXPECT_EQ(ask(port, "PATCH", "/v1/models/m8?name=bracket").status, 409);
+    EXPECT_EQ(ask(port, "DELETE", "/v1/models/m8").status, 200);
+    EXPECT_EQ(ask(port, "DELETE", "/v1/models/m8").status, 409);
+    EXPECT_EQ(read_bytes(folder_ / "l.h5"), before);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(PartWorkshop, RefusesWhatIsNoPartAndGoesOn) {
+  const std::string library = read_bytes(folder_ / "l.h5");
+  std::string truncated = part(1).substr(0, 3000);
+  const Outcome outcome = serve(
+      {"--allow-training", "drafts", "--training-mb", "1", "--training-models", "2"},
+      [&](int port) {
+        const auto bring = [&](const std::string& target, const std::string& body) {
+          return ask(port, "PUT", "/v1/parts/" + target, body).status;
+        };
+        EXPECT_EQ(bring("..%2Fl?file=a.ply&unit=m", part(1)), 400);
+        EXPECT_EQ(bring(".hidden?file=a.ply&unit=m", part(1)), 400);
+        EXPECT_EQ(bring("a?file=..%2F..%2Fl.h5&unit=m", part(1)), 400);
+        EXPECT_EQ(bring("a?file=part.h5&unit=m", part(1)), 400);
+        EXPECT_EQ(bring("a?file=a.ply&unit=inch", part(1)), 400);
+        EXPECT_EQ(bring("a?file=a.ply&unit=m", std::string((1 << 20) + 1, ' ')), 413);
+        EXPECT_EQ(bring("bad?file=bad.ply&unit=mm", truncated), 202);
+        const nlohmann::json bad = settled(port, "bad");
+        EXPECT_EQ(bad["state"], "failed");
+        EXPECT_EQ(bad["error"].get<std::string>().rfind("bad.ply, byte ", 0), 0U) << bad["error"];
+        EXPECT_EQ(ask(port, "PUT", "/v1/models/bad").status, 409);
+        EXPECT_EQ(ask(port, "PATCH", "/v1/parts/bad").status, 400);
+        EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 202);
+        EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 400);
+        EXPECT_FALSE(fs::exists(folder_ / "drafts/bad"));
+        // One more than the library may have.
+        EXPECT_EQ(bring("third?file=third.ply&unit=mm", part(1)), 202);
+        EXPECT_EQ(settled(port, "third")["state"], "trained");
+        EXPECT_EQ(ask(port, "PUT", "/v1/models/third").status, 409);
+        EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_)).status, 200);
+      });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(read_bytes(folder_ / "l.h5"), library);
+}
+
+TEST_F(PartWorkshop, KeepsDraftsAndTheirDeclarations) {
+  const auto declared = [&](int port) {
+    return settled(port, "lever")["model"]["symmetry"]["declared"].get<bool>();
+  };
+  serve({"--allow-training", "drafts"}, [&](int port) {
+    EXPECT_EQ(ask(port, "PUT", "/v1/parts/lever?file=bracket.ply&unit=mm", part(1)).status, 202);
+    const nlohmann::json model = settled(port, "lever")["model"];
+    ASSERT_TRUE(model["near_symmetry"]["declaration"].is_object()) << model;
+    EXPECT_FALSE(model["near_symmetry"]["axes"].empty());
+    EXPECT_FALSE(declared(port));
+    EXPECT_EQ(ask(port, "PATCH", "/v1/parts/lever").status, 202);
+    EXPECT_TRUE(declared(port));
+  });
+  serve({"--allow-training", "drafts"}, [&](int port) { EXPECT_TRUE(declared(port)); });
+}
+
+TEST_F(PartWorkshop, IsClosedUnlessItIsAllowed) {
+  serve({}, [&](int port) {
+    EXPECT_EQ(ask(port, "GET", "/v1/parts").json(), (nlohmann::json{{"allowed", false}}));
+    EXPECT_EQ(ask(port, "PUT", "/v1/parts/a?file=a.ply&unit=m", part(1)).status, 403);
+    EXPECT_EQ(ask(port, "DELETE", "/v1/models/bracket_0").status, 403);
+    EXPECT_EQ(ask(port, "PATCH", "/v1/models/bracket_0?name=b").status, 403);
+    EXPECT_EQ(models(port).size(), 2U);
+  });
+}
+
+}  // namespace
+}  // namespace trivet::test

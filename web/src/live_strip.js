@@ -1,0 +1,96 @@
+import { byId, element, moveByArrows } from "./dom.js";
+import { scanOfExample } from "./scan.js";
+import * as service from "./service.js";
+import { numbered, secondsWords } from "./words.js";
+
+const kPollMs = 500;
+const kMost = 100;
+
+/** The last scans of a folder that the service watches, and the newest in the view as it comes. */
+export class LiveStrip {
+  #list = byId("live-scans");
+  #follow = byId("follow");
+  #last = 0; // number that was seen
+  #shown = 0; // number in the view
+
+  /** onOpen(scan, answer): show a scan with its kept answer, as text */
+  constructor(onOpen) {
+    this.onOpen = onOpen;
+    this.#follow.onclick = () => this.#setFollowing(!this.#isFollowing);
+    moveByArrows(this.#list, "button");
+  }
+
+  /** Watch, if the service does. */
+  async start() {
+    const { watched } = await service.fetchLive(0);
+    byId("live").hidden = !watched;
+    if (watched) this.#poll();
+  }
+
+  get #isFollowing() {
+    return this.#follow.getAttribute("aria-pressed") === "true";
+  }
+
+  #setFollowing(follows) {
+    this.#follow.setAttribute("aria-pressed", follows);
+    const newest = this.#list.lastElementChild?.scan;
+    if (follows && newest && newest.number !== this.#shown) this.#open(newest);
+  }
+
+  async #poll() {
+    try {
+      const { scans } = await service.fetchLive(this.#last);
+      if (scans.length) this.#add(scans);
+    } catch {
+      // The service is away for a while: what it has is asked for again.
+    }
+    setTimeout(() => this.#poll(), kPollMs);
+  }
+
+  #add(scans) {
+    const { scrollLeft, scrollWidth, clientWidth } = this.#list;
+    const isAtEnd = scrollLeft + clientWidth >= scrollWidth - 8;
+    this.#list.append(...scans.map((scan) => this.#row(scan)));
+    while (this.#list.childElementCount > kMost) this.#list.firstElementChild.remove();
+    this.#last = scans.at(-1).number;
+    if (isAtEnd) this.#list.scrollLeft = this.#list.scrollWidth;
+    if (this.#isFollowing) this.#open(scans.at(-1));
+  }
+
+  #row(scan) {
+    const told = scan.error ?? `${scan.detections} found, ${secondsWords(scan.seconds)}`;
+    const came = new Date(1000 * scan.time).toLocaleTimeString();
+    const button = element(
+      "button",
+      {
+        type: "button",
+        title: `${scan.name}, ${came}: ${told}`,
+        "aria-label": `${scan.name}: ${told}`,
+        onclick: () => {
+          this.#setFollowing(false);
+          this.#open(scan);
+        },
+      },
+      element("span", { className: "count" }, scan.error ? "!" : String(scan.detections)),
+      element("span", { className: "dim" }, scan.error ? "error" : secondsWords(scan.seconds)),
+    );
+    const item = element("li", {}, button);
+    item.scan = scan;
+    return item;
+  }
+
+  async #open(scan) {
+    this.#shown = scan.number;
+    for (const item of this.#list.children) {
+      const button = item.firstElementChild;
+      if (item.scan === scan) button.setAttribute("aria-current", "true");
+      else button.removeAttribute("aria-current");
+    }
+    byId("live-now").textContent = scan.error
+      ? `${scan.name}: ${scan.error}`
+      : `${scan.name}: ${numbered(scan.detections, "model", "models")} found`;
+    if (scan.error) return;
+    const answer = await service.fetchText(scan.answer);
+    if (this.#shown === scan.number) this.onOpen(scanOfExample(scan), answer);
+  }
+}

@@ -1,0 +1,159 @@
+import { byId, element } from "./dom.js";
+import { kPartFormats } from "./scan.js";
+import * as service from "./service.js";
+import { countWords, lengthWords, nearSymmetryWords, numbered, secondsWords, symmetryWords } from "./words.js";
+
+const kPollMs = 700;
+const kMostName = 128;
+
+/** The name of a model for a file: as `trivet train` names it. */
+export function modelNameOf(file) {
+  const stem = file.replace(/\.gz$/i, "").replace(/\.[^.]*$/, "");
+  const name = stem
+    .replace(/[^A-Za-z0-9._-]+/g, "_")
+    .replace(/\.{2,}/g, ".")
+    .replace(/^[^A-Za-z0-9]+/, "")
+    .slice(0, kMostName)
+    .replace(/[^A-Za-z0-9]+$/, "");
+  return name || "model";
+}
+
+/** What became of a part, in a sentence. */
+function stateWords({ state, seconds, error }) {
+  if (state === "waiting") return "waits for others";
+  if (state === "training") return `training for ${secondsWords(seconds)} …`;
+  return state === "failed" ? error : `trained in ${secondsWords(seconds)}`;
+}
+
+function factsWords({ facts, model }, unit) {
+  const surface = facts.triangles
+    ? numbered(facts.triangles, "triangle", "triangles")
+    : `a cloud of ${countWords(facts.vertices)} points`;
+  const near = model.near_symmetry;
+  return [
+    `${lengthWords(model.diameter, unit)} across`,
+    surface,
+    model.symmetry.declared ? `${symmetryWords(model.symmetry)}, as declared` : symmetryWords(model.symmetry),
+    near.declaration && nearSymmetryWords(near),
+  ]
+    .filter(Boolean)
+    .join(", ");
+}
+
+/** Parts that are brought to the service: trained aside, looked at, published. */
+export class PartsPanel {
+  #section = byId("parts-section");
+  #list = byId("part-list");
+  #unit = "m";
+  #poll = 0;
+  #told = "";
+  #limit = 0; // of a file [byte]
+
+  /** Whether the service trains parts. */
+  allowed = false;
+
+  /**
+   * handlers  onShow(part): draw a trained part; onPublished(): the library changed
+   */
+  constructor({ onShow, onPublished }) {
+    this.onShow = onShow;
+    this.onPublished = onPublished;
+    const chooser = byId("part-files");
+    chooser.accept = kPartFormats.map((format) => `.${format}`).join(",");
+    chooser.addEventListener("change", () => {
+      this.bring([...chooser.files]);
+      chooser.value = "";
+    });
+    byId("add-part").onclick = () => chooser.click();
+  }
+
+  /** Ask the service what it allows and has. */
+  start() {
+    return this.#look();
+  }
+
+  /** Of the library. */
+  set unit(unit) {
+    this.#unit = unit;
+    byId("part-unit").value = unit;
+  }
+
+  /** Have files trained as parts. */
+  async bring(files) {
+    for (const file of files) {
+      await this.#act(() => {
+        if (file.size > this.#limit) {
+          const words = (bytes) => `${countWords(Math.ceil(bytes / 1e6))} MB`;
+          throw new Error(`${file.name}: expected at most ${words(this.#limit)}, found ${words(file.size)}.`);
+        }
+        const unit = byId("part-unit").value;
+        return service.bringPart(modelNameOf(file.name), file, unit);
+      });
+    }
+  }
+
+  /** Do something, and tell what is wrong with it or show what comes of it. */
+  async #act(act) {
+    const problem = byId("parts-problem");
+    problem.textContent = "";
+    try {
+      await act();
+    } catch (error) {
+      problem.textContent = error.message;
+    }
+    await this.#look();
+  }
+
+  async #look() {
+    clearTimeout(this.#poll);
+    const told = await service.fetchParts();
+    this.allowed = told.allowed;
+    this.#section.hidden = !told.allowed;
+    if (!told.allowed) return;
+    this.#limit = told.max_bytes;
+    this.#show(told.parts);
+    const isBusy = told.parts.some(({ state }) => state === "waiting" || state === "training");
+    if (isBusy) this.#poll = setTimeout(() => this.#look().catch(() => {}), kPollMs);
+  }
+
+  #show(parts) {
+    const told = JSON.stringify(parts);
+    if (told === this.#told) return; // what has the focus keeps it
+    this.#told = told;
+    const focused = document.activeElement?.id;
+    this.#list.replaceChildren(...parts.map((part) => this.#row(part)));
+    if (focused?.startsWith("part-")) byId(focused)?.focus();
+  }
+
+  #row(part) {
+    const { name, state, facts, model } = part;
+    const button = (label, id, onclick, className = "") =>
+      element("button", { type: "button", id: `part-${id}-${name}`, className, onclick, "aria-label": `${label} ${name}` }, label);
+    const isTrained = state === "trained";
+    return element(
+      "li",
+      { className: `part ${state}` },
+      element("p", { className: "name" }, name),
+      element("p", { className: "dim" }, `${part.file}, in ${part.unit}: ${stateWords(part)}`),
+      isTrained && element("p", {}, `${factsWords(part, this.#unit)}.`),
+      isTrained && facts.warnings.map((words) => element("p", { className: "warning" }, words)),
+      element(
+        "p",
+        { className: "buttons" },
+        isTrained && button("Show", "show", () => this.onShow(part)),
+        isTrained && model.near_symmetry.declaration &&
+          button("Declare near symmetry", "declare", () => this.#act(() => service.declarePart(name))),
+        isTrained &&
+          button("Publish", "publish", () => this.#act(() => this.#publish(name)), "primary"),
+        button(isTrained || state === "failed" ? "Discard" : "Stop", "drop", () =>
+          this.#act(() => service.dropPart(name)),
+        ),
+      ),
+    );
+  }
+
+  async #publish(name) {
+    await service.publishPart(name);
+    await this.onPublished();
+  }
+}

@@ -1,0 +1,31 @@
+import { CylinderGeometry, Group, Mesh, MeshBasicMaterial, Quaternion, Vector3 } from "three";
+
+const kReach = 1.25; // beyond the model, in its radii
+const kThickness = 0.006; // likewise
+const kDashes = 14; // of an axis that nearly is one
+
+/**
+ * Axes about which a model looks the same, as lines; dashed where it nearly does.
+ *
+ * axes   [{ direction, point, near }] in the model's frame
+ * radius of the model
+ * color  of them
+ */
+export function makeTurnAxes(axes, radius, color) {
+  const group = new Group();
+  const material = new MeshBasicMaterial({ color });
+  for (const { direction, point, near } of axes) {
+    const along = new Vector3(...direction).normalize();
+    const length = 2 * kReach * radius;
+    const count = near ? kDashes : 1;
+    const step = length / count;
+    const bar = new CylinderGeometry(kThickness * radius, kThickness * radius, near ? step / 2 : step, 8);
+    for (let k = 0; k < count; ++k) {
+      const mesh = new Mesh(bar, material);
+      mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), along));
+      mesh.position.set(...point).addScaledVector(along, (k + 0.5) * step - length / 2);
+      group.add(mesh);
+    }
+  }
+  return group;
+}

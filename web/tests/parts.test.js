@@ -1,0 +1,65 @@
+/** A part's way from a file to the library, and models renamed and removed. */
+import { expect, openPage, test } from "./fixtures.js";
+
+/** An ASCII STL of a box with these sides. */
+function boxFile(name, ...sides) {
+  const corner = (k) => [0, 1, 2].map((axis) => (((k >> axis) & 1) - 0.5) * sides[axis]).join(" ");
+  const quads = ["0264", "1573", "0451", "2376", "0132", "4675"]; // outward by the right hand
+  const facets = quads.flatMap(([a, b, c, d]) =>
+    [[a, b, c], [a, c, d]].map(
+      (face) =>
+        "facet normal 0 0 0\nouter loop\n" +
+        face.map((k) => `vertex ${corner(Number(k))}\n`).join("") +
+        "endloop\nendfacet\n",
+    ),
+  );
+  const text = `solid box\n${facets.join("")}endsolid box\n`;
+  return { name, mimeType: "model/stl", buffer: Buffer.from(text) };
+}
+
+const part = (page, name) => page.locator(".part").filter({ has: page.getByText(name, { exact: true }) });
+
+async function bring(page, ...files) {
+  await page.keyboard.press("m");
+  await page.getByLabel("Unit of the files").selectOption("mm");
+  await page.locator("#part-files").setInputFiles(files);
+}
+
+test("a part is trained, looked at, published, renamed and removed", async ({ page }) => {
+  await openPage(page);
+  await bring(page, boxFile("my box.stl", 60, 40, 20));
+  const box = part(page, "my_box");
+  // The diagonal; half turns about three axes and none.
+  await expect(box).toContainText("74.8 mm across, 12 triangles, looks the same in 4 poses");
+  await expect(page.locator("#library-facts")).toContainText("2 models");
+  await box.getByRole("button", { name: "Show" }).click();
+  await expect(page.locator("#view-title")).toHaveText("my_box");
+  await box.getByRole("button", { name: "Publish" }).click();
+  await expect(page.locator("#library-facts")).toContainText("3 models");
+  await expect(box).toHaveCount(0);
+  await page.getByLabel("Change my_box").click();
+  await page.getByLabel("New name of my_box").fill("crate");
+  await page.getByRole("button", { name: "Rename my_box" }).click();
+  await expect(page.locator("#model-list")).toContainText("crate");
+  page.on("dialog", (dialog) => dialog.accept());
+  await page.getByLabel("Change crate").click();
+  await page.getByRole("button", { name: "Remove crate" }).click();
+  await expect(page.locator("#library-facts")).toContainText("2 models");
+});
+
+test("a damaged file is refused with its reason, and another one trained", async ({ page }) => {
+  await openPage(page);
+  const whole = boxFile("cut.stl", 60, 40, 20);
+  await bring(
+    page,
+    { ...whole, buffer: whole.buffer.subarray(0, 700) },
+    boxFile("cube.stl", 30, 30, 30),
+  );
+  await expect(part(page, "cube")).toContainText("looks the same in 24 poses");
+  await expect(part(page, "cut")).toContainText("cut.stl, line");
+  await expect(part(page, "cut").getByRole("button", { name: "Publish" })).toHaveCount(0);
+  for (const name of ["cut", "cube"]) {
+    await part(page, name).getByRole("button", { name: "Discard" }).click();
+    await expect(part(page, name)).toHaveCount(0);
+  }
+});
