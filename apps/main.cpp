@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   apps::add_train(app, context);
   apps::add_recognize(app, context);
   apps::add_evaluate(app, context);
+  apps::add_compare(app, context);
   apps::add_scan(app, context);
   apps::add_mesh(app, context);
   apps::add_calibrate(app, context);

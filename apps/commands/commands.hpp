@@ -13,6 +13,7 @@ void add_train(CLI::App& app, Context& context);
 void add_recognize(CLI::App& app, Context& context);
 void add_library(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
+void add_compare(CLI::App& app, Context& context);
 void add_scan(CLI::App& app, Context& context);
 void add_mesh(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);

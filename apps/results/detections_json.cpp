@@ -137,11 +137,6 @@ nlohmann::ordered_json view_json(const std::optional<SceneView>& view) {
           {"words", words ? nlohmann::ordered_json(*words) : nullptr}};
 }
 
-struct StoredScene {
-  std::filesystem::path file;
-  SceneResult result;
-};
-
 /// offset  of the cloud that the detection was found in
 Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
   const auto number = [&](std::string_view key) {
@@ -186,6 +181,10 @@ StoredScene parse_scene(const JsonNode& node) {
     }
   }
   return scene;
+}
+
+std::filesystem::path normal_path(const std::filesystem::path& path) {
+  return std::filesystem::absolute(path).lexically_normal();
 }
 
 bool ends_with(const std::filesystem::path& path, const std::string& name) {
@@ -309,26 +308,30 @@ Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::pat
   return expected;
 }
 
-Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
-                                                                const Manifest& manifest) {
-  const auto absolute = [](const std::filesystem::path& path) {
-    return std::filesystem::absolute(path).lexically_normal();
-  };
+Result<std::vector<StoredScene>> read_stored_scenes(const std::filesystem::path& file) {
   std::vector<StoredScene> stored;
   std::set<std::filesystem::path> seen;
   const Result<void> done = with_json(file, [&](const JsonNode& root) {
     for (const JsonNode& scene : root.at("scenes").elements()) {
       stored.push_back(parse_scene(scene));
-      if (!seen.insert(absolute(stored.back().file)).second)
+      if (!seen.insert(normal_path(stored.back().file)).second)
         scene.at("scene").refuse("expected each scene once");
     }
   });
   if (!done) return done.error();
+  return stored;
+}
+
+Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
+                                                                const Manifest& manifest) {
+  const Result<std::vector<StoredScene>> read = read_stored_scenes(file);
+  if (!read) return read.error();
+  const std::vector<StoredScene>& stored = *read;
 
   std::vector<std::optional<SceneResult>> results;
   for (const ManifestScene& scene : manifest.scenes) {
     const auto same = [&](const StoredScene& other) {
-      return absolute(other.file) == absolute(scene.file);
+      return normal_path(other.file) == normal_path(scene.file);
     };
     const auto alike = [&](const StoredScene& other) { return ends_with(other.file, scene.name); };
     auto found = std::find_if(stored.begin(), stored.end(), same);

@@ -35,11 +35,20 @@ nlohmann::ordered_json camera_check_json(const CameraCheck& check);
 /// The poses of all scenes of such a document, as expected ones. Errors: as read_detections.
 Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file);
 
+/// A scene of such a document.
+struct StoredScene {
+  std::filesystem::path file;
+  SceneResult result;
+};
+
+/// All of them. Any program may have written them: per scene "scene" and "detections" must be there,
+/// per detection "model", "score" and "T_scene_model"; numbers that are not told are NaN, times are
+/// left out. Errors: missing_input, io, bad_data (names the JSON path of the fault).
+Result<std::vector<StoredScene>> read_stored_scenes(const std::filesystem::path& file);
+
 /// Read the detections of a manifest's scenes, one result a scene; none for a scene that is not
 /// there. Scenes are joined by path, else by the end of the path, where that names one of them.
-/// Any program may have written them: per scene "scene" and "detections" must be there, per
-/// detection "model", "score" and "T_scene_model"; numbers that are not told are NaN, times are
-/// left out. Errors: missing_input, io, bad_data (names the JSON path of the fault).
+/// Errors: as read_stored_scenes.
 Result<std::vector<std::optional<SceneResult>>> read_detections(const std::filesystem::path& file,
                                                                 const Manifest& manifest);
 
