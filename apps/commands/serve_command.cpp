@@ -21,6 +21,7 @@
 #include "apps/service/serve/notify_systemd.hpp"
 #include "apps/service/serve/serve_settings.hpp"
 #include "apps/service/serve/service_routes.hpp"
+#include "apps/service/serve/session/session.hpp"
 #include "engine/method.hpp"
 #include "engine/recognition_service.hpp"
 #include "engine/training/provenance.hpp"
@@ -72,6 +73,20 @@ Result<std::vector<Example>> examples_of(const ServeSettings& settings) {
   return list_examples(settings.examples);
 }
 
+/// Null where none is asked for. What is damaged there is told.
+Result<std::unique_ptr<Session>> session_of(const ServeSettings& settings, const Context& context) {
+  if (settings.session.empty()) return std::unique_ptr<Session>();
+  Result<std::unique_ptr<Session>> session =
+      Session::open(settings.session, std::uint64_t{settings.session_mb} << 20);
+  if (!session) return session;
+  for (const auto& fault : (*session)->index()["faults"]) {
+    context.console.warning(fmt::format("{}: {}: {}", settings.session,
+                                        fault["file"].get<std::string>(),
+                                        fault["reason"].get<std::string>()));
+  }
+  return session;
+}
+
 /// What a service with these settings would read before it answers, and all of the library.
 Result<std::string> check(const ServeSettings& settings) {
   OpenOptions opening = settings.opening;
@@ -104,6 +119,8 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   MemoryTrim memory;
   Result<std::vector<Example>> examples = examples_of(settings);
   if (!examples) return examples.error();
+  const Result<std::unique_ptr<Session>> session = session_of(settings, context);
+  if (!session) return session.error();
   Daemon daemon(settings.listen, settings.max_waiting_mb);
   Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.files(), 1);
   if (!first) return first.error();
@@ -130,7 +147,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
       service, metrics, daemon.log(),
       {milliseconds(settings.listen.deadline_ms), settings.service().max_waiting_bytes},
       std::move(*examples), [&](LibrarySlot::Done done) { slot->reload(std::move(done)); },
-      workshop.get(), live.get());
+      {workshop.get(), live.get(), session->get()});
   routes.set_num_connections([&] { return daemon.num_connections(); });
   if (const Result<void> started = daemon.start(routes); !started) return started.error();
   routes.set_ready(true);

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "storage/datasets/parse_truth.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/model_name.hpp"
 
@@ -48,17 +49,6 @@ ManifestModel parse_model(const std::string& name, const JsonNode& node,
   return model;
 }
 
-TruthInstance parse_truth(const JsonNode& node) {
-  const FilePose pose = node.at("T_scene_model").file_pose();
-  TruthInstance truth{node.at("model").string(), pose.cast<float>(), {}, false};
-  truth.rounded_off = pose.translation() - truth.T_scene_model.translation().cast<double>();
-  if (node.has("occlusion")) truth.occlusion = node.at("occlusion").number();
-  if (node.has("visible_fraction")) truth.visible_fraction = node.at("visible_fraction").number();
-  if (node.has("clutter")) truth.clutter = node.at("clutter").number();
-  if (node.has("ignore")) truth.ignore = node.at("ignore").boolean();
-  return truth;
-}
-
 ManifestScene parse_scene(const JsonNode& node, const std::filesystem::path& folder) {
   ManifestScene scene;
   scene.name = node.at("file").string();
@@ -92,6 +82,17 @@ class ModelOrder {
 };
 
 }  // namespace
+
+TruthInstance parse_truth(const JsonNode& node) {
+  const FilePose pose = node.at("T_scene_model").file_pose();
+  TruthInstance truth{node.at("model").string(), pose.cast<float>(), {}, false};
+  truth.rounded_off = pose.translation() - truth.T_scene_model.translation().cast<double>();
+  if (node.has("occlusion")) truth.occlusion = node.at("occlusion").number();
+  if (node.has("visible_fraction")) truth.visible_fraction = node.at("visible_fraction").number();
+  if (node.has("clutter")) truth.clutter = node.at("clutter").number();
+  if (node.has("ignore")) truth.ignore = node.at("ignore").boolean();
+  return truth;
+}
 
 Result<Manifest> read_manifest(const std::filesystem::path& file) {
   const auto folder = file.parent_path();

@@ -15,6 +15,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <cctype>
@@ -38,7 +39,8 @@ using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000}, kPatience{1000};
-constexpr std::size_t kMinPackedBytes = 16 << 10;  ///< less is sent as soon as it would be packed
+constexpr std::size_t kMinPackedBytes = 16 << 10;    ///< less is sent as soon as it would be packed
+constexpr std::uint64_t kStreamedBytes = 256 << 10;  ///< of a stream that are in memory
 
 std::string lower(beast::string_view text) {
   std::string out(text);
@@ -263,8 +265,10 @@ struct HttpServer::State {
       stream.expires_never();
       HttpResponse response = co_await answer(stream, parser.release());
       co_await pack_body(response, accepted);
-      const bool written =
-          co_await write(stream, response, version, keep_alive && !is_closing, is_head);
+      const bool keep = keep_alive && !is_closing;
+      const bool written = response.stream
+                               ? co_await write_stream(stream, response, version, keep, is_head)
+                               : co_await write(stream, response, version, keep, is_head);
       if (!written || !keep_alive || is_closing) break;
     }
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
@@ -381,15 +385,48 @@ struct HttpServer::State {
         initiate, asio::use_awaitable, std::move(request));
   }
 
-  asio::awaitable<bool> write(beast::tcp_stream& stream, const HttpResponse& response,
-                              unsigned version, bool keep_alive, bool is_head) {
-    http::response<http::string_body> message;
+  template <class Body>
+  static http::response<Body> head_of(const HttpResponse& response, unsigned version,
+                                      bool keep_alive) {
+    http::response<Body> message;
     message.version(version);
     message.result(response.status);
     message.set(http::field::date, date_of(std::time(nullptr)));
     message.set(http::field::content_type, response.content_type);
     for (const auto& [name, value] : response.headers) message.set(name, value);
     message.keep_alive(keep_alive);
+    return message;
+  }
+
+  /// What is read for it waits until the client has taken what came before.
+  asio::awaitable<bool> write_stream(beast::tcp_stream& stream, const HttpResponse& response,
+                                     unsigned version, bool keep_alive, bool is_head) {
+    auto message = head_of<http::empty_body>(response, version, keep_alive);
+    message.content_length(response.stream->num_bytes);
+    stream.expires_after(limits.write_timeout);
+    error_code error;
+    http::response_serializer<http::empty_body> serializer(message);
+    co_await http::async_write_header(stream, serializer,
+                                      asio::redirect_error(asio::use_awaitable, error));
+    std::uint64_t left = is_head ? 0 : response.stream->num_bytes;
+    std::string part;
+    while (!error && left > 0) {
+      part.resize(std::min(left, kStreamedBytes));
+      stream.expires_never();
+      const bool is_read =
+          co_await aside([&read = response.stream->read, &part] { return read(part); });
+      if (!is_read) co_return false;
+      stream.expires_after(limits.write_timeout);
+      co_await asio::async_write(stream, asio::buffer(part),
+                                 asio::redirect_error(asio::use_awaitable, error));
+      left -= part.size();
+    }
+    co_return !error;
+  }
+
+  asio::awaitable<bool> write(beast::tcp_stream& stream, const HttpResponse& response,
+                              unsigned version, bool keep_alive, bool is_head) {
+    auto message = head_of<http::string_body>(response, version, keep_alive);
     message.body() = response.body;
     message.prepare_payload();
     stream.expires_after(limits.write_timeout);

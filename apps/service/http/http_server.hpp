@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,7 +25,7 @@ struct HttpLimits {
   std::size_t max_connections_per_address = 512;
   std::chrono::milliseconds request_timeout{10'000};  ///< to send a whole request
   std::chrono::milliseconds idle_timeout{60'000};     ///< between requests
-  std::chrono::milliseconds write_timeout{30'000};    ///< to take a whole response
+  std::chrono::milliseconds write_timeout{30'000};  ///< to take a whole response, or 256 KiB of one
 };
 
 struct HttpRequest {
@@ -39,10 +40,19 @@ struct HttpRequest {
   std::string header(std::string_view name) const;
 };
 
+/// A body that is too large for memory.
+struct HttpStream {
+  std::uint64_t num_bytes = 0;
+  /// Gives the next bytes, as many as asked for; false: it cannot, and the connection ends. Called
+  /// by one thread at a time, and not on the network's.
+  std::function<bool(std::span<char> next)> read;
+};
+
 struct HttpResponse {
   unsigned status = 200;
   std::string body, content_type = "application/json";
   std::vector<std::pair<std::string, std::string>> headers{};
+  std::optional<HttpStream> stream{};  ///< in place of the body
 };
 
 /// Called once, from any thread.

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -63,7 +64,8 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
                       {"query", examples_[i].query},
                       {"url", fmt::format("/v1/examples/{}", i)}});
     }
-    return reply(call, json_response(200, {{"examples", std::move(list)}}));
+    return reply(call, json_response(200, {{"examples", std::move(list)},
+                                           {"session", commissioning_.session != nullptr}}));
   }
   const std::optional<std::size_t> index = whole_number(rest.substr(1));
   if (rest.front() != '/' || !index || *index >= examples_.size())

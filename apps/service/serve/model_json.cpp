@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "apps/results/detections_json.hpp"
@@ -55,37 +56,47 @@ Json axes_json(const std::vector<TurnAxis>& axes) {
   return json;
 }
 
-/// What declares in a manifest what the model nearly looks the same by: with the symmetries that it
-/// has, since a declaration stands for all.
-Json declaration_json(const Model& model) {
-  if (model.near_symmetries.empty() && !model.near_axis) return nullptr;
-  Json declaration{{"symmetries", Json::array()}};
-  for (const std::vector<Pose>* poses : {&model.symmetry.poses, &model.near_symmetries}) {
-    for (const Pose& pose : *poses)
-      declaration["symmetries"].push_back(apps::matrix_json(pose.cast<double>()));
+/// As a manifest declares symmetries; null where there are none.
+Json declaration_json(std::span<const std::vector<Pose>* const> poses,
+                      const std::optional<Symmetry::Axis>& axis) {
+  Json symmetries = Json::array();
+  for (const std::vector<Pose>* const some : poses) {
+    for (const Pose& pose : *some) symmetries.push_back(apps::matrix_json(pose.cast<double>()));
   }
-  if (const auto& axis = model.near_axis ? model.near_axis : model.symmetry.axis) {
+  if (symmetries.empty() && !axis) return nullptr;
+  Json declaration{{"symmetries", std::move(symmetries)}};
+  if (axis) {
     declaration["symmetry_axis"] = {{"axis", vector_json(axis->direction)},
                                     {"offset", vector_json(axis->point)}};
   }
   return declaration;
 }
 
+/// What the model nearly looks the same by, with the symmetries that it has, since a declaration
+/// stands for all.
+Json near_declaration_json(const Model& model) {
+  if (model.near_symmetries.empty() && !model.near_axis) return nullptr;
+  return declaration_json(std::array{&model.symmetry.poses, &model.near_symmetries},
+                          model.near_axis ? model.near_axis : model.symmetry.axis);
+}
+
 }  // namespace
 
 Json model_json(const Model& model) {
-  return {{"name", model.name},
-          {"diameter", model.diameter},
-          {"symmetry",
-           {{"poses", model.symmetry.poses.size()},
-            {"axis", model.symmetry.axis.has_value()},
-            {"axes", axes_json(axes_of(model.symmetry.poses, model.symmetry.axis, model.center))},
-            {"declared", model.symmetry.declared}}},
-          {"near_symmetry",
-           {{"poses", model.near_symmetries.size()},
-            {"axis", model.near_axis.has_value()},
-            {"axes", axes_json(axes_of(model.near_symmetries, model.near_axis, model.center))},
-            {"declaration", declaration_json(model)}}}};
+  return {
+      {"name", model.name},
+      {"diameter", model.diameter},
+      {"symmetry",
+       {{"poses", model.symmetry.poses.size()},
+        {"axis", model.symmetry.axis.has_value()},
+        {"axes", axes_json(axes_of(model.symmetry.poses, model.symmetry.axis, model.center))},
+        {"declared", model.symmetry.declared},
+        {"declaration", declaration_json(std::array{&model.symmetry.poses}, model.symmetry.axis)}}},
+      {"near_symmetry",
+       {{"poses", model.near_symmetries.size()},
+        {"axis", model.near_axis.has_value()},
+        {"axes", axes_json(axes_of(model.near_symmetries, model.near_axis, model.center))},
+        {"declaration", near_declaration_json(model)}}}};
 }
 
 }  // namespace trivet::apps::service

@@ -35,16 +35,16 @@ Result<LengthUnit> parse_unit(const std::string& text) {
 }  // namespace
 
 void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
-  if (!workshop_) return reply(call, json_response(200, {{"allowed", false}}));
-  Json parts = workshop_->tell();
+  if (!commissioning_.workshop) return reply(call, json_response(200, {{"allowed", false}}));
+  Json parts = commissioning_.workshop->tell();
   for (Json& part : parts) {
-    const auto library = workshop_->trained(part["name"]);
+    const auto library = commissioning_.workshop->trained(part["name"]);
     part["model"] = library ? model_json(library->models.front()) : Json();
     if (library)
       part["model"]["mesh"] =
           write_target({fmt::format("/v1/parts/{}/mesh.ply", part["name"].get<std::string>()), {}});
   }
-  const WorkshopSettings& limits = workshop_->settings();
+  const WorkshopSettings& limits = commissioning_.workshop->settings();
   reply(call, json_response(200, {{"allowed", true},
                                   {"max_bytes", std::uint64_t{limits.max_file_mb} << 20},
                                   {"max_seconds", limits.max_seconds},
@@ -53,18 +53,18 @@ void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
 
 void ServiceRoutes::view_part(const CallPtr& call, std::string_view rest) {
   constexpr std::string_view kMesh = "/mesh.ply";
-  if (!workshop_) return reply(call, read_only_response());
+  if (!commissioning_.workshop) return reply(call, read_only_response());
   if (!rest.ends_with(kMesh))
     return reply(call, error_response(404, "expected mesh.ply of a part"));
   rest.remove_suffix(kMesh.size());
-  const auto library = workshop_->trained(std::string(rest));
+  const auto library = commissioning_.workshop->trained(std::string(rest));
   if (!library) return reply(call, error_response(404, fmt::format("no trained part '{}'", rest)));
   reply(call, {200, model_mesh(library->models.front()), "model/ply", {}});
 }
 
 void ServiceRoutes::bring_part(const CallPtr& call, std::string_view rest) {
-  if (!workshop_) return reply(call, read_only_response());
-  const std::size_t most = std::size_t{workshop_->settings().max_file_mb} << 20;
+  if (!commissioning_.workshop) return reply(call, read_only_response());
+  const std::size_t most = std::size_t{commissioning_.workshop->settings().max_file_mb} << 20;
   if (call->request.body.size() > most) {
     return reply(
         call, error_response(413, fmt::format("expected a part of at most {} bytes, found {}", most,
@@ -77,18 +77,18 @@ void ServiceRoutes::bring_part(const CallPtr& call, std::string_view rest) {
       [this, name = std::string(rest), unit = *unit,
        file = call->target.parameter("file").value_or(""),
        body = std::move(call->request.body)](const LibraryGeneration&) -> Result<HttpResponse> {
-        return done_response(workshop_->bring(name, file, unit, body));
+        return done_response(commissioning_.workshop->bring(name, file, unit, body));
       });
 }
 
 void ServiceRoutes::declare_part(const CallPtr& call, std::string_view rest) {
-  if (!workshop_) return reply(call, read_only_response());
-  reply(call, done_response(workshop_->declare(std::string(rest))));
+  if (!commissioning_.workshop) return reply(call, read_only_response());
+  reply(call, done_response(commissioning_.workshop->declare(std::string(rest))));
 }
 
 void ServiceRoutes::drop_part(const CallPtr& call, std::string_view rest) {
-  if (!workshop_) return reply(call, read_only_response());
-  reply(call, done_response(workshop_->drop(std::string(rest))));
+  if (!commissioning_.workshop) return reply(call, read_only_response());
+  reply(call, done_response(commissioning_.workshop->drop(std::string(rest))));
 }
 
 PartWorkshop::Done ServiceRoutes::tell_generation(const CallPtr& call) {
@@ -99,19 +99,19 @@ PartWorkshop::Done ServiceRoutes::tell_generation(const CallPtr& call) {
 }
 
 void ServiceRoutes::publish_part(const CallPtr& call, std::string_view rest) {
-  if (!workshop_) return reply(call, read_only_response());
-  workshop_->publish(std::string(rest), tell_generation(call));
+  if (!commissioning_.workshop) return reply(call, read_only_response());
+  commissioning_.workshop->publish(std::string(rest), tell_generation(call));
 }
 
 void ServiceRoutes::remove_model(const CallPtr& call, std::string_view rest) {
-  if (!workshop_) return reply(call, read_only_response());
-  workshop_->remove(std::string(rest), tell_generation(call));
+  if (!commissioning_.workshop) return reply(call, read_only_response());
+  commissioning_.workshop->remove(std::string(rest), tell_generation(call));
 }
 
 void ServiceRoutes::rename_model(const CallPtr& call, std::string_view rest) {
-  if (!workshop_) return reply(call, read_only_response());
-  workshop_->rename(std::string(rest), call->target.parameter("name").value_or(""),
-                    tell_generation(call));
+  if (!commissioning_.workshop) return reply(call, read_only_response());
+  commissioning_.workshop->rename(std::string(rest), call->target.parameter("name").value_or(""),
+                                  tell_generation(call));
 }
 
 }  // namespace trivet::apps::service

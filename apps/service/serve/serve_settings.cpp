@@ -28,6 +28,12 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
       number_setting("max-waiting-mb", "Memory of requests that arrive, wait and run; more get 503",
                      s.max_waiting_mb, 1, kMaxMb),
       text_setting("examples", "Manifest or BOP data set whose scenes the page offers", s.examples),
+      text_setting(
+          "session",
+          "Keep scans, answers and what of them is right in this folder, for who commissions "
+          "a cell with the page",
+          s.session),
+      number_setting("session-mb", "What the session may hold", s.session_mb, 1, kMaxMb),
       text_setting("watch",
                    "Recognize each scan that comes into this folder, for /v1/live and the page",
                    s.live.folder),

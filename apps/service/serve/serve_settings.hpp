@@ -14,9 +14,9 @@
 namespace trivet::apps::service {
 
 struct ServeSettings {
-  std::string library, examples;
+  std::string library, examples, session;
   OpenOptions opening;
-  std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512;
+  std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512, session_mb = 1024;
   WorkshopSettings workshop;
   LiveSettings live;
   ListenSettings listen;

@@ -35,6 +35,14 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
       {"GET", "/v1/live", false, false, "live_scans", &R::list_live},
       {"GET", "/v1/live/", true, false, "live_scan", &R::view_live},
       {"GET", "/v1/examples", true, false, "examples", &R::examples},
+      {"GET", "/v1/session", false, false, "session", &R::session},
+      {"GET", "/v1/session/archive", false, false, "session_archive", &R::session_archive},
+      {"GET", "/v1/session/scans/", true, false, "session_scan", &R::session_scan},
+      {"PUT", "/v1/session/scans/", true, true, "put_session_scan", &R::put_session_scan},
+      {"DELETE", "/v1/session/scans/", true, false, "delete_session_scan", &R::delete_session_scan},
+      {"GET", "/v1/session/runs/", true, false, "session_answer", &R::session_answer},
+      {"PUT", "/v1/session/runs/", true, true, "put_session_answer", &R::put_session_answer},
+      {"DELETE", "/v1/session/runs/", true, false, "delete_session_run", &R::delete_session_run},
       {"GET", "/v1/score-parts", false, false, "score_parts", &R::score_parts},
       {"POST", "/v1/library/reload", false, false, "reload", &R::reload},
       {"GET", "/v1/openapi.json", false, false, "openapi", &R::openapi},
@@ -53,7 +61,7 @@ const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
 
 ServiceRoutes::ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
                              const RouteOptions& options, std::vector<Example> examples,
-                             Reload reload, PartWorkshop* workshop, const LiveScans* live)
+                             Reload reload, Commissioning commissioning)
     : service_(service),
       metrics_(metrics),
       log_(log),
@@ -61,8 +69,7 @@ ServiceRoutes::ServiceRoutes(RecognitionService& service, Metrics& metrics, Requ
       options_(options),
       examples_(std::move(examples)),
       reload_(std::move(reload)),
-      workshop_(workshop),
-      live_(live) {
+      commissioning_(commissioning) {
   for (const Route& route : routes()) {
     const std::string name(route.name);
     if (route.is_work) {
@@ -80,19 +87,21 @@ void ServiceRoutes::handle(HttpRequest request, HttpAnswer answer) {
   if (!target) return reply(call, error_response(target.error()));
   call->target = std::move(*target);
   const std::string& path = call->target.path;
-  const Route* other_method = nullptr;
+  std::string other_methods;
   for (const Route& route : routes()) {
     if (route.is_prefix ? !path.starts_with(route.path) : path != route.path) continue;
     if (route.method != call->request.method) {
-      if (route.path != "/") other_method = &route;
+      if (route.path == "/") continue;
+      if (!other_methods.empty()) other_methods += ", ";
+      other_methods += route.method;
       continue;
     }
-    if (other_method && route.path == "/") break;
+    if (!other_methods.empty() && route.path == "/") break;
     call->route = route.name;
     return (this->*route.handle)(call, std::string_view(path).substr(route.path.size()));
   }
-  if (!other_method) return reply(call, error_response(404, "no such path"));
-  reply(call, method_response(other_method->method, call->request));
+  if (other_methods.empty()) return reply(call, error_response(404, "no such path"));
+  reply(call, method_response(other_methods, call->request));
 }
 
 std::optional<HttpResponse> ServiceRoutes::admit(std::string_view target, std::size_t body_bytes) {

@@ -24,9 +24,18 @@
 
 namespace trivet::apps::service {
 
+class Session;
+
 struct RouteOptions {
   std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
   std::size_t max_waiting_bytes = 0;                   ///< that the service takes
+};
+
+/// What a service does beside recognition, for who commissions a cell; null: it was not asked to.
+struct Commissioning {
+  PartWorkshop* workshop = nullptr;  ///< without it the library is only read
+  const LiveScans* live = nullptr;
+  Session* session = nullptr;
 };
 
 /// All members may be called from any thread.
@@ -35,12 +44,9 @@ class ServiceRoutes {
   /// Calls back once the library was read anew, or could not be.
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
   /// All that is given outlives the routes.
-  ///
-  /// workshop  null: the library is only read
-  /// live      null: no folder is watched
   ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
                 const RouteOptions& options, std::vector<Example> examples, Reload reload,
-                PartWorkshop* workshop = nullptr, const LiveScans* live = nullptr);
+                Commissioning commissioning = {});
 
   void handle(HttpRequest request, HttpAnswer answer);
   /// What needs work is refused before its body is read where no more is taken.
@@ -69,6 +75,14 @@ class ServiceRoutes {
   void list_live(const CallPtr& call, std::string_view rest);
   void view_live(const CallPtr& call, std::string_view rest);
   void examples(const CallPtr& call, std::string_view rest);
+  void session(const CallPtr& call, std::string_view rest);
+  void session_archive(const CallPtr& call, std::string_view rest);
+  void session_scan(const CallPtr& call, std::string_view rest);
+  void put_session_scan(const CallPtr& call, std::string_view rest);
+  void delete_session_scan(const CallPtr& call, std::string_view rest);
+  void session_answer(const CallPtr& call, std::string_view rest);
+  void put_session_answer(const CallPtr& call, std::string_view rest);
+  void delete_session_run(const CallPtr& call, std::string_view rest);
   void score_parts(const CallPtr& call, std::string_view rest);
   void reload(const CallPtr& call, std::string_view rest);
   void openapi(const CallPtr& call, std::string_view rest);
@@ -90,6 +104,8 @@ class ServiceRoutes {
   void refuse(const CallPtr& call, Refusal refusal);
   /// Answers with the generation that answers then.
   PartWorkshop::Done tell_generation(const CallPtr& call);
+  /// Answers where there is none.
+  bool has_session(const CallPtr& call) const;
   void tell_recognition(const CallPtr& call, const ServiceAnswer& found,
                         std::span<const SceneResult> results);
   void reply(const CallPtr& call, HttpResponse response) const {
@@ -103,8 +119,7 @@ class ServiceRoutes {
   const RouteOptions options_;
   const std::vector<Example> examples_;
   const Reload reload_;
-  PartWorkshop* const workshop_;
-  const LiveScans* const live_;
+  const Commissioning commissioning_;
   Thumbnails thumbnails_;
   InferenceStatistics inferences_;
   std::function<std::size_t()> num_connections_;

@@ -76,7 +76,7 @@ def check_document():
 
 def check_routes():
     """Every route of the program is described, and the other way round."""
-    routes = re.findall(r'\{"(GET|POST)", "(/[^"]*)", (true|false), ', open(routes_source).read())
+    routes = re.findall(r'\{"(GET|POST|PUT|DELETE)", "(/[^"]*)", (true|false), ', open(routes_source).read())
     if len(routes) < 10:
         fault(f"{routes_source}: expected a table of routes")
     described = {(method.upper(), path) for path, ops in document["paths"].items() for method in ops}
@@ -146,6 +146,22 @@ def check_answers():
     expect(200, "GET", "/v1/examples/{number}", examples[0]["url"])
     expect(404, "GET", "/v1/examples/{number}", "/v1/examples/99")
     expect(200, "GET", "/v1/score-parts")
+    kept, truth = "/v1/session/scans/{scan}", "/v1/session/scans/{scan}/truth"
+    answer, run = "/v1/session/runs/{run}/{scan}", "/v1/session/runs/{run}"
+    expect(200, "PUT", kept, "/v1/session/scans/a?" + reading, scan)
+    expect(409, "PUT", kept, "/v1/session/scans/a?" + reading, scan)
+    expect(400, "PUT", kept, "/v1/session/scans/.a?" + reading, scan)
+    expect(200, "GET", kept, "/v1/session/scans/a")
+    expect(200, "PUT", answer, "/v1/session/runs/A/a", json.dumps(found))
+    expect(200, "GET", answer, "/v1/session/runs/A/a")
+    right = [{key: one[key] for key in ("model", "T_scene_model")} for one in found["scenes"][0]["detections"]]
+    expect(200, "PUT", truth, "/v1/session/scans/a/truth", json.dumps({"truth": right}))
+    expect(404, "PUT", truth, "/v1/session/scans/b/truth", '{"truth": null}')
+    expect(200, "GET", "/v1/session")
+    expect(200, "GET", "/v1/session/archive")
+    expect(200, "DELETE", run, "/v1/session/runs/A")
+    expect(404, "DELETE", run, "/v1/session/runs/A")
+    expect(200, "DELETE", kept, "/v1/session/scans/a")
     expect(200, "GET", "/v1/openapi.json")
     expect(200, "POST", "/v1/library/reload")
     expect(200, "GET", "/v2")

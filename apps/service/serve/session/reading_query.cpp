@@ -1,0 +1,22 @@
+#include "apps/service/serve/session/reading_query.hpp"
+
+#include <fmt/format.h>
+
+namespace trivet::apps::service {
+
+std::string reading_query(const ManifestScene& scene, LengthUnit unit) {
+  std::string extension = scene.file.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::string query = fmt::format("format={}&unit={}", extension, unit_name(unit));
+  if (scene.camera) {
+    const Camera& c = *scene.camera;
+    query += fmt::format("&camera={},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale);
+  }
+  if (scene.viewpoint) {
+    const Eigen::Vector3d& v = *scene.viewpoint;
+    query += fmt::format("&viewpoint={},{},{}", v.x(), v.y(), v.z());
+  }
+  return query;
+}
+
+}  // namespace trivet::apps::service

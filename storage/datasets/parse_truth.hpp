@@ -1,0 +1,12 @@
+/// What a manifest says of one object of a scene.
+#pragma once
+
+#include "storage/files/json_file.hpp"
+#include "storage/manifest.hpp"
+
+namespace trivet {
+
+/// "model", "T_scene_model", and what else a manifest may tell of it. Throws JsonFault.
+TruthInstance parse_truth(const JsonNode& node);
+
+}  // namespace trivet
