@@ -13,10 +13,10 @@ export class LiveStrip {
   #last = 0; // number that was seen
   #shown = 0; // number in the view
 
-  /** onOpen(scan, answer): show a scan with its kept answer, as text */
+  /** onOpen(scan, answer): show a scan with its kept answer */
   constructor(onOpen) {
     this.onOpen = onOpen;
-    this.#follow.onclick = () => this.#setFollowing(!this.#isFollowing);
+    this.#follow.onclick = () => this.toggle();
     moveByArrows(this.#list, "button");
   }
 
@@ -25,6 +25,11 @@ export class LiveStrip {
     const { watched } = await service.fetchLive(0);
     byId("live").hidden = !watched;
     if (watched) this.#poll();
+  }
+
+  /** Follow what comes, or no more. */
+  toggle() {
+    this.#setFollowing(!this.#isFollowing);
   }
 
   get #isFollowing() {
@@ -90,7 +95,7 @@ export class LiveStrip {
       ? `${scan.name}: ${scan.error}`
       : `${scan.name}: ${numbered(scan.detections, "model", "models")} found`;
     if (scan.error) return;
-    const answer = await service.fetchText(scan.answer);
+    const answer = await service.fetchAnswer(scan.answer);
     if (this.#shown === scan.number) this.onOpen(scanOfExample(scan), answer);
   }
 }

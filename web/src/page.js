@@ -6,6 +6,7 @@ import { detectionColors } from "./colors.js";
 import { byId, element, moveByArrows } from "./dom.js";
 import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
+import { LiveStrip } from "./live_strip.js";
 import { unitThatFits } from "./extents.js";
 import { listenForFiles } from "./open_files.js";
 import { PartsPanel } from "./parts_panel.js";
@@ -14,6 +15,7 @@ import { worthTelling } from "./rejected.js";
 import { showScale } from "./scale_bar.js";
 import { isDepthImage, mayBeDepthImage, readFiles, scanOfExample } from "./scan.js";
 import * as service from "./service.js";
+import { SessionTab } from "./session/session_tab.js";
 import { Settings } from "./settings.js";
 import { timesView } from "./times.js";
 import { Meshes } from "./view/meshes.js";
@@ -34,7 +36,11 @@ const kAloneColor = "#8fa3b8"; // of a model shown by itself
 const meshes = new Meshes();
 const view = makeView();
 const lists = {
-  found: new PoseList(byId("found"), (id) => select(id)),
+  found: new PoseList(
+    byId("found"),
+    (id) => select(id),
+    (id) => session.buttonsFor(id),
+  ),
   rejected: new PoseList(byId("rejected"), (id) => select(id)),
   why: new WhyList(byId("why"), (id) => lookAt(id)),
 };
@@ -50,6 +56,16 @@ const partsPanel = new PartsPanel({
     showModel(model, partMeshes);
   },
   onPublished: () => loadLibrary(),
+});
+const liveStrip = new LiveStrip((kept, answer) => openScan(kept, null, answer));
+const session = new SessionTab({
+  open: (kept, answer) => openScan(kept, null, answer),
+  parameters: (other) => settings.parameters(other),
+  adopt: (other, camera) => settings.adopt(other, camera),
+  selected: () => selected,
+  select: (id) => select(id),
+  meshes,
+  library: () => library,
 });
 
 let library = { unit: "m", models: [], generation: 0 };
@@ -96,6 +112,7 @@ const tryAgain = (act) => ({ label: "Try again", run: act });
 
 function clearResult() {
   selected = null;
+  session.leave();
   if (byId("problem").contains(document.activeElement)) byId("headline").focus();
   for (const id of ["problem", "advice"]) byId(id).replaceChildren();
   for (const id of ["found", "rejected", "why", "times", "answer"]) byId(`${id}-section`).hidden = true;
@@ -123,7 +140,8 @@ function tellScan(scene) {
 
 // Scans.
 
-function openScan(next, camera) {
+/** answer  that is kept, if there is one; else the service is asked */
+function openScan(next, camera, answer = null) {
   scan = next;
   points = null;
   view?.clear();
@@ -133,15 +151,21 @@ function openScan(next, camera) {
   byId("recognize").disabled = false;
   settings.adopt(scan, camera);
   showTab("result");
-  return run();
+  return run(answer);
 }
 
 async function openFiles(files) {
   if (partsPanel.allowed && !byId("models").hidden) return partsPanel.bring([...files]);
   try {
-    const read = await readFiles(files);
-    if (read.scan) return await openScan(read.scan, read.camera);
-    settings.setCamera(read.camera);
+    const { scans, camera } = await readFiles(files);
+    if (session.isKept && (scans.length > 1 || (scans.length && !byId("session").hidden))) {
+      showTab("session");
+      return await session.add(scans, camera);
+    }
+    if (scans.length > 1)
+      throw new Error(`Expected one scan, found ${scans.length}: drop one at a time.`);
+    if (scans.length) return await openScan(scans[0], camera);
+    settings.setCamera(camera);
     if (scan && mayBeDepthImage(scan)) return await run();
     showProblem("The camera is kept for the next depth image.");
   } catch (error) {
@@ -163,8 +187,11 @@ async function showPoints(signal) {
   tellScan();
 }
 
-/** Ask the service about the scan with the present settings; what was being asked is dropped. */
-async function run() {
+/**
+ * Ask the service about the scan with the present settings, or show a kept answer; what was being
+ * asked is dropped.
+ */
+async function run(kept = null) {
   running?.abort();
   const asking = new AbortController();
   running = asking;
@@ -177,21 +204,25 @@ async function run() {
     say("Settings are missing");
     return showProblem(fault.message);
   }
-  say("Recognizing …");
+  say(kept ? "Opening …" : "Recognizing …");
   let shown = Promise.resolve();
   try {
     scan.body ??= await service.fetchBytes(scan.url, asking.signal);
     shown = showPoints(asking.signal);
     const [result] = await Promise.all([
-      service.recognize(scan, settings.parameters(scan), asking.signal),
+      kept
+        ? service.keptResult(kept)
+        : service.recognize(scan, settings.parameters(scan), asking.signal),
       shown,
     ]);
+    if (kept) session.enter(kept);
     await showResult(result, asking.signal);
+    if (kept && !asking.signal.aborted) await session.show(kept);
   } catch (error) {
     await shown.catch(() => {}); // its points may tell why
     if (asking.signal.aborted) return;
     say(error instanceof service.ServiceError ? "Not recognized" : "Not shown");
-    if (!proposeUnit()) showProblem(error.message, error.mayPass && tryAgain(run));
+    if (!proposeUnit()) showProblem(error.message, error.mayPass && tryAgain(() => run(kept)));
   } finally {
     if (running === asking) setBusy(false);
   }
@@ -453,7 +484,7 @@ async function showModel(model, source = meshes) {
 }
 
 function showTab(name) {
-  for (const other of ["result", "models"]) {
+  for (const other of ["result", "models", "session"]) {
     byId(other).hidden = other !== name;
     byId(`tab-${other}`).setAttribute("aria-selected", other === name);
   }
@@ -474,7 +505,8 @@ function listen() {
     byId(`layer-${layer}`).onclick = () => toggleLayer(layer);
   }
   byId("ask").onclick = () => setAsking(!view.asks);
-  for (const name of ["result", "models"]) byId(`tab-${name}`).onclick = () => showTab(name);
+  for (const name of ["result", "models", "session"])
+    byId(`tab-${name}`).onclick = () => showTab(name);
   moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
   moveByArrows(byId("tools"), "button");
   byId("show-help").onclick = () => byId("help").showModal();
@@ -505,6 +537,7 @@ function onShortcut(event) {
     s: () => toggleLayer("scan"),
     d: () => toggleLayer("found"),
     r: () => toggleLayer("rejected"),
+    l: () => liveStrip.toggle(),
     w: () => view && setAsking(!view.asks),
     m: () => {
       const opens = byId("models").hidden;
@@ -512,6 +545,14 @@ function onShortcut(event) {
       if (opens) libraryPanel.focus();
       else byId("tab-result").focus();
     },
+    e: () => {
+      if (!session.isKept) return;
+      showTab("session");
+      session.focus();
+    },
+    y: () => session.mark(true),
+    n: () => session.mark(false),
+    a: () => session.markAll(),
     "?": () => byId("help").showModal(),
     Escape: () => select(null),
   }[event.key];
@@ -527,10 +568,12 @@ async function start() {
     partsPanel.unit = library.unit;
     scoreParts = await service.fetchScoreParts();
     settings = new Settings(library.unit, await service.fetchParameters());
-    settings.onSubmit(run);
+    settings.onSubmit(() => run());
     listen();
     showTab("result");
     await showExamples((example) => openScan(scanOfExample(example)));
+    await session.start();
+    await liveStrip.start();
     say("Ready for a scan");
   } catch (error) {
     say("Not ready");

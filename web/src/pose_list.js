@@ -54,10 +54,17 @@ export class PoseList {
   #list;
   #rows = new Map();
 
-  /** list  an `ol`; onOpen(id) is called when a row is opened, onOpen(null) when it is closed */
-  constructor(list, onOpen) {
+  #moreFor;
+
+  /**
+   * list     an `ol`
+   * onOpen   onOpen(id) is called when a row is opened, onOpen(null) when it is closed
+   * moreFor  moreFor(id) gives an element to stand below a row, or null
+   */
+  constructor(list, onOpen, moreFor = () => null) {
     this.#list = list;
     this.onOpen = onOpen;
+    this.#moreFor = moreFor;
     moveByArrows(list, "button.pose");
   }
 
@@ -109,7 +116,7 @@ export class PoseList {
       const fill = () =>
         details.replaceChildren(...detailsOf(thing, unit, scoreParts).filter(Boolean));
       this.#rows.set(thing.id, { button, details, fill });
-      return element("li", {}, button, details);
+      return element("li", {}, button, this.#moreFor(thing.id), details);
     });
     this.#list.replaceChildren(...rows);
   }

@@ -41,15 +41,13 @@ async function readCamera(file) {
 /**
  * Read dropped or chosen files.
  *
- * Returns { scan: or null, camera: or null }; a scan is { name, format, body, query }.
- * Errors: no scan of a known format, several scans, a camera file without the numbers.
+ * Returns { scans: [{ name, format, body, query }], camera: or null }.
+ * Errors: neither scans of a known format nor a camera, a camera file without the numbers.
  */
 export async function readFiles(files) {
   const all = [...files];
   const scans = all.filter((file) => kFormats.includes(extension(file.name)));
   const cameras = all.filter((file) => extension(file.name) === "json");
-  if (scans.length > 1)
-    throw new Error(`Expected one scan, found ${scans.length}: drop one at a time.`);
   if (!scans.length && !cameras.length) {
     throw new Error(
       `${all[0]?.name ?? "The drop"}: expected a scan (${kFormats.join(", ")}), and for a depth ` +
@@ -57,10 +55,13 @@ export async function readFiles(files) {
     );
   }
   const camera = cameras.length ? await readCamera(cameras[0]) : null;
-  if (!scans.length) return { scan: null, camera };
-  const [file] = scans;
-  const scan = { name: file.name, format: extension(file.name), body: file, query: null };
-  return { scan, camera };
+  const scanOf = (file) => ({
+    name: file.name,
+    format: extension(file.name),
+    body: file,
+    query: null,
+  });
+  return { scans: scans.map(scanOf), camera };
 }
 
 /** A scan that the service offers; its body is still to be fetched from `url`. */

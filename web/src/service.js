@@ -18,7 +18,7 @@ const kHints = {
   504: "The service took too long: ",
 };
 
-async function ask(target, options = {}) {
+export async function ask(target, options = {}) {
   let response;
   try {
     response = await fetch(target, options);
@@ -40,7 +40,7 @@ async function ask(target, options = {}) {
   );
 }
 
-const getJson = async (target) => (await ask(target)).json();
+export const getJson = async (target) => (await ask(target)).json();
 
 /**
  * { library, generation, unit,
@@ -58,8 +58,8 @@ export const fetchExamples = async () => (await getJson("/v1/examples")).example
  */
 export const fetchLive = (after) => getJson(`/v1/live?after=${after}`);
 
-/** What is at an address of the service, as text. */
-export const fetchText = async (address) => (await ask(address)).text();
+/** An answer that the service keeps at an address. */
+export const fetchAnswer = getJson;
 
 /** { bias, parts: [{ name, label, meaning, most_evidence }] }: see scoreBars */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
@@ -130,4 +130,10 @@ export async function recognize(scan, parameters, signal) {
   const sent = performance.getEntriesByName(response.url).at(-1);
   const ms = sent ? sent.responseEnd - sent.startTime : performance.now() - start;
   return { text, answer: JSON.parse(text), seconds: ms / 1000 };
+}
+
+/** An answer that is kept, as recognize() returns it. */
+export function keptResult(answer) {
+  const { queue, work } = answer.seconds;
+  return { text: JSON.stringify(answer), answer, seconds: queue + work };
 }

@@ -19,7 +19,7 @@ async function addressOf(service) {
  * Start a service with two parts and two scans of them for all tests, and end it after them.
  *
  * TRIVET_PROGRAM names the program. TRIVET_URL is where the service is; if it is set, a service with
- * examples runs there already.
+ * examples and a session runs there already.
  */
 export default async function startService() {
   if (process.env.TRIVET_URL) return undefined;
@@ -59,6 +59,8 @@ export default async function startService() {
       "live",
       "--watch-query",
       `unit=${unit}&camera=${["fx", "fy", "cx", "cy", "depth_scale"].map((key) => camera[key])}`,
+      "--session",
+      "session",
       "--drain-grace-ms",
       "0",
     ],

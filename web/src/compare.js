@@ -1,0 +1,95 @@
+/** Which detections of two answers are the same, by the measure and rule of `trivet compare`. */
+
+const kMaxTranslation = 0.1; // of the diameter
+const kMaxRotationDeg = 12;
+
+const kIdentity = [
+  [1, 0, 0, 0],
+  [0, 1, 0, 0],
+  [0, 0, 1, 0],
+  [0, 0, 0, 1],
+];
+
+/** Of matrices of four rows. */
+const product = (a, b) =>
+  a.map((row) => [0, 1, 2, 3].map((k) => row.reduce((sum, x, i) => sum + x * b[i][k], 0)));
+const moved = (pose, [x, y, z]) =>
+  pose.slice(0, 3).map((row) => row[0] * x + row[1] * y + row[2] * z + row[3]);
+const turned = (pose, [x, y, z]) =>
+  pose.slice(0, 3).map((row) => row[0] * x + row[1] * y + row[2] * z);
+const distance = (a, b) => Math.hypot(...a.map((x, axis) => x - b[axis]));
+
+/** Between unit vectors [radians]; exact for small ones, too. */
+const angleBetween = (a, b) =>
+  2 * Math.atan2(distance(a, b), Math.hypot(...a.map((x, axis) => x + b[axis])));
+
+/** Of the rotation that takes one pose to the other [radians]. */
+function turnBetween(a, b) {
+  let squares = 0; // of the difference of both matrices: 8 sin² of half the angle
+  for (let i = 0; i < 3; ++i) for (let j = 0; j < 3; ++j) squares += (a[i][j] - b[i][j]) ** 2;
+  return 2 * Math.asin(Math.min(1, Math.sqrt(squares / 8)));
+}
+
+/**
+ * How far apart two poses of a model are: both errors as shares of their limits, added, at best over
+ * the symmetries; null: they are not alike.
+ *
+ * model  { diameter, middle: of its bounding box, symmetries: poses beside the identity,
+ *   axis: direction or null }, in the unit of the poses
+ */
+export function poseDistance(a, b, model) {
+  let best = null;
+  for (const symmetry of [kIdentity, ...model.symmetries]) {
+    const other = product(b, symmetry);
+    const shift = distance(moved(a, model.middle), moved(other, model.middle)) / model.diameter;
+    const angle = model.axis
+      ? angleBetween(turned(a, model.axis), turned(other, model.axis))
+      : turnBetween(a, other);
+    const turn = (180 / Math.PI) * angle;
+    const rank = shift / kMaxTranslation + turn / kMaxRotationDeg;
+    if (best === null || rank < best.rank) best = { rank, shift, turn };
+  }
+  return best.shift < kMaxTranslation && best.turn < kMaxRotationDeg ? best.rank : null;
+}
+
+/**
+ * Pairs of detections of one model whose poses are alike, the nearest first, each at most once.
+ *
+ * first, second  [{ model, T_scene_model }]
+ * modelOf        gives by name what poseDistance needs, or nothing: then no two poses are alike
+ * Returns [[index in first, index in second]], by the first.
+ */
+export function matchDetections(first, second, modelOf) {
+  const alike = [];
+  first.forEach((one, i) => {
+    const model = modelOf(one.model);
+    second.forEach((other, j) => {
+      if (!model || one.model !== other.model) return;
+      const rank = poseDistance(one.T_scene_model, other.T_scene_model, model);
+      if (rank !== null) alike.push([rank, i, j]);
+    });
+  });
+  alike.sort((a, b) => a[0] - b[0] || a[1] - b[1] || a[2] - b[2]);
+  const pairs = [];
+  for (const [, i, j] of alike) {
+    if (!pairs.some(([one, other]) => one === i || other === j)) pairs.push([i, j]);
+  }
+  return pairs.sort((a, b) => a[0] - b[0]);
+}
+
+/**
+ * Scans that two runs have answers for, side by side.
+ *
+ * scans  [{ name, a, b: detections, secondsA, secondsB: or null }]
+ * Returns { rows: [{ name, both, onlyA, onlyB, secondsA, secondsB }], total: the sums of them }.
+ */
+export function compareRuns(scans, modelOf) {
+  const rows = scans.map(({ name, a, b, secondsA, secondsB }) => {
+    const both = matchDetections(a, b, modelOf).length;
+    return { name, both, onlyA: a.length - both, onlyB: b.length - both, secondsA, secondsB };
+  });
+  const sum = (key) =>
+    rows.reduce((all, row) => (all === null || row[key] === null ? null : all + row[key]), 0);
+  const keys = ["both", "onlyA", "onlyB", "secondsA", "secondsB"];
+  return { rows, total: Object.fromEntries(keys.map((key) => [key, sum(key)])) };
+}

@@ -1,0 +1,86 @@
+import { byId, element } from "../dom.js";
+import { numbered } from "../words.js";
+
+/** Marks of what was found: right or wrong, by buttons in the rows or by keys. */
+export class Marks {
+  #rows = new Map(); // by the id of what is found
+  #shown = null;
+
+  /** onMark(marks) is called with { index: true, false or null }. */
+  constructor(onMark) {
+    this.onMark = onMark;
+    byId("all-right").onclick = () => this.markAll();
+  }
+
+  get isOn() {
+    return this.#shown !== null;
+  }
+
+  /** Buttons for the row of a detection; null while no kept answer is shown. */
+  buttonsFor(id) {
+    if (!this.isOn) return null;
+    const index = Number(id.split("-")[1]);
+    const make = (right, text) =>
+      element(
+        "button",
+        {
+          type: "button",
+          className: "verdict",
+          "aria-pressed": "false",
+          onclick: () => this.#toggle(index, right),
+        },
+        text,
+      );
+    const buttons = { right: make(true, "Right"), wrong: make(false, "Wrong") };
+    this.#rows.set(index, buttons);
+    return element("p", { className: "verdicts" }, buttons.right, buttons.wrong);
+  }
+
+  /** The rows to come are of a kept answer, or of none. */
+  expect(isKept) {
+    this.#rows.clear();
+    this.#shown = isKept ? [] : null;
+    byId("verdicts").hidden = true;
+  }
+
+  /** verdicts  of the detections that are shown: true, false or null */
+  show(verdicts) {
+    this.#shown = verdicts;
+    for (const [index, { right, wrong }] of this.#rows) {
+      right.setAttribute("aria-pressed", verdicts[index] === true);
+      wrong.setAttribute("aria-pressed", verdicts[index] === false);
+    }
+    const open = verdicts.filter((verdict) => verdict === null).length;
+    const rights = verdicts.filter(Boolean).length;
+    byId("verdicts").hidden = !verdicts.length;
+    byId("all-right").disabled = !open;
+    byId("verdicts-note").textContent = open
+      ? `${numbered(open, "is not marked", "are not marked")} yet.`
+      : `${rights} right, ${verdicts.length - rights} wrong: kept as the truth of this scan.`;
+  }
+
+  /** Mark what is selected; id  null: nothing is */
+  mark(id, right) {
+    if (this.isOn && id?.startsWith("found-")) this.#toggle(Number(id.split("-")[1]), right);
+  }
+
+  /** The id of the next detection that is not marked; null: there is none other. */
+  openAfter(id) {
+    if (!this.isOn || !id?.startsWith("found-")) return null;
+    const index = Number(id.split("-")[1]);
+    const order = [...this.#shown.keys()].sort((a, b) => (a <= index) - (b <= index) || a - b);
+    const next = order.find((other) => other !== index && this.#shown[other] === null);
+    return next === undefined ? null : `found-${next}`;
+  }
+
+  /** Whatever is not marked is right. */
+  markAll() {
+    if (!this.isOn) return;
+    const open = this.#shown.flatMap((verdict, index) => (verdict === null ? [index] : []));
+    if (open.length) this.onMark(Object.fromEntries(open.map((index) => [index, true])));
+  }
+
+  #toggle(index, right) {
+    this.onMark({ [index]: this.#shown[index] === right ? null : right });
+  }
+}

@@ -1,0 +1,31 @@
+/** What poses of a model are compared by: see poseDistance. */
+
+const kPerMeter = { m: 1, mm: 1000 };
+
+/**
+ * meshes         whose bounding boxes tell where the middle of a model is
+ * library        { unit, models }
+ * unit           of the poses
+ * Returns a function that gives by name what poseDistance needs; nothing for models of no library.
+ */
+export async function measuresOf(names, { meshes, library, unit }) {
+  const scale = kPerMeter[unit] / kPerMeter[library.unit];
+  const scaled = (pose) => pose.map(([x, y, z, shift]) => [x, y, z, shift * scale]);
+  const measures = new Map();
+  const known = library.models.filter(({ name }) => names.includes(name));
+  await Promise.all(
+    known.map(async ({ name, diameter, symmetry }) => {
+      const { min, max } = (await meshes.get(name)).boundingBox;
+      measures.set(name, {
+        diameter: diameter * scale,
+        middle: ["x", "y", "z"].map((axis) => ((min[axis] + max[axis]) / 2) * scale),
+        symmetries: (symmetry.declaration?.symmetries ?? []).map((pose) => [
+          ...scaled(pose.slice(0, 3)),
+          [0, 0, 0, 1],
+        ]),
+        axis: symmetry.declaration?.symmetry_axis?.axis ?? null,
+      });
+    }),
+  );
+  return (name) => measures.get(name);
+}

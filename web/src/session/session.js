@@ -1,0 +1,174 @@
+import { matchDetections } from "../compare.js";
+import * as client from "./client.js";
+
+const kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+const kReading = ["format", "unit", "camera", "viewpoint"];
+
+/** A name that the service takes, and that is not taken: `left_2` after `left`. */
+function freeName(file, taken) {
+  const stem = file.replace(/(\.gz)?$/i, "").replace(/\.[^.]*$/, "");
+  const plain =
+    stem
+      .replace(/[^A-Za-z0-9_-]+/g, "_")
+      .replace(/^[^A-Za-z0-9]+/, "")
+      .slice(0, 56) || "scan";
+  let name = plain;
+  for (let k = 2; taken.has(name); ++k) name = `${plain}_${k}`;
+  return name;
+}
+
+/** The scans that the service keeps, what runs found in them, and what of that is right. */
+export class Session {
+  #index;
+  #answers = new Map(); // parsed, by run and scan
+
+  constructor(index) {
+    this.#index = index;
+  }
+
+  get unit() {
+    return this.#index.unit;
+  }
+  get bytes() {
+    return this.#index.bytes;
+  }
+  get faults() {
+    return this.#index.faults;
+  }
+  get scans() {
+    return this.#index.scans;
+  }
+  get runs() {
+    return this.#index.runs.map(({ name }) => name);
+  }
+
+  scan(name) {
+    return this.scans.find((scan) => scan.name === name);
+  }
+
+  /** What a run found in a scan: { found, seconds }; nothing: it has no answer for it. */
+  summary(run, scan) {
+    const answers = this.#index.runs.find(({ name }) => name === run)?.answers;
+    return answers?.find((answer) => answer.scan === scan);
+  }
+
+  /** Scans that a run has answers for, by name. */
+  scansOf(run) {
+    return this.#index.runs.find(({ name }) => name === run)?.answers.map(({ scan }) => scan) ?? [];
+  }
+
+  async refresh() {
+    this.#index = await client.fetchSession();
+  }
+
+  /**
+   * Keep files.
+   *
+   * parametersOf(format)  gives how a scan of this format is read
+   * onDone(count)         is called after each
+   */
+  async add(scans, parametersOf, onDone) {
+    try {
+      for (const [k, scan] of scans.entries()) {
+        const name = freeName(scan.name, new Set(this.scans.map((other) => other.name)));
+        const all = parametersOf(scan);
+        const parameters = new URLSearchParams(
+          kReading.filter((key) => all.has(key)).map((key) => [key, all.get(key)]),
+        );
+        try {
+          await client.putScan(name, parameters, scan.body);
+        } catch (error) {
+          error.message = `${scan.name}: ${error.message}`;
+          throw error;
+        }
+        await this.refresh();
+        onDone(k + 1);
+      }
+    } finally {
+      await this.refresh();
+    }
+  }
+
+  async removeScan(name) {
+    await client.deleteScan(name);
+    for (const run of this.runs) this.#answers.delete(`${run}/${name}`);
+    await this.refresh();
+  }
+
+  async removeRun(run) {
+    await client.deleteRun(run);
+    for (const scan of this.scans) this.#answers.delete(`${run}/${scan.name}`);
+    await this.refresh();
+  }
+
+  async answer(run, scan) {
+    const key = `${run}/${scan}`;
+    if (!this.#answers.has(key)) this.#answers.set(key, await client.fetchAnswer(run, scan));
+    return this.#answers.get(key);
+  }
+
+  async keepAnswer(run, scan, answer, signal) {
+    await client.putAnswer(run, scan, answer, signal);
+    this.#answers.set(`${run}/${scan}`, answer);
+    await this.refresh();
+  }
+
+  /** The name of a run to come: A, B, ... */
+  nextRun() {
+    const taken = new Set(this.runs);
+    const letter = [...kLetters].find((name) => !taken.has(name));
+    if (letter) return letter;
+    let k = kLetters.length + 1;
+    while (taken.has(`R${k}`)) ++k;
+    return `R${k}`;
+  }
+
+  /** Parameters to recognize a scan with: these settings, read as the session says. */
+  parametersFor(scan, settings) {
+    const parameters = new URLSearchParams(settings);
+    const query = new URLSearchParams(scan.query);
+    for (const key of kReading) {
+      parameters.delete(key);
+      if (query.has(key)) parameters.set(key, query.get(key));
+    }
+    return parameters;
+  }
+
+  /**
+   * What each detection of an answer is known to be: true (right), false (wrong) or null, by its own
+   * mark, else by the truth of the scan.
+   */
+  verdicts(scan, detections, modelOf) {
+    const truth = this.scan(scan).truth ?? [];
+    const matched = new Set(matchDetections(detections, truth, modelOf).map(([i]) => i));
+    return detections.map(({ right }, i) => right ?? (matched.has(i) ? true : null));
+  }
+
+  /**
+   * Mark detections of a kept answer, and tell the truth once all of them are marked.
+   *
+   * marks  { index: true, false, or null for not marked }
+   */
+  async mark(run, scan, marks, modelOf) {
+    const answer = await this.answer(run, scan);
+    const { detections } = answer.scenes[0];
+    const old = this.scan(scan).truth;
+    const verdicts = this.verdicts(scan, detections, modelOf);
+    // What these detections say replaces what the truth says of the same places.
+    const places = new Set(matchDetections(old ?? [], detections, modelOf).map(([i]) => i));
+    for (const [index, right] of Object.entries(marks)) {
+      verdicts[index] = right;
+      if (right === null) delete detections[index].right;
+      else detections[index].right = right;
+    }
+    const truth = [
+      ...(old ?? []).filter((_, i) => !places.has(i)),
+      ...detections
+        .filter((_, i) => verdicts[i])
+        .map(({ model, T_scene_model }) => ({ model, T_scene_model })),
+    ];
+    await client.putAnswer(run, scan, answer);
+    if (old || verdicts.every((verdict) => verdict !== null)) await client.putTruth(scan, truth);
+    await this.refresh();
+  }
+}

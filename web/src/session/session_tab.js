@@ -1,0 +1,113 @@
+import { byId } from "../dom.js";
+import { scanOfExample } from "../scan.js";
+import { fetchSession, scanUrl } from "./client.js";
+import { Marks } from "./marks.js";
+import { measuresOf } from "./measures.js";
+import { SessionPanel } from "./panel.js";
+import { Session } from "./session.js";
+
+/** What the page shows of the session that the service keeps, if it keeps one. */
+export class SessionTab {
+  #session = null;
+  #panel = null;
+  #kept = null; // { scan, run, answer, detections } of the kept answer that is shown
+  #marks = new Marks((marks) => this.#mark(marks));
+  #marking = Promise.resolve();
+
+  /**
+   * page  { open(scan, answer or null), parameters(scan), adopt(scan, camera), select(id),
+   *   selected(), meshes, library() }
+   */
+  constructor(page) {
+    this.page = page;
+  }
+
+  async start() {
+    const index = await fetchSession();
+    if (!index) return;
+    this.#session = new Session(index);
+    this.#panel = new SessionPanel(this.#session, {
+      open: (scan, run, answer) => this.#open(scan, run, answer),
+      parameters: this.page.parameters,
+      modelOf: (names) => this.#modelOf(names),
+    });
+    byId("tab-session").hidden = false;
+  }
+
+  get isKept() {
+    return this.#session !== null;
+  }
+
+  /** Keep what was dropped. scans, camera: see readScans */
+  add(scans, camera) {
+    this.page.adopt(scans[0], camera);
+    return this.#panel.add(scans);
+  }
+
+  focus() {
+    this.#panel.focus();
+  }
+
+  /** Another answer is to come: nothing of it is kept unless show() says so. */
+  leave() {
+    this.#marks.expect(false);
+  }
+
+  /** The answer that is to be shown now may be one of the session's. */
+  enter(answer) {
+    this.#marks.expect(this.#kept?.answer === answer);
+  }
+
+  buttonsFor(id) {
+    return this.#marks.buttonsFor(id);
+  }
+
+  /** Show what is marked of an answer, once its rows are there, if it is one of the session's. */
+  async show(answer = this.#kept.answer) {
+    if (this.#kept?.answer !== answer) return;
+    const { scan, detections } = this.#kept;
+    const modelOf = await this.#modelOf(detections.map(({ model }) => model));
+    if (this.#kept?.detections !== detections) return;
+    this.#marks.show(this.#session.verdicts(scan, detections, modelOf));
+  }
+
+  /** What keys do: nothing while no kept answer is shown. The next one has its turn. */
+  mark(right) {
+    const id = this.page.selected();
+    this.#marks.mark(id, right);
+    const next = this.#marks.openAfter(id);
+    if (next) this.page.select(next);
+  }
+  markAll() {
+    this.#marks.markAll();
+  }
+
+  #modelOf(names) {
+    const { meshes, library } = this.page;
+    return measuresOf(names, { meshes, library: library(), unit: this.#session.unit });
+  }
+
+  #open(scan, run, answer) {
+    const { name, query } = scan;
+    this.#kept = answer && { scan: name, run, answer, detections: answer.scenes[0].detections };
+    return this.page.open(scanOfExample({ name, query, url: scanUrl(name) }), answer);
+  }
+
+  /** One change after the other, as each starts from what the last one made of the truth. */
+  #mark(marks) {
+    const kept = this.#kept;
+    this.#marking = this.#marking.then(async () => {
+      const { scan, run, detections } = kept;
+      const truth = this.#session.scan(scan).truth ?? [];
+      const names = [...detections, ...truth].map(({ model }) => model);
+      try {
+        await this.#session.mark(run, scan, marks, await this.#modelOf(names));
+      } catch (error) {
+        byId("verdicts-note").textContent = error.message;
+        return;
+      }
+      this.#panel.show();
+      if (this.#kept === kept) await this.show();
+    });
+  }
+}

@@ -1,0 +1,158 @@
+/** Several scans that the service keeps, runs over them, and marks. */
+import { drop, expect, foundRows, openPage, recognized, test } from "./fixtures.js";
+
+/** The service's examples as files by which a page can be filled. */
+async function scanFiles(request) {
+  const { examples } = await (await request.get("/v1/examples")).json();
+  const files = [];
+  for (const [k, example] of examples.slice(0, 2).entries()) {
+    const query = new URLSearchParams(example.query);
+    const buffer = await (await request.get(example.url)).body();
+    files.push({ name: `scan ${k}.${query.get("format")}`, buffer });
+    const numbers = query.get("camera").split(",").map(Number);
+    const keys = ["fx", "fy", "cx", "cy", "depth_scale"];
+    const camera = Object.fromEntries(keys.map((key, i) => [key, numbers[i]]));
+    if (!k) files.push({ name: "camera.json", buffer: Buffer.from(JSON.stringify(camera)) });
+  }
+  return files;
+}
+
+const indexOf = async (request) => (await request.get("/v1/session")).json();
+const scanRows = (page) => page.locator("#session-scans .scan");
+
+/** Forget all, so that each test starts anew. */
+async function clear(request) {
+  const { scans } = await indexOf(request);
+  for (const { name } of scans) await request.delete(`/v1/session/scans/${name}`);
+}
+
+async function keepScans(page, request) {
+  await clear(request);
+  await openPage(page);
+  await drop(page, await scanFiles(request));
+  await expect(scanRows(page)).toHaveCount(2);
+  await expect(page.locator("#run-progress")).toBeHidden();
+}
+
+async function runAll(page, name) {
+  await page.getByRole("button", { name: `Run all as ${name}` }).click();
+  await expect(page.getByRole("button", { name: "Stop" })).toBeHidden();
+}
+
+test("scans are kept with what runs find, and runs are held side by side", async ({
+  page,
+  request,
+}) => {
+  await keepScans(page, request);
+  await expect(page.getByRole("tab", { name: "Session" })).toHaveAttribute("aria-selected", "true");
+  await expect(scanRows(page).locator(".name")).toHaveText(["scan_0", "scan_1"]);
+  // Its picture has points.
+  await expect
+    .poll(() =>
+      scanRows(page)
+        .first()
+        .locator("canvas")
+        .evaluate((canvas) => {
+          const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+          return data.filter((value, k) => k % 4 === 3 && value > 0).length;
+        }),
+    )
+    .toBeGreaterThan(500);
+
+  await runAll(page, "A");
+  await page.locator("#tab-result").click();
+  await page.locator("#settings-box > summary").click();
+  await page.getByLabel("Lowest score").fill("1");
+  await page.keyboard.press("Escape");
+  await page.locator("#tab-session").click();
+  await runAll(page, "B");
+  const { runs } = await indexOf(request);
+  expect(runs.map(({ name }) => name)).toEqual(["A", "B"]);
+  const found = runs[0].answers.map((answer) => answer.found);
+  expect(Math.min(...found)).toBeGreaterThan(0);
+  expect(runs[1].answers.map((answer) => answer.found)).toEqual([0, 0]);
+  for (const [k, count] of found.entries()) {
+    await expect(scanRows(page).nth(k).locator(".run")).toHaveText([`A ${count}`, "B 0"]);
+    const cells = page.locator("#comparison tbody tr").nth(k).locator("td");
+    await expect(cells.nth(0)).toHaveText("0");
+    await expect(cells.nth(1)).toHaveText(`${count}`);
+    await expect(cells.nth(2)).toHaveText("0");
+  }
+  await page.getByLabel("against run").selectOption("A");
+  const total = page.locator("#comparison tfoot td");
+  await expect(total.first()).toHaveText(`${found[0] + found[1]}`);
+});
+
+test("what is found is marked by keys and buttons, and becomes the truth", async ({
+  page,
+  request,
+}) => {
+  await keepScans(page, request);
+  await runAll(page, "A");
+  const asked = [];
+  page.on("request", (one) => asked.push(one.url()));
+  await scanRows(page).first().click();
+  await expect(foundRows(page).first()).toBeVisible();
+  expect(asked.filter((url) => url.includes("/v1/recognize"))).toEqual([]);
+  const count = await foundRows(page).count();
+  const right = page.getByRole("button", { name: "Right", exact: true });
+  await expect(right).toHaveCount(count);
+
+  const truthOf = async () => (await indexOf(request)).scans[0].truth;
+  await foundRows(page).first().click();
+  await page.keyboard.press("n");
+  await expect(page.getByRole("button", { name: "Wrong" }).first()).toHaveAttribute(
+    "aria-pressed",
+    "true",
+  );
+  if (count > 1) expect(await truthOf()).toBeNull();
+  await page.keyboard.press("a");
+  await expect(page.locator("#verdicts-note")).toContainText(`${count - 1} right, 1 wrong`);
+  const answer = await (await request.get("/v1/session/runs/A/scan_0")).json();
+  const { detections } = answer.scenes[0];
+  expect(detections.map((one) => one.right)).toEqual([false, ...detections.slice(1).map(() => true)]);
+  const poses = (list) => list.map(({ model, T_scene_model }) => ({ model, T_scene_model }));
+  const close = (one, other) =>
+    one.model === other.model &&
+    one.T_scene_model.every((row, i) =>
+      row.every((x, k) => Math.abs(x - other.T_scene_model[i][k]) < 1e-5),
+    );
+  const truth = await truthOf();
+  expect(truth).toHaveLength(count - 1);
+  for (const pose of poses(detections.slice(1)))
+    expect(truth.filter((other) => close(pose, other))).toHaveLength(1);
+
+  await right.first().click();
+  await expect(page.locator("#verdicts-note")).toContainText(`${count} right, 0 wrong`);
+  expect(await truthOf()).toHaveLength(count);
+  // Another run of the same scan is known by that truth.
+  await page.keyboard.press("e");
+  await runAll(page, "B");
+  await page.getByLabel("Open with the answers of run").selectOption("B");
+  await scanRows(page).first().click();
+  await expect(page.locator("#verdicts-note")).toContainText(`${count} right, 0 wrong`);
+  // A recognition that is not kept has no marks.
+  await page.locator("#settings-box > summary").click();
+  await recognized(page, () => page.getByRole("button", { name: "Recognize" }).click());
+  await expect(right).toHaveCount(0);
+});
+
+test.describe("what goes wrong", () => {
+  test.use({ allowed: /507/ });
+
+  test("a full or stopped session says so", async ({ page, request }) => {
+    await keepScans(page, request);
+    await page.route("**/v1/session/runs/**", (route) =>
+      route.fulfill({ status: 507, json: { error: "the session is full" } }),
+    );
+    await page.getByRole("button", { name: /Run all/ }).click();
+    await expect(page.locator("#session-problem")).toContainText("scan_0: the session is full");
+    await page.unroute("**/v1/session/runs/**");
+    await page.route("**/v1/recognize?**", () => {}); // never answers
+    await page.getByRole("button", { name: /Run all/ }).click();
+    await page.getByRole("button", { name: "Stop" }).click();
+    await expect(page.getByRole("button", { name: /Run all/ })).toBeEnabled();
+    await expect(page.locator("#session-problem")).toBeEmpty();
+    expect((await indexOf(request)).runs).toEqual([]);
+  });
+});
