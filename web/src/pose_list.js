@@ -1,5 +1,6 @@
 import { copyButton } from "./copy.js";
 import { element, moveByArrows, terms } from "./dom.js";
+import { robotPoseView } from "./robot_pose_view.js";
 import { scoreBars } from "./score_bars.js";
 import {
   lengthWords,
@@ -40,6 +41,7 @@ function detailsOf({ kind, pose }, unit, scoreParts) {
       ],
       pose.siblings?.length > 0 && ["may as well be", pose.siblings.join(", ")],
     ]),
+    found && robotPoseView(pose.T_scene_model, unit),
     pose.evidence && scoreParts && scoreBars(pose, scoreParts),
     element(
       "p",

@@ -1,4 +1,5 @@
 /** Numbers and findings as an engineer reads them. */
+import { quaternionOf } from "./robot_pose.js";
 
 const figures = (value, digits) => Number(value.toPrecision(digits)).toString().replace("-", "−");
 
@@ -83,25 +84,13 @@ export function visibilityWords(pose) {
  *
  * rows  of the matrix of a rigid motion
  * Returns { quaternion: [x, y, z, w], w >= 0; angle: [degrees], 0 to 180; axis: unit vector }.
- * Source: Shepperd, J. Guidance and Control, 1978.
  */
 export function orientationOf(rows) {
-  const at = (row, column) => rows[row][column];
-  const trace = at(0, 0) + at(1, 1) + at(2, 2);
-  // Four times the products of w, x, y, z with the largest of them.
-  const products = [
-    [1 + trace, at(2, 1) - at(1, 2), at(0, 2) - at(2, 0), at(1, 0) - at(0, 1)],
-    [at(2, 1) - at(1, 2), 1 - trace + 2 * at(0, 0), at(1, 0) + at(0, 1), at(0, 2) + at(2, 0)],
-    [at(0, 2) - at(2, 0), at(1, 0) + at(0, 1), 1 - trace + 2 * at(1, 1), at(2, 1) + at(1, 2)],
-    [at(1, 0) - at(0, 1), at(0, 2) + at(2, 0), at(2, 1) + at(1, 2), 1 - trace + 2 * at(2, 2)],
-  ];
-  const largest = [0, 1, 2, 3].reduce((a, b) => (products[b][b] > products[a][a] ? b : a));
-  const sign = products[largest][0] < 0 ? -1 : 1;
-  const length = sign * Math.hypot(...products[largest]);
-  const [w, x, y, z] = products[largest].map((product) => product / length);
+  const quaternion = quaternionOf(rows);
+  const [x, y, z, w] = quaternion;
   const sine = Math.hypot(x, y, z);
   return {
-    quaternion: [x, y, z, w],
+    quaternion,
     angle: (360 / Math.PI) * Math.atan2(sine, w),
     axis: sine > 0 ? [x / sine, y / sine, z / sine] : [0, 0, 1],
   };
