@@ -14,5 +14,6 @@ export default defineConfig({
       output: { entryFileNames: "assets/page.js", assetFileNames: "assets/page[extname]" },
     },
   },
+  worker: { format: "es", rollupOptions: { output: { entryFileNames: "assets/[name].js" } } },
   server: { proxy: { "/v1": service, "/v2": service } },
 });

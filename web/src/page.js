@@ -8,6 +8,7 @@ import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
 import { LiveStrip } from "./live_strip.js";
 import { unitThatFits } from "./extents.js";
+import { Measure } from "./measure/measure.js";
 import { listenForFiles } from "./open_files.js";
 import { PartsPanel } from "./parts_panel.js";
 import { PoseList } from "./pose_list.js";
@@ -44,6 +45,7 @@ const lists = {
   rejected: new PoseList(byId("rejected"), (id) => select(id)),
   why: new WhyList(byId("why"), (id) => lookAt(id)),
 };
+const measure = view && new Measure(view);
 const partMeshes = new Meshes();
 const libraryPanel = new LibraryPanel({
   onShow: (model) => showModel(model),
@@ -77,6 +79,7 @@ let running = null; // the AbortController of what is being asked
 let shownThings = []; // what is drawn of the result
 let rays = new Map(); // by thing, what they say of it, where that was asked
 let selected = null;
+let tool = null; // what a click on the scan is for, but to select: see setTool
 
 function makeView() {
   try {
@@ -119,6 +122,7 @@ function clearResult() {
   for (const list of Object.values(lists)) list.show([]);
   shownThings = [];
   rays = new Map();
+  measure?.setThings([]);
   view?.setThings([]);
 }
 
@@ -144,6 +148,7 @@ function tellScan(scene) {
 function openScan(next, camera, answer = null) {
   scan = next;
   points = null;
+  measure?.setScan(null);
   view?.clear();
   byId("welcome").hidden = true;
   if (byId("examples-box").contains(document.activeElement)) byId("headline").focus();
@@ -182,6 +187,7 @@ async function showPoints(signal) {
   const fetched = await service.fetchPoints(scan, parameters, signal);
   points = { key, ...fetched };
   view?.showScan(points.positions, points.viewpoint ? beside(points.viewpoint) : [0, 0, 0]);
+  measure?.setScan(points, settings.unit);
   showTools();
   byId("canvas").setAttribute("aria-label", `Scan ${scan.name}`);
   tellScan();
@@ -360,10 +366,27 @@ function lookAt(id) {
   view?.select(id);
 }
 
-function setAsking(asks) {
-  byId("ask").setAttribute("aria-pressed", asks);
-  byId("canvas").classList.toggle("asks", asks);
-  if (view) view.asks = asks;
+/** tool  that takes places of the scan: "ask", "ruler" or null */
+function setTool(next) {
+  tool = next;
+  for (const other of ["ask", "ruler"]) byId(other).setAttribute("aria-pressed", other === next);
+  byId("canvas").classList.toggle("asks", next !== null);
+  if (view) view.asks = next !== null;
+}
+
+const toggleTool = (which) => view && setTool(tool === which ? null : which);
+
+function takePlace(point) {
+  if (tool === "ask") return askWhy(point);
+  byId("measure-box").open = true;
+  return measure.ruler.take(point);
+}
+
+/** Let go of the ruler, else of what is shown. */
+function letGo() {
+  if (tool !== "ruler") return select(null);
+  measure.ruler.clear();
+  return setTool(null);
 }
 
 function rejectedNote(all, told) {
@@ -399,6 +422,7 @@ async function pose(things, signal) {
       id: thing.id,
       kind: thing.kind,
       label: thing.label,
+      name: thing.pose.model,
       color: thing.color,
       geometry: await meshes.get(thing.pose.model),
       pose: poseMatrix(thing.pose.T_scene_model),
@@ -409,6 +433,7 @@ async function pose(things, signal) {
   view.setThings(drawn);
   view.select(selected);
   const found = things.filter((thing) => thing.kind === "found");
+  measure.setThings(drawn.filter((thing) => thing.kind === "found"));
   byId("canvas").setAttribute(
     "aria-label",
     `Scan ${scan.name} with ${numbered(found.length, "model", "models")} drawn in`,
@@ -420,6 +445,7 @@ function select(id) {
   for (const list of Object.values(lists)) list.open(id);
   view?.showRays(null);
   view?.select(id);
+  measure?.follow(id);
 }
 
 // Layers of the view.
@@ -438,7 +464,8 @@ function showLayer(layer, shown) {
 function showTools(model = false) {
   byId("tools").hidden = !view || !(points || model);
   for (const layer of ["scan", "found", "rejected"]) byId(`layer-${layer}`).hidden = model;
-  byId("ask").hidden = model;
+  for (const other of ["ask", "ruler"]) byId(other).hidden = model;
+  measure?.show(!model);
 }
 
 const toggleLayer = (layer) => showLayer(layer, !isShown(layer));
@@ -504,7 +531,7 @@ function listen() {
   for (const layer of ["scan", "found", "rejected"]) {
     byId(`layer-${layer}`).onclick = () => toggleLayer(layer);
   }
-  byId("ask").onclick = () => setAsking(!view.asks);
+  for (const which of ["ask", "ruler"]) byId(which).onclick = () => toggleTool(which);
   for (const name of ["result", "models", "session"])
     byId(`tab-${name}`).onclick = () => showTab(name);
   moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
@@ -513,10 +540,10 @@ function listen() {
   addEventListener("keydown", onShortcut);
   if (!view) return;
   view.onPick = (id) => select(id);
-  view.onAsk = (point) => askWhy(point);
+  view.onAsk = takePlace;
   byId("canvas").addEventListener("keydown", (event) => {
     const point = event.key === "Enter" && view.asks && view.pointInTheMiddle();
-    if (point) askWhy(point);
+    if (point) takePlace(point);
   });
   view.onLook = (point, distance) => {
     const { unit } = settings;
@@ -537,8 +564,9 @@ function onShortcut(event) {
     s: () => toggleLayer("scan"),
     d: () => toggleLayer("found"),
     r: () => toggleLayer("rejected"),
-    l: () => liveStrip.toggle(),
-    w: () => view && setAsking(!view.asks),
+    w: () => toggleTool("ask"),
+    l: () => toggleTool("ruler"),
+    v: () => liveStrip.toggle(),
     m: () => {
       const opens = byId("models").hidden;
       showTab(opens ? "models" : "result");
@@ -554,7 +582,7 @@ function onShortcut(event) {
     n: () => session.mark(false),
     a: () => session.markAll(),
     "?": () => byId("help").showModal(),
-    Escape: () => select(null),
+    Escape: letGo,
   }[event.key];
   if (!run_shortcut) return;
   event.preventDefault();

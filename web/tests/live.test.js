@@ -26,6 +26,6 @@ test("a scan is shown as it comes, and an older one when it is picked", async ({
   drop(1, "three.png");
   await expect(strip).toHaveCount(3);
   await expect(page.locator("#view-title")).toHaveText("one.png");
-  await page.keyboard.press("l");
+  await page.keyboard.press("v");
   await expect(page.locator("#view-title")).toHaveText("three.png");
 });

@@ -66,10 +66,14 @@ export class Surface {
   /** Normal of a triangle as it is wound: { x, y, z: unit vector, length: twice the area }. */
   #crossProduct(corners, triangle) {
     const v = this.#vertices;
-    const [a, b, c] = kCorners.map((k) => 3 * corners[3 * triangle + k]);
-    const [ux, uy, uz] = kCorners.map((k) => v[b + k] - v[a + k]);
-    const [wx, wy, wz] = kCorners.map((k) => v[c + k] - v[a + k]);
-    const [x, y, z] = [uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx];
+    const a = 3 * corners[3 * triangle];
+    const b = 3 * corners[3 * triangle + 1];
+    const c = 3 * corners[3 * triangle + 2];
+    const across = (i, j) =>
+      (v[b + i] - v[a + i]) * (v[c + j] - v[a + j]) - (v[b + j] - v[a + j]) * (v[c + i] - v[a + i]);
+    const x = across(1, 2);
+    const y = across(2, 0);
+    const z = across(0, 1);
     const length = Math.hypot(x, y, z);
     return { x: x / length, y: y / length, z: z / length, length };
   }
@@ -192,7 +196,8 @@ export class Surface {
       return;
     }
     const middle = halfOf(first, end);
-    const [left, right] = [2 * node + 1, 2 * node + 2];
+    const left = 2 * node + 1;
+    const right = left + 1;
     const toLeft = this.#squaredToBox(left, x, y, z);
     const toRight = this.#squaredToBox(right, x, y, z);
     if (toLeft <= toRight) {
@@ -214,9 +219,14 @@ export class Surface {
   }
 
   #try(triangle, x, y, z) {
-    const [v, corners, nearest, best] = [this.#vertices, this.#corners, this.#nearest, this.#best];
+    const nearest = this.#nearest;
+    const best = this.#best;
+    const corners = this.#corners;
     const at = 3 * triangle;
-    findNearest(v, 3 * corners[at], 3 * corners[at + 1], 3 * corners[at + 2], x, y, z, nearest);
+    const a = 3 * corners[at];
+    const b = 3 * corners[at + 1];
+    const c = 3 * corners[at + 2];
+    findNearest(this.#vertices, a, b, c, x, y, z, nearest);
     const squared = (x - nearest.x) ** 2 + (y - nearest.y) ** 2 + (z - nearest.z) ** 2;
     if (squared > best.squared || (squared === best.squared && best.triangle >= 0)) return;
     best.squared = squared;
@@ -287,39 +297,57 @@ function angleAt(v, a, b, c) {
  * Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
  */
 function findNearest(v, a, b, c, x, y, z, out) {
-  const [ax, ay, az] = [v[a], v[a + 1], v[a + 2]];
-  const [bx, by, bz] = [v[b] - ax, v[b + 1] - ay, v[b + 2] - az];
-  const [cx, cy, cz] = [v[c] - ax, v[c + 1] - ay, v[c + 2] - az];
-  const [px, py, pz] = [x - ax, y - ay, z - az];
-  const take = (feature, s, t) => {
-    out.feature = feature;
-    out.x = ax + s * bx + t * cx;
-    out.y = ay + s * by + t * cy;
-    out.z = az + s * bz + t * cz;
-  };
-  const d1 = bx * px + by * py + bz * pz;
-  const d2 = cx * px + cy * py + cz * pz;
-  if (d1 <= 0 && d2 <= 0) return take(kFirstCorner, 0, 0);
-  const [bb, bc, cc] = [
-    bx * bx + by * by + bz * bz,
-    bx * cx + by * cy + bz * cz,
-    cx * cx + cy * cy + cz * cz,
-  ];
-  const [d3, d4] = [d1 - bb, d2 - bc];
-  if (d3 >= 0 && d4 <= d3) return take(kFirstCorner + 1, 1, 0);
-  const vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return take(kFirstEdge, d1 / (d1 - d3), 0);
-  const [d5, d6] = [d1 - bc, d2 - cc];
-  if (d6 >= 0 && d5 <= d6) return take(kFirstCorner + 2, 0, 1);
-  const vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return take(kFirstEdge + 2, 0, d2 / (d2 - d6));
+  const ax = v[a];
+  const ay = v[a + 1];
+  const az = v[a + 2];
+  const bx = v[b] - ax;
+  const by = v[b + 1] - ay;
+  const bz = v[b + 2] - az;
+  const cx = v[c] - ax;
+  const cy = v[c + 1] - ay;
+  const cz = v[c + 2] - az;
+  const d1 = bx * (x - ax) + by * (y - ay) + bz * (z - az);
+  const d2 = cx * (x - ax) + cy * (y - ay) + cz * (z - az);
+  const bc = bx * cx + by * cy + bz * cz;
+  const d3 = d1 - (bx * bx + by * by + bz * bz);
+  const d4 = d2 - bc;
+  const d5 = d1 - bc;
+  const d6 = d2 - (cx * cx + cy * cy + cz * cz);
   const va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const t = (d4 - d3) / (d4 - d3 + (d5 - d6));
-    return take(kFirstEdge + 1, 1 - t, t);
+  const vb = d5 * d2 - d1 * d6;
+  const vc = d1 * d4 - d3 * d2;
+  let feature = kInside;
+  let s = vb / (va + vb + vc); // along a to b
+  let t = vc / (va + vb + vc); // along a to c
+  if (d1 <= 0 && d2 <= 0) {
+    feature = kFirstCorner;
+    s = 0;
+    t = 0;
+  } else if (d3 >= 0 && d4 <= d3) {
+    feature = kFirstCorner + 1;
+    s = 1;
+    t = 0;
+  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    feature = kFirstEdge;
+    s = d1 / (d1 - d3);
+    t = 0;
+  } else if (d6 >= 0 && d5 <= d6) {
+    feature = kFirstCorner + 2;
+    s = 0;
+    t = 1;
+  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    feature = kFirstEdge + 2;
+    s = 0;
+    t = d2 / (d2 - d6);
+  } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    feature = kFirstEdge + 1;
+    t = (d4 - d3) / (d4 - d3 + (d5 - d6));
+    s = 1 - t;
   }
-  const sum = va + vb + vc;
-  return take(kInside, vb / sum, vc / sum);
+  out.feature = feature;
+  out.x = ax + s * bx + t * cx;
+  out.y = ay + s * by + t * cy;
+  out.z = az + s * bz + t * cz;
 }
 
 /**

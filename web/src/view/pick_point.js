@@ -9,8 +9,9 @@ const kReach = 10; // [pixel] around the pointer
  * positions  x, y, z of each
  * project    Matrix4 from positions to clip space
  * x, y       of the pointer in the canvas [pixel]; width, height of the canvas
+ * isSeen     whether a position [x, y, z] is drawn
  */
-export function pickPoint(positions, project, x, y, width, height) {
+export function pickPoint(positions, project, x, y, width, height, isSeen) {
   const clip = new Vector4();
   let best = null;
   for (let i = 0; i < positions.length; i += 3) {
@@ -22,7 +23,8 @@ export function pickPoint(positions, project, x, y, width, height) {
     if (off > kReach) continue;
     // A pixel aside is worth as much as a two-hundredth of the distance.
     const cost = clip.w * (1 + off / 200);
-    if (!best || cost < best.cost) best = { cost, at: i };
+    if (best && cost >= best.cost) continue;
+    if (isSeen(positions.slice(i, i + 3))) best = { cost, at: i };
   }
   return best && [...positions.slice(best.at, best.at + 3)];
 }

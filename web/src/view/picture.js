@@ -91,12 +91,22 @@ const kFragmentShader = `
 export const outlineMaterial = (id, color) =>
   new ShaderMaterial({
     uniforms: { color: { value: color }, id: { value: (1 + ((id - 1) % 255)) / 255 } },
+    clipping: true,
     vertexShader: `
-      void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
+      #include <clipping_planes_pars_vertex>
+      void main() {
+        vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+        #include <clipping_planes_vertex>
+        gl_Position = projectionMatrix * mvPosition;
+      }`,
     fragmentShader: `
+      #include <clipping_planes_pars_fragment>
       uniform vec3 color;
       uniform float id;
-      void main() { gl_FragColor = vec4(color, id); }`,
+      void main() {
+        #include <clipping_planes_fragment>
+        gl_FragColor = vec4(color, id);
+      }`,
     side: 2,
   });
 
@@ -143,7 +153,7 @@ export class Picture {
   }
 
   /**
-   * solid, outlined  scenes; points of the first have alpha 0
+   * solid, outlined  scenes; points of the first have alpha 0, in colors of values more
    * pixelsPerUnit    of something at distance 1
    * spacing          of the points [world]
    */

@@ -1,8 +1,12 @@
 import { BufferAttribute, BufferGeometry, Matrix4, Points, ShaderMaterial } from "three";
 
+import { PaletteTexture } from "./palettes.js";
+
 const kProbes = 100;
 const kNeighbors = 6; // of a point among random ones, or in a grid, within 1.4 spacings
 const kSizeInSpacings = "2.0"; // neighbors overlap, so that a surface looks closed
+const kUnlit = "0.7"; // share of a color that stands for a value
+const kNoValue = 1e30; // a float on all GPUs, which NaN is not
 const kBehind = 0.006; // of the scan's radius: models stand out from the points that they explain
 
 /** How far apart points are where they are rather sparse. */
@@ -52,30 +56,56 @@ export function makeScanPoints(positions, frame) {
       behind: { value: kBehind },
       pixelsPerUnit: { value: 1 },
       smallest: { value: 1 },
+      dim: { value: null },
+      hasValues: { value: false },
+      low: { value: 0 },
+      high: { value: 1 },
+      palette: { value: new PaletteTexture() },
     },
+    clipping: true,
     vertexShader: `
-      uniform float spacing, pixelsPerUnit, smallest;
+      #include <clipping_planes_pars_vertex>
+      attribute float value;
+      uniform vec3 color, dim;
+      uniform float spacing, pixelsPerUnit, smallest, low, high;
+      uniform bool hasValues;
+      uniform sampler2D palette;
       varying float seenZ, size;
+      varying vec4 ink; // to be lit by the picture, as far as its alpha is not 1
+
+      // Within the limits all but the first and the last texel.
+      vec4 colorOf(float value) {
+        if (value > 0.5 * ${kNoValue.toExponential()}) return vec4(dim, ${kUnlit});
+        float texels = float(textureSize(palette, 0).x);
+        float at = 1.0 + (value - low) / (high - low) * (texels - 2.0);
+        float texel = value < low ? 0.0 : value > high ? texels - 1.0 : clamp(at, 1.0, texels - 2.0);
+        return vec4(texelFetch(palette, ivec2(int(texel), 0), 0).rgb, ${kUnlit});
+      }
+
       void main() {
-        vec4 seen = modelViewMatrix * vec4(position, 1.0);
-        seenZ = seen.z;
-        gl_Position = projectionMatrix * seen;
-        size = clamp(${kSizeInSpacings} * spacing * pixelsPerUnit / -seen.z, smallest, 14.0 * smallest);
+        vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+        #include <clipping_planes_vertex>
+        seenZ = mvPosition.z;
+        gl_Position = projectionMatrix * mvPosition;
+        size = clamp(${kSizeInSpacings} * spacing * pixelsPerUnit / -seenZ, smallest, 14.0 * smallest);
         gl_PointSize = size;
+        ink = hasValues ? colorOf(value) : vec4(color, 0.0);
       }`,
     fragmentShader: `
-      uniform vec3 color;
+      #include <clipping_planes_pars_fragment>
       uniform float spacing, behind;
       uniform mat4 projectionMatrix;
       varying float seenZ, size;
+      varying vec4 ink;
       void main() {
+        #include <clipping_planes_fragment>
         // A dome instead of a disc: where neighbors meet, depth is continuous. Of few pixels all
         // are needed to close the surface.
         float off = 2.0 * length(gl_PointCoord - 0.5);
         if (off > 1.0 && size > 4.0) discard;
         float z = seenZ - spacing * off * off - behind;
         gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] + projectionMatrix[3][2] / z);
-        gl_FragColor = vec4(color, 0.0); // to be lit by the picture
+        gl_FragColor = ink;
       }`,
   });
   const points = new Points(geometry, material);
@@ -83,4 +113,27 @@ export function makeScanPoints(positions, frame) {
   points.matrixAutoUpdate = false;
   points.matrix.copy(frame.toWorld).multiply(new Matrix4().makeTranslation(frame.center));
   return points;
+}
+
+/**
+ * Color the points by values; null: none.
+ *
+ * values     of each point; NaN is drawn dim
+ * low, high  limits of the palette's steps
+ */
+export function colorScanPoints({ geometry, material: { uniforms } }, coloring) {
+  uniforms.hasValues.value = Boolean(coloring);
+  if (!coloring) return;
+  const { values, low, high, palette } = coloring;
+  if (!geometry.getAttribute("value")) {
+    geometry.setAttribute("value", new BufferAttribute(new Float32Array(values.length), 1));
+  }
+  const attribute = geometry.getAttribute("value");
+  for (let i = 0; i < values.length; ++i) {
+    attribute.array[i] = Number.isNaN(values[i]) ? kNoValue : values[i];
+  }
+  attribute.needsUpdate = true;
+  uniforms.low.value = low;
+  uniforms.high.value = high;
+  uniforms.palette.value.set(palette);
 }

@@ -25,9 +25,11 @@ import { distanceToSee, frameOf } from "./frame.js";
 import { outlineMaterial, Picture } from "./picture.js";
 import { pickPoint } from "./pick_point.js";
 import { makeRayPoints } from "./ray_points.js";
-import { makeScanPoints } from "./scan_points.js";
+import { RulerLine } from "./ruler_line.js";
+import { colorScanPoints, makeScanPoints } from "./scan_points.js";
 import { SeenParts } from "./seen_parts.js";
 import { Sensor } from "./sensor.js";
+import { planesOf } from "./slab.js";
 import { makeTurnAxes } from "./turn_axes.js";
 
 const kFieldOfView = 40; // [degrees]
@@ -37,6 +39,7 @@ const kRoom = 1.6; // radii of a thing that are seen around its center when it i
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 const kRestSeconds = 0.15; // after which the view counts as at rest
+const kDim = 0.6; // share of the ground in points that do not count
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
 /** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
@@ -83,6 +86,9 @@ export class SceneView {
   #axes = makeAxes();
   #seenParts = new SeenParts();
   #sensor;
+  #ruler;
+  #planes = []; // of the section
+  #bare = new Set(); // ids of things that are outlines only, so that points around them are seen
   #frame = null;
   #points = null;
   #rays = null;
@@ -111,6 +117,7 @@ export class SceneView {
     this.#canvas = canvas;
     this.#marks = marks;
     this.#renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "default" });
+    this.#renderer.localClippingEnabled = true;
     this.#picture = new Picture(this.#renderer);
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.zoomToCursor = true;
@@ -120,6 +127,7 @@ export class SceneView {
     this.#lamp.position.set(-0.4, 0.6, 1);
     this.#camera.add(this.#lamp);
     this.#sensor = new Sensor(marks);
+    this.#ruler = new RulerLine(marks);
     this.#solid.add(this.#axes, this.#sensor.pyramid);
     this.#camera.position.set(0, 0.5, 3);
     this.readColors();
@@ -141,10 +149,17 @@ export class SceneView {
       rejected: color("--rejected"),
     };
     this.#solid.background = color("--view");
-    if (this.#points) this.#points.material.uniforms.color.value = this.colors.scan;
+    this.#inkPoints();
     this.#sensor.setColor(this.colors.rejected);
     for (const thing of this.#things) this.#paint(thing);
     this.#draw();
+  }
+
+  #inkPoints() {
+    if (!this.#points) return;
+    const { color, dim } = this.#points.material.uniforms;
+    color.value = this.colors.scan;
+    dim.value = this.colors.scan.clone().lerp(this.#solid.background, kDim);
   }
 
   /** positions  x, y, z of each point; viewpoint  of the sensor; both in the scan's frame */
@@ -153,7 +168,7 @@ export class SceneView {
     if (!positions.length) return;
     this.#frame = frameOf(positions, viewpoint);
     this.#points = makeScanPoints(positions, this.#frame);
-    this.#points.material.uniforms.color.value = this.colors.scan;
+    this.#inkPoints();
     this.#solid.add(this.#points);
     this.#arrange();
     this.fit(false);
@@ -165,9 +180,13 @@ export class SceneView {
     this.setThings([]);
     this.#points?.removeFromParent();
     this.#points?.geometry.dispose();
+    this.#points?.material.uniforms.palette.value.dispose();
     this.#points?.material.dispose();
     this.#points = null;
     this.#frame = null;
+    this.#planes = [];
+    this.#bare.clear();
+    this.#ruler.set([], "");
     this.#draw();
   }
 
@@ -263,17 +282,63 @@ export class SceneView {
     this.#arrange();
   }
 
+  /** Color the scan: see colorScanPoints; bare: ids of things that are outlines meanwhile. */
+  colorScan(coloring, bare = []) {
+    if (!this.#points) return;
+    colorScanPoints(this.#points, coloring);
+    this.#bare = new Set(bare);
+    this.#arrange();
+  }
+
+  /** Leave only a slab of the scan and of what is posed in it; see planesOf. */
+  setSlab(slab) {
+    this.#planes = this.#frame ? planesOf(slab, this.#frame.toWorld) : [];
+    this.#arrange();
+  }
+
+  /** Draw a ruler between two points of the scan's frame, or its first end alone. */
+  setRuler(points, text) {
+    const places = points.map((point) => new Vector3(...point).applyMatrix4(this.#frame.toWorld));
+    this.#ruler.set(places, text);
+    this.#draw();
+  }
+
+  /** Unit vectors of the scan's frame: what is up, and where the camera looks. */
+  get up() {
+    return this.#inScan(new Vector3(0, 1, 0));
+  }
+
+  get forward() {
+    return this.#inScan(this.#camera.getWorldDirection(new Vector3()));
+  }
+
+  #inScan(direction) {
+    return direction.transformDirection(this.#frame.toWorld.clone().invert()).toArray();
+  }
+
+  /** Whether the section leaves this place of the world. */
+  #isLeft(place) {
+    return this.#planes.every((plane) => plane.distanceToPoint(place) >= 0);
+  }
+
   #shows(thing) {
     return !this.#model && (this.#layers[thing.kind] || thing.id === this.#selected);
   }
 
   #arrange() {
     const chosen = this.#things.find((thing) => thing.id === this.#selected);
-    if (this.#points) this.#points.visible = this.#layers.scan && !this.#model;
+    if (this.#points) {
+      this.#points.visible = this.#layers.scan && !this.#model;
+      this.#points.material.clippingPlanes = this.#planes;
+    }
     for (const thing of this.#things) {
       const shown = this.#shows(thing);
-      if (thing.mesh) thing.mesh.visible = shown && !(this.#rays && thing === chosen);
-      thing.outline.visible = shown && (thing.kind === "rejected" || thing === chosen);
+      const isBare = this.#bare.has(thing.id) || Boolean(this.#rays && thing === chosen);
+      if (thing.mesh) thing.mesh.visible = shown && !isBare;
+      thing.outline.visible = shown && (thing.kind === "rejected" || thing === chosen || isBare);
+      for (const { material } of [thing.mesh, ...thing.outline.children].filter(Boolean)) {
+        material.clippingPlanes = this.#planes;
+      }
       thing.mark.hidden = !shown;
       thing.mark.classList.toggle("selected", thing === chosen);
       this.#paint(thing);
@@ -431,10 +496,12 @@ export class SceneView {
         new Vector2((2 * offsetX) / clientWidth - 1, 1 - (2 * offsetY) / clientHeight),
         this.#camera,
       );
-      const hit = caster.intersectObjects(
-        this.#found.children.filter((mesh) => mesh.visible),
-        false,
-      )[0];
+      const hit = caster
+        .intersectObjects(
+          this.#found.children.filter((mesh) => mesh.visible),
+          false,
+        )
+        .find(({ point }) => this.#isLeft(point));
       this.onPick(hit ? hit.object.userData.id : null);
     });
   }
@@ -446,7 +513,8 @@ export class SceneView {
       .multiplyMatrices(this.#camera.projectionMatrix, this.#camera.matrixWorldInverse)
       .multiply(this.#points.matrix);
     const centered = this.#points.geometry.getAttribute("position").array;
-    const point = pickPoint(centered, project, x, y, clientWidth, clientHeight);
+    const isSeen = (at) => this.#isLeft(new Vector3(...at).applyMatrix4(this.#points.matrix));
+    const point = pickPoint(centered, project, x, y, clientWidth, clientHeight, isSeen);
     return point && this.#frame.center.clone().add(new Vector3(...point)).toArray();
   }
 
@@ -505,6 +573,7 @@ export class SceneView {
       this.#solid,
       this.#camera,
       meshes,
+      ({ point }) => this.#isLeft(point),
       (height) => this.#setPointSize(height, 1),
     );
     for (const thing of hidden) thing.visible = true;
@@ -537,6 +606,7 @@ export class SceneView {
       style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
     }
     this.#sensor.place(this.#camera, width, height);
+    this.#ruler.place(this.#camera, width, height, !this.#model);
   }
 
   #tellLook(distance) {

@@ -39,10 +39,11 @@ export class SeenParts {
 
   /**
    * scene   with the meshes, which are visible, and all that may hide them
+   * isSeen  whether a hit of a ray is, and not cut away
    * shrink  called with the height of the picture that is drawn for this [pixel]
    * Returns a place on the surface of each mesh, in the world; null where nothing of it is seen.
    */
-  find(renderer, scene, camera, meshes, shrink) {
+  find(renderer, scene, camera, meshes, isSeen, shrink) {
     const height = Math.max(1, Math.round(kWidth / camera.aspect));
     this.#target.setSize(kWidth, height);
     shrink(height);
@@ -55,7 +56,7 @@ export class SeenParts {
       const across = (2 * ((pixel % kWidth) + 0.5)) / kWidth - 1;
       const up = (2 * (Math.floor(pixel / kWidth) + 0.5)) / height - 1;
       caster.setFromCamera(new Vector2(across, up), camera);
-      return caster.intersectObject(meshes[k], false)[0]?.point ?? null;
+      return caster.intersectObject(meshes[k], false).find(isSeen)?.point ?? null;
     });
   }
 
@@ -64,6 +65,7 @@ export class SeenParts {
     scene.background = null;
     meshes.forEach((mesh, k) => {
       mesh.material = this.#materials[k] ??= outlineMaterial(k + 1, new Color());
+      mesh.material.clippingPlanes = materials[k].clippingPlanes;
     });
     renderer.setRenderTarget(this.#target);
     renderer.setClearColor(0, 0);

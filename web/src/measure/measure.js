@@ -1,0 +1,200 @@
+import { byId, element } from "../dom.js";
+import { roundLength } from "../scale_bar.js";
+import { kPalettes } from "../view/palettes.js";
+import { lengthWords } from "../words.js";
+import { showLegend } from "./legend.js";
+import { measureDistances } from "./measure_distances.js";
+import { resultsView } from "./results.js";
+import { Ruler } from "./ruler.js";
+import { heightsAlong, limitsOf, rangesFrom } from "./scan_values.js";
+import { Section } from "./section.js";
+
+const kAll = "all"; // models at once
+const kTolerance = 0.01; // of a model's diameter at most, if the user sets none
+const kBandInTolerances = 5;
+const kPerMillimeter = { m: 0.001, mm: 1 };
+const kAxes = ["+x", "-x", "+y", "-y", "+z", "-z"];
+
+const form = byId("measure");
+const field = (name) => form.elements[name];
+
+/** The user's colors, distances, sections and lengths in a scan. */
+export class Measure {
+  #view;
+  #section;
+  #points = null; // { positions, offset, viewpoint }
+  #unit = "m";
+  #things = []; // that were found
+  #running = new AbortController();
+  #measured = null; // what was measured, and how
+
+  ruler;
+
+  constructor(view) {
+    this.#view = view;
+    this.#section = new Section(view, form);
+    this.ruler = new Ruler(view);
+    field("up").replaceChildren(
+      ...kAxes.map((axis) => element("option", { value: axis }, axis.replace("-", "−"))),
+    );
+    form.addEventListener("submit", (event) => event.preventDefault());
+    for (const name of ["color", "up", "target", "band"]) {
+      field(name).addEventListener("change", () => this.#paint());
+    }
+    field("tolerance").addEventListener("change", () => this.#paint());
+  }
+
+  /** points  of the service, as they are drawn; null: none yet; unit  of the scan */
+  setScan(points, unit) {
+    this.#points = points?.positions.length ? points : null;
+    this.#unit = unit;
+    byId("measure-box").hidden = !this.#points;
+    this.setThings([]);
+    if (!this.#points) return this.show(false);
+    this.#section.setScan(points, unit);
+    this.ruler.setScan(points, unit);
+    const up = this.#view.up;
+    const axis = up.findIndex((value) => Math.abs(value) > 0.5);
+    field("up").value = `${up[axis] < 0 ? "-" : "+"}${"xyz"[axis]}`;
+    field("color").querySelector("[value=range]").disabled = !points.viewpoint;
+    if (!points.viewpoint && field("color").value === "range") field("color").value = "plain";
+    return this.#paint();
+  }
+
+  /** things  that were found, as they are drawn: [{ id, label, name, geometry, pose }] */
+  setThings(things) {
+    this.#things = things;
+    const before = field("target").value;
+    field("target").replaceChildren(
+      ...things.map(({ id, label, name }) => element("option", { value: id }, `${label} ${name}`)),
+      element("option", { value: kAll }, "all that were found, the nearest"),
+    );
+    field("target").value = things.some(({ id }) => id === before) ? before : things[0]?.id || kAll;
+    if (this.#points && field("color").value === "distance") this.#paint();
+  }
+
+  /** Measure to this one, if it was found. */
+  follow(id) {
+    if (!this.#things.some((thing) => thing.id === id) || field("target").value === id) return;
+    field("target").value = id;
+    if (field("color").value === "distance") this.#paint();
+  }
+
+  /** Whether the scan is shown, and not a model by itself. */
+  show(shown) {
+    byId("legend").hidden = !shown || !this.#points || field("color").value === "plain";
+  }
+
+  get #targets() {
+    const chosen = field("target").value;
+    return this.#things.filter(({ id }) => chosen === kAll || id === chosen);
+  }
+
+  /** { tolerance, band: in the unit of the scan, unit, fault: a sentence, or null } */
+  #limits() {
+    const perMillimeter = kPerMillimeter[this.#unit];
+    const largest = Math.max(
+      ...this.#targets.map(({ geometry, pose }) => {
+        return 2 * geometry.boundingSphere.radius * pose.getMaxScaleOnAxis();
+      }),
+    );
+    const usual = roundBelow((kTolerance * largest) / perMillimeter);
+    field("tolerance").placeholder = String(usual);
+    const tolerance = field("tolerance").value ? field("tolerance").valueAsNumber : usual;
+    field("band").placeholder = String(Number((kBandInTolerances * tolerance).toPrecision(3)));
+    const band = field("band").value ? field("band").valueAsNumber : kBandInTolerances * tolerance;
+    const wrong = Object.entries({ tolerance, band }).find(([, value]) => !(value > 0));
+    for (const name of ["tolerance", "band"]) {
+      if (wrong?.[0] === name) field(name).setAttribute("aria-invalid", "true");
+      else field(name).removeAttribute("aria-invalid");
+    }
+    const names = { tolerance: "Tolerance", band: "Only points within" };
+    return {
+      tolerance: tolerance * perMillimeter,
+      band: band * perMillimeter,
+      unit: this.#unit,
+      fault: wrong && `${names[wrong[0]]}: expected a length above 0 mm, found ${wrong[1]} mm.`,
+    };
+  }
+
+  #paint() {
+    this.#running.abort();
+    const mode = field("color").value;
+    byId("up-field").hidden = mode !== "height";
+    byId("distance-fields").hidden = mode !== "distance";
+    byId("measure-now").textContent = mode === "plain" ? "" : field("color").selectedOptions[0].text;
+    if (!this.#points) return undefined;
+    this.show(!this.#view.showsModel);
+    if (mode === "distance") return this.#paintDistances();
+    this.#measured = null;
+    if (mode === "plain") return this.#view.colorScan(null);
+    const { positions, offset, viewpoint } = this.#points;
+    const values =
+      mode === "range"
+        ? rangesFrom(
+            positions,
+            viewpoint.map((x, axis) => x - offset[axis]),
+          )
+        : heightsAlong(positions, field("up").value, offset);
+    const { low, high } = limitsOf(values);
+    const palette = kPalettes.length;
+    showLegend({
+      title: mode === "range" ? "distance from the sensor" : `height along ${field("up").value.replace("-", "−")}`,
+      labels: [low, (low + high) / 2, high].map((value) => lengthWords(value, this.#unit)),
+      palette,
+      hasBeyond: false,
+    });
+    return this.#view.colorScan({ values, low, high, palette });
+  }
+
+  async #paintDistances() {
+    const asking = new AbortController();
+    this.#running = asking;
+    const things = this.#targets;
+    const limits = this.#limits();
+    const say = (text) => byId("distances").replaceChildren(element("p", { role: "status" }, text));
+    if (!things.length || limits.fault) {
+      this.#measured = null;
+      byId("legend").hidden = true;
+      this.#view.colorScan(null);
+      return say(limits.fault ?? "Nothing is found to measure to.");
+    }
+    const key = JSON.stringify([things.map(({ id, pose }) => [id, pose.elements]), limits.band]);
+    if (this.#measured?.key !== key || this.#measured.positions !== this.#points.positions) {
+      const { positions } = this.#points;
+      this.#measured = null;
+      say("Measuring …");
+      try {
+        const job = { positions, things, band: limits.band };
+        const measured = await measureDistances(job, asking.signal, (done) =>
+          say(`Measuring … ${Math.round(100 * done)} %`),
+        );
+        if (asking.signal.aborted) return undefined;
+        this.#measured = { ...measured, key, positions };
+      } catch (error) {
+        return say(error.message);
+      }
+    }
+    return this.#showDistances(things, limits);
+  }
+
+  #showDistances(things, limits) {
+    const { tolerance, unit } = limits;
+    const palette = kPalettes.deviation;
+    this.#view.colorScan(
+      { values: this.#measured.distances, low: -tolerance, high: tolerance, palette },
+      things.map(({ id }) => id),
+    );
+    const words = lengthWords(tolerance, unit);
+    showLegend({
+      title: `distance to ${things.length > 1 ? "models" : `${things[0].label} ${things[0].name}`}`,
+      labels: [`−${words}`, "0", `+${words}`],
+      palette,
+      hasBeyond: true,
+    });
+    byId("distances").replaceChildren(...resultsView(this.#measured, limits));
+  }
+}
+
+/** The longest round length that is not above this one. */
+const roundBelow = (length) => Number(roundLength(length / 120).toPrecision(1));

@@ -1,0 +1,33 @@
+/** Values of a scan's points to color it by. */
+import { quantile } from "./statistics.js";
+
+const kSamples = 20000;
+const kStray = 0.01; // share of the points at either end that must not make the rest one color
+
+/** Distances from a place, in the frame of the positions. */
+export function rangesFrom(positions, [x, y, z]) {
+  return Float32Array.from({ length: positions.length / 3 }, (_, i) =>
+    Math.hypot(positions[3 * i] - x, positions[3 * i + 1] - y, positions[3 * i + 2] - z),
+  );
+}
+
+/** Coordinates along an axis ("+x", "-z", …) in a frame whose origin is at -offset. */
+export function heightsAlong(positions, axis, offset) {
+  const k = "xyz".indexOf(axis[1]);
+  const sign = axis[0] === "-" ? -1 : 1;
+  return Float32Array.from(
+    { length: positions.length / 3 },
+    (_, i) => sign * (positions[3 * i + k] + offset[k]),
+  );
+}
+
+/** Limits that all values but strays are within: { low, high }, low < high. */
+export function limitsOf(values) {
+  const step = Math.max(1, Math.floor(values.length / kSamples));
+  const sample = Float32Array.from(
+    { length: Math.ceil(values.length / step) },
+    (_, k) => values[k * step],
+  ).sort();
+  const [low, high] = [quantile(sample, kStray), quantile(sample, 1 - kStray)];
+  return { low, high: high > low ? high : low + 1e-6 };
+}

@@ -1,0 +1,64 @@
+import { DataTexture, SRGBColorSpace } from "three";
+
+const kSteps = 254; // between the two colors beyond the limits
+
+/**
+ * Colors of values, as [red, green, blue] of 0 to 255: below the lower limit, between the limits
+ * in equal steps, above the upper one. All eyes tell them apart, on light and on dark ground.
+ */
+export const kPalettes = {
+  /** Of deviations: blue below, orange above, and what is out of tolerance stands out. */
+  deviation: {
+    below: [106, 38, 214],
+    between: [
+      [52, 128, 224],
+      [205, 199, 166],
+      [240, 140, 24],
+    ],
+    above: [200, 8, 64],
+  },
+  /** Of lengths. Source: viridis, van der Walt and Smith, 2015, without its darkest part. */
+  length: {
+    below: [71, 45, 123],
+    between: [
+      [71, 45, 123],
+      [59, 82, 139],
+      [44, 114, 142],
+      [33, 145, 140],
+      [40, 174, 128],
+      [94, 201, 98],
+      [173, 220, 48],
+      [253, 231, 37],
+    ],
+    above: [253, 231, 37],
+  },
+};
+
+/** The color of a value between limits, as above. */
+export function colorOf({ below, between, above }, value, low, high) {
+  if (value < low) return below;
+  if (value > high) return above;
+  const at = ((value - low) / (high - low)) * (between.length - 1);
+  const k = Math.min(Math.floor(at), between.length - 2);
+  return between[k].map((from, channel) =>
+    Math.round(from + (at - k) * (between[k + 1][channel] - from)),
+  );
+}
+
+export const cssColor = (color) => `rgb(${color.join(" ")})`;
+
+/** A palette as a row of texels: the colors beyond the limits are the first and the last. */
+export class PaletteTexture extends DataTexture {
+  constructor() {
+    super(new Uint8Array(4 * (kSteps + 2)), kSteps + 2, 1);
+    this.colorSpace = SRGBColorSpace;
+  }
+
+  set(palette) {
+    for (let k = 0; k < kSteps + 2; ++k) {
+      const value = (k - 0.5) / kSteps; // the first is below 0, the last above 1
+      this.image.data.set([...colorOf(palette, value, 0, 1), 255], 4 * k);
+    }
+    this.needsUpdate = true;
+  }
+}
