@@ -2,7 +2,10 @@ import { byId, element, moveByArrows } from "./dom.js";
 import { fetchExamples } from "./service.js";
 import { countWords } from "./words.js";
 
-/** List the scans that the service offers; open(example) is called for the one that is picked. */
+/**
+ * List the scans that the service offers; open(example) is called for the one that is picked.
+ * Returns them.
+ */
 export async function showExamples(open) {
   const examples = await fetchExamples();
   const rows = examples.map((example) =>
@@ -16,4 +19,5 @@ export async function showExamples(open) {
   byId("examples-box").hidden = !rows.length;
   byId("examples-count").textContent = countWords(rows.length);
   moveByArrows(byId("examples"), "button");
+  return examples;
 }

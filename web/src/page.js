@@ -3,11 +3,14 @@ import { Matrix4, Vector3 } from "three";
 import { adviceOnNothing } from "./advice.js";
 import { showAnswer } from "./answer.js";
 import { detectionColors } from "./colors.js";
+import { showCommands } from "./command_panel.js";
 import { byId, element, moveByArrows } from "./dom.js";
 import { showExamples } from "./examples.js";
 import { LibraryPanel } from "./library_panel.js";
 import { LiveStrip } from "./live_strip.js";
 import { unitThatFits } from "./extents.js";
+import { Limits } from "./limits.js";
+import { readLink, tellIgnored, writeLink } from "./link.js";
 import { Measure } from "./measure/measure.js";
 import { listenForFiles } from "./open_files.js";
 import { PartsPanel } from "./parts_panel.js";
@@ -73,6 +76,7 @@ const session = new SessionTab({
 let library = { unit: "m", models: [], generation: 0 };
 let scoreParts = null;
 let settings = null;
+let limits = null; // of poses
 let scan = null;
 let points = null; // of the scan: { key, positions, total, viewpoint }
 let running = null; // the AbortController of what is being asked
@@ -144,17 +148,22 @@ function tellScan(scene) {
 
 // Scans.
 
-/** answer  that is kept, if there is one; else the service is asked */
-function openScan(next, camera, answer = null) {
+/**
+ * answer  that is kept, if there is one; else the service is asked
+ * linked  what the page's address says of how to ask, if that is why it is opened
+ */
+function openScan(next, camera, answer = null, linked = null) {
   scan = next;
   points = null;
   measure?.setScan(null);
+  limits.setPoints(null);
   view?.clear();
   byId("welcome").hidden = true;
   if (byId("examples-box").contains(document.activeElement)) byId("headline").focus();
   byId("examples-box").open = false;
   byId("recognize").disabled = false;
   settings.adopt(scan, camera);
+  tellIgnored(linked ? settings.restore(linked) : []);
   showTab("result");
   return run(answer);
 }
@@ -188,6 +197,7 @@ async function showPoints(signal) {
   points = { key, ...fetched };
   view?.showScan(points.positions, points.viewpoint ? beside(points.viewpoint) : [0, 0, 0]);
   measure?.setScan(points, settings.unit);
+  limits.setPoints(points);
   showTools();
   byId("canvas").setAttribute("aria-label", `Scan ${scan.name}`);
   tellScan();
@@ -212,13 +222,13 @@ async function run(kept = null) {
   }
   say(kept ? "Opening …" : "Recognizing …");
   let shown = Promise.resolve();
+  const parameters = settings.parameters(scan);
+  showCommands(scan, parameters, library.library, settings.described);
   try {
     scan.body ??= await service.fetchBytes(scan.url, asking.signal);
     shown = showPoints(asking.signal);
     const [result] = await Promise.all([
-      kept
-        ? service.keptResult(kept)
-        : service.recognize(scan, settings.parameters(scan), asking.signal),
+      kept ? service.keptResult(kept) : service.recognize(scan, parameters, asking.signal),
       shown,
     ]);
     if (kept) session.enter(kept);
@@ -331,6 +341,7 @@ async function askWhy(place) {
   try {
     const parameters = settings.parameters(scan);
     parameters.set("explain", inScan.join(","));
+    showCommands(scan, parameters, library.library, settings.described);
     const { answer } = await service.recognize(scan, parameters, asking.signal);
     await showWhy(answer.scenes[0].explanation, asking.signal);
   } catch (error) {
@@ -464,7 +475,7 @@ function showLayer(layer, shown) {
 function showTools(model = false) {
   byId("tools").hidden = !view || !(points || model);
   for (const layer of ["scan", "found", "rejected"]) byId(`layer-${layer}`).hidden = model;
-  for (const other of ["ask", "ruler"]) byId(other).hidden = model;
+  for (const other of ["ask", "ruler", "box", "tilt"]) byId(other).hidden = model;
   measure?.show(!model);
 }
 
@@ -476,6 +487,7 @@ async function loadLibrary() {
   library = await service.fetchLibrary();
   meshes.setModels(library.models);
   libraryPanel.show(library, partsPanel.allowed);
+  settings?.takeModels(library.models);
   byId("library-facts").textContent =
     `${library.library}: ${numbered(library.models.length, "model", "models")}, ` +
     `generation ${library.generation}`;
@@ -532,6 +544,8 @@ function listen() {
     byId(`layer-${layer}`).onclick = () => toggleLayer(layer);
   }
   for (const which of ["ask", "ruler"]) byId(which).onclick = () => toggleTool(which);
+  byId("box").onclick = () => limits.toggleRegion();
+  byId("tilt").onclick = () => limits.toggleTilt();
   for (const name of ["result", "models", "session"])
     byId(`tab-${name}`).onclick = () => showTab(name);
   moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
@@ -540,6 +554,7 @@ function listen() {
   addEventListener("keydown", onShortcut);
   if (!view) return;
   view.onPick = (id) => select(id);
+  view.onDraw = (lens) => limits.look(lens);
   view.onAsk = takePlace;
   byId("canvas").addEventListener("keydown", (event) => {
     const point = event.key === "Enter" && view.asks && view.pointInTheMiddle();
@@ -567,6 +582,8 @@ function onShortcut(event) {
     w: () => toggleTool("ask"),
     l: () => toggleTool("ruler"),
     v: () => liveStrip.toggle(),
+    b: () => limits.toggleRegion(),
+    t: () => limits.toggleTilt(),
     m: () => {
       const opens = byId("models").hidden;
       showTab(opens ? "models" : "result");
@@ -589,20 +606,38 @@ function onShortcut(event) {
   run_shortcut();
 }
 
+/** Set what the page's address says, and open the example that it names. */
+function followLink(examples) {
+  const { parameters, example: name } = readLink();
+  const example = examples.find((one) => one.name === name);
+  if (example && name !== scan?.name) return openScan(scanOfExample(example), null, null, parameters);
+  const ignored = settings.restore(parameters);
+  if (name && !example) ignored.push(`example: the service offers no “${name}”.`);
+  tellIgnored(ignored);
+  return scan && run();
+}
+
 async function start() {
   try {
     await partsPanel.start();
     await loadLibrary();
     partsPanel.unit = library.unit;
     scoreParts = await service.fetchScoreParts();
-    settings = new Settings(library.unit, await service.fetchParameters());
+    settings = new Settings(library, await service.fetchParameters());
     settings.onSubmit(() => run());
+    limits = new Limits(settings);
+    settings.onChange(() => {
+      limits.show();
+      writeLink(settings.shared(scan), scan);
+    });
     listen();
     showTab("result");
-    await showExamples((example) => openScan(scanOfExample(example)));
+    const examples = await showExamples((example) => openScan(scanOfExample(example)));
     await session.start();
     await liveStrip.start();
     say("Ready for a scan");
+    addEventListener("hashchange", () => followLink(examples));
+    followLink(examples);
   } catch (error) {
     say("Not ready");
     showProblem(

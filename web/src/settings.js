@@ -1,6 +1,9 @@
 import { byId } from "./dom.js";
-import { Options } from "./options.js";
+import { ChoiceField, NumberField } from "./options/fields.js";
+import { Options } from "./options/options.js";
+import { faultOf, isNumber, usualOf } from "./options/parameter.js";
 import { kCameraKeys, isDepthImage, mayBeDepthImage } from "./scan.js";
+import { numbered } from "./words.js";
 
 const kRemembered = "trivet.settings"; // of files; examples bring their own
 const kRejectedPerModel = 3;
@@ -8,9 +11,11 @@ const kRejectedPerModel = 3;
 const form = byId("settings");
 const field = (name) => form.elements[name];
 const kOfScan = ["unit", "viewpoint", ...kCameraKeys];
+const kOwn = { method: ChoiceField, "min-score": NumberField }; // beside the options, always sent
+// What the form asks for by other fields, or the page by itself.
+const kElsewhere = ["format", "camera", "viewpoint", "unit", "rejected", "claims", ...Object.keys(kOwn)];
 
 const triple = (text) => text.trim().split(/[\s,;]+/);
-const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
 
 function remembered() {
   try {
@@ -34,16 +39,46 @@ function remember(names) {
 export class Settings {
   #query = null; // of an example
 
+  #onChange = () => {};
+
   /**
-   * unit        of the library, which a scan has unless it is said otherwise
+   * library     { unit, which a scan has unless it is said otherwise; models }
    * parameters  of a recognition, as the service describes them
    */
-  constructor(unit, parameters) {
+  constructor({ unit, models }, parameters) {
     this.libraryUnit = unit;
-    this.options = new Options(form, byId("options"), parameters);
+    const inQuery = parameters.filter((parameter) => parameter.in === "query");
+    this.described = new Map(inQuery.map((parameter) => [parameter.name, parameter]));
+    for (const [name, Field] of Object.entries(kOwn)) {
+      const { element } = new Field(this.described.get(name));
+      element.required = field(name).required;
+      field(name).replaceWith(element);
+      field(name).value = this.#usual(name);
+    }
+    this.options = new Options(
+      inQuery.filter(({ name }) => !kElsewhere.includes(name)),
+      models.map(({ name }) => name),
+      () => this.#changed(),
+    );
     field("unit").value = remembered().unit || unit;
-    form.addEventListener("change", () => this.#summarize());
+    form.addEventListener("change", () => this.#changed());
     this.#summarize();
+  }
+
+  /** Call `act` whenever something is set otherwise. */
+  onChange(act) {
+    this.#onChange = act;
+  }
+
+  #changed() {
+    this.#summarize();
+    this.#onChange();
+  }
+
+  /** What a parameter is as long as nobody says otherwise. */
+  #usual(name) {
+    const { libraryUnit } = this;
+    return this.#query?.get(name) ?? { unit: libraryUnit }[name] ?? usualOf(this.described.get(name));
   }
 
   /** Take over how a scan is to be read: an example says it, a file is like the last one. */
@@ -54,11 +89,17 @@ export class Settings {
     for (const name of kOfScan) field(name).value = known[name] ?? "";
     if (!field("unit").value) field("unit").value = this.libraryUnit;
     numbers.forEach((number, k) => (field(kCameraKeys[k]).value = number));
-    if (scan.query?.has("method")) field("method").value = scan.query.get("method");
-    if (scan.query?.has("min-score")) field("min-score").value = scan.query.get("min-score");
+    for (const name of Object.keys(kOwn)) {
+      if (scan.query?.has(name)) field(name).value = scan.query.get(name);
+    }
     byId("camera").hidden = !mayBeDepthImage(scan);
     if (camera) this.setCamera(camera);
-    this.#summarize();
+    this.#changed();
+  }
+
+  /** The library's, which may have changed. */
+  takeModels(models) {
+    this.options.models = models.map(({ name }) => name);
   }
 
   setCamera(camera) {
@@ -76,7 +117,7 @@ export class Settings {
 
   set unit(unit) {
     field("unit").value = unit;
-    this.#summarize();
+    this.#changed();
   }
 
   /** Show that the unit is in doubt. */
@@ -95,7 +136,8 @@ export class Settings {
     if (viewpoint && !(triple(viewpoint).length === 3 && triple(viewpoint).every(isNumber))) {
       return wrong("viewpoint", "Sensor at: expected three numbers, as x, y, z.");
     }
-    if (!isDepthImage(scan)) return null;
+    const option = this.options.fault();
+    if (option || !isDepthImage(scan)) return option;
     const missing = kCameraKeys.find((name) => !isNumber(field(name).value));
     return missing
       ? wrong(
@@ -113,11 +155,18 @@ export class Settings {
     const viewpoint = field("viewpoint").value.trim();
     if (viewpoint) parameters.set("viewpoint", triple(viewpoint).join(","));
     else parameters.delete("viewpoint");
-    const hasCamera = kCameraKeys.every((name) => isNumber(field(name).value));
-    if (isDepthImage(scan) || (mayBeDepthImage(scan) && hasCamera)) {
-      parameters.set("camera", kCameraKeys.map((name) => field(name).value.trim()).join(","));
+    if (isDepthImage(scan) || (mayBeDepthImage(scan) && this.#hasCamera)) {
+      parameters.set("camera", this.#camera);
     }
     return parameters;
+  }
+
+  get #camera() {
+    return kCameraKeys.map((name) => field(name).value.trim()).join(",");
+  }
+
+  get #hasCamera() {
+    return kCameraKeys.every((name) => isNumber(field(name).value));
   }
 
   /** Parameters of a request to recognize it. */
@@ -130,6 +179,55 @@ export class Settings {
     return parameters;
   }
 
+  /** Parameters that are not as usual, for restore(). */
+  shared(scan) {
+    const parameters = new URLSearchParams();
+    const share = (name, value) => {
+      if (value !== this.#usual(name)) parameters.set(name, value);
+    };
+    for (const name of [...Object.keys(kOwn), "unit"]) share(name, field(name).value);
+    share("viewpoint", triple(field("viewpoint").value).join(","));
+    if (scan && mayBeDepthImage(scan) && this.#hasCamera) share("camera", this.#camera);
+    for (const [name, value] of this.options.changed()) parameters.set(name, value);
+    return parameters;
+  }
+
+  /** Set these, and all else as usual; returns a sentence on each that cannot be set. */
+  restore(parameters) {
+    this.options.reset();
+    for (const name of Object.keys(kOwn)) field(name).value = this.#usual(name);
+    const ignored = [];
+    for (const name of new Set(parameters.keys())) {
+      const values = parameters.getAll(name);
+      const wrong = values.length > 1 ? `${name}: expected once.` : this.#restore(name, values[0]);
+      if (wrong) ignored.push(wrong);
+    }
+    if (!this.#query) {
+      remember(["unit", "viewpoint"].filter((name) => parameters.has(name)));
+      if (parameters.has("camera")) remember(kCameraKeys);
+    }
+    this.#changed();
+    return ignored;
+  }
+
+  /** Returns what is wrong, null: nothing. */
+  #restore(name, value) {
+    const option = this.options.get(name);
+    const known = this.described.get(name);
+    const isOwn = name in kOwn || name === "unit";
+    if (!option && !isOwn && !["viewpoint", "camera"].includes(name)) {
+      return `${name}: nothing of this name can be set.`;
+    }
+    const isEmpty = name === "viewpoint" && value === "";
+    const wrong = option ? option.faultOf(value) : isEmpty ? null : faultOf(known, value);
+    if (wrong) return wrong;
+    if (option) option.text = value;
+    else if (name === "camera") {
+      value.split(",").forEach((number, k) => (field(kCameraKeys[k]).value = number));
+    } else field(name).value = value;
+    return null;
+  }
+
   /** Show a fault, or its absence. */
   mark(fault) {
     for (const input of form.querySelectorAll("[aria-invalid]"))
@@ -137,6 +235,7 @@ export class Settings {
     if (!fault) return;
     fault.field.setAttribute("aria-invalid", "true");
     byId("settings-box").open = true;
+    this.options.open(fault.field);
     fault.field.focus({ preventScroll: true }); // what is wrong is said above
     byId("headline").scrollIntoView({ block: "nearest" });
   }
@@ -151,7 +250,9 @@ export class Settings {
   }
 
   #summarize() {
+    const count = this.options.changed().length;
     byId("settings-now").textContent =
-      `${field("method").value}, score ≥ ${this.minScore}, ${this.unit}`;
+      `${field("method").value}, score ≥ ${this.minScore}, ${this.unit}` +
+      (count ? `, ${numbered(count, "option", "options")} changed` : "");
   }
 }

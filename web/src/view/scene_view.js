@@ -22,6 +22,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { element } from "../dom.js";
 import { distanceToSee, frameOf } from "./frame.js";
+import { Lens } from "./lens.js";
 import { outlineMaterial, Picture } from "./picture.js";
 import { pickPoint } from "./pick_point.js";
 import { makeRayPoints } from "./ray_points.js";
@@ -71,7 +72,7 @@ function makeAxes() {
  * It draws only when something changed. Things are posed in the scan's frame; `onPick(id)` tells
  * which one was clicked (null: none), `onAsk(point)` which point of the scan, `onLook(point, distance)` where the camera looks, in the
  * scan's frame and unit, and `onScale(length)` how long a pixel is there, in the unit of what is
- * shown (null: nothing is).
+ * shown (null: nothing is); `onDraw(lens)` how the scan is seen in what was drawn (null: it is not).
  */
 export class SceneView {
   #canvas;
@@ -111,6 +112,7 @@ export class SceneView {
   onAsk = () => {};
   onLook = () => {};
   onScale = () => {};
+  onDraw = () => {};
 
   /** Errors: there is no WebGL 2. */
   constructor(canvas, marks) {
@@ -558,6 +560,13 @@ export class SceneView {
     else this.#rest = setTimeout(() => this.#settle(), 1000 * kRestSeconds);
     this.#placeMarks();
     this.#tellLook(distance);
+    this.onDraw(this.#lens());
+  }
+
+  #lens() {
+    if (!this.#frame || this.#model) return null;
+    const { clientWidth, clientHeight } = this.#canvas;
+    return new Lens(this.#frame, this.#camera, clientWidth, clientHeight);
   }
 
   /** At rest, put the marks on what is seen of their things; they stay there when it turns. */

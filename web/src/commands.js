@@ -1,0 +1,92 @@
+/** The request as others would write it: as a command, for curl, as a call in Python. */
+import { kCameraKeys } from "./scan.js";
+import { kindOf } from "./options/parameter.js";
+
+const kContentTypes = {
+  png: "image/png",
+  tif: "image/tiff",
+  tiff: "image/tiff",
+  ply: "model/ply",
+  obj: "model/obj",
+  stl: "model/stl",
+  glb: "model/gltf-binary",
+  gltf: "model/gltf+json",
+};
+const kServiceOnly = ["format", "rejected", "claims"];
+
+/** A word of a POSIX shell. */
+export const quoted = (text) =>
+  /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+
+/** Of a file that a command would take for an option, or for standard input. */
+const fileName = (name) => (name.startsWith("-") ? `./${name}` : name);
+
+/**
+ * scan        { name, format }
+ * parameters  as they were sent
+ * origin      of the service
+ */
+export function curlCommand(scan, parameters, origin) {
+  const query = parameters.toString().replaceAll("%2C", ",");
+  const type = kContentTypes[scan.format] ?? "application/octet-stream";
+  return [
+    `curl ${quoted(`${origin}/v1/recognize?${query}`)}`,
+    `-H ${quoted(`Content-Type: ${type}`)}`,
+    `--data-binary ${quoted(`@${fileName(scan.name)}`)}`,
+  ].join(" \\\n  ");
+}
+
+/** The camera as numbers by their keys. */
+function cameraOf(text) {
+  const numbers = text.split(",").map((number) => Number(number || 1));
+  return Object.fromEntries(kCameraKeys.map((key, k) => [key, numbers[k] ?? 1]));
+}
+
+/** The parameters that are no matter of the service alone: [name, value]. */
+const elsewhere = (parameters) =>
+  [...parameters].filter(([name]) => !kServiceOnly.includes(name));
+
+/** library  file name; described  parameters by name */
+export function trivetCommand(scan, parameters, library, described) {
+  const lines = [`trivet recognize ${quoted(fileName(library))} ${quoted(fileName(scan.name))}`];
+  let before = "";
+  for (const [name, value] of elsewhere(parameters)) {
+    if (name === "camera") {
+      const file = "scan_camera.json";
+      before = `echo ${quoted(JSON.stringify(cameraOf(value)))} > ${file}\n`;
+      lines.push(`--camera ${file}`);
+    } else if (kindOf(described.get(name)) === "boolean") lines.push(`--${name}`);
+    else lines.push(`--${name}${value.startsWith("-") ? "=" : " "}${quoted(value)}`);
+  }
+  return before + [...lines, "--json -"].join(" \\\n  ");
+}
+
+const pythonNumber = (text) => String(Number(text));
+const pythonText = (text) => JSON.stringify(text);
+const kPython = {
+  boolean: (text) => (text === "true" ? "True" : "False"),
+  choice: pythonText,
+  number: pythonNumber,
+  integer: pythonNumber,
+  numbers: (text) => `(${text.split(",").map(pythonNumber).join(", ")})`,
+  names: (text) => `[${text.split(",").map(pythonText).join(", ")}]`,
+};
+
+export function pythonCall(scan, parameters, library, described) {
+  const words = [];
+  for (const [name, value] of elsewhere(parameters)) {
+    if (name === "camera") {
+      const { depth_scale, ...camera } = cameraOf(value);
+      words.push(`camera=(${Object.values(camera).join(", ")})`, `depth_scale=${depth_scale}`);
+      continue;
+    }
+    words.push(`${name.replaceAll("-", "_")}=${kPython[kindOf(described.get(name))](value)}`);
+  }
+  return [
+    "import trivet",
+    "",
+    `library = trivet.Library(${pythonText(library)})`,
+    `result = library.recognize(${pythonText(scan.name)},`,
+    ...words.map((word, k) => `    ${word}${k + 1 < words.length ? "," : ")"}`),
+  ].join("\n");
+}

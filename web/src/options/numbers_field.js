@@ -1,0 +1,57 @@
+import { element } from "../dom.js";
+
+const kAxes = ["x", "y", "z"];
+
+// What the numbers of a list are: rows of them.
+const kRows = {
+  region: [
+    ["from", kAxes],
+    ["to", kAxes],
+  ],
+  tilt: [
+    ["model’s direction", kAxes],
+    ["scan’s direction", kAxes],
+    ["within", ["°"]],
+  ],
+  explain: [["at", kAxes]],
+};
+const numbered = (count) => [["", Array.from({ length: count }, (_, k) => String(k + 1))]];
+
+/** So many numbers, or none. */
+export class NumbersField {
+  #inputs = [];
+
+  /** label  of all of them */
+  constructor({ name, schema }, label) {
+    const rows = (kRows[name] ?? numbered(schema.maxItems)).map(([words, columns]) =>
+      element(
+        "div",
+        { className: "numbers" },
+        element("span", { className: "dim" }, words),
+        columns.map((column) => this.#input(label, words, column)),
+      ),
+    );
+    this.element = element("fieldset", { name }, element("legend", {}, label), rows);
+  }
+
+  #input(label, words, column) {
+    const input = element("input", {
+      type: "number",
+      step: "any",
+      placeholder: column,
+      "aria-label": [label, words, column].filter(Boolean).join(" "),
+    });
+    this.#inputs.push(input);
+    return input;
+  }
+
+  get text() {
+    const texts = this.#inputs.map((input) => (input.validity.badInput ? "?" : input.value));
+    return texts.every((text) => text === "") ? "" : texts.join(",");
+  }
+
+  set text(text) {
+    const numbers = text.split(",");
+    this.#inputs.forEach((input, k) => (input.value = numbers[k] ?? ""));
+  }
+}

@@ -1,0 +1,141 @@
+import { byId, element } from "../dom.js";
+import { numbered } from "../words.js";
+import { Option } from "./option.js";
+
+const kOpen = ["Answers", "What is searched"]; // the others are for research
+
+/** The options of a recognition that the form has no field of its own for, below headings. */
+export class Options {
+  #presets;
+  #groups = [];
+  #all = new Map();
+  #isNarrow = false;
+
+  /**
+   * parameters  as the service describes them
+   * models      names of the library's
+   * onChange()  is called after one is changed by the page; the form tells of the user's changes
+   */
+  constructor(parameters, models, onChange) {
+    this.onChange = onChange;
+    for (const parameter of parameters) this.#add(parameter);
+    this.#presets = parameters.find(({ name }) => name === "preset")["x-presets"];
+    this.models = models;
+    byId("options").replaceChildren(...this.#groups.map(({ box }) => box));
+    byId("options").addEventListener("change", () => this.#arrange());
+    const search = byId("option-search");
+    search.addEventListener("input", () => this.#narrow(search.value));
+    byId("options-box").addEventListener("keydown", (event) => {
+      if (event.key === "Enter" && event.target.type === "search") event.preventDefault();
+    });
+    byId("options-reset").onclick = () => {
+      this.reset();
+      search.focus();
+      this.onChange();
+    };
+    byId("options-explain").onclick = ({ target }) => {
+      const explains = byId("options").classList.toggle("explained");
+      target.setAttribute("aria-expanded", explains);
+    };
+    this.#arrange();
+  }
+
+  #add(parameter) {
+    const option = new Option(parameter, () => {
+      this.#arrange();
+      this.onChange();
+    });
+    this.#all.set(option.name, option);
+    let group = this.#groups.find(({ name }) => name === option.group);
+    if (!group) {
+      const count = element("span", { className: "dim" });
+      const rows = element("div", { className: "rows" });
+      const summary = element("summary", {}, option.group, count);
+      const box = element("details", { open: kOpen.includes(option.group) }, summary, rows);
+      group = { name: option.group, box, rows, count, options: [], isOpen: box.open };
+      this.#groups.push(group);
+    }
+    group.options.push(option);
+    group.rows.append(option.row);
+  }
+
+  /** Names of the library's models. */
+  set models(names) {
+    for (const name of ["models", "model"]) this.#all.get(name).names = names;
+    this.#arrange();
+  }
+
+  /** undefined: none of this name */
+  get(name) {
+    return this.#all.get(name);
+  }
+
+  /** Set one, as in a query; "": as usual. */
+  set(name, text) {
+    this.#all.get(name).text = text;
+    this.#arrange();
+    this.onChange();
+  }
+
+  /** All as usual. */
+  reset() {
+    for (const option of this.#all.values()) option.text = "";
+    this.#arrange();
+  }
+
+  /** [name, value] of each that is set. */
+  changed() {
+    return [...this.#all.values()]
+      .filter((option) => option.isSet)
+      .map(({ name, text }) => [name, text]);
+  }
+
+  /** The first that cannot be sent, and what it needs: { field, message }; null: none. */
+  fault() {
+    const wrong = [...this.#all.values()].find((option) => option.fault);
+    return wrong ? { field: wrong.input, message: wrong.fault } : null;
+  }
+
+  /** Let one be seen. */
+  open(field) {
+    const group = this.#groups.find(({ box }) => box.contains(field));
+    if (!group) return;
+    byId("options-box").open = true;
+    group.box.open = true;
+  }
+
+  /** Take over what the preset says, and tell what is set. */
+  #arrange() {
+    const preset = this.#presets[this.#all.get("preset").shown];
+    for (const option of this.#all.values()) {
+      option.takeUsual(option.name in preset ? String(preset[option.name]) : undefined);
+    }
+    for (const { count, options } of this.#groups) {
+      const set = options.filter((option) => option.isSet).length;
+      count.textContent = set ? `${set} changed` : "";
+    }
+    const all = this.changed().length;
+    byId("options-count").textContent = all ? `${all} changed` : "";
+    byId("options-reset").hidden = !all;
+  }
+
+  /** Show only those that all words are of. */
+  #narrow(text) {
+    const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+    let found = 0;
+    for (const group of this.#groups) {
+      const { box, options } = group;
+      let here = 0;
+      for (const { row, words: own } of options) {
+        row.hidden = !words.every((word) => own.includes(word));
+        here += !row.hidden;
+      }
+      box.hidden = !here;
+      if (words.length && !this.#isNarrow) group.isOpen = box.open;
+      box.open = words.length ? true : group.isOpen;
+      found += here;
+    }
+    this.#isNarrow = words.length > 0;
+    byId("options-found").textContent = words.length ? numbered(found, "option", "options") : "";
+  }
+}

@@ -1,0 +1,35 @@
+import { svg } from "./svg.js";
+
+const kSize = 6; // [pixel]
+const kReach = 16; // of a finger
+
+/** A dot to drag. */
+export class Handle {
+  #shown = svg("g", { class: "handle" });
+
+  /** onDrag({ x, y })  in the layer [pixel]; onStart, onEnd  before and after */
+  constructor(layer, { title, onStart = () => {}, onDrag }) {
+    this.#shown.append(svg("circle", { class: "reach", r: kReach }), svg("circle", { r: kSize }));
+    this.#shown.append(svg("title", {}, title));
+    layer.append(this.#shown);
+    const place = ({ clientX, clientY }) => {
+      const { left, top } = layer.getBoundingClientRect();
+      return { x: clientX - left, y: clientY - top };
+    };
+    this.#shown.addEventListener("pointerdown", (event) => {
+      event.preventDefault();
+      this.#shown.setPointerCapture(event.pointerId);
+      onStart(place(event));
+    });
+    this.#shown.addEventListener("pointermove", (event) => {
+      if (this.#shown.hasPointerCapture(event.pointerId)) onDrag(place(event));
+    });
+  }
+
+  /** at  { x, y }, or null: not to be seen; behind  whether something of its own is before it */
+  place(at, behind = false) {
+    this.#shown.classList.toggle("gone", !at);
+    this.#shown.classList.toggle("behind", behind);
+    if (at) this.#shown.setAttribute("transform", `translate(${at.x} ${at.y})`);
+  }
+}
