@@ -475,7 +475,8 @@ function showLayer(layer, shown) {
 function showTools(model = false) {
   byId("tools").hidden = !view || !(points || model);
   for (const layer of ["scan", "found", "rejected"]) byId(`layer-${layer}`).hidden = model;
-  for (const other of ["ask", "ruler", "box", "tilt"]) byId(other).hidden = model;
+  for (const other of ["ask", "ruler"]) byId(other).hidden = model;
+  byId("limits").hidden = !view || !points || model;
   measure?.show(!model);
 }
 
@@ -550,6 +551,7 @@ function listen() {
     byId(`tab-${name}`).onclick = () => showTab(name);
   moveByArrows(document.querySelector("[role=tablist]"), "[role=tab]");
   moveByArrows(byId("tools"), "button");
+  moveByArrows(byId("limits"), "button");
   byId("show-help").onclick = () => byId("help").showModal();
   addEventListener("keydown", onShortcut);
   if (!view) return;

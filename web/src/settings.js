@@ -61,7 +61,7 @@ export class Settings {
       () => this.#changed(),
     );
     field("unit").value = remembered().unit || unit;
-    form.addEventListener("change", () => this.#changed());
+    form.addEventListener("input", () => this.#changed());
     this.#summarize();
   }
 
@@ -214,7 +214,7 @@ export class Settings {
   #restore(name, value) {
     const option = this.options.get(name);
     const known = this.described.get(name);
-    const isOwn = name in kOwn || name === "unit";
+    const isOwn = Object.hasOwn(kOwn, name) || name === "unit";
     if (!option && !isOwn && !["viewpoint", "camera"].includes(name)) {
       return `${name}: nothing of this name can be set.`;
     }
@@ -250,6 +250,7 @@ export class Settings {
   }
 
   #summarize() {
+    this.options.unit = this.unit;
     const count = this.options.changed().length;
     byId("settings-now").textContent =
       `${field("method").value}, score ≥ ${this.minScore}, ${this.unit}` +

@@ -259,30 +259,6 @@ test("a score that is asked for leaves the others out", async ({ page }) => {
   await expect(foundRows(page)).toHaveCount(again.detections.length);
 });
 
-test("every option of a recognition can be changed", async ({ page, request }) => {
-  const { paths } = await (await request.get("/v1/openapi.json")).json();
-  const named = paths["/v1/recognize"].post.parameters
-    .map(({ $ref }) => $ref.split("/").pop())
-    .filter((name) => !/^(format|camera|rejected|claims|X-.*|traceparent)$/.test(name));
-  await openExample(page);
-  await page.getByText("Settings").click();
-  await page.getByText("More options").click();
-  for (const name of named) await expect(page.locator(`[name="${name}"]`)).toBeVisible();
-
-  await page.locator('[name="max-instances"]').fill("1");
-  await page.locator('[name="require-pose"]').check();
-  await page.locator('[name="preset"]').selectOption("fast");
-  const [sent] = await Promise.all([
-    page.waitForRequest(/v1\/recognize/),
-    page.getByRole("button", { name: "Recognize" }).click(),
-  ]);
-  const asked = new URL(sent.url()).searchParams;
-  expect(asked.get("max-instances")).toBe("1");
-  expect(asked.get("require-pose")).toBe("true");
-  expect(asked.get("preset")).toBe("fast");
-  expect(asked.has("max-votes")).toBe(false);
-});
-
 test("a chosen depth image is read with the camera chosen beside it", async ({ page, request }) => {
   const files = await exampleFiles(request);
   await openPage(page);

@@ -19,7 +19,8 @@ async function addressOf(service) {
  * Start a service with two parts and two scans of them for all tests, and end it after them.
  *
  * TRIVET_PROGRAM names the program. TRIVET_URL is where the service is; if it is set, a service with
- * examples and a session runs there already.
+ * examples and a session runs there already. TRIVET_LIBRARY is the file that it serves, TRIVET_FOLDER
+ * where all of it lies.
  */
 export default async function startService() {
   if (process.env.TRIVET_URL) return undefined;
@@ -69,6 +70,7 @@ export default async function startService() {
   const ended = once(service, "exit");
   process.env.TRIVET_FOLDER = folder;
   process.env.TRIVET_URL = await addressOf(service);
+  process.env.TRIVET_LIBRARY = join(folder, "l.h5");
   service.stderr.resume();
   return async () => {
     service.kill("SIGTERM");

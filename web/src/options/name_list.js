@@ -13,7 +13,7 @@ export class NameList {
   constructor({ name }, label) {
     this.#search.setAttribute("aria-label", `${label}: find a name`);
     this.#search.addEventListener("input", () => this.#narrow());
-    this.#list.addEventListener("change", () => this.#tell());
+    this.#list.addEventListener("input", () => this.#tell());
     this.element = element(
       "fieldset",
       { name },

@@ -15,11 +15,13 @@ const kRows = {
   ],
   explain: [["at", kAxes]],
 };
+const kLengths = ["region", "explain"]; // in the scan's unit
 const numbered = (count) => [["", Array.from({ length: count }, (_, k) => String(k + 1))]];
 
 /** So many numbers, or none. */
 export class NumbersField {
   #inputs = [];
+  #unit = element("span");
 
   /** label  of all of them */
   constructor({ name, schema }, label) {
@@ -31,7 +33,8 @@ export class NumbersField {
         columns.map((column) => this.#input(label, words, column)),
       ),
     );
-    this.element = element("fieldset", { name }, element("legend", {}, label), rows);
+    const legend = element("legend", {}, label, kLengths.includes(name) && this.#unit);
+    this.element = element("fieldset", { name }, legend, rows);
   }
 
   #input(label, words, column) {
@@ -43,6 +46,11 @@ export class NumbersField {
     });
     this.#inputs.push(input);
     return input;
+  }
+
+  /** Of the scan. */
+  set unit(unit) {
+    this.#unit.textContent = ` [${unit}]`;
   }
 
   get text() {

@@ -86,6 +86,11 @@ export class Option {
     this.mark();
   }
 
+  /** Of the scan. */
+  set unit(unit) {
+    this.#field.unit = unit;
+  }
+
   /** Of a list of names: those that there are. */
   set names(names) {
     this.#field.names = names;

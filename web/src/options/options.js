@@ -22,7 +22,8 @@ export class Options {
     this.#presets = parameters.find(({ name }) => name === "preset")["x-presets"];
     this.models = models;
     byId("options").replaceChildren(...this.#groups.map(({ box }) => box));
-    byId("options").addEventListener("change", () => this.#arrange());
+    // While one types: later, a mark that appears would push buttons from under the pointer.
+    byId("options").addEventListener("input", () => this.#arrange());
     const search = byId("option-search");
     search.addEventListener("input", () => this.#narrow(search.value));
     byId("options-box").addEventListener("keydown", (event) => {
@@ -63,6 +64,11 @@ export class Options {
   set models(names) {
     for (const name of ["models", "model"]) this.#all.get(name).names = names;
     this.#arrange();
+  }
+
+  /** Of the scan. */
+  set unit(unit) {
+    for (const option of this.#all.values()) option.unit = unit;
   }
 
   /** undefined: none of this name */

@@ -7,10 +7,10 @@ const kReach = 16; // of a finger
 export class Handle {
   #shown = svg("g", { class: "handle" });
 
-  /** onDrag({ x, y })  in the layer [pixel]; onStart, onEnd  before and after */
-  constructor(layer, { title, onStart = () => {}, onDrag }) {
+  /** label  beside it, if any; onDrag({ x, y })  in the layer [pixel]; onStart()  before */
+  constructor(layer, { title, label = "", onStart = () => {}, onDrag }) {
     this.#shown.append(svg("circle", { class: "reach", r: kReach }), svg("circle", { r: kSize }));
-    this.#shown.append(svg("title", {}, title));
+    this.#shown.append(svg("text", { x: 10, y: -6 }, label), svg("title", {}, title));
     layer.append(this.#shown);
     const place = ({ clientX, clientY }) => {
       const { left, top } = layer.getBoundingClientRect();
@@ -19,7 +19,7 @@ export class Handle {
     this.#shown.addEventListener("pointerdown", (event) => {
       event.preventDefault();
       this.#shown.setPointerCapture(event.pointerId);
-      onStart(place(event));
+      onStart();
     });
     this.#shown.addEventListener("pointermove", (event) => {
       if (this.#shown.hasPointerCapture(event.pointerId)) onDrag(place(event));

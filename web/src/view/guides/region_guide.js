@@ -34,6 +34,7 @@ export class RegionGuide {
         side,
         handle: new Handle(layer, {
           title: `${side ? "to" : "from"} ${axis}`,
+          label: axis,
           onDrag: (at) => onDrag(this.#dragged(axis, side, at)),
         }),
       })),
