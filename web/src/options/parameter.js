@@ -70,6 +70,8 @@ export function faultOf(parameter, text, names = []) {
 export function helpOf(parameter) {
   const range = rangeWords(parameter.schema);
   const unit = parameter["x-unit"];
-  const help = unit ? parameter.description.replace(` [${unit}]`, "") : parameter.description;
+  const help = parameter.description
+    .replace(unit ? ` [${unit}]` : "", "") // the label has it
+    .replace(/Absent: (?=[^:]*$)/, "Default: ");
   return range ? `${help} ${range[0].toUpperCase()}${range.slice(1)}.` : help;
 }
