@@ -108,6 +108,7 @@ export class Option {
 
   /** Take another default, else the parameter's own; what was set stays. */
   takeUsual(usual = usualOf(this.#parameter)) {
+    if (usual === this.#usual) return;
     const wasSet = this.#usual !== undefined && this.isSet;
     this.#usual = usual;
     const words = usual === "" ? usualWords(this.#parameter) : (kFlags[usual] ?? usual);
@@ -115,7 +116,6 @@ export class Option {
     this.#reset.textContent = `Reset to ${words}`;
     this.#reset.setAttribute("aria-label", `Reset ${labelOf(this.#parameter)} to ${words}`);
     if (!wasSet) this.text = "";
-    this.mark();
   }
 
   /** Show whether it is set. */

@@ -115,6 +115,7 @@ export class Options {
     const preset = this.#presets[this.#all.get("preset").shown];
     for (const option of this.#all.values()) {
       option.takeUsual(option.name in preset ? String(preset[option.name]) : undefined);
+      option.mark();
     }
     for (const { count, options } of this.#groups) {
       const set = options.filter((option) => option.isSet).length;
