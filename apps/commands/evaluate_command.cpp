@@ -27,6 +27,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string library, manifest, detections, json, csv, report;
+  bool explain_missed = false;
   OpenOptions opening;
   RecognizeArguments recognize;
 };
@@ -37,6 +38,9 @@ struct Judged {
   ScoreThreshold threshold;         ///< of what counts as reported
   std::string source;               ///< the file that it came from
   std::vector<std::string> lacked;  ///< models that count and were not looked for
+  // Of what is recognized now:
+  std::optional<Recognizer> recognizer{};
+  RecognizeOptions options{};
 };
 
 std::string source_of(const std::string& library, const std::string& calibration) {
@@ -75,7 +79,7 @@ Result<std::vector<std::string>> lacked_models(const Manifest& manifest, const L
 
 Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArguments& arguments,
                                 const Context& context) {
-  const Result<Recognizer> opened = open_recognizer(arguments.library, arguments.opening);
+  Result<Recognizer> opened = open_recognizer(arguments.library, arguments.opening);
   if (!opened) return opened.error();
   const Recognizer& recognizer = *opened;
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
@@ -94,6 +98,8 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
       context.console.progress("recognized", context.stop),
       [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; });
   if (!done) return done.error();
+  judged.recognizer.emplace(*std::move(opened));
+  judged.options = *std::move(options);
   return judged;
 }
 
@@ -158,6 +164,14 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
   }
+  MissedWhys whys;
+  if (arguments.explain_missed) {
+    Result<MissedWhys> asked =
+        explain_missed(*judged->recognizer, *manifest, *meshes, *evaluation, judged->options,
+                       context.console.progress("asked", context.stop));
+    if (!asked) return asked.error();
+    whys = *std::move(asked);
+  }
   const Result<BopScores> bop = bop_scores(*manifest, *meshes, judged->results);
   if (!bop) return bop.error();
 
@@ -170,6 +184,7 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
     nlohmann::ordered_json document =
         evaluation_json(*manifest, *evaluation, threshold, *bop, judged->results);
     document["models_missing"] = judged->lacked;
+    add_whys(*evaluation, whys, document);
     const Result<void> written = write_json(arguments.json, document);
     if (!written) return written;
   }
@@ -180,7 +195,8 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
   }
   if (arguments.report.empty()) return {};
   const Result<void> drawn = write_report(
-      arguments.report, {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source},
+      arguments.report,
+      {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source, std::move(whys)},
       context.console.progress("drawn", context.stop));
   if (drawn) context.console.wrote_report(arguments.report);
   return drawn;
@@ -204,6 +220,11 @@ void add_evaluate(CLI::App& app, Context& context) {
       "them, or a file of BOP results (.csv), instead of recognizing");
   add_recognize_options(*command, arguments->recognize);
   add_open_options(*command, arguments->opening);
+  command
+      ->add_flag("--explain-missed", arguments->explain_missed,
+                 "Tell in JSON and report why each missed instance is not found; its scene is "
+                 "recognized once more")
+      ->excludes("--detections");
   command->add_option("--json", arguments->json,
                       "Write the scores as JSON to this file, - for standard output");
   command->add_option("--csv", arguments->csv,

@@ -89,6 +89,13 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
   return plan;
 }
 
+/// Why a truth was missed, if that was asked; else empty.
+std::string why_paragraph(const ReportInput& input, std::size_t scene, std::size_t truth) {
+  const auto why = input.whys.find({scene, truth});
+  if (why == input.whys.end()) return "";
+  return fmt::format("<p>It {}.</p>", escape_html(why->second));
+}
+
 std::string scene_table(const ReportInput& input, std::size_t s) {
   const SceneEvaluation& evaluation = input.evaluation.scenes[s];
   std::string rows;
@@ -105,8 +112,9 @@ std::string scene_table(const ReportInput& input, std::size_t s) {
   }
   for (const std::size_t t : evaluation.missed) {
     const TruthInstance& truth = input.manifest.scenes[s].truth[t];
-    rows += fmt::format("<tr><td>{}<td class=\"missed\">missed<td colspan=\"3\">{}\n",
-                        model_label(input.meshes, truth.model), conditions(truth));
+    rows += fmt::format("<tr><td>{}<td class=\"missed\">missed<td colspan=\"3\">{}{}\n",
+                        model_label(input.meshes, truth.model), conditions(truth),
+                        why_paragraph(input, s, t));
   }
   return "<div class=\"wrap\"><table><tr><th>model<th>verdict<th class=\"n\">score<th "
          "class=\"n\">translation<th class=\"n\">rotation\n" +
@@ -267,6 +275,7 @@ Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhi
   if (truth && !conditions(*truth).empty())
     notes += fmt::format("<p class=\"dim\">{}</p>", conditions(*truth));
   if (detection) notes += fmt::format("<p class=\"dim\">score {}</p>", score_parts(*detection));
+  if (missed) notes += why_paragraph(input, exhibit.scene, *exhibit.truth);
   const std::array<ViewLayer, 2> layers{{{"Scan", *scan}, {"Outlines", *drawn}}};
   return fmt::format(
       "<figure class=\"exhibit\"><figcaption><b>{}</b><span class=\"{}\">{}</span><span "

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "apps/results/missed_whys.hpp"
 #include "engine/evaluation/bop_scores.hpp"
 #include "engine/evaluation/evaluate.hpp"
 #include "engine/progress.hpp"
@@ -20,6 +21,7 @@ struct ReportInput {
   const BopScores& bop;
   std::span<const std::optional<SceneResult>> results;
   std::string source;  ///< the library or the file of detections that was judged
+  MissedWhys whys{};   ///< where that was asked
 };
 
 /// Write folder/index.html: the result in words, tables, curves over the score, what was missed or

@@ -162,6 +162,26 @@ TEST_F(EvaluateCommand, WritesAPageThatStandsAlone) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "report/pictures"));
 }
 
+TEST_F(EvaluateCommand, SaysWhyInstancesAreMissed) {
+  ASSERT_EQ(trivet({"train", "bracket.ply", "lever.ply", "-o", "models.h5", "--preset", "fast"})
+                .exit_code,
+            0);
+  const test::Outcome outcome =
+      trivet({"evaluate", "models.h5", "set.json", "--min-score", "1", "--explain-missed", "--json",
+              "scores.json", "--report", "page"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json scores = nlohmann::json::parse(test::read_bytes(folder_ / "scores.json"));
+  const nlohmann::json& missed = scores["scenes"][0]["missed"];
+  ASSERT_EQ(missed.size(), 2U) << scores;
+  const std::string page = test::read_bytes(folder_ / "page/index.html");
+  for (const nlohmann::json& truth : missed) {
+    const std::string why = truth["why"];
+    EXPECT_NE(why.find("was tested by rays here and has a score of"), std::string::npos) << why;
+    EXPECT_NE(page.find("It was tested by rays here"), std::string::npos);
+  }
+  EXPECT_EQ(run({"--explain-missed"}).exit_code, 64);
+}
+
 TEST_F(EvaluateCommand, AsksForALibraryOrDetections) {
   const test::Outcome outcome = trivet({"evaluate", "set.json"});
   EXPECT_EQ(outcome.exit_code, 2);
