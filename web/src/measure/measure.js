@@ -108,7 +108,7 @@ export class Measure {
       if (wrong?.[0] === name) field(name).setAttribute("aria-invalid", "true");
       else field(name).removeAttribute("aria-invalid");
     }
-    const names = { tolerance: "Tolerance", band: "Only points within" };
+    const names = { tolerance: "Tolerance", band: "Points within" };
     return {
       tolerance: tolerance * perMillimeter,
       band: band * perMillimeter,

@@ -58,7 +58,7 @@ export class Section {
     if (!this.#normal) return this.#view.setSlab(null);
     const { low, high } = this.#range;
     const middle = low + (high - low) * this.#fields["section-at"].valueAsNumber;
-    const thickness = (high - low) * this.#fields["section-thickness"].valueAsNumber;
+    const thickness = (high - low) * this.#fields["section-thickness"].valueAsNumber ** 2; // thin ones finely
     const origin = this.#normal.reduce((sum, n, k) => sum + n * this.#points.offset[k], 0);
     this.#tell("section-at", lengthWords(middle + origin, this.#unit));
     this.#tell("section-thickness", lengthWords(thickness, this.#unit));

@@ -9,13 +9,13 @@ const kSteps = 254; // between the two colors beyond the limits
 export const kPalettes = {
   /** Of deviations: blue below, orange above, and what is out of tolerance stands out. */
   deviation: {
-    below: [106, 38, 214],
+    below: [120, 40, 190],
     between: [
-      [52, 128, 224],
-      [205, 199, 166],
-      [240, 140, 24],
+      [74, 151, 233],
+      [193, 180, 165],
+      [253, 141, 2],
     ],
-    above: [200, 8, 64],
+    above: [190, 50, 20],
   },
   /** Of lengths. Source: viridis, van der Walt and Smith, 2015, without its darkest part. */
   length: {

@@ -40,7 +40,7 @@ const kRoom = 1.6; // radii of a thing that are seen around its center when it i
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 const kRestSeconds = 0.15; // after which the view counts as at rest
-const kDim = 0.6; // share of the ground in points that do not count
+const kDim = 0.8; // share of the ground in points that do not count
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
 /** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
@@ -89,7 +89,7 @@ export class SceneView {
   #sensor;
   #ruler;
   #planes = []; // of the section
-  #bare = new Set(); // ids of things that are outlines only, so that points around them are seen
+  #traced = new Set(); // ids of things whose outlines alone are drawn; then no thing is solid
   #frame = null;
   #points = null;
   #rays = null;
@@ -187,7 +187,7 @@ export class SceneView {
     this.#points = null;
     this.#frame = null;
     this.#planes = [];
-    this.#bare.clear();
+    this.#traced.clear();
     this.#ruler.set([], "");
     this.#draw();
   }
@@ -284,11 +284,15 @@ export class SceneView {
     this.#arrange();
   }
 
-  /** Color the scan: see colorScanPoints; bare: ids of things that are outlines meanwhile. */
-  colorScan(coloring, bare = []) {
+  /**
+   * Color the scan: see colorScanPoints.
+   *
+   * traced  ids of things to draw as outlines; with any, no thing is solid and hides points
+   */
+  colorScan(coloring, traced = []) {
     if (!this.#points) return;
     colorScanPoints(this.#points, coloring);
-    this.#bare = new Set(bare);
+    this.#traced = new Set(traced);
     this.#arrange();
   }
 
@@ -335,9 +339,10 @@ export class SceneView {
     }
     for (const thing of this.#things) {
       const shown = this.#shows(thing);
-      const isBare = this.#bare.has(thing.id) || Boolean(this.#rays && thing === chosen);
-      if (thing.mesh) thing.mesh.visible = shown && !isBare;
-      thing.outline.visible = shown && (thing.kind === "rejected" || thing === chosen || isBare);
+      const isOutline =
+        thing.kind === "rejected" || thing === chosen || this.#traced.has(thing.id);
+      if (thing.mesh) thing.mesh.visible = shown && !this.#traced.size && !(this.#rays && thing === chosen);
+      thing.outline.visible = shown && isOutline;
       for (const { material } of [thing.mesh, ...thing.outline.children].filter(Boolean)) {
         material.clippingPlanes = this.#planes;
       }
@@ -500,7 +505,7 @@ export class SceneView {
       );
       const hit = caster
         .intersectObjects(
-          this.#found.children.filter((mesh) => mesh.visible),
+          this.#things.filter((thing) => this.#shows(thing) && thing.mesh).map(({ mesh }) => mesh),
           false,
         )
         .find(({ point }) => this.#isLeft(point));
