@@ -38,10 +38,9 @@ export class Measure {
       ...kAxes.map((axis) => element("option", { value: axis }, axis.replace("-", "−"))),
     );
     form.addEventListener("submit", (event) => event.preventDefault());
-    for (const name of ["color", "up", "target", "band"]) {
+    for (const name of ["color", "up", "target", "tolerance", "band"]) {
       field(name).addEventListener("change", () => this.#paint());
     }
-    field("tolerance").addEventListener("change", () => this.#paint());
   }
 
   /** points  of the service, as they are drawn; null: none yet; unit  of the scan */
@@ -69,15 +68,20 @@ export class Measure {
       ...things.map(({ id, label, name }) => element("option", { value: id }, `${label} ${name}`)),
       element("option", { value: kAll }, "all that were found, the nearest"),
     );
-    field("target").value = things.some(({ id }) => id === before) ? before : things[0]?.id || kAll;
+    this.#aim(before);
     if (this.#points && field("color").value === "distance") this.#paint();
   }
 
-  /** Measure to this one, if it was found. */
+  /** Measure to this one if it was found, else to all. */
   follow(id) {
-    if (!this.#things.some((thing) => thing.id === id) || field("target").value === id) return;
-    field("target").value = id;
-    if (field("color").value === "distance") this.#paint();
+    const before = field("target").value;
+    this.#aim(id);
+    const isOther = field("target").value !== before;
+    if (isOther && field("color").value === "distance") this.#paint();
+  }
+
+  #aim(id) {
+    field("target").value = this.#things.some((thing) => thing.id === id) ? id : kAll;
   }
 
   /** Whether the scan is shown, and not a model by itself. */
@@ -93,12 +97,10 @@ export class Measure {
   /** { tolerance, band: in the unit of the scan, unit, fault: a sentence, or null } */
   #limits() {
     const perMillimeter = kPerMillimeter[this.#unit];
-    const largest = Math.max(
-      ...this.#targets.map(({ geometry, pose }) => {
-        return 2 * geometry.boundingSphere.radius * pose.getMaxScaleOnAxis();
-      }),
+    const diameters = this.#targets.map(
+      ({ geometry, pose }) => 2 * geometry.boundingSphere.radius * pose.getMaxScaleOnAxis(),
     );
-    const usual = roundBelow((kTolerance * largest) / perMillimeter);
+    const usual = roundBelow((kTolerance * Math.max(...diameters)) / perMillimeter);
     field("tolerance").placeholder = String(usual);
     const tolerance = field("tolerance").value ? field("tolerance").valueAsNumber : usual;
     field("band").placeholder = String(Number((kBandInTolerances * tolerance).toPrecision(3)));
@@ -126,7 +128,6 @@ export class Measure {
     if (!this.#points) return undefined;
     this.show(!this.#view.showsModel);
     if (mode === "distance") return this.#paintDistances();
-    this.#measured = null;
     if (mode === "plain") return this.#view.colorScan(null);
     const { positions, offset, viewpoint } = this.#points;
     const values =
@@ -138,8 +139,9 @@ export class Measure {
         : heightsAlong(positions, field("up").value, offset);
     const { low, high } = limitsOf(values);
     const palette = kPalettes.length;
+    const [upwards] = field("up").selectedOptions;
     showLegend({
-      title: mode === "range" ? "distance from the sensor" : `height along ${field("up").value.replace("-", "−")}`,
+      title: mode === "range" ? "distance from the sensor" : `height along ${upwards.text}`,
       labels: [low, (low + high) / 2, high].map((value) => lengthWords(value, this.#unit)),
       palette,
       hasBeyond: false,
@@ -150,15 +152,15 @@ export class Measure {
   async #paintDistances() {
     const asking = new AbortController();
     this.#running = asking;
-    const things = this.#targets;
-    const limits = this.#limits();
-    const say = (text) => byId("distances").replaceChildren(element("p", { role: "status" }, text));
-    if (!things.length || limits.fault) {
-      this.#measured = null;
-      byId("legend").hidden = true;
+    const say = (text) => {
+      this.show(false);
       this.#view.colorScan(null);
-      return say(limits.fault ?? "Nothing is found to measure to.");
-    }
+      byId("distances").replaceChildren(element("p", { role: "status" }, text));
+    };
+    const things = this.#targets;
+    if (!things.length) return say("Nothing is found to measure to.");
+    const limits = this.#limits();
+    if (limits.fault) return say(limits.fault);
     const key = JSON.stringify([things.map(({ id, pose }) => [id, pose.elements]), limits.band]);
     if (this.#measured?.key !== key || this.#measured.positions !== this.#points.positions) {
       const { positions } = this.#points;
@@ -166,9 +168,9 @@ export class Measure {
       say("Measuring …");
       try {
         const job = { positions, things, band: limits.band };
-        const measured = await measureDistances(job, asking.signal, (done) =>
-          say(`Measuring … ${Math.round(100 * done)} %`),
-        );
+        const measured = await measureDistances(job, asking.signal, (done) => {
+          if (!asking.signal.aborted) say(`Measuring … ${Math.round(100 * done)} %`);
+        });
         if (asking.signal.aborted) return undefined;
         this.#measured = { ...measured, key, positions };
       } catch (error) {
@@ -193,6 +195,7 @@ export class Measure {
       hasBeyond: true,
     });
     byId("distances").replaceChildren(...resultsView(this.#measured, limits));
+    this.show(!this.#view.showsModel);
   }
 }
 

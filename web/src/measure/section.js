@@ -41,10 +41,6 @@ export class Section {
     this.#turn();
   }
 
-  get isCut() {
-    return this.#normal !== null;
-  }
-
   #turn() {
     const across = this.#fields.section.value;
     this.#normal = across === "view" ? this.#view.forward : (kAxes[across] ?? null);
@@ -58,7 +54,8 @@ export class Section {
     if (!this.#normal) return this.#view.setSlab(null);
     const { low, high } = this.#range;
     const middle = low + (high - low) * this.#fields["section-at"].valueAsNumber;
-    const thickness = (high - low) * this.#fields["section-thickness"].valueAsNumber ** 2; // thin ones finely
+    // Squared, so that thin ones are set finely.
+    const thickness = (high - low) * this.#fields["section-thickness"].valueAsNumber ** 2;
     const origin = this.#normal.reduce((sum, n, k) => sum + n * this.#points.offset[k], 0);
     this.#tell("section-at", lengthWords(middle + origin, this.#unit));
     this.#tell("section-thickness", lengthWords(thickness, this.#unit));

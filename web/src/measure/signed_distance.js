@@ -284,7 +284,8 @@ function selectMedian(triangles, centers, axis, first, end) {
 
 /** Angle at a of the triangle a, b, c, which are places in v. */
 function angleAt(v, a, b, c) {
-  const dot = (from, to) => kCorners.reduce((s, k) => s + (v[from + k] - v[a + k]) * (v[to + k] - v[a + k]), 0);
+  const dot = (from, to) =>
+    kCorners.reduce((sum, k) => sum + (v[from + k] - v[a + k]) * (v[to + k] - v[a + k]), 0);
   const cosine = dot(b, c) / Math.sqrt(dot(b, b) * dot(c, c));
   return Math.acos(Math.min(1, Math.max(-1, cosine)));
 }
@@ -360,14 +361,15 @@ function findNearest(v, a, b, c, x, y, z, out) {
  * out        a distance for each point from `first` up to `end`
  */
 export function findDistances(positions, targets, band, out, first = 0, end = out.length) {
-  const inverses = targets.map(({ surface, pose }) => {
-    const squared = pose[0] ** 2 + pose[1] ** 2 + pose[2] ** 2; // of the scale
-    return { surface, pose, squared, scale: Math.sqrt(squared) };
+  const scaled = targets.map((target) => {
+    const [x, y, z] = target.pose;
+    const squared = x * x + y * y + z * z;
+    return { ...target, squared, scale: Math.sqrt(squared) };
   });
   for (let i = first; i < end; ++i) {
     let best = NaN;
     let most = band;
-    for (const { surface, pose, squared, scale } of inverses) {
+    for (const { surface, pose, squared, scale } of scaled) {
       const x = positions[3 * i] - pose[12];
       const y = positions[3 * i + 1] - pose[13];
       const z = positions[3 * i + 2] - pose[14];
