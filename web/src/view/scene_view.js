@@ -341,7 +341,8 @@ export class SceneView {
       const shown = this.#shows(thing);
       const isOutline =
         thing.kind === "rejected" || thing === chosen || this.#traced.has(thing.id);
-      if (thing.mesh) thing.mesh.visible = shown && !this.#traced.size && !(this.#rays && thing === chosen);
+      const isHollow = this.#traced.size || (this.#rays && thing === chosen);
+      if (thing.mesh) thing.mesh.visible = shown && !isHollow;
       thing.outline.visible = shown && isOutline;
       for (const { material } of [thing.mesh, ...thing.outline.children].filter(Boolean)) {
         material.clippingPlanes = this.#planes;
