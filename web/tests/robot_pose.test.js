@@ -2,7 +2,8 @@
 import { kConventions, robotPose } from "../src/robot_pose.js";
 import { expect, foundRows, openExample, test } from "./fixtures.js";
 
-const product = (a, b) => a.map((row) => b[0].map((_, j) => row.reduce((s, x, k) => s + x * b[k][j], 0)));
+const product = (a, b) =>
+  a.map((row) => b[0].map((_, j) => row.reduce((sum, x, k) => sum + x * b[k][j], 0)));
 const turnX = (t) => [
   [1, 0, 0],
   [0, Math.cos(t), -Math.sin(t)],

@@ -156,7 +156,7 @@ for (const [name, mesh] of Object.entries(kMeshes)) {
   });
 }
 
-test("a mesh that is wound inwards, or whose triangles share no vertices, measures the same", () => {
+test("a mesh that is wound inwards, or shares no vertices, measures the same", () => {
   const inwards = kCube.indices.toReversed();
   const soup = kCube.indices.flatMap((k) => kCube.vertices.slice(3 * k, 3 * k + 3));
   for (const surface of [new Surface(kCube.vertices, inwards), new Surface(soup, null)]) {
@@ -188,7 +188,8 @@ test("posed and scaled, distances move along, to the nearest of several", () => 
     1,
   ];
   const random = randomly(3);
-  const points = Array.from({ length: 500 }, () => [random(), random(), random()].map((x) => 1.5 * x));
+  const within = () => 1.5 * random();
+  const points = Array.from({ length: 500 }, () => [within(), within(), within()]);
   const moved = points.flatMap((p) => rows.map((row) => scale * dot(row.slice(0, 3), p) + row[3]));
   const out = new Float64Array(points.length);
   const band = 300;

@@ -124,7 +124,8 @@ export class Measure {
     const mode = field("color").value;
     byId("up-field").hidden = mode !== "height";
     byId("distance-fields").hidden = mode !== "distance";
-    byId("measure-now").textContent = mode === "plain" ? "" : field("color").selectedOptions[0].text;
+    const [named] = field("color").selectedOptions;
+    byId("measure-now").textContent = mode === "plain" ? "" : named.text;
     if (!this.#points) return undefined;
     this.show(!this.#view.showsModel);
     if (mode === "distance") return this.#paintDistances();

@@ -52,7 +52,7 @@ function histogram(counts, band, tolerance, unit) {
       viewBox: `0 0 ${kWidth} ${kHeight}`,
       role: "img",
       "aria-label":
-        `Histogram of the distances from −${lengthWords(band, unit)} to ${lengthWords(band, unit)}, ` +
+        `Histogram of the distances within ±${lengthWords(band, unit)}, ` +
         `with the tolerance of ±${lengthWords(tolerance, unit)}`,
     },
     ...bars,

@@ -186,7 +186,9 @@ export class Surface {
 
   #normalOf(triangle, feature) {
     if (feature === kInside) return [this.#faceNormals, 3 * triangle];
-    if (feature >= kFirstEdge) return [this.#edgeNormals, 9 * triangle + 3 * (feature - kFirstEdge)];
+    if (feature >= kFirstEdge) {
+      return [this.#edgeNormals, 9 * triangle + 3 * (feature - kFirstEdge)];
+    }
     return [this.#vertexNormals, 3 * this.#corners[3 * triangle + feature - kFirstCorner]];
   }
 

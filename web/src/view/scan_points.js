@@ -78,7 +78,9 @@ export function makeScanPoints(positions, frame) {
         if (value > 0.5 * ${kNoValue.toExponential()}) return vec4(dim, ${kUnlit});
         float texels = float(textureSize(palette, 0).x);
         float at = 1.0 + (value - low) / (high - low) * (texels - 2.0);
-        float texel = value < low ? 0.0 : value > high ? texels - 1.0 : clamp(at, 1.0, texels - 2.0);
+        float texel = clamp(at, 1.0, texels - 2.0);
+        if (value < low) texel = 0.0;
+        if (value > high) texel = texels - 1.0;
         return vec4(texelFetch(palette, ivec2(int(texel), 0), 0).rgb, ${kUnlit});
       }
 
@@ -87,7 +89,8 @@ export function makeScanPoints(positions, frame) {
         #include <clipping_planes_vertex>
         seenZ = mvPosition.z;
         gl_Position = projectionMatrix * mvPosition;
-        size = clamp(${kSizeInSpacings} * spacing * pixelsPerUnit / -seenZ, smallest, 14.0 * smallest);
+        float wanted = ${kSizeInSpacings} * spacing * pixelsPerUnit / -seenZ;
+        size = clamp(wanted, smallest, 14.0 * smallest);
         gl_PointSize = size;
         ink = hasValues ? colorOf(value) : vec4(color, 0.0);
       }`,

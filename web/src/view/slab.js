@@ -9,7 +9,6 @@ import { Plane, Vector3 } from "three";
 export function planesOf(slab, toWorld) {
   if (!slab) return [];
   const normal = new Vector3(...slab.normal);
-  return [new Plane(normal, -slab.low), new Plane(normal.clone().negate(), slab.high)].map((plane) =>
-    plane.applyMatrix4(toWorld),
-  );
+  const planes = [new Plane(normal, -slab.low), new Plane(normal.clone().negate(), slab.high)];
+  return planes.map((plane) => plane.applyMatrix4(toWorld));
 }
