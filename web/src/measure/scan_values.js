@@ -6,19 +6,23 @@ const kStray = 0.01; // share of the points at either end that must not make the
 
 /** Distances from a place, in the frame of the positions. */
 export function rangesFrom(positions, [x, y, z]) {
-  return Float32Array.from({ length: positions.length / 3 }, (_, i) =>
-    Math.hypot(positions[3 * i] - x, positions[3 * i + 1] - y, positions[3 * i + 2] - z),
-  );
+  const values = new Float32Array(positions.length / 3);
+  for (let i = 0; i < values.length; ++i) {
+    const dx = positions[3 * i] - x;
+    const dy = positions[3 * i + 1] - y;
+    const dz = positions[3 * i + 2] - z;
+    values[i] = Math.sqrt(dx * dx + dy * dy + dz * dz);
+  }
+  return values;
 }
 
 /** Coordinates along an axis ("+x", "-z", …) in a frame whose origin is at -offset. */
 export function heightsAlong(positions, axis, offset) {
   const k = "xyz".indexOf(axis[1]);
   const sign = axis[0] === "-" ? -1 : 1;
-  return Float32Array.from(
-    { length: positions.length / 3 },
-    (_, i) => sign * (positions[3 * i + k] + offset[k]),
-  );
+  const values = new Float32Array(positions.length / 3);
+  for (let i = 0; i < values.length; ++i) values[i] = sign * (positions[3 * i + k] + offset[k]);
+  return values;
 }
 
 /** Limits that all values but strays are within: { low, high }, low < high. */
