@@ -79,7 +79,8 @@ Result<std::unique_ptr<Session>> session_of(const ServeSettings& settings, const
   Result<std::unique_ptr<Session>> session =
       Session::open(settings.session, std::uint64_t{settings.session_mb} << 20);
   if (!session) return session;
-  for (const auto& fault : (*session)->index()["faults"]) {
+  const nlohmann::ordered_json index = (*session)->index();
+  for (const auto& fault : index["faults"]) {
     context.console.warning(fmt::format("{}: {}: {}", settings.session,
                                         fault["file"].get<std::string>(),
                                         fault["reason"].get<std::string>()));

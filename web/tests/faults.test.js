@@ -97,7 +97,11 @@ test.describe("a scan in another unit", () => {
 });
 
 test("files that are no scans are refused with what was expected", async ({ page }) => {
+  await page.route("**/v1/examples", (route) =>
+    route.fulfill({ json: { examples: [], session: false } }),
+  );
   await openPage(page);
+  await expect(page.getByRole("tab", { name: "Session" })).toBeHidden();
   await drop(page, [file("scan.jpg", "II")]);
   await expect(page.getByRole("alert")).toContainText("scan.jpg: expected a scan (ply, pcd");
   await drop(page, [file("a.ply", ""), file("b.ply", "")]);

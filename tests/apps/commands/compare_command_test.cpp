@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "apps/program.hpp"
 #include "storage/read_cloud.hpp"
@@ -26,10 +28,10 @@ class CompareCommand : public testing::Test {
     }
     return {{"model", model}, {"score", score}, {"T_scene_model", rows}};
   }
-  static Json scene(const char* name, double seconds, const Json& detections) {
+  static Json scene(const char* name, double seconds, const std::vector<Json>& detections) {
     return {{"scene", name}, {"seconds", {{"total", seconds}}}, {"detections", detections}};
   }
-  void write(const char* name, const Json& scenes) const {
+  void write(const char* name, const std::vector<Json>& scenes) const {
     folder_.write(name, Json{{"scenes", scenes}}.dump());
   }
   /// An evaluation of scenes of five truths each: which were found, and how many false ones.
@@ -166,12 +168,12 @@ TEST_F(CompareCommand, SaysWhatCannotBeCompared) {
   const std::vector<std::string> tolerance{"--max-translation", "1"};
   write("a.json", {scene("one.ply", 1, {detection("nut", 0.9, at_)})});
   folder_.write("b.json", R"({"models": []})");
-  refuses(tolerance, 65, "b.json: expected a result of `trivet recognize --json`");
-  write("b.json", {scene("two.ply", 1, Json::array())});
+  refuses(tolerance, 65, "b.json: the document: expected a result of `trivet recognize --json`");
+  write("b.json", {scene("two.ply", 1, {})});
   refuses(tolerance, 65, "'two.ply' among them");
-  write("b.json", Json::array());
+  write("b.json", {});
   refuses(tolerance, 65, "expected the 1 scene of a.json, each once, found 0 scenes");
-  write("b.json", {scene("one.ply", 1, Json::array())});
+  write("b.json", {scene("one.ply", 1, {})});
   refuses({}, 2, "expected --library");
   write_evaluation("b.json", {{0}}, {0});
   refuses(tolerance, 65, "a.json: expected a result of `trivet evaluate` as b.json");

@@ -80,7 +80,17 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
   });
   EXPECT_EQ(first.exit_code, 0) << first.error;
   const auto second = serve({"--session", "cell"}, [&](int port) {
-    EXPECT_EQ(index(port), kept) << "the same after a restart";
+    Json again = index(port);
+    const Json now = again["scans"][0]["truth"], before = kept["scans"][0]["truth"];
+    ASSERT_EQ(now.size(), before.size());
+    for (std::size_t k = 0; k < now.size(); ++k) {  // rotations are made true ones once more
+      for (int i = 0; i < 12; ++i) {
+        EXPECT_NEAR(now[k]["T_scene_model"][i / 4][i % 4].get<double>(),
+                    before[k]["T_scene_model"][i / 4][i % 4].get<double>(), 1e-6);
+      }
+    }
+    again["scans"][0]["truth"] = before;
+    EXPECT_EQ(again, kept) << "the same after a restart";
     EXPECT_EQ(ask(port, "DELETE", "/v1/session/scans/right").status, 200);
     EXPECT_EQ(ask(port, "GET", "/v1/session/runs/A/right").status, 404);
     EXPECT_EQ(ask(port, "DELETE", "/v1/session/runs/A").status, 200);

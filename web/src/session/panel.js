@@ -6,7 +6,7 @@ import { kArchive, scanUrl } from "./client.js";
 import { drawThumbnail } from "./thumbnail.js";
 
 const kThumbnail = { width: 96, height: 72, "aria-hidden": "true" };
-const kThumbnailPoints = 12_000;
+const kThumbnailPoints = 40_000;
 
 function bytesWords(bytes) {
   const kMega = 1 << 20;

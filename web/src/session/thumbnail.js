@@ -1,62 +1,132 @@
 /** Small pictures of scans, drawn point by point: a list of scans needs no WebGL. */
+import { Vector3 } from "three";
 
-const kEdge = 0.02; // share of points beyond each border
+import { distanceToSee, frameOf } from "../view/frame.js";
 
-function quantiles(values) {
+const kUp = 0.36; // tangent of half the field of view
+const kStray = 0.02; // share of the points that may lie outside
+const kSplat = 2; // pixels that a point covers, so that a surface is closed
+const kLight = new Vector3(-0.45, 0.6, 0.65).normalize(); // to the right, up and the eye
+const kStandsOut = Math.cos((25 * Math.PI) / 180); // from what most faces, a table or a wall
+const kBorder = 3; // pixels of a scan that do not tell
+const kMinStanding = 20; // pixels, else the whole scan is shown
+const kOutside = 0.1; // share of what stands out beyond each side of its middle
+const kRoom = 2.2; // around that middle
+const kMaxZoom = 4; // beyond, too few points are left
+
+const finite = (value) => (Number.isFinite(value) ? value : 0);
+const normalOf = (x, y) => new Vector3(finite(x), finite(y), 1).normalize();
+
+function quantile(values, share) {
   const sorted = Float32Array.from(values).sort();
-  const at = (share) => sorted[Math.round(share * (sorted.length - 1))];
-  return [at(kEdge), at(1 - kEdge)];
+  return sorted[Math.round(share * (sorted.length - 1))];
 }
 
-const unit = (v) => {
-  const length = Math.hypot(...v) || 1;
-  return v.map((x) => x / length);
-};
-const cross = (a, b) => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const median = (values) => quantile(values, 0.5);
+
+/** Points as a camera sees them: [x, y, depth] of each, x and y in -1 to 1 where it looks. */
+function seenFrom(positions, viewpoint, aspect) {
+  const { sample, toWorld, direction } = frameOf(positions, viewpoint);
+  const tangents = { across: kUp * aspect, up: kUp };
+  const distance = distanceToSee(sample, direction, tangents, kStray);
+  const right = new Vector3().crossVectors(new Vector3(0, 1, 0), direction).normalize();
+  const above = new Vector3().crossVectors(direction, right);
+  const seen = new Float32Array(positions.length);
+  const point = new Vector3();
+  for (let i = 0; i < positions.length; i += 3) {
+    point.fromArray(positions, i).applyMatrix4(toWorld);
+    const depth = distance - point.dot(direction);
+    seen[i] = point.dot(right) / depth / tangents.across;
+    seen[i + 1] = -point.dot(above) / depth / tangents.up;
+    seen[i + 2] = depth;
+  }
+  return seen;
+}
+
+/** The nearest depth of each pixel of a window { x, y: of its middle, zoom }; infinite: none. */
+function depthImage(seen, { width, height }, { x, y, zoom }) {
+  const depths = new Float32Array(width * height).fill(Infinity);
+  for (let i = 0; i < seen.length; i += 3) {
+    const left = Math.round((1 + (seen[i] - x) * zoom) * (width / 2) - kSplat / 2);
+    const top = Math.round((1 + (seen[i + 1] - y) * zoom) * (height / 2) - kSplat / 2);
+    for (let row = Math.max(0, top); row < Math.min(height, top + kSplat); ++row) {
+      for (let column = Math.max(0, left); column < Math.min(width, left + kSplat); ++column) {
+        const at = row * width + column;
+        if (seen[i + 2] > 0 && seen[i + 2] < depths[at]) depths[at] = seen[i + 2];
+      }
+    }
+  }
+  return depths;
+}
+
+/** How a depth image rises to the right and up: [[at, x, y]], not finite beside nothing. */
+function slopesOf(depths, { width, height }, zoom) {
+  const slopes = [];
+  depths.forEach((depth, at) => {
+    if (depth === Infinity) return;
+    const step = (2 * kUp * depth) / height / zoom;
+    const rise = (one, other) => (depths[other] - depths[one]) / (2 * step);
+    const isInside = at % width > 0 && at % width < width - 1;
+    slopes.push([at, isInside ? rise(at - 1, at + 1) : NaN, rise(at + width, at - width)]);
+  });
+  return slopes;
+}
+
+/** Says whether x lies well between the first and the last of the pixels [x, y] of line y. */
+function withinBorder(pixels) {
+  const lines = new Map();
+  for (const [x, y] of pixels) {
+    const [first, last] = lines.get(y) ?? [x, x];
+    lines.set(y, [Math.min(first, x), Math.max(last, x)]);
+  }
+  return (x, y) => x >= lines.get(y)[0] + kBorder && x <= lines.get(y)[1] - kBorder;
+}
+
+/** The window around what stands out of a plain background, or the whole. */
+function windowOf(slopes, { width, height }) {
+  const whole = { x: 0, y: 0, zoom: 1 };
+  const most = (k) => median(slopes.map((slope) => finite(slope[k])));
+  const plain = normalOf(most(1), most(2));
+  // At its border a scan stands out, too.
+  const known = slopes.map(([at]) => [at % width, Math.floor(at / width)]);
+  const isInRows = withinBorder(known);
+  const isInColumns = withinBorder(known.map(([x, y]) => [y, x]));
+  const isInside = (at) => {
+    const [x, y] = [at % width, Math.floor(at / width)];
+    return isInRows(x, y) && isInColumns(y, x);
+  };
+  const standing = slopes.filter(
+    ([at, x, y]) => isInside(at) && normalOf(x, y).dot(plain) < kStandsOut,
+  );
+  if (standing.length < kMinStanding) return whole;
+  const range = (places) => [kOutside, 1 - kOutside].map((share) => quantile(places, share));
+  const [left, right] = range(standing.map(([at]) => (2 * (at % width)) / width - 1));
+  const [top, bottom] = range(standing.map(([at]) => (2 * Math.floor(at / width)) / height - 1));
+  const zoom = Math.min(kMaxZoom, 2 / kRoom / Math.max(right - left, bottom - top, 1e-3));
+  return zoom > 1 ? { x: (left + right) / 2, y: (top + bottom) / 2, zoom } : whole;
+}
 
 /**
- * Draw points as their sensor saw them, the nearest brightest.
+ * Draw what stands out of a scan, as the view shows it at first, shaded by its relief.
  *
  * canvas     of which the size stays
- * positions  x, y, z of each
+ * positions  x, y, z of each point
  * viewpoint  of the sensor, in the same frame
- * color      [r, g, b] of the nearest
+ * color      [r, g, b] of what faces the light
  */
 export function drawThumbnail(canvas, positions, viewpoint, color) {
-  const { width, height } = canvas;
-  const count = positions.length / 3;
   const context = canvas.getContext("2d");
-  context.clearRect(0, 0, width, height);
-  if (!count) return;
-  const middle = [0, 0, 0];
-  for (let i = 0; i < positions.length; ++i) middle[i % 3] += positions[i] / count;
-  const ahead = unit(middle.map((x, axis) => x - viewpoint[axis]));
-  const right = unit(cross(Math.abs(ahead[1]) > 0.99 ? [0, 0, 1] : [0, 1, 0], ahead));
-  const down = cross(ahead, right);
-  const [u, v, depth] = [0, 1, 2].map(() => new Float32Array(count));
-  for (let i = 0; i < count; ++i) {
-    const ray = [0, 1, 2].map((axis) => positions[3 * i + axis] - viewpoint[axis]);
-    depth[i] = dot(ray, ahead);
-    u[i] = dot(ray, right) / depth[i];
-    v[i] = dot(ray, down) / depth[i];
-  }
-  const [[u0, u1], [v0, v1], [near, far]] = [u, v, depth].map(quantiles);
-  const scale = Math.max((u1 - u0) / width, (v1 - v0) / height) * 1.1 || 1;
-  const image = context.createImageData(width, height);
-  const nearest = new Float32Array(width * height).fill(Infinity);
-  for (let i = 0; i < count; ++i) {
-    const x = Math.floor(width / 2 + (u[i] - (u0 + u1) / 2) / scale);
-    const y = Math.floor(height / 2 + (v[i] - (v0 + v1) / 2) / scale);
-    const at = y * width + x;
-    if (x < 0 || y < 0 || x >= width || y >= height || !(depth[i] < nearest[at])) continue;
-    nearest[at] = depth[i];
-    const shade = 1 - 0.75 * Math.min(1, Math.max(0, (depth[i] - near) / (far - near || 1)));
-    image.data.set([...color, 255 * shade], 4 * at);
+  context.clearRect(0, 0, canvas.width, canvas.height);
+  if (!positions.length) return;
+  const seen = seenFrom(positions, viewpoint, canvas.width / canvas.height);
+  const whole = { x: 0, y: 0, zoom: 1 };
+  const coarse = slopesOf(depthImage(seen, canvas, whole), canvas, 1);
+  if (!coarse.length) return;
+  const shown = windowOf(coarse, canvas);
+  const image = context.createImageData(canvas.width, canvas.height);
+  for (const [at, x, y] of slopesOf(depthImage(seen, canvas, shown), canvas, shown.zoom)) {
+    const shade = 0.35 + 0.75 * Math.max(0, normalOf(x, y).dot(kLight));
+    image.data.set([...color.map((channel) => channel * shade), 255], 4 * at);
   }
   context.putImageData(image, 0, 0);
 }
