@@ -81,6 +81,13 @@ test("scans are kept with what runs find, and runs are held side by side", async
   await page.getByLabel("against run").selectOption("A");
   const total = page.locator("#comparison tfoot td");
   await expect(total.first()).toHaveText(`${found[0] + found[1]}`);
+
+  // What run B says of a scan, that there is nothing, can be the truth, too.
+  await page.getByLabel("Open with the answers of run").selectOption("B");
+  await scanRows(page).last().click();
+  await page.getByRole("button", { name: "Nothing is there" }).click();
+  await expect(page.locator("#verdicts-note")).toHaveText("The truth of this scan is kept.");
+  expect((await indexOf(request)).scans.map(({ truth }) => truth)).toEqual([null, []]);
 });
 
 test("what is found is marked by keys and buttons, and becomes the truth", async ({
@@ -110,7 +117,7 @@ test("what is found is marked by keys and buttons, and becomes the truth", async
   await expect(page.locator("#verdicts-note")).toContainText(`${count - 1} right, 1 wrong`);
   const answer = await (await request.get("/v1/session/runs/A/scan_0")).json();
   const { detections } = answer.scenes[0];
-  expect(detections.map((one) => one.right)).toEqual([false, ...detections.slice(1).map(() => true)]);
+  expect(detections.map((one) => one.right)).toEqual(detections.map((_, k) => k > 0));
   const poses = (list) => list.map(({ model, T_scene_model }) => ({ model, T_scene_model }));
   const close = (one, other) =>
     one.model === other.model &&

@@ -43,8 +43,11 @@ export class Marks {
     byId("verdicts").hidden = true;
   }
 
-  /** verdicts  of the detections that are shown: true, false or null */
-  show(verdicts) {
+  /**
+   * verdicts  of the detections that are shown: true, false or null
+   * isTold    whether the truth of the scan is
+   */
+  show(verdicts, isTold) {
     this.#shown = verdicts;
     for (const [index, { right, wrong }] of this.#rows) {
       right.setAttribute("aria-pressed", verdicts[index] === true);
@@ -52,11 +55,17 @@ export class Marks {
     }
     const open = verdicts.filter((verdict) => verdict === null).length;
     const rights = verdicts.filter(Boolean).length;
-    byId("verdicts").hidden = !verdicts.length;
-    byId("all-right").disabled = !open;
-    byId("verdicts-note").textContent = open
-      ? `${numbered(open, "is not marked", "are not marked")} yet.`
-      : `${rights} right, ${verdicts.length - rights} wrong: kept as the truth of this scan.`;
+    byId("verdicts").hidden = false;
+    byId("all-right").textContent = verdicts.length ? "All right so far" : "Nothing is there";
+    byId("all-right").disabled = verdicts.length ? !open : isTold;
+    byId("verdicts-note").textContent = this.#note(open, rights, isTold);
+  }
+
+  #note(open, rights, isTold) {
+    if (open) return `${numbered(open, "is not marked", "are not marked")} yet.`;
+    const wrongs = this.#shown.length - rights;
+    if (this.#shown.length) return `${rights} right, ${wrongs} wrong: kept as the scan’s truth.`;
+    return isTold ? "The truth of this scan is kept." : "Nothing is found: is that right?";
   }
 
   /** Mark what is selected; id  null: nothing is */
@@ -75,9 +84,9 @@ export class Marks {
 
   /** Whatever is not marked is right. */
   markAll() {
-    if (!this.isOn) return;
+    if (!this.isOn || byId("all-right").disabled) return;
     const open = this.#shown.flatMap((verdict, index) => (verdict === null ? [index] : []));
-    if (open.length) this.onMark(Object.fromEntries(open.map((index) => [index, true])));
+    this.onMark(Object.fromEntries(open.map((index) => [index, true])));
   }
 
   #toggle(index, right) {

@@ -135,8 +135,8 @@ export class Session {
   }
 
   /**
-   * What each detection of an answer is known to be: true (right), false (wrong) or null, by its own
-   * mark, else by the truth of the scan.
+   * What each detection of an answer is known to be, by its own mark, else by the scan's truth:
+   * true (right), false (wrong) or null.
    */
   verdicts(scan, detections, modelOf) {
     const truth = this.scan(scan).truth ?? [];

@@ -68,7 +68,8 @@ export class SessionTab {
     const { scan, detections } = this.#kept;
     const modelOf = await this.#modelOf(detections.map(({ model }) => model));
     if (this.#kept?.detections !== detections) return;
-    this.#marks.show(this.#session.verdicts(scan, detections, modelOf));
+    const isTold = this.#session.scan(scan).truth !== null;
+    this.#marks.show(this.#session.verdicts(scan, detections, modelOf), isTold);
   }
 
   /** What keys do: nothing while no kept answer is shown. The next one has its turn. */
