@@ -27,7 +27,7 @@ export const test = base.extend({
 /** Open the page and wait until it takes scans. */
 export async function openPage(page) {
   await page.goto("/");
-  await base.expect(page.getByRole("status").first()).toHaveText("Ready for a scan");
+  await base.expect(page.locator("#headline")).toHaveText("Ready for a scan");
 }
 
 const isRecognition = (response) => response.url().includes("/v1/recognize");

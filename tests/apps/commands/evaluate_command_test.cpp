@@ -179,7 +179,7 @@ TEST_F(EvaluateCommand, SaysWhyInstancesAreMissed) {
     EXPECT_NE(why.find("was tested by rays here and has a score of"), std::string::npos) << why;
     EXPECT_NE(page.find("It was tested by rays here"), std::string::npos);
   }
-  EXPECT_EQ(run({"--explain-missed"}).exit_code, 64);
+  EXPECT_EQ(run({"--explain-missed"}).exit_code, 2);
 }
 
 TEST_F(EvaluateCommand, AsksForALibraryOrDetections) {

@@ -8,6 +8,7 @@ import http.client
 import json
 import re
 import sys
+import time
 
 import jsonschema
 
@@ -76,7 +77,7 @@ def check_document():
 
 def check_routes():
     """Every route of the program is described, and the other way round."""
-    routes = re.findall(r'\{"(GET|POST|PUT|DELETE)", "(/[^"]*)", (true|false), ', open(routes_source).read())
+    routes = re.findall(r'\{"(GET|POST|PUT|PATCH|DELETE)", "(/[^"]*)", (true|false), ', open(routes_source).read())
     if len(routes) < 10:
         fault(f"{routes_source}: expected a table of routes")
     described = {(method.upper(), path) for path, ops in document["paths"].items() for method in ops}
@@ -119,6 +120,48 @@ def expect(status, method, template, target=None, body=None, headers=None):
     return content
 
 
+def when(method, template, is_so):
+    """The answer as soon as it is so."""
+    for _ in range(600):
+        answer = json.loads(expect(200, method, template))
+        if is_so(answer):
+            return answer
+        time.sleep(0.1)
+    fault(f"{template} never came to what was waited for")
+    return answer
+
+
+def check_parts():
+    part, model = "/v1/parts/{name}", "/v1/models/{name}"
+    mesh = ask("GET", "/v1/models/" + json.loads(ask("GET", "/v1/models")[2])["models"][0]["name"] + "/mesh.ply")[2]
+    new = "/v1/parts/new?file=new.ply&unit="
+    expect(202, "PUT", part, new + "m", mesh)
+    expect(400, "PUT", part, new + "inch", mesh)
+    trained = when("GET", "/v1/parts", lambda told: told["parts"][0]["state"] == "trained")["parts"][0]
+    expect(200, "GET", part + "/mesh.ply", "/v1/parts/new/mesh.ply")
+    expect(404, "GET", part + "/mesh.ply", "/v1/parts/old/mesh.ply")
+    expect(202 if trained["model"]["near_symmetry"]["declaration"] else 400, "PATCH", part, "/v1/parts/new")
+    when("GET", "/v1/parts", lambda told: told["parts"][0]["state"] == "trained")
+    expect(200, "PUT", model, "/v1/models/new")
+    expect(409, "PUT", model, "/v1/models/new")
+    expect(200, "PATCH", model, "/v1/models/new?name=newer")
+    expect(200, "DELETE", model, "/v1/models/newer")
+    expect(409, "DELETE", model, "/v1/models/newer")
+    expect(202, "PUT", part, new + "mm", b"no mesh")
+    expect(202, "DELETE", part, "/v1/parts/new")
+    expect(400, "DELETE", part, "/v1/parts/new")
+
+
+def check_live(scan):
+    with open("in/scan.png", "wb") as file:
+        file.write(scan)
+    when("GET", "/v1/live", lambda told: told["scans"])
+    for what in ("answer", "scan"):
+        template = "/v1/live/{number}/" + what
+        expect(200, "GET", template, template.replace("{number}", "1"))
+        expect(404, "GET", template, template.replace("{number}", "9"))
+
+
 def check_answers():
     recognize = "/v1/recognize?" + query
     found = json.loads(expect(200, "POST", "/v1/recognize", recognize, scan))
@@ -146,6 +189,8 @@ def check_answers():
     expect(200, "GET", "/v1/examples/{number}", examples[0]["url"])
     expect(404, "GET", "/v1/examples/{number}", "/v1/examples/99")
     expect(200, "GET", "/v1/score-parts")
+    check_parts()
+    check_live(scan)
     kept, truth = "/v1/session/scans/{scan}", "/v1/session/scans/{scan}/truth"
     answer, run = "/v1/session/runs/{run}/{scan}", "/v1/session/runs/{run}"
     expect(200, "PUT", kept, "/v1/session/scans/a?" + reading, scan)
@@ -193,7 +238,7 @@ def check_answers():
     expect(200, "GET", "/metrics")
     for path, operations in document["paths"].items():
         for method in operations:
-            if 200 not in answered.get((method.upper(), path), set()):
+            if not answered.get((method.upper(), path), set()) & {200, 202}:
                 fault(f"{method} {path} was not asked")
 
 

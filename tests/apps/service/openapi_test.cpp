@@ -219,16 +219,19 @@ TEST(OpenApi, NamesTheVersionsOfALibrary) {
 class OpenApiOfAService : public test::ServeFixture {};
 
 TEST_F(OpenApiOfAService, IsWhatItAnswers) {
+  std::filesystem::create_directory(folder_ / "in");
   const test::Outcome outcome =
-      serve({"--examples", "scans/manifest.json", "--session", "cell"}, [&](int port) {
-        const test::Outcome checked =
-            test::run_program(TRIVET_PYTHON,
-                              {kSources + "/tests/apps/service/check_openapi.py",
-                               std::to_string(port), depth_, query_.substr(query_.find('?') + 1),
-                               kSources + "/apps/service/serve/service_routes.cpp"},
-                              {.folder = folder_.path(), .environment = {}, .watch = {}});
-        EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.error;
-      });
+      serve({"--examples", "scans/manifest.json", "--session", "cell", "--allow-training", "drafts",
+             "--watch", "in", "--watch-query", parameters_},
+            [&](int port) {
+              const test::Outcome checked = test::run_program(
+                  TRIVET_PYTHON,
+                  {kSources + "/tests/apps/service/check_openapi.py", std::to_string(port), depth_,
+                   query_.substr(query_.find('?') + 1),
+                   kSources + "/apps/service/serve/service_routes.cpp"},
+                  {.folder = folder_.path(), .environment = {}, .watch = {}});
+              EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.error;
+            });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 

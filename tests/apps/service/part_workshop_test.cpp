@@ -24,7 +24,8 @@ class PartWorkshop : public ServeFixture {
   /// Its entry in /v1/parts once nothing of it is going on.
   static nlohmann::json settled(int port, const std::string& name) {
     for (int k = 0; k < 3000; ++k) {
-      for (const nlohmann::json& part : ask(port, "GET", "/v1/parts").json()["parts"]) {
+      const nlohmann::json told = ask(port, "GET", "/v1/parts").json();
+      for (const nlohmann::json& part : told["parts"]) {
         if (part["name"] == name && part["state"] != "waiting" && part["state"] != "training")
           return part;
       }
@@ -35,8 +36,8 @@ class PartWorkshop : public ServeFixture {
 
   static std::vector<std::string> models(int port) {
     std::vector<std::string> names;
-    for (const nlohmann::json& model : ask(port, "GET", "/v1/models").json()["models"])
-      names.push_back(model["name"]);
+    const nlohmann::json told = ask(port, "GET", "/v1/models").json();
+    for (const nlohmann::json& model : told["models"]) names.push_back(model["name"]);
     return names;
   }
 

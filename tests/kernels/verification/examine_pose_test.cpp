@@ -156,7 +156,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     expect_told(rays, e, explained.square);
     for (const JudgedRay& ray : rays) {
       const Vector3f gap =
-          (pose.inverse() * ray.place).cwiseAbs() - body.shape.vertices.front().cwiseAbs();
+          (pose.inverse() * ray.place).cwiseAbs() - Vector3f(body.shape.vertices[0]).cwiseAbs();
       EXPECT_NEAR(gap.maxCoeff(), 0, 1e-5F);  // on a box
     }
     const reference::Examination naive = reference::examination(
