@@ -20,11 +20,13 @@ export class LiveStrip {
     moveByArrows(this.#list, "button");
   }
 
-  /** Watch, if the service does. */
+  /** Watch, if the service does. What came before is listed. */
   async start() {
-    const { watched } = await service.fetchLive(0);
+    const { watched, scans } = await service.fetchLive(0);
     byId("live").hidden = !watched;
-    if (watched) this.#poll();
+    if (!watched) return;
+    this.#add(scans);
+    setTimeout(() => this.#poll(), kPollMs);
   }
 
   /** Follow what comes, or no more. */
@@ -45,7 +47,8 @@ export class LiveStrip {
   async #poll() {
     try {
       const { scans } = await service.fetchLive(this.#last);
-      if (scans.length) this.#add(scans);
+      this.#add(scans);
+      if (scans.length && this.#isFollowing) this.#open(scans.at(-1));
     } catch {
       // The service is away for a while: what it has is asked for again.
     }
@@ -57,9 +60,8 @@ export class LiveStrip {
     const isAtEnd = scrollLeft + clientWidth >= scrollWidth - 8;
     this.#list.append(...scans.map((scan) => this.#row(scan)));
     while (this.#list.childElementCount > kMost) this.#list.firstElementChild.remove();
-    this.#last = scans.at(-1).number;
+    this.#last = scans.at(-1)?.number ?? this.#last;
     if (isAtEnd) this.#list.scrollLeft = this.#list.scrollWidth;
-    if (this.#isFollowing) this.#open(scans.at(-1));
   }
 
   #row(scan) {
