@@ -3,6 +3,7 @@ import { copiesOnClick } from "./copy.js";
 import { byId } from "./dom.js";
 
 const kExample = "example";
+const kExamples = "/v1/examples/"; // where scans are that every visitor of the service has
 const kPauseSeconds = 0.3; // browsers refuse many changes of the address in a short time
 
 let writing = 0;
@@ -17,7 +18,7 @@ export function readLink() {
 
 /** parameters  of Settings.shared; scan  or null */
 export function writeLink(parameters, scan) {
-  const isExample = Boolean(scan?.query);
+  const isExample = scan?.url?.startsWith(kExamples) ?? false;
   const all = new URLSearchParams(isExample ? [[kExample, scan.name], ...parameters] : parameters);
   const hash = all.toString().replaceAll("%2C", ",").replaceAll("%2F", "/");
   const address = location.pathname + location.search + (hash && `#${hash}`);

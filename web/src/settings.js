@@ -3,6 +3,7 @@ import { ChoiceField, NumberField } from "./options/fields.js";
 import { Options } from "./options/options.js";
 import { faultOf, isNumber, usualOf } from "./options/parameter.js";
 import { kCameraKeys, isDepthImage, mayBeDepthImage } from "./scan.js";
+import { keep, recall } from "./storage.js";
 import { numbered } from "./words.js";
 
 const kRemembered = "trivet.settings"; // of files; examples bring their own
@@ -19,20 +20,16 @@ const triple = (text) => text.trim().split(/[\s,;]+/);
 
 function remembered() {
   try {
-    return JSON.parse(localStorage.getItem(kRemembered)) ?? {};
+    return JSON.parse(recall(kRemembered)) ?? {};
   } catch {
-    return {}; // no storage, or not ours
+    return {}; // not ours
   }
 }
 
 function remember(names) {
-  try {
-    const values = remembered();
-    for (const name of names) values[name] = field(name).value;
-    localStorage.setItem(kRemembered, JSON.stringify(values));
-  } catch {
-    // No storage: the next visit starts anew.
-  }
+  const values = remembered();
+  for (const name of names) values[name] = field(name).value;
+  keep(kRemembered, JSON.stringify(values));
 }
 
 /** What to ask for, and how the scan is to be read: the form, and what follows from it. */
