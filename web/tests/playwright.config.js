@@ -14,6 +14,7 @@ export default defineConfig({
   reporter: [["list"]],
   use: {
     viewport: { width: 1100, height: 720 },
+    deviceScaleFactor: 0.5, // a quarter of the pixels, which are drawn without a GPU
     contextOptions: { reducedMotion: "reduce" }, // flights of the camera are jumps
     launchOptions: {
       executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
