@@ -40,6 +40,9 @@ const kRoom = 1.6; // radii of a thing that are seen around its center when it i
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 const kRestSeconds = 0.15; // after which the view counts as at rest
+const kSlowMs = 120; // of a picture: then coarse ones follow until the view is at rest
+const kPauseMs = 1000; // of the hand, which tells nothing of how slow pictures are
+const kCoarse = 0.4; // of the resolution
 const kDim = 0.8; // share of the ground in points that do not count
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
@@ -104,6 +107,9 @@ export class SceneView {
   #rest = 0;
   #isFitted = false;
   #isNew = false; // no mark was placed yet
+  #isDragged = false;
+  #isCoarse = false;
+  #lastDrawn = 0;
 
   /** Whether a click asks about a place of the scan instead of picking what is drawn. */
   asks = false;
@@ -124,7 +130,14 @@ export class SceneView {
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.zoomToCursor = true;
     this.#controls.addEventListener("change", () => this.#draw());
-    this.#controls.addEventListener("start", () => this.#leave());
+    this.#controls.addEventListener("start", () => {
+      this.#isDragged = true;
+      this.#leave();
+    });
+    this.#controls.addEventListener("end", () => {
+      this.#isDragged = false;
+      this.#draw(); // and come to rest
+    });
     this.#solid.add(new HemisphereLight("#ffffff", "#6f7680", 1.4), this.#camera, this.#found);
     this.#lamp.position.set(-0.4, 0.6, 1);
     this.#camera.add(this.#lamp);
@@ -535,7 +548,8 @@ export class SceneView {
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     if (!width || !height) return;
-    const ratio = Math.min(devicePixelRatio, 2, Math.sqrt(kMostPixels / (width * height)));
+    const full = Math.min(devicePixelRatio, 2, Math.sqrt(kMostPixels / (width * height)));
+    const ratio = this.#isCoarse ? kCoarse * full : full;
     this.#renderer.setPixelRatio(ratio);
     this.#renderer.setSize(width, height, false);
     this.#picture.resize(this.#canvas.width, this.#canvas.height, ratio);
@@ -551,7 +565,17 @@ export class SceneView {
     });
   }
 
+  /** Without a GPU, a view that is turned is to follow the hand first, and be sharp at rest. */
+  #setCoarse(isCoarse) {
+    if (this.#isCoarse === isCoarse) return;
+    this.#isCoarse = isCoarse;
+    this.#resize();
+  }
+
   #drawNow() {
+    const since = performance.now() - this.#lastDrawn;
+    if (this.#isDragged && since > kSlowMs && since < kPauseMs) this.#setCoarse(true);
+    this.#lastDrawn = performance.now();
     const distance = this.#camera.position.distanceTo(this.#controls.target);
     this.#camera.near = Math.max(0.002, distance / 100);
     this.#camera.far = distance + 20;
@@ -563,7 +587,7 @@ export class SceneView {
     this.#picture.render(this.#solid, this.#outlined, this.#camera, pixelsPerUnit, spacing);
     clearTimeout(this.#rest);
     if (this.#isNew) this.#settle();
-    else this.#rest = setTimeout(() => this.#settle(), 1000 * kRestSeconds);
+    else this.#rest = setTimeout(() => this.#comeToRest(), 1000 * kRestSeconds);
     this.#placeMarks();
     this.#tellLook(distance);
     this.onDraw(this.#lens());
@@ -573,6 +597,11 @@ export class SceneView {
     if (!this.#frame || this.#model) return null;
     const { clientWidth, clientHeight } = this.#canvas;
     return new Lens(this.#frame, this.#camera, clientWidth, clientHeight);
+  }
+
+  #comeToRest() {
+    if (this.#isCoarse && !this.#isDragged) this.#setCoarse(false);
+    else this.#settle();
   }
 
   /** At rest, put the marks on what is seen of their things; they stay there when it turns. */
