@@ -1,13 +1,11 @@
 import {
   Color,
-  CylinderGeometry,
   DirectionalLight,
   DoubleSide,
   Group,
   HemisphereLight,
   Matrix4,
   Mesh,
-  MeshBasicMaterial,
   MeshLambertMaterial,
   PerspectiveCamera,
   Raycaster,
@@ -21,6 +19,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { element } from "../dom.js";
+import { makeAxes } from "./axes.js";
 import { distanceToSee, frameOf } from "./frame.js";
 import { Lens } from "./lens.js";
 import { outlineMaterial, Picture } from "./picture.js";
@@ -48,26 +47,6 @@ const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
 /** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
 const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispose());
-
-/** The axes of a model's frame: x red, y green, z blue, of length 1; drawn over everything. */
-function makeAxes() {
-  const axes = new Group();
-  const bar = new CylinderGeometry(0.012, 0.012, 1, 8).translate(0, 0.5, 0);
-  const turns = [
-    [0, 0, -Math.PI / 2],
-    [0, 0, 0],
-    [Math.PI / 2, 0, 0],
-  ];
-  ["#e5484d", "#3fae5a", "#4a7dff"].forEach((color, k) => {
-    const mesh = new Mesh(bar, new MeshBasicMaterial({ color, depthTest: false }));
-    mesh.rotation.set(...turns[k]);
-    mesh.renderOrder = 1;
-    axes.add(mesh);
-  });
-  axes.matrixAutoUpdate = false;
-  axes.visible = false;
-  return axes;
-}
 
 /**
  * The 3-D view: one scan with posed models, or one model by itself.
