@@ -61,6 +61,8 @@ class PendingFile {
   int descriptor() const noexcept { return descriptor_; }                    ///< open for writing
   bool pending() const noexcept { return descriptor_ >= 0; }  ///< neither published nor discarded
 
+  /// Let the disk begin to take what was written, so that publish() waits for little of a large file.
+  void start_writing_back() const noexcept;
   /// fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
   Result<void> publish();
   /// Remove the temporary file and give its space back, even while something else holds it open.

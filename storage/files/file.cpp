@@ -159,6 +159,11 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   return file;
 }
 
+// Whatever fails here, fsync tells.
+void PendingFile::start_writing_back() const noexcept {
+  [[maybe_unused]] const int ignored = ::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
 Result<void> PendingFile::publish() {
   if (::fsync(descriptor_) != 0) {
     Error error{ErrorCode::io, fmt::format("{}: cannot be brought to the disk: {}",

@@ -216,7 +216,10 @@ Result<void> LibraryWriter::add(PackedModel& packed) {
   }
   hdf5::start();
   try {
-    if (state_->write(packed)) return {};
+    if (state_->write(packed)) {
+      state_->file.start_writing_back();
+      return {};
+    }
   } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as half a write
   }
   const std::size_t bytes = model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes();
