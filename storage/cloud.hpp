@@ -65,6 +65,9 @@ struct Cloud {
   /// points have.
   Eigen::Vector3d offset{0, 0, 0};
   Normals normals;  ///< as in the file, not checked for length; empty or one a point; zero: none
+  /// Empty or one a point, if it was asked for: as in the file, or the brightness of colors (ITU-R
+  /// BT.601); NaN: none.
+  Column<float> intensity;
   Triangles triangles;  ///< empty for a plain cloud; every index < points.size()
   std::optional<PixelGrid> grid;
   std::optional<Camera> camera;              ///< only from depth images; camera frame = scene frame

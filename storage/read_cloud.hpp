@@ -21,6 +21,8 @@ struct ReadOptions {
   /// What coordinates are wanted in. Formats that say their unit, as glTF does, are converted to it;
   /// the others are taken to be in it. Absent: each file stays in its own.
   std::optional<LengthUnit> unit{};
+  /// Read how bright points are, where the file tells: PCD, PLY and text do.
+  bool intensity = false;
   std::string_view format{};                  ///< one of cloud_extensions(); empty: as below
   std::uint64_t max_file_bytes = 4ULL << 30;  ///< larger files are refused, packed or unpacked
   std::uint64_t max_points = 100'000'000;     ///< more points are refused

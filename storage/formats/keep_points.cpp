@@ -29,6 +29,12 @@ void keep_points(std::span<const std::uint8_t> keep, Cloud& cloud) {
 
   move_up(index, num_kept, cloud.points);
   if (!cloud.normals.empty()) move_up(index, num_kept, cloud.normals);
+  if (!cloud.intensity.empty()) {
+    for (std::size_t i = 0; i < index.size(); ++i) {
+      if (index[i] != kDropped) cloud.intensity[index[i]] = cloud.intensity[i];
+    }
+    cloud.intensity.resize(num_kept);
+  }
   Triangles kept;
   for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
     const auto a = index[cloud.triangles.a[t]], b = index[cloud.triangles.b[t]];

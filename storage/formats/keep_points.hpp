@@ -8,8 +8,8 @@
 
 namespace trivet {
 
-/// Drop the points whose mark is 0, with their normals and the triangles that use them; their
-/// pixels become such without a measurement. The others keep their order.
+/// Drop the points whose mark is 0, with their normals, intensities and the triangles that use
+/// them; their pixels become such without a measurement. The others keep their order.
 ///
 /// keep   one mark a point
 void keep_points(std::span<const std::uint8_t> keep, Cloud& cloud);

@@ -1,12 +1,17 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/intensity.hpp"
 #include "storage/formats/lzf.hpp"
 #include "storage/formats/pcd_header.hpp"
 #include "storage/formats/positions.hpp"
@@ -99,6 +104,36 @@ Result<void> read_compressed(const Input& input, const PcdHeader& header,
   return {};
 }
 
+/// PCL's colors: four bytes of which the three low ones are red, green and blue, said to be a whole
+/// number or, by custom, a float.
+bool is_color(const PcdField& field) { return field.name == "rgb" || field.name == "rgba"; }
+
+/// The field that tells how bright points are. Of a color the bits are wanted, which a float could
+/// lose.
+std::optional<PcdField> find_intensity(const PcdHeader& header) {
+  const auto one = [](const PcdField& field) { return field.count == 1; };
+  for (const PcdField& field : header.fields)
+    if (one(field) && names_intensity(field.name)) return field;
+  for (PcdField field : header.fields) {
+    if (!one(field) || !is_color(field) || size_of(field.type) != sizeof(std::uint32_t)) continue;
+    if (header.encoding != PcdEncoding::ascii) field.type = Scalar::uint32;
+    return field;
+  }
+  return {};
+}
+
+/// Make brightness of colors that were read as numbers.
+void unpack_colors(const PcdField& field, std::span<double> values) {
+  for (double& value : values) {
+    const bool is_whole = std::abs(value) < 0x1p32;
+    if (field.type == Scalar::float32)
+      value = brightness(std::bit_cast<std::uint32_t>(to_float(value)));
+    else
+      value =
+          brightness(static_cast<std::uint32_t>(static_cast<std::int64_t>(is_whole ? value : 0)));
+  }
+}
+
 std::string names_of(const PcdHeader& header) {
   std::string names;
   for (const PcdField& field : header.fields)
@@ -170,6 +205,11 @@ Result<Cloud> read_pcd(const Input& input) {
                    {{normal[0], normals.x}, {normal[1], normals.y}, {normal[2], normals.z}});
   }
 
+  const std::optional<PcdField> bright =
+      input.options.intensity ? find_intensity(*header) : std::nullopt;
+  Column<double> intensity(bright ? header->num_points : 0);
+  if (bright) targets.push_back({&*bright, intensity});
+
   Result<void> done;
   switch (header->encoding) {
     case PcdEncoding::ascii:
@@ -185,6 +225,8 @@ Result<Cloud> read_pcd(const Input& input) {
   if (!done) return done.error();
   place(std::move(positions), input, cloud);
   cloud.normals = round_to_floats(std::move(normals));
+  if (bright && is_color(*bright)) unpack_colors(*bright, intensity);
+  cloud.intensity = to_floats(intensity);
 
   const bool organized = header->width > 1 && header->height > 1;
   if (organized) {

@@ -7,6 +7,7 @@
 
 #include "storage/files/text.hpp"
 #include "storage/formats/faces.hpp"
+#include "storage/formats/intensity.hpp"
 #include "storage/formats/ply_header.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
@@ -276,6 +277,14 @@ std::optional<std::array<std::size_t, 3>> find_three(const PlyElement& element,
   return found;
 }
 
+std::optional<std::size_t> find_intensity(const PlyElement& element) {
+  for (std::size_t p = 0; p < element.properties.size(); ++p) {
+    const PlyProperty& property = element.properties[p];
+    if (!property.count_type && names_intensity(property.name)) return p;
+  }
+  return {};
+}
+
 /// Send three properties of an element to three columns, made as long as the element.
 void send(const std::array<std::size_t, 3>& properties, const PlyElement& element,
           Positions& positions, std::vector<double*>& columns) {
@@ -297,9 +306,20 @@ Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input
   send(*position, element, positions, columns);
   const auto normal = find_three(element, {"nx", "ny", "nz"});
   if (normal) send(*normal, element, normals, columns);
+  Positions colors;
+  Column<double> intensity;
+  const auto bright = input.options.intensity ? find_intensity(element) : std::nullopt;
+  if (bright) {
+    intensity.resize(element.count);
+    columns[*bright] = intensity.data();
+  } else if (const auto color = find_three(element, kColorNames);
+             color && input.options.intensity) {
+    send(*color, element, colors, columns);
+  }
   if (auto done = read_scalars(body, element, columns); !done) return done;
   place(std::move(positions), input, cloud);
   if (normal) cloud.normals = round_to_floats(std::move(normals));
+  cloud.intensity = bright ? to_floats(intensity) : brightness(colors);
   return {};
 }
 

@@ -1,15 +1,18 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "storage/files/text.hpp"
+#include "storage/formats/intensity.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
 #include "storage/formats/text_table.hpp"
@@ -19,11 +22,12 @@ namespace {
 
 using Three = std::array<std::size_t, 3>;
 
-/// Where the coordinates and normals stand.
+/// Where the coordinates stand, and what else is wanted.
 struct Columns {
   std::size_t count = 0;
   Three position{0, 1, 2};
   std::optional<Three> normal;
+  std::optional<std::size_t> intensity;
   bool named = false;
 };
 
@@ -92,8 +96,15 @@ class XyzReader {
     if (auto done = end_block(); !done) return done.error();
     Cloud cloud;
     place(std::move(positions_), input_, cloud);
+    const Column<float> colors = input_.options.intensity ? brightness(normals_) : Column<float>{};
     cloud.normals = round_to_floats(std::move(normals_));
-    if (!columns_.named && !are_directions(cloud.points, cloud.normals)) cloud.normals = {};
+    // Without names, columns four to six may as well be colors, and the fourth an intensity.
+    const bool directed = columns_.named || are_directions(cloud.points, cloud.normals);
+    if (!directed) cloud.normals = {};
+    if (columns_.intensity && (columns_.named || !directed))
+      cloud.intensity = to_floats(intensity_);
+    else if (!directed)
+      cloud.intensity = colors;
     return cloud;
   }
 
@@ -167,6 +178,8 @@ class XyzReader {
     if (columns_.count < 3)
       return refuse(fmt::format("expected three numbers x y z, found {}", quote(row_)));
     if (columns_.count >= 6) columns_.normal = {3, 4, 5};
+    // As of PTS: x y z intensity, then a color.
+    if (columns_.count == 4 || columns_.count == 7) set_intensity(3);
     if (take_names(names) || header_line == 0) return {};
     // Titles are no names; neither does it matter how three columns are called.
     const bool are_names = delimiter_ != Delimiter::blanks && names.size() == columns_.count;
@@ -193,7 +206,14 @@ class XyzReader {
     for (const Names& normal : kNormals) {
       if (const auto places = find_names(names, normal)) columns_.normal = three(*places);
     }
+    columns_.intensity.reset();
+    const auto bright = std::ranges::find_if(names, names_intensity);
+    if (bright != names.end()) set_intensity(static_cast<std::size_t>(bright - names.begin()));
     return true;
+  }
+
+  void set_intensity(std::size_t column) {
+    if (input_.options.intensity) columns_.intensity = column;
   }
 
   Error refuse_width() const {
@@ -236,6 +256,10 @@ class XyzReader {
     const auto point = read_three(columns_.position, "xyz");
     if (!point) return point.error();
     positions_.push_back(*point);
+    if (columns_.intensity) {
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      intensity_.push_back(parse_column(fields_[*columns_.intensity], delimiter_).value_or(kNone));
+    }
     if (!columns_.normal) return {};
     const auto normal = read_three(*columns_.normal, "xyz");
     if (!normal && columns_.named) return normal.error();
@@ -251,6 +275,7 @@ class XyzReader {
   const Input& input_;
   TextCursor cursor_;
   Positions positions_, normals_;
+  Column<double> intensity_;
   Columns columns_;
   Delimiter delimiter_ = Delimiter::blanks;
   std::vector<std::string_view> fields_;

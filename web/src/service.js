@@ -101,19 +101,34 @@ export const removeModel = (name) => change("DELETE", modelPath(name));
 const post = (path, parameters, body, signal) =>
   ask(`${path}?${parameters}`, { method: "POST", body, signal });
 
+/** Of x, y, z, intensity after one another: the positions, and the intensities. */
+function splitColumns(numbers) {
+  const num = numbers.length / 4;
+  const positions = new Float32Array(3 * num);
+  const intensity = new Float32Array(num);
+  for (let i = 0; i < num; ++i) {
+    for (let k = 0; k < 3; ++k) positions[3 * i + k] = numbers[4 * i + k];
+    intensity[i] = numbers[4 * i + 3];
+  }
+  return [positions, intensity];
+}
+
 /**
  * Points of a scan, thinned to what can be drawn.
  *
  * Returns { positions: x, y, z of each in the scan's unit, offset: to be added for the scan's frame,
- *   total: before thinning, viewpoint: of the sensor in the scan's frame, where known, else null }.
+ *   total: before thinning, viewpoint: of the sensor in the scan's frame, where known, else null,
+ *   intensity: of each point, if the scan has it, else null }.
  */
 export async function fetchPoints(scan, parameters, signal) {
-  const response = await post("/v1/points", parameters, scan.body, signal);
-  const positions = new Float32Array(await response.arrayBuffer());
+  const response = await post("/v1/points", `${parameters}&intensity=true`, scan.body, signal);
+  const numbers = new Float32Array(await response.arrayBuffer());
+  const isBright = response.headers.has("X-Columns");
+  const [positions, intensity] = isBright ? splitColumns(numbers) : [numbers, null];
   const offset = (response.headers.get("X-Offset") ?? "0,0,0").split(",").map(Number);
   const viewpoint = response.headers.get("X-Viewpoint")?.split(",").map(Number) ?? null;
   const total = Number(response.headers.get("X-Points")) || positions.length / 3;
-  return { positions, offset, total, viewpoint };
+  return { positions, offset, total, viewpoint, intensity };
 }
 
 /**

@@ -3,7 +3,7 @@ import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
 
 import { findDistances, Surface } from "../src/measure/signed_distance.js";
 import { kPalettes } from "../src/view/palettes.js";
-import { changed, expect, foundRows, look, openExample, pixels, test } from "./fixtures.js";
+import { changed, expect, foundRows, look, openExample, pixels, recognized, test } from "./fixtures.js";
 import { kSights, seen } from "./sight.js";
 
 const number = (text) => Number(text.replace("−", "-").match(/-?[\d.]+/)[0]);
@@ -17,6 +17,7 @@ async function openMeasure(page) {
   const scene = await openExample(page);
   const response = await answered;
   expect(response.headers()["x-offset"] ?? "0,0,0").toBe("0,0,0");
+  expect(response.headers()["x-columns"]).toBe(undefined);
   const positions = new Float32Array(new Uint8Array(await response.body()).buffer);
   await page.locator("#measure-box > summary").click();
   return { scene, positions };
@@ -125,6 +126,24 @@ test("what is out of tolerance has colors of its own, and the legend tells the l
   );
   await page.getByLabel("Color of the scan").selectOption("plain");
   await expect(page.locator("#legend")).toBeHidden();
+});
+
+test("a scan that has intensities is colored by them, others are not", async ({ page }) => {
+  await openMeasure(page);
+  const color = page.getByLabel("Color of the scan");
+  await expect(color.locator("[value=intensity]")).toHaveAttribute("disabled", "");
+  const rows = Array.from({ length: 4096 }, (_, k) => {
+    const [x, y] = [k % 64, Math.floor(k / 64)];
+    return `${x / 1000} ${y / 1000} 0.5 ${x < 32 ? 120 : 380}`;
+  });
+  const buffer = Buffer.from(rows.join("\n"));
+  await recognized(page, () =>
+    page.locator("#files").setInputFiles({ name: "lit.xyz", mimeType: "text/plain", buffer }),
+  );
+  await color.selectOption("intensity");
+  await expect(page.locator("#legend")).toContainText("intensity");
+  for (const label of ["120", "250", "380"])
+    await expect(page.locator("#legend")).toContainText(label);
 });
 
 test("heights and distances from the sensor are told in the legend", async ({ page }) => {

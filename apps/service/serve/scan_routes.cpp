@@ -17,16 +17,50 @@ namespace {
 
 constexpr std::size_t kDefaultShownPoints = 250'000, kMaxShownPoints = 5'000'000;
 
-/// The points of a scan as floats, at most so many of them: spread over all without a pattern.
-std::string shown_points(const Points& points, std::size_t max_points) {
+/// What is wanted of a scan's points.
+struct PointsQuery {
+  std::size_t max_points = kDefaultShownPoints;
+  bool intensity = false;
+};
+
+/// Take what is for the points out of the parameters. Errors: usage.
+Result<PointsQuery> take_points_query(Target& target) {
+  PointsQuery query;
+  if (const std::optional<std::string> given = target.parameter("max-points")) {
+    query.max_points = whole_number(*given).value_or(0);
+    if (query.max_points < 1 || query.max_points > kMaxShownPoints) {
+      return Error{ErrorCode::usage, fmt::format("max-points: expected 1 to {}, found '{}'",
+                                                 kMaxShownPoints, *given)};
+    }
+  }
+  if (const std::optional<std::string> given = target.parameter("intensity")) {
+    query.intensity = *given == "true" || given->empty();
+    if (!query.intensity && *given != "false") {
+      return Error{ErrorCode::usage,
+                   fmt::format("intensity: expected true or false, found '{}'", *given)};
+    }
+  }
+  std::erase_if(target.parameters, [](const auto& entry) {
+    return entry.first == "max-points" || entry.first == "intensity";
+  });
+  return query;
+}
+
+/// The points of a scan as floats, at most so many of them: spread over all without a pattern. A
+/// point's intensity, where the cloud has it, stands behind its coordinates.
+std::string shown_points(const Cloud& cloud, std::size_t max_points) {
+  const Points& points = cloud.points;
+  const std::size_t row = (cloud.intensity.empty() ? 3 : 4) * sizeof(float);
   std::string bytes;
   const double share = static_cast<double>(max_points) / static_cast<double>(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     // Fibonacci hashing: the fractions of multiples of the golden ratio are evenly spread.
     const double place = static_cast<double>(i * 0x9E37'79B9'7F4A'7C15ULL) * 0x1p-64;
-    if (place >= share || bytes.size() >= 3 * sizeof(float) * max_points) continue;
+    if (place >= share || bytes.size() >= row * max_points) continue;
     const Eigen::Vector3f p = points[i];
     bytes.append(reinterpret_cast<const char*>(p.data()), 3 * sizeof(float));
+    if (!cloud.intensity.empty())
+      bytes.append(reinterpret_cast<const char*>(&cloud.intensity[i]), sizeof(float));
   }
   return bytes;
 }
@@ -46,29 +80,26 @@ void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
 
 void ServiceRoutes::points(const CallPtr& call, std::string_view) {
   Target target = call->target;
-  const std::optional<std::string> given = target.parameter("max-points");
-  const std::size_t max_points = given ? whole_number(*given).value_or(0) : kDefaultShownPoints;
-  if (max_points < 1 || max_points > kMaxShownPoints) {
-    return reply(call, error_response(400, fmt::format("max-points: expected 1 to {}, found '{}'",
-                                                       kMaxShownPoints, *given)));
-  }
-  std::erase_if(target.parameters, [](const auto& entry) { return entry.first == "max-points"; });
+  const Result<PointsQuery> query = take_points_query(target);
+  if (!query) return reply(call, error_response(query.error()));
   Result<ScanRequest> asked = parse_scan_request(call->request, std::move(target));
   if (!asked) return reply(call, error_response(asked.error()));
   if (asked->scans.size() != 1)
     return reply(call, error_response(400, "form: expected one part scene"));
   submit_one(call,
              [asked = std::make_shared<ScanRequest>(std::move(*asked)),
-              max_points](const LibraryGeneration& generation) -> Result<HttpResponse> {
+              query = *query](const LibraryGeneration& generation) -> Result<HttpResponse> {
                const ScanPart& scan = asked->scans.front();
                const Result<Cloud> cloud =
                    read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene,
-                             generation.recognizer.library().header.unit);
+                             generation.recognizer.library().header.unit, query.intensity);
                if (!cloud) return cloud.error();
                HttpResponse shown{200,
-                                  shown_points(cloud->points, max_points),
+                                  shown_points(*cloud, query.max_points),
                                   kBytes,
                                   {{"X-Points", std::to_string(cloud->points.size())}}};
+               if (!cloud->intensity.empty())
+                 shown.headers.emplace_back("X-Columns", "x,y,z,intensity");
                std::optional<Eigen::Vector3d> v = scan.scene.viewpoint;
                if (!v && cloud->viewpoint) v = cloud->viewpoint->cast<double>() + cloud->offset;
                if (v)

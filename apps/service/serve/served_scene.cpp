@@ -98,10 +98,11 @@ SceneInput ServedScene::input(LengthUnit library_unit) const {
 }
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
-                        const ServedScene& scene, LengthUnit library_unit) {
+                        const ServedScene& scene, LengthUnit library_unit, bool intensity) {
   return read_cloud(bytes, name,
                     {.camera = scene.camera,
                      .unit = scene.unit.value_or(library_unit),
+                     .intensity = intensity,
                      .max_file_bytes = kMaxScanBytes,
                      .max_points = kMaxScanPoints,
                      .max_pixels = kMaxScanPoints});

@@ -26,7 +26,7 @@ struct ServedScene {
 /// Read a scan of at most 16 million points or pixels and 512 MiB unpacked. `name` stands for it in messages and tells
 /// the format by its extension. Errors: those of read_cloud.
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,
-                        const ServedScene& scene, LengthUnit library_unit);
+                        const ServedScene& scene, LengthUnit library_unit, bool intensity = false);
 
 }  // namespace trivet::apps::service
 

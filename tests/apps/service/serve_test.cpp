@@ -230,6 +230,14 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
     const Answer seen = ask(port, "POST", "/v1/points?viewpoint=1,2,3.5&" + query, scan.body);
     EXPECT_NE(seen.head.find("X-Viewpoint: 1,2,3.5"), std::string::npos) << seen.head;
     EXPECT_EQ(ask(port, "POST", "/v1/points?max-points=0&" + query, scan.body).status, 400);
+    EXPECT_EQ(ask(port, "POST", "/v1/points?intensity=7&" + query, scan.body).status, 400);
+    const Answer lit =
+        ask(port, "POST", "/v1/points?format=xyz&intensity=true", "1 2 3 4\n5 6 7 8");
+    EXPECT_NE(lit.head.find("X-Columns: x,y,z,intensity"), std::string::npos) << lit.head;
+    std::array<float, 8> numbers{};
+    ASSERT_EQ(lit.body.size(), sizeof numbers);
+    std::memcpy(numbers.data(), lit.body.data(), sizeof numbers);
+    EXPECT_EQ(numbers, (std::array<float, 8>{1, 2, 3, 4, 5, 6, 7, 8}));
     EXPECT_EQ(ask(port, "POST", "/v1/points?" + query, "no PNG").status, 400);
 
     const nlohmann::json models = ask(port, "GET", "/v1/models").json()["models"];

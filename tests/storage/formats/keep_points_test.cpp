@@ -15,6 +15,7 @@ Cloud organized() {
   for (std::int32_t point = 0; point < 7; ++point) {
     cloud.points.push_back(Eigen::Vector3f::Constant(static_cast<float>(point)));
     cloud.normals.push_back(Eigen::Vector3f::Constant(static_cast<float>(-point)));
+    cloud.intensity.push_back(static_cast<float>(10 * point));
     cloud.grid->point_index[static_cast<std::size_t>(18 - 3 * point)] = point;
   }
   cloud.triangles.push_back(0, 1, 2);
@@ -28,10 +29,12 @@ TEST(KeepPoints, KeepsTheMarkedOnesWithWhatBelongsToThem) {
   keep_points(std::vector<std::uint8_t>{0, 1, 1, 0, 1, 0, 1}, cloud);
   ASSERT_EQ(cloud.points.size(), 4U);
   ASSERT_EQ(cloud.normals.size(), 4U);
+  ASSERT_EQ(cloud.intensity.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     const float number = std::array{1.0F, 2.0F, 4.0F, 6.0F}[i];
     EXPECT_EQ(cloud.points[i].x(), number);
     EXPECT_EQ(cloud.normals[i].x(), -number);
+    EXPECT_EQ(cloud.intensity[i], 10 * number);
   }
   ASSERT_EQ(cloud.triangles.size(), 1U) << "the others have lost a corner";
   EXPECT_EQ(cloud.triangles.a[0], 3U);

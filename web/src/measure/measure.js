@@ -22,7 +22,7 @@ const field = (name) => form.elements[name];
 export class Measure {
   #view;
   #section;
-  #points = null; // { positions, offset, viewpoint }
+  #points = null; // { positions, offset, viewpoint, intensity }
   #unit = "m";
   #things = []; // that were found
   #running = new AbortController();
@@ -55,9 +55,15 @@ export class Measure {
     const up = this.#view.up;
     const axis = up.findIndex((value) => Math.abs(value) > 0.5);
     field("up").value = `${up[axis] < 0 ? "-" : "+"}${"xyz"[axis]}`;
-    field("color").querySelector("[value=range]").disabled = !points.viewpoint;
-    if (!points.viewpoint && field("color").value === "range") field("color").value = "plain";
+    this.#offer("range", points.viewpoint);
+    this.#offer("intensity", points.intensity);
     return this.#paint();
+  }
+
+  /** Let a color be chosen where there is what it tells. */
+  #offer(mode, source) {
+    field("color").querySelector(`[value=${mode}]`).disabled = !source;
+    if (!source && field("color").value === mode) field("color").value = "plain";
   }
 
   /** things  that were found, as they are drawn: [{ id, label, name, geometry, pose }] */
@@ -130,24 +136,29 @@ export class Measure {
     this.show(!this.#view.showsModel);
     if (mode === "distance") return this.#paintDistances();
     if (mode === "plain") return this.#view.colorScan(null);
-    const { positions, offset, viewpoint } = this.#points;
-    const values =
-      mode === "range"
-        ? rangesFrom(
-            positions,
-            viewpoint.map((x, axis) => x - offset[axis]),
-          )
-        : heightsAlong(positions, field("up").value, offset);
+    const { values, title, words } = this.#valuesOf(mode);
     const { low, high } = limitsOf(values);
     const palette = kPalettes.length;
-    const [upwards] = field("up").selectedOptions;
-    showLegend({
-      title: mode === "range" ? "distance from the sensor" : `height along ${upwards.text}`,
-      labels: [low, (low + high) / 2, high].map((value) => lengthWords(value, this.#unit)),
-      palette,
-      hasBeyond: false,
-    });
+    const labels = [low, (low + high) / 2, high].map(words);
+    showLegend({ title, labels, palette, hasBeyond: false });
     return this.#view.colorScan({ values, low, high, palette });
+  }
+
+  /** What the points are colored by: { values: one a point, title, words: of a value }. */
+  #valuesOf(mode) {
+    const { positions, offset, viewpoint, intensity } = this.#points;
+    if (mode === "intensity") {
+      const words = (value) => String(Number(value.toPrecision(3)));
+      return { values: intensity, title: "intensity", words };
+    }
+    const words = (value) => lengthWords(value, this.#unit);
+    if (mode === "range") {
+      const place = viewpoint.map((x, axis) => x - offset[axis]);
+      return { values: rangesFrom(positions, place), title: "distance from the sensor", words };
+    }
+    const [upwards] = field("up").selectedOptions;
+    const values = heightsAlong(positions, field("up").value, offset);
+    return { values, title: `height along ${upwards.text}`, words };
   }
 
   async #paintDistances() {

@@ -25,13 +25,16 @@ export function heightsAlong(positions, axis, offset) {
   return values;
 }
 
-/** Limits that all values but strays are within: { low, high }, low < high. */
+/** Limits that all values but strays are within: { low, high }, low < high. NaN is no value. */
 export function limitsOf(values) {
   const step = Math.max(1, Math.floor(values.length / kSamples));
   const sample = Float32Array.from(
     { length: Math.ceil(values.length / step) },
     (_, k) => values[k * step],
-  ).sort();
+  )
+    .filter((value) => !Number.isNaN(value))
+    .sort();
+  if (!sample.length) return { low: 0, high: 1 };
   const [low, high] = [quantile(sample, kStray), quantile(sample, 1 - kStray)];
   return { low, high: high > low ? high : low + 1e-6 };
 }
