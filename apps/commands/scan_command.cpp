@@ -84,10 +84,10 @@ void add_scan(CLI::App& app, Context& context) {
       "scan",
       "Scan piles of models with a virtual depth sensor\n\n"
       "Objects are dropped one after the other and come to rest on one another, without entering\n"
-      "each other. A camera of 640 x 480 pixels looks down on them from a random side. The output\n"
-      "folder is a BOP data set (models/, camera.json, test/000001/...) and has a manifest.json\n"
-      "over the same files, for trivet train, recognize and evaluate; the truth has every pose,\n"
-      "visible fraction, occlusion and clutter.");
+      "each other. A camera of 640 x 480 pixels, or of --resolution, looks down on them from a\n"
+      "random side. The output folder is a BOP data set (models/, camera.json, test/000001/...)\n"
+      "and has a manifest.json over the same files, for trivet train, recognize and evaluate; the\n"
+      "truth has every pose, visible fraction, occlusion and clutter.");
   command->add_option(
       "MODEL", arguments->models,
       "Meshes (PLY, OBJ, STL, OFF), NAME=FILE, folders, manifests, or BOP data sets");

@@ -32,6 +32,7 @@ struct ScanOptions {
   /// diameters.
   double deviation = 0;
   SensorOptions sensor{};
+  double resolution = 1;  ///< pixels along a side of the image, in those of kScanWidth, kScanHeight
   /// Draw for each scene how its sensor falls short of the ideal one (engine::draw_flaws), its
   /// focal length, 1 to 2.5 times the distance that frames the pile, and what stands around; for
   /// the set the width of the image.

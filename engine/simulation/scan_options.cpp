@@ -100,6 +100,13 @@ std::span<const Option<ScanOptions>> options_of<ScanOptions>() {
                    "Kinect 0.125; 0: not",
            .unset_help = "the sensor's own",
            .range = {0, 8}}),
+      declare<TRIVET_FIELD(resolution)>(
+          {.name = "resolution",
+           .group = kHow,
+           .label = "resolution of the image",
+           .help = "Pixels along each side of the image, in those of a camera of 640 x 480 with "
+                   "the same view: 0.5 is 320 x 240",
+           .range = {0.25, 4}}),
       declare<TRIVET_FIELD(randomize)>(
           {.name = "randomize",
            .group = kHow,

@@ -183,7 +183,7 @@ struct Elevations {
 struct Setting {
   Elevations elevations;
   double nearest, farthest;  // [m] that the sensor measures
-  double focal = kFocal;     // [pixel]
+  double focal = kFocal;     // [pixel], at a resolution of 1
   double retreat = 1;        // the camera stands so many times farther than it could, within range
   double off_u = 0, off_v = 0;  // the pile is so far from the image's middle, -1..1 of what it can
 };
@@ -202,7 +202,13 @@ Setting draw_setting(const ScanOptions& options, const engine::SensorTraits& sen
   return setting;
 }
 
+std::uint32_t scaled(std::uint32_t pixels, double resolution) {
+  return static_cast<std::uint32_t>(std::lround(resolution * pixels));
+}
+
 /// An image that nothing is in yet: how it errs, its size and its camera.
+///
+/// focal  at a resolution of 1
 RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double focal,
                            std::uint32_t index) {
   RenderedScene scene;
@@ -212,6 +218,9 @@ RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double f
     // One size for all images of a set: BOP's camera.json has one.
     if (CounterRandom(options.seed, 0, kImageSize).uniform() < 0.5) scene.width = kWideScan;
   }
+  scene.width = scaled(scene.width, options.resolution);
+  scene.height = scaled(scene.height, options.resolution);
+  focal *= options.resolution;
   const double depth_step = engine::traits_of(options.sensor.sensor).depth_step;
   scene.true_camera = {focal, focal, 0.5 * (scene.width - 1), 0.5 * (scene.height - 1),
                        depth_step * unit_scale(LengthUnit::meter, unit)};

@@ -40,6 +40,8 @@ export default async function startService() {
     "3",
     "--sensor",
     "laser",
+    "--resolution",
+    "0.5",
   );
   run("train", "scans/manifest.json", "--methods", "ppf", "-o", "l.h5");
   mkdirSync(join(folder, "live"));

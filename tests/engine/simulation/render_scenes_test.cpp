@@ -70,6 +70,29 @@ double box_depth(const Camera& camera, std::size_t pixel, const Pose& T_camera_b
   return enter <= leave ? enter : std::numeric_limits<double>::infinity();
 }
 
+TEST(VirtualScanner, SeesTheSameAtAnyResolution) {
+  const std::vector<ScanModel> models{box_model()};
+  const Result<RenderedScene> usual = scan(models, exact(3), 5);
+  ASSERT_TRUE(usual) << usual.error().message;
+  for (const double resolution : {0.25, 2.0}) {
+    ScanOptions options = exact(3);
+    options.resolution = resolution;
+    const Result<RenderedScene> scene = scan(models, options, 5);
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->width, resolution * kScanWidth);
+    EXPECT_EQ(scene->height, resolution * kScanHeight);
+    ASSERT_EQ(scene->depths.size(), std::size_t{scene->width} * scene->height);
+    EXPECT_DOUBLE_EQ(scene->camera.fx, resolution * usual->camera.fx);
+    EXPECT_NEAR(scene->camera.cx / scene->width, 0.5, 0.01);
+    ASSERT_EQ(scene->truth.size(), usual->truth.size());
+    for (std::size_t k = 0; k < scene->truth.size(); ++k) {
+      EXPECT_NEAR(*scene->truth[k].visible_fraction, *usual->truth[k].visible_fraction, 0.03);
+      EXPECT_TRUE(scene->truth[k].T_scene_model.linear().isApprox(
+          usual->truth[k].T_scene_model.linear(), 1e-5F));
+    }
+  }
+}
+
 TEST(VirtualScanner, MeasuresBoxesWhereTheTruthSaysTheyAre) {
   const std::vector<ScanModel> models{box_model()};
   const Result<RenderedScene> scene = scan(models, exact(3), 5);
