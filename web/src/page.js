@@ -16,6 +16,9 @@ import { listenForFiles } from "./open_files.js";
 import { PartsPanel } from "./parts_panel.js";
 import { PoseList } from "./pose_list.js";
 import { worthTelling } from "./rejected.js";
+import { robotPoseView } from "./robot/pose_view.js";
+import { Robot } from "./robot/robot.js";
+import { RobotPanel } from "./robot/robot_panel.js";
 import { showScale } from "./scale_bar.js";
 import { isDepthImage, mayBeDepthImage, readFiles, scanOfExample } from "./scan.js";
 import * as service from "./service.js";
@@ -49,6 +52,8 @@ const lists = {
   why: new WhyList(byId("why"), (id) => lookAt(id)),
 };
 const measure = view && new Measure(view);
+const robot = new Robot();
+const robotPanel = new RobotPanel(robot, () => lists.found.refresh());
 const partMeshes = new Meshes();
 const libraryPanel = new LibraryPanel({
   onShow: (model) => showModel(model),
@@ -126,6 +131,7 @@ function clearResult() {
   for (const list of Object.values(lists)) list.show([]);
   shownThings = [];
   rays = new Map();
+  robotPanel.show(null);
   measure?.setThings([]);
   view?.setThings([]);
 }
@@ -302,8 +308,12 @@ async function showResult(result, signal) {
     found: things.slice(0, detections.length),
     rejected: things.slice(detections.length),
   };
-  lists.found.show(kinds.found, settings.unit, scoreParts);
-  lists.rejected.show(kinds.rejected, settings.unit, scoreParts);
+  const units = { scan: settings.unit, library: library.unit };
+  const aboutPose = (pose) => robotPoseView(robot, pose, units, () => robotPanel.refresh());
+  lists.found.show(kinds.found, { unit: settings.unit, scoreParts, aboutPose });
+  lists.rejected.show(kinds.rejected, { unit: settings.unit, scoreParts });
+  const models = library.models.map(({ name }) => name);
+  robotPanel.show({ scene: scan.name, detections, units, models });
   byId("found-section").hidden = !detections.length;
   byId("rejected-note").textContent = rejectedNote(rejected.length, told.length);
   showLayer("rejected", isShown("rejected"));

@@ -1,6 +1,5 @@
 import { copyButton } from "./copy.js";
 import { element, moveByArrows, terms } from "./dom.js";
-import { robotPoseView } from "./robot_pose_view.js";
 import { scoreBars } from "./score_bars.js";
 import {
   lengthWords,
@@ -22,7 +21,7 @@ function noteOf({ kind, pose, reason }, unit) {
   return `${visibilityWords(pose)}, rmse ${lengthWords(pose.rmse, unit)}`;
 }
 
-function detailsOf({ kind, pose }, unit, scoreParts) {
+function detailsOf({ kind, pose }, { unit, scoreParts, aboutPose }) {
   const found = kind === "found";
   const orientation = orientationOf(pose.T_scene_model);
   return [
@@ -41,7 +40,7 @@ function detailsOf({ kind, pose }, unit, scoreParts) {
       ],
       pose.siblings?.length > 0 && ["may as well be", pose.siblings.join(", ")],
     ]),
-    found && robotPoseView(pose.T_scene_model, unit),
+    found && aboutPose(pose),
     pose.evidence && scoreParts && scoreBars(pose, scoreParts),
     element(
       "p",
@@ -71,11 +70,11 @@ export class PoseList {
   }
 
   /**
-   * things      [{ id, kind, label, color, pose: as the service gave it, reason }]
-   * unit        of the scan
-   * scoreParts  of the service, or null
+   * things  [{ id, kind, label, color, pose: as the service gave it, reason }]
+   * about   { unit: of the scan, scoreParts: of the service, or null, aboutPose: aboutPose(pose)
+   *         gives an element about one that was found }
    */
-  show(things, unit, scoreParts) {
+  show(things, about) {
     this.#rows.clear();
     const rows = things.map((thing) => {
       const details = element("div", {
@@ -112,15 +111,20 @@ export class PoseList {
           element("span", { className: "unseen" }, "score "),
           scoreWords(thing.pose.score),
         ),
-        element("span", { className: "note dim" }, noteOf(thing, unit)),
+        element("span", { className: "note dim" }, noteOf(thing, about.unit)),
         meter,
       );
       const fill = () =>
-        details.replaceChildren(...detailsOf(thing, unit, scoreParts).filter(Boolean));
+        details.replaceChildren(...detailsOf(thing, about).filter(Boolean));
       this.#rows.set(thing.id, { button, details, fill });
       return element("li", {}, button, this.#moreFor(thing.id), details);
     });
     this.#list.replaceChildren(...rows);
+  }
+
+  /** Tell the details that are open anew. */
+  refresh() {
+    for (const { details, fill } of this.#rows.values()) if (!details.hidden) fill();
   }
 
   /** Open the row of this id, and close the others; null or an unknown id: close all. */

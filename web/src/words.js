@@ -1,5 +1,5 @@
 /** Numbers and findings as an engineer reads them. */
-import { quaternionOf } from "./robot_pose.js";
+import { quaternionOf } from "./robot/conventions.js";
 
 const figures = (value, digits) => Number(value.toPrecision(digits)).toString().replace("-", "−");
 

@@ -1,6 +1,10 @@
 /** Poses as controllers of robots take them. */
-import { kConventions, robotPose } from "../src/robot_pose.js";
-import { expect, foundRows, openExample, test } from "./fixtures.js";
+import { execFileSync } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
+
+import { kConventions, robotPose } from "../src/robot/conventions.js";
+import { readFrame, readGrasps } from "../src/robot/frames.js";
+import { exampleFiles, expect, foundRows, openExample, test } from "./fixtures.js";
 
 const product = (a, b) =>
   a.map((row) => b[0].map((_, j) => row.reduce((sum, x, k) => sum + x * b[k][j], 0)));
@@ -144,4 +148,100 @@ test("a detection's pose is copied for the robot that was chosen, and the choice
   rows.forEach((row, i) => row.slice(0, 3).forEach((x, j) => expect(back[i][j]).toBeCloseTo(x, 6)));
   await foundRows(page).nth(1).click();
   await expect(page.getByLabel("Pose for").filter({ visible: true })).toHaveValue("kuka");
+});
+
+const kHandEye = [
+  [0.36, 0.48, -0.8, 0.5],
+  [-0.8, 0.6, 0, -0.25],
+  [0.48, 0.64, 0.6, 0.75],
+  [0, 0, 0, 1],
+];
+const moved = (x, y, z) => [
+  [0, 0, 1, x],
+  [1, 0, 0, y],
+  [0, 1, 0, z],
+  [0, 0, 0, 1],
+];
+
+/** Fields of each row; those in quotes have commas. */
+const readTable = (file) =>
+  readFileSync(file, "utf8")
+    .trim()
+    .split("\n")
+    .map((line) => [...line.matchAll(/(?:^|,)(?:"([^"]*)"|([^,]*))/g)].map((m) => m[1] ?? m[2]));
+
+test("the table has the numbers of the program's, in the robot's frame, for each grasp", async ({
+  page,
+  request,
+}, testInfo) => {
+  const scene = await openExample(page);
+  const [first, other] = new Set(scene.detections.map(({ model }) => model));
+  const grasps = { [first]: { rim: moved(0.01, 0, 0), "inner, left": moved(0, 0.02, -0.01) } };
+  const files = {
+    hand_eye: JSON.stringify(kHandEye),
+    grasps: JSON.stringify(grasps),
+  };
+  for (const [name, text] of Object.entries(files))
+    writeFileSync(testInfo.outputPath(`${name}.json`), text);
+  await page.getByText("For a robot").click();
+  await page.getByLabel("Controller").selectOption("kuka");
+  await page.locator("#frame-file").setInputFiles(testInfo.outputPath("hand_eye.json"));
+  await page.locator("#grasps-file").setInputFiles(testInfo.outputPath("grasps.json"));
+  await expect(page.locator("#grasps-note")).toHaveText("2 grasps of 1 model");
+  const [download] = await Promise.all([
+    page.waitForEvent("download"),
+    page.getByRole("link", { name: "Download table" }).click(),
+  ]);
+  const told = readTable(await download.path());
+
+  const [scan, camera] = await exampleFiles(request);
+  writeFileSync(testInfo.outputPath(scan.name), scan.buffer);
+  writeFileSync(testInfo.outputPath("camera.json"), camera.buffer);
+  const words = ["--camera", "camera.json", "--robot", "kuka", "--robot-csv", "poses.csv"];
+  execFileSync(
+    process.env.TRIVET_PROGRAM,
+    ["recognize", process.env.TRIVET_LIBRARY, scan.name, ...words]
+      .concat(["--robot-frame", "hand_eye.json", "--grasps", "grasps.json", "--json", "-"]),
+    { cwd: testInfo.outputPath("."), stdio: "pipe" },
+  );
+  const expected = readTable(testInfo.outputPath("poses.csv"));
+  expect(told[0]).toEqual(expected[0]);
+  expect(told.length).toBe(expected.length);
+  told.slice(1).forEach(([, model, grasp, ...numbers], k) => {
+    const [, otherModel, otherGrasp, ...others] = expected[k + 1];
+    expect([model, grasp]).toEqual([otherModel, otherGrasp]);
+    numbers.forEach((number, i) => expect(Number(number)).toBeCloseTo(Number(others[i]), 3));
+  });
+  expect(told.slice(1).some(([, model, grasp]) => model === other && grasp === "")).toBe(
+    other !== undefined,
+  );
+});
+
+test("frames that are none are refused with the reason, and the last good one stays", async ({
+  page,
+}) => {
+  await openExample(page);
+  await page.getByText("For a robot").click();
+  const frame = page.getByLabel("The scan's frame in the robot's");
+  await frame.fill("0 0 1 10, 1 0 0 20; 0 1 0 30\n0 0 0 1");
+  await frame.blur();
+  await expect(frame).toHaveValue("0 0 1 10\n1 0 0 20\n0 1 0 30\n0 0 0 1");
+  await foundRows(page).first().click();
+  await expect(page.getByText("in the robot's frame")).toBeVisible();
+  await frame.fill("0 0 1 10, 1 0 0 20; 0 1 0 30");
+  await frame.blur();
+  await expect(page.locator("#frame-note")).toHaveText(
+    "The frame is not taken: expected four rows of four numbers, found 12 of 16.",
+  );
+  await expect(frame).toHaveAttribute("aria-invalid", "true");
+  await page.reload();
+  await expect(page.getByLabel("The scan's frame in the robot's")).toHaveValue(
+    "0 0 1 10\n1 0 0 20\n0 1 0 30\n0 0 0 1",
+  );
+
+  expect(() => readFrame("1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1")).toThrow("a rotation");
+  expect(() => readFrame("2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1")).toThrow("a rotation");
+  expect(() => readFrame("1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1")).toThrow("0 0 0 1");
+  expect(() => readGrasps("[1]")).toThrow("MODEL");
+  expect(() => readGrasps('{"cup": {"rim": [[1, 0], [0, 1]]}}')).toThrow("cup, rim: ");
 });
