@@ -2,7 +2,7 @@ import { BufferAttribute, BufferGeometry, Matrix4, Points, ShaderMaterial } from
 
 import { PaletteTexture } from "./palettes.js";
 
-const kProbes = 100;
+const kProbes = 40;
 const kNeighbors = 6; // of a point among random ones, or in a grid, within 1.4 spacings
 const kSizeInSpacings = "2.0"; // neighbors overlap, so that a surface looks closed
 const kUnlit = "0.7"; // share of a color that stands for a value
@@ -18,6 +18,7 @@ function spacing(positions) {
     const nearest = new Array(kNeighbors + 1).fill(Infinity); // rising; the first is itself
     for (let k = 0; k < positions.length; k += 3) {
       const x = positions[k] - positions[i];
+      if (x * x >= nearest[kNeighbors]) continue;
       const y = positions[k + 1] - positions[i + 1];
       const z = positions[k + 2] - positions[i + 2];
       const squared = x * x + y * y + z * z;
