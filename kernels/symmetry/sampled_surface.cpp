@@ -50,14 +50,15 @@ struct Oriented {
 };
 
 /// Squared distances of a point from samples as SampledSurface has them, infinite where normals
-/// disagree.
+/// disagree. Returns how many are below `wanted`.
 TRIVET_SIMD_CLONES
-void measure_run(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
-                 const float* __restrict nxs, const float* __restrict nys,
-                 const float* __restrict nzs, std::size_t n, const Oriented& query, float slack,
-                 float* __restrict squared) noexcept {
+int measure_run(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
+                const float* __restrict nxs, const float* __restrict nys,
+                const float* __restrict nzs, std::size_t n, const Oriented& query, float slack,
+                float wanted, float* __restrict squared) noexcept {
   const float qx = query.point.x(), qy = query.point.y(), qz = query.point.z();
   const float mx = query.normal.x(), my = query.normal.y(), mz = query.normal.z();
+  int num_below = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = qx - xs[i], dy = qy - ys[i], dz = qz - zs[i];
     const float cosine = nxs[i] * mx + nys[i] * my + nzs[i] * mz;
@@ -69,7 +70,9 @@ void measure_run(const float* __restrict xs, const float* __restrict ys, const f
     const float distance = plane + excess * excess;
     squared[i] =
         cosine < SampledSurface::kMinCosine ? std::numeric_limits<float>::infinity() : distance;
+    num_below += squared[i] < wanted ? 1 : 0;
   }
+  return num_below;
 }
 
 }  // namespace
@@ -139,8 +142,10 @@ SampledSurface::Match SampledSurface::match(const Eigen::Vector3f& point,
       const std::size_t count = std::min(kRun, points.size() - first);
       const PointsView some = points.slice(first, count);
       const NormalsView normals = grid_normals_.view().slice(before + first, count);
-      measure_run(some.x.data(), some.y.data(), some.z.data(), normals.x.data(), normals.y.data(),
-                  normals.z.data(), count, {point, normal}, slack, squared.data());
+      const int num_nearer = measure_run(
+          some.x.data(), some.y.data(), some.z.data(), normals.x.data(), normals.y.data(),
+          normals.z.data(), count, {point, normal}, slack, best_squared, squared.data());
+      if (num_nearer == 0) continue;
       for (std::size_t k = 0; k < count; ++k) {
         if (!(squared[k] < best_squared) || indices[first + k] == excluded) continue;
         best_squared = squared[k];
