@@ -56,6 +56,7 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
     if (const Result<void> added = writer->add(basis); !added) return added;
   }
   Result<void> written;
+  progress(0, models.size(), {});
   engine::prepare_ahead(
       models.size(), [&](std::size_t k) { return check_and_pack(models[k], *writer); },
       [&](std::size_t k, const Result<std::shared_ptr<PackedModel>>& packed) {
