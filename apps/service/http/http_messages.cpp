@@ -9,13 +9,10 @@
 #include <random>
 #include <span>
 
-#include "storage/file.hpp"
-
 namespace trivet::apps::service {
 namespace {
 
 constexpr double kMaxDeadlineMs = 3.6e6;
-constexpr std::uint64_t kMaxFileBytes = 256 << 20;
 
 bool is_plain(const std::string& id) {
   return !id.empty() && id.size() <= 128 && std::ranges::all_of(id, [](unsigned char c) {
@@ -52,13 +49,6 @@ HttpResponse error_response(unsigned status, const std::string& reason) {
 
 HttpResponse error_response(const Error& error) {
   return error_response(status_of(error.code), error.message);
-}
-
-HttpResponse file_response(const std::filesystem::path& file) {
-  const Result<MappedFile> bytes = MappedFile::open(file, kMaxFileBytes);
-  if (!bytes) return error_response(404, "the file is gone, or too large");
-  const std::span<const std::byte> view = bytes->bytes();
-  return {200, std::string(reinterpret_cast<const char*>(view.data()), view.size()), kBytes, {}};
 }
 
 HttpResponse refusal_response(Refusal refusal) {

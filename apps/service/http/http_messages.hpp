@@ -2,7 +2,6 @@
 #pragma once
 
 #include <chrono>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -23,8 +22,6 @@ HttpResponse error_response(unsigned status, const std::string& reason);
 HttpResponse error_response(const Error& error);
 /// 503 with Retry-After, 504, or 499.
 HttpResponse refusal_response(Refusal refusal);
-/// The bytes of a file of at most 256 MiB; 404 where it is gone.
-HttpResponse file_response(const std::filesystem::path& file);
 /// 405 to a request of another method.
 HttpResponse method_response(std::string_view expected, const HttpRequest& request);
 /// One word for metrics and logs.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/inputs/inputs.hpp"
+#include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/model_json.hpp"
 #include "apps/service/serve/service_routes.hpp"
@@ -64,16 +65,12 @@ void ServiceRoutes::examples(const CallPtr& call, std::string_view rest) {
                       {"query", examples_[i].query},
                       {"url", fmt::format("/v1/examples/{}", i)}});
     }
-    return reply(call, json_response(200, {{"examples", std::move(list)},
-                                           {"session", commissioning_.session != nullptr}}));
+    return reply(call, json_response(200, {{"examples", std::move(list)}}));
   }
   const std::optional<std::size_t> index = whole_number(rest.substr(1));
   if (rest.front() != '/' || !index || *index >= examples_.size())
     return reply(call, error_response(404, "no such example"));
-  submit_one(call,
-             [file = examples_[*index].file](const LibraryGeneration&) -> Result<HttpResponse> {
-               return file_response(file);
-             });
+  reply(call, file_response(examples_[*index].file));
 }
 
 void ServiceRoutes::score_parts(const CallPtr& call, std::string_view) {

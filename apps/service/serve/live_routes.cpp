@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/service_routes.hpp"
 
@@ -34,9 +35,7 @@ void ServiceRoutes::view_live(const CallPtr& call, std::string_view rest) {
   }
   const auto file = commissioning_.live->file(*number);
   if (!file) return reply(call, error_response(404, "this scan is no longer kept"));
-  submit_one(call, [file = *file](const LibraryGeneration&) -> Result<HttpResponse> {
-    return file_response(file);
-  });
+  reply(call, file_response(*file));
 }
 
 }  // namespace trivet::apps::service

@@ -62,7 +62,8 @@ bool ServiceRoutes::has_session(const CallPtr& call) const {
 }
 
 void ServiceRoutes::session(const CallPtr& call, std::string_view) {
-  if (has_session(call)) reply(call, json_response(200, commissioning_.session->index()));
+  if (!commissioning_.session) return reply(call, json_response(200, {{"kept", false}}));
+  reply(call, json_response(200, commissioning_.session->index()));
 }
 
 void ServiceRoutes::session_archive(const CallPtr& call, std::string_view) {

@@ -164,7 +164,8 @@ TEST_F(SessionOfAService, RefusesWhatItCannotKeep) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "cell/scans"))
     EXPECT_EQ(entry.path().filename(), "a.png");
   const auto without = serve({}, [&](int port) {
-    for (const char* const path : {"", "/archive", "/scans/a", "/runs/A/a"})
+    EXPECT_EQ(index(port), Json({{"kept", false}}));
+    for (const char* const path : {"/archive", "/scans/a", "/runs/A/a"})
       refuses(ask(port, "GET", std::string("/v1/session") + path), 404, "--session DIR");
   });
   EXPECT_EQ(without.exit_code, 0) << without.error;

@@ -11,14 +11,11 @@ const sendJson = async (path, value, signal) =>
   (await ask(path, { method: "PUT", body: JSON.stringify(value), signal })).json();
 
 /**
- * { unit, bytes: { used, allowed }, scans: [{ name, bytes, query, truth: poses, or null }],
+ * { kept, unit, bytes: { used, allowed }, scans: [{ name, bytes, query, truth: poses, or null }],
  *   runs: [{ name, answers: [{ scan, found, seconds }] }], faults: [{ file, reason }] };
- * null: the service keeps none
+ * where the service keeps none, kept alone is there, and false
  */
-export async function fetchSession() {
-  const { session } = await getJson("/v1/examples");
-  return session ? getJson(kSession) : null;
-}
+export const fetchSession = () => getJson(kSession);
 
 export const putScan = (name, parameters, body) =>
   ask(`${scanUrl(name)}?${parameters}`, { method: "PUT", body });

@@ -24,7 +24,7 @@ export class SessionTab {
 
   async start() {
     const index = await fetchSession();
-    if (!index) return;
+    if (!index.kept) return;
     this.#session = new Session(index);
     this.#panel = new SessionPanel(this.#session, {
       open: (scan, run, answer) => this.#open(scan, run, answer),

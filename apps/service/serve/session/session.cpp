@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "apps/results/detections_json.hpp"
+#include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/session/reading_query.hpp"
 #include "apps/service/serve/session/tar.hpp"
@@ -236,7 +237,8 @@ nlohmann::ordered_json Session::index() const {
   }
   for (const Fault& fault : faults_)
     faults.push_back({{"file", fault.file}, {"reason", fault.reason}});
-  return {{"unit", unit_name(unit_)},
+  return {{"kept", true},
+          {"unit", unit_name(unit_)},
           {"bytes", {{"used", bytes_used()}, {"allowed", max_bytes_}}},
           {"scans", std::move(scans)},
           {"runs", std::move(runs)},
@@ -248,19 +250,11 @@ std::size_t Session::num_scans() const {
   return scans_.size();
 }
 
-HttpResponse Session::stream(const std::string& file) const {
-  const std::optional<std::uint64_t> bytes = bytes_of(folder_ / file);
-  if (!bytes) return error_response(404, fmt::format("{}: the file is gone", file));
-  HttpResponse response{200, {}, file.ends_with(".json") ? "application/json" : kBytes, {}};
-  response.stream = file_stream(folder_ / file, *bytes);
-  return response;
-}
-
 HttpResponse Session::scan(const std::string& name) const {
   const std::lock_guard lock(reading_);
   const auto found = scans_.find(name);
   if (found == scans_.end()) return error_response(404, fmt::format("no scan '{}'", name));
-  return stream(found->second.listed.name);
+  return file_response(folder_ / found->second.listed.name);
 }
 
 HttpResponse Session::answer(const std::string& run, const std::string& scan) const {
@@ -269,7 +263,7 @@ HttpResponse Session::answer(const std::string& run, const std::string& scan) co
   if (found == runs_.end()) return error_response(404, fmt::format("no run '{}'", run));
   if (!found->second.contains(scan))
     return error_response(404, fmt::format("run '{}': no answer for '{}'", run, scan));
-  return stream(answer_file(run, scan));
+  return file_response(folder_ / answer_file(run, scan), "application/json");
 }
 
 HttpResponse Session::archive() const {

@@ -124,7 +124,6 @@ class Session {
   /// Their meshes. Returns an answer where there is no room.
   Result<std::optional<HttpResponse>> write_models(const Scans& scans, const ModelOfName& models);
   HttpResponse refuse_bytes(std::uint64_t bytes) const;
-  HttpResponse stream(const std::string& file) const;
   nlohmann::ordered_json scan_json(const std::string& name, const Scan& scan) const;
 
   const std::filesystem::path folder_;

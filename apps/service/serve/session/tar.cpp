@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <memory>
 #include <span>
 #include <utility>
+
+#include "apps/service/http/file_response.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -47,27 +48,6 @@ std::string header_of(const TarEntry& entry, std::int64_t time) {
   block[154] = '\0';
   return {block.begin(), block.end()};
 }
-
-/// Reads one file to its end, of which the size is known.
-class FileReader {
- public:
-  FileReader() = default;
-  FileReader(const std::filesystem::path& file, std::uint64_t bytes)
-      : stream_(file, std::ios::binary), left_(bytes) {}
-  std::uint64_t left() const { return left_; }
-  /// At most as much as is left; 0: it cannot be read.
-  std::size_t read(std::span<char> out) {
-    const std::uint64_t n = std::min<std::uint64_t>(out.size(), left_);
-    stream_.read(out.data(), static_cast<std::streamsize>(n));
-    const auto got = static_cast<std::size_t>(stream_.gcount());
-    left_ -= got;
-    return got;
-  }
-
- private:
-  std::ifstream stream_;
-  std::uint64_t left_ = 0;
-};
 
 class TarReader {
  public:
@@ -124,17 +104,6 @@ HttpStream tar_stream(std::vector<TarEntry> entries) {
   for (const TarEntry& entry : entries) num_bytes += kBlock + padded(entry.bytes);
   return {num_bytes, [reader = std::make_shared<TarReader>(std::move(entries))](
                          std::span<char> out) { return reader->fill(out); }};
-}
-
-HttpStream file_stream(const std::filesystem::path& file, std::uint64_t bytes) {
-  return {bytes, [reader = std::make_shared<FileReader>(file, bytes)](std::span<char> out) {
-            while (!out.empty()) {
-              const std::size_t n = reader->read(out);
-              if (n == 0) return false;
-              out = out.subspan(n);
-            }
-            return true;
-          }};
 }
 
 }  // namespace trivet::apps::service

@@ -20,7 +20,4 @@ struct TarEntry {
 /// another size, ends it early.
 HttpStream tar_stream(std::vector<TarEntry> entries);
 
-/// One file; ends early as above.
-HttpStream file_stream(const std::filesystem::path& file, std::uint64_t bytes);
-
 }  // namespace trivet::apps::service
