@@ -11,12 +11,10 @@ import {
   Raycaster,
   Scene,
   Sphere,
-  Spherical,
   Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { element } from "../dom.js";
 import { makeAxes } from "./axes.js";
@@ -24,6 +22,7 @@ import { distanceToSee, frameOf } from "./frame.js";
 import { Lens } from "./lens.js";
 import { outlineMaterial, Picture } from "./picture.js";
 import { pickPoint } from "./pick_point.js";
+import { Pilot } from "./pilot.js";
 import { makeRayPoints } from "./ray_points.js";
 import { RulerLine } from "./ruler_line.js";
 import { colorScanPoints, makeScanPoints } from "./scan_points.js";
@@ -36,8 +35,6 @@ const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
 const kStray = 0.005; // share of a scan's points that need not be seen when all of it is
 const kRoom = 1.6; // radii of a thing that are seen around its center when it is looked at
-const kFlightSeconds = 0.45;
-const kTurn = Math.PI / 24; // of an arrow key
 const kRestSeconds = 0.15; // after which the view counts as at rest
 const kSlowMs = 120; // of a picture: then coarse ones follow until the view is at rest
 const kPauseMs = 1000; // of the hand, which tells nothing of how slow pictures are
@@ -62,7 +59,7 @@ export class SceneView {
   #renderer;
   #picture;
   #camera = new PerspectiveCamera(kFieldOfView);
-  #controls;
+  #pilot;
   #solid = new Scene();
   #outlined = new Scene();
   #lamp = new DirectionalLight("#ffffff", 2.2);
@@ -80,13 +77,9 @@ export class SceneView {
   #things = []; // { id, kind, mesh, outline, mark, center, place, radius, color, alternatives }
   #layers = { scan: true, found: true, rejected: false };
   #selected = null;
-  #saved = null; // the camera of the scan while a model is shown
   #asked = 0;
-  #flight = 0;
   #rest = 0;
-  #isFitted = false;
   #isNew = false; // no mark was placed yet
-  #isDragged = false;
   #isCoarse = false;
   #lastDrawn = 0;
 
@@ -106,17 +99,7 @@ export class SceneView {
     this.#renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "default" });
     this.#renderer.localClippingEnabled = true;
     this.#picture = new Picture(this.#renderer);
-    this.#controls = new OrbitControls(this.#camera, canvas);
-    this.#controls.zoomToCursor = true;
-    this.#controls.addEventListener("change", () => this.#draw());
-    this.#controls.addEventListener("start", () => {
-      this.#isDragged = true;
-      this.#leave();
-    });
-    this.#controls.addEventListener("end", () => {
-      this.#isDragged = false;
-      this.#draw(); // and come to rest
-    });
+    this.#pilot = new Pilot(this.#camera, canvas, () => this.#draw());
     this.#solid.add(new HemisphereLight("#ffffff", "#6f7680", 1.4), this.#camera, this.#found);
     this.#lamp.position.set(-0.4, 0.6, 1);
     this.#camera.add(this.#lamp);
@@ -129,7 +112,6 @@ export class SceneView {
     new ResizeObserver(() => this.#resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColors());
     canvas.addEventListener("webglcontextrestored", () => this.#draw());
-    canvas.addEventListener("keydown", (event) => this.#onKey(event));
     this.#listenForPicks();
   }
 
@@ -201,7 +183,7 @@ export class SceneView {
     this.#things = this.#frame ? things.map((thing, k) => this.#make(thing, k)) : [];
     this.#isNew = true;
     this.#arrange();
-    if (this.#isFitted && !this.#model) this.fit(false);
+    if (this.#pilot.isFitted && !this.#model) this.fit(false);
   }
 
   #make(thing, index) {
@@ -359,17 +341,16 @@ export class SceneView {
     this.#arrange();
     const thing = this.#things.find((other) => other.id === id);
     if (!thing || this.#model) return;
-    const back = this.#camera.position.clone().sub(this.#controls.target).normalize();
     const half = Math.atan(
       Math.tan((kFieldOfView * Math.PI) / 360) * Math.min(1, this.#camera.aspect),
     );
-    this.#flyTo(thing.center, back, (kRoom * thing.radius) / Math.sin(half));
+    this.#pilot.flyTo(thing.center, this.#pilot.back, (kRoom * thing.radius) / Math.sin(half));
   }
 
   /** Show one model by itself, until closeModel(). axes  of its symmetries: see makeTurnAxes */
   showModel(geometry, color, axes = []) {
     this.closeModel(false);
-    this.#saved ??= [this.#camera.position.clone(), this.#controls.target.clone()];
+    this.#pilot.keepPlace();
     const material = new MeshLambertMaterial({
       color: color,
       flatShading: true,
@@ -397,13 +378,7 @@ export class SceneView {
       this.#model = null;
     }
     if (!back) return;
-    if (this.#saved) {
-      cancelAnimationFrame(this.#flight);
-      this.#camera.position.copy(this.#saved[0]);
-      this.#controls.target.copy(this.#saved[1]);
-      this.#controls.update();
-      this.#saved = null;
-    }
+    this.#pilot.returnToPlace();
     this.#arrange();
   }
 
@@ -418,62 +393,8 @@ export class SceneView {
       distanceToSee(frame.sample, frame.direction, field, this.#model ? 0 : kStray),
       corners.length ? distanceToSee(corners, frame.direction, field) : 0,
     );
-    this.#flyTo(new Vector3(), frame.direction, distance, flies);
-    this.#isFitted = true;
-  }
-
-  #flyTo(target, direction, distance, flies = true) {
-    this.#leave();
-    const position = target.clone().addScaledVector(direction, distance);
-    const [fromPosition, fromTarget] = [
-      this.#camera.position.clone(),
-      this.#controls.target.clone(),
-    ];
-    const still = !flies || matchMedia("(prefers-reduced-motion: reduce)").matches;
-    const start = performance.now();
-    const step = (now) => {
-      const part = still ? 1 : Math.min(1, Math.max(0, now - start) / 1000 / kFlightSeconds);
-      const eased = part * part * (3 - 2 * part);
-      this.#camera.position.lerpVectors(fromPosition, position, eased);
-      this.#controls.target.lerpVectors(fromTarget, target, eased);
-      this.#controls.update();
-      this.#draw();
-      if (part < 1) this.#flight = requestAnimationFrame(step);
-    };
-    step(start);
-  }
-
-  /** The user, or a flight, takes the camera elsewhere. */
-  #leave() {
-    cancelAnimationFrame(this.#flight);
-    this.#isFitted = false;
-  }
-
-  #onKey(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-    const nearer = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key];
-    const turn = turns[event.key];
-    if (!turn && !nearer) return;
-    event.preventDefault();
-    this.#leave();
-    const { target } = this.#controls;
-    const offset = this.#camera.position.clone().sub(target);
-    if (turn && event.shiftKey) {
-      const step = offset.length() * 0.05;
-      const across = new Vector3().setFromMatrixColumn(this.#camera.matrix, turn[0] ? 0 : 1);
-      target.addScaledVector(across, step * (turn[0] || -turn[1]));
-    } else if (turn) {
-      const angles = new Spherical().setFromVector3(offset);
-      angles.theta += kTurn * turn[0];
-      angles.phi += kTurn * turn[1];
-      offset.setFromSpherical(angles.makeSafe());
-    } else {
-      offset.multiplyScalar(nearer);
-    }
-    this.#camera.position.copy(target).add(offset);
-    this.#controls.update();
-    this.#draw();
+    this.#pilot.flyTo(new Vector3(), frame.direction, distance, flies);
+    this.#pilot.isFitted = true;
   }
 
   #listenForPicks() {
@@ -553,15 +474,15 @@ export class SceneView {
 
   #drawNow() {
     const since = performance.now() - this.#lastDrawn;
-    if (this.#isDragged && since > kSlowMs && since < kPauseMs) this.#setCoarse(true);
+    if (this.#pilot.isDragged && since > kSlowMs && since < kPauseMs) this.#setCoarse(true);
     this.#lastDrawn = performance.now();
-    const distance = this.#camera.position.distanceTo(this.#controls.target);
+    const { distance } = this.#pilot;
     this.#camera.near = Math.max(0.002, distance / 100);
     this.#camera.far = distance + 20;
     this.#camera.updateProjectionMatrix();
     const smallest = 1.2 * this.#renderer.getPixelRatio();
     const pixelsPerUnit = this.#setPointSize(this.#canvas.height, smallest);
-    this.#sensor.prepare(this.#camera, this.#controls.target);
+    this.#sensor.prepare(this.#camera, this.#pilot.target);
     const spacing = this.#points?.material.uniforms.spacing.value ?? 0;
     this.#picture.render(this.#solid, this.#outlined, this.#camera, pixelsPerUnit, spacing);
     clearTimeout(this.#rest);
@@ -579,7 +500,7 @@ export class SceneView {
   }
 
   #comeToRest() {
-    if (this.#isCoarse && !this.#isDragged) this.#setCoarse(false);
+    if (this.#isCoarse && !this.#pilot.isDragged) this.#setCoarse(false);
     else this.#settle();
   }
 
@@ -638,7 +559,7 @@ export class SceneView {
     this.onScale(shown ? (2 * halfHeight * shown.radius) / this.#canvas.clientHeight : null);
     const frame = this.#model ? null : this.#frame;
     if (!frame) return this.onLook(null);
-    const point = this.#controls.target
+    const point = this.#pilot.target
       .clone()
       .applyMatrix4(new Matrix4().copy(frame.toWorld).invert());
     return this.onLook(point.toArray(), distance * frame.radius);
