@@ -97,9 +97,7 @@ test.describe("a scan in another unit", () => {
 });
 
 test("files that are no scans are refused with what was expected", async ({ page }) => {
-  await page.route("**/v1/examples", (route) =>
-    route.fulfill({ json: { examples: [], session: false } }),
-  );
+  await page.route("**/v1/session", (route) => route.fulfill({ json: { kept: false } }));
   await openPage(page);
   await expect(page.getByRole("tab", { name: "Session" })).toBeHidden();
   await drop(page, [file("scan.jpg", "II")]);
