@@ -18,8 +18,11 @@ const kServiceOnly = ["format", "rejected", "claims"];
 export const quoted = (text) =>
   /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
-/** Of a file that a command would take for an option, or for standard input. */
-const fileName = (name) => (name.startsWith("-") ? `./${name}` : name);
+/** Of a file, not to be taken for an option or for standard input; kept scans go without ending. */
+function fileName(name, format = "") {
+  const ends = !format || name.toLowerCase().includes(`.${format}`);
+  return `${name.startsWith("-") ? "./" : ""}${name}${ends ? "" : `.${format}`}`;
+}
 
 /**
  * scan        { name, format }
@@ -32,7 +35,7 @@ export function curlCommand(scan, parameters, origin) {
   return [
     `curl ${quoted(`${origin}/v1/recognize?${query}`)}`,
     `-H ${quoted(`Content-Type: ${type}`)}`,
-    `--data-binary ${quoted(`@${fileName(scan.name)}`)}`,
+    `--data-binary ${quoted(`@${fileName(scan.name, scan.format)}`)}`,
   ].join(" \\\n  ");
 }
 
@@ -48,7 +51,7 @@ const elsewhere = (parameters) =>
 
 /** library  file name; described  parameters by name */
 export function trivetCommand(scan, parameters, library, described) {
-  const lines = [`trivet recognize ${quoted(fileName(library))} ${quoted(fileName(scan.name))}`];
+  const lines = [`trivet recognize ${quoted(fileName(library))} ${quoted(fileName(scan.name, scan.format))}`];
   let before = "";
   for (const [name, value] of elsewhere(parameters)) {
     if (name === "camera") {

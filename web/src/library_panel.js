@@ -80,7 +80,7 @@ export class LibraryPanel {
     return element(
       "details",
       { className: "change" },
-      element("summary", { "aria-label": `Change ${name}` }, "Change"),
+      element("summary", { "aria-label": `Rename or remove ${name}` }, "Rename or remove"),
       to,
       element(
         "p",

@@ -38,6 +38,10 @@ import {
   secondsWords,
 } from "./words.js";
 
+const kToolHints = {
+  ask: "Click a place to learn why a part is found there, or none; Enter: the middle. Esc ends.",
+  ruler: "Click two points; Enter: the middle of the view. Esc ends.",
+};
 const kAloneColor = "#8fa3b8"; // of a model shown by itself
 
 const meshes = new Meshes();
@@ -72,6 +76,7 @@ const session = new SessionTab({
   open: (kept, answer) => openScan(kept, null, answer),
   parameters: (other) => settings.parameters(other),
   adopt: (other, camera) => settings.adopt(other, camera),
+  fault: (other) => settings.fault(other),
   selected: () => selected,
   select: (id) => select(id),
   meshes,
@@ -88,6 +93,7 @@ let running = null; // the AbortController of what is being asked
 let shownThings = []; // what is drawn of the result
 let rays = new Map(); // by thing, what they say of it, where that was asked
 let selected = null;
+const scrolled = new Map(); // how far, by tab
 let tool = null; // what a click on the scan is for, but to select: see setTool
 
 function makeView() {
@@ -169,7 +175,8 @@ function openScan(next, camera, answer = null, linked = null) {
   byId("examples-box").open = false;
   byId("recognize").disabled = false;
   settings.adopt(scan, camera);
-  tellIgnored(linked ? settings.restore(linked) : []);
+  const asked = answer?.query ? settings.shown(new URLSearchParams(answer.query)) : linked;
+  tellIgnored(asked ? settings.restore(asked) : []);
   showTab("result");
   return run(answer);
 }
@@ -392,6 +399,8 @@ function setTool(next) {
   tool = next;
   for (const other of ["ask", "ruler"]) byId(other).setAttribute("aria-pressed", other === next);
   byId("canvas").classList.toggle("asks", next !== null);
+  byId("tool-hint").textContent = next ? kToolHints[next] : "";
+  if (next) byId("canvas").focus({ preventScroll: true });
   if (view) view.asks = next !== null;
 }
 
@@ -403,10 +412,10 @@ function takePlace(point) {
   return measure.ruler.take(point);
 }
 
-/** Let go of the ruler, else of what is shown. */
+/** Let go of the tool, else of what is shown. */
 function letGo() {
-  if (tool !== "ruler") return select(null);
-  measure.ruler.clear();
+  if (!tool) return select(null);
+  if (tool === "ruler") measure.ruler.clear();
   return setTool(null);
 }
 
@@ -498,6 +507,7 @@ async function loadLibrary() {
   library = await service.fetchLibrary();
   meshes.setModels(library.models);
   libraryPanel.show(library, partsPanel.allowed);
+  partsPanel.models = library.models;
   settings?.takeModels(library.models);
   byId("library-facts").textContent =
     `${library.library}: ${numbered(library.models.length, "model", "models")}, ` +
@@ -534,10 +544,14 @@ async function showModel(model, source = meshes) {
 }
 
 function showTab(name) {
+  const panel = byId("panel");
+  const before = ["result", "models", "session"].find((other) => !byId(other).hidden);
+  if (before) scrolled.set(before, panel.scrollTop);
   for (const other of ["result", "models", "session"]) {
     byId(other).hidden = other !== name;
     byId(`tab-${other}`).setAttribute("aria-selected", other === name);
   }
+  if (before !== name) panel.scrollTop = scrolled.get(name) ?? 0;
   if (name === "models") return;
   view?.closeModel();
   libraryPanel.mark(null);

@@ -47,6 +47,8 @@ export class PartsPanel {
   #unit = "m";
   #poll = 0;
   #told = "";
+  #parts = [];
+  #models = []; // of the library
   #limit = 0; // of a file [byte]
 
   /** Whether the service trains parts. */
@@ -78,6 +80,12 @@ export class PartsPanel {
     byId("part-unit").value = unit;
   }
 
+  /** Of the library, as it is now. */
+  set models(models) {
+    this.#models = models;
+    this.#show(this.#parts);
+  }
+
   /** Have files trained as parts. */
   async bring(files) {
     for (const file of files) {
@@ -96,6 +104,7 @@ export class PartsPanel {
   async #act(act) {
     const problem = byId("parts-problem");
     problem.textContent = "";
+    byId("parts-note").textContent = "";
     try {
       await act();
     } catch (error) {
@@ -117,7 +126,8 @@ export class PartsPanel {
   }
 
   #show(parts) {
-    const told = JSON.stringify(parts);
+    this.#parts = parts;
+    const told = JSON.stringify([parts, this.#models.map(({ name }) => name)]);
     if (told === this.#told) return; // what has the focus keeps it
     this.#told = told;
     const focused = document.activeElement?.id;
@@ -130,12 +140,15 @@ export class PartsPanel {
     const button = (label, id, onclick, className = "") =>
       element("button", { type: "button", id: `part-${id}-${name}`, className, onclick, "aria-label": `${label} ${name}` }, label);
     const isTrained = state === "trained";
+    const old = this.#models.find((other) => other.name === name);
     return element(
       "li",
       { className: `part ${state}` },
       element("p", { className: "name" }, name),
       element("p", { className: "dim" }, `${part.file}, in ${part.unit}: ${stateWords(part)}`),
       isTrained && element("p", {}, `${factsWords(part, this.#unit)}.`),
+      isTrained && old &&
+        element("p", { className: "warning" }, `The library has a ${name}, ${lengthWords(old.diameter, this.#unit)} across: this replaces it.`),
       isTrained && facts.warnings.map((words) => element("p", { className: "warning" }, words)),
       element(
         "p",
@@ -144,7 +157,7 @@ export class PartsPanel {
         isTrained && model.near_symmetry.declaration &&
           button("Declare near symmetry", "declare", () => this.#act(() => service.declarePart(name))),
         isTrained &&
-          button("Publish", "publish", () => this.#act(() => this.#publish(name)), "primary"),
+          button(old ? "Replace" : "Publish", "publish", () => this.#act(() => this.#publish(part, old)), "primary"),
         button(isTrained || state === "failed" ? "Discard" : "Stop", "drop", () =>
           this.#act(() => service.dropPart(name)),
         ),
@@ -152,8 +165,12 @@ export class PartsPanel {
     );
   }
 
-  async #publish(name) {
+  /** old  the model that it replaces, if there is one */
+  async #publish({ name, facts }, old) {
+    const doubts = [...facts.warnings, old && `${name} of the library is replaced.`].filter(Boolean);
+    if (doubts.length && !confirm(`${doubts.join("\n")}\nPublish it?`)) return;
     await service.publishPart(name);
     await this.onPublished();
+    byId("parts-note").textContent = `${name} is in the library, and looked for from now on.`;
   }
 }

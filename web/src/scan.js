@@ -64,6 +64,11 @@ export async function readFiles(files) {
   return { scans: scans.map(scanOf), camera };
 }
 
+const kExamples = "/v1/examples/"; // where scans are that every visitor of the service has
+
+/** Whether every visitor of the service has it. */
+export const isExample = (scan) => scan?.url?.startsWith(kExamples) ?? false;
+
 /** A scan that the service offers; its body is still to be fetched from `url`. */
 export function scanOfExample({ name, query, url }) {
   const parameters = new URLSearchParams(query);

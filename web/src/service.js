@@ -98,8 +98,15 @@ export const publishPart = (name) => change("PUT", modelPath(name));
 export const renameModel = (name, to) => change("PATCH", modelPath(name), { name: to });
 export const removeModel = (name) => change("DELETE", modelPath(name));
 
-const post = (path, parameters, body, signal) =>
-  ask(`${path}?${parameters}`, { method: "POST", body, signal });
+/** A request about a scan, which the service knows as "body". */
+async function post(path, parameters, scan, signal) {
+  try {
+    return await ask(`${path}?${parameters}`, { method: "POST", body: scan.body, signal });
+  } catch (error) {
+    if (scan.name) error.message = error.message.replace(/^body\.\w+:/, `${scan.name}:`);
+    throw error;
+  }
+}
 
 /** Of x, y, z, intensity after one another: the positions, and the intensities. */
 function splitColumns(numbers) {
@@ -121,7 +128,7 @@ function splitColumns(numbers) {
  *   intensity: of each point, if the scan has it, else null }.
  */
 export async function fetchPoints(scan, parameters, signal) {
-  const response = await post("/v1/points", `${parameters}&intensity=true`, scan.body, signal);
+  const response = await post("/v1/points", `${parameters}&intensity=true`, scan, signal);
   const numbers = new Float32Array(await response.arrayBuffer());
   const isBright = response.headers.has("X-Columns");
   const [positions, intensity] = isBright ? splitColumns(numbers) : [numbers, null];
@@ -139,7 +146,7 @@ export async function fetchPoints(scan, parameters, signal) {
 export async function recognize(scan, parameters, signal) {
   performance.clearResourceTimings();
   const start = performance.now();
-  const response = await post("/v1/recognize", parameters, scan.body, signal);
+  const response = await post("/v1/recognize", parameters, scan, signal);
   const text = await response.text();
   // The network's clock, where there is one: the page's also counts what was drawn meanwhile.
   const sent = performance.getEntriesByName(response.url).at(-1);

@@ -2,7 +2,7 @@ import { byId } from "./dom.js";
 import { ChoiceField, NumberField } from "./options/fields.js";
 import { Options } from "./options/options.js";
 import { faultOf, isNumber, usualOf } from "./options/parameter.js";
-import { kCameraKeys, isDepthImage, mayBeDepthImage } from "./scan.js";
+import { kCameraKeys, isDepthImage, isExample, mayBeDepthImage } from "./scan.js";
 import { keep, recall } from "./storage.js";
 import { numbered } from "./words.js";
 
@@ -14,7 +14,8 @@ const field = (name) => form.elements[name];
 const kOfScan = ["unit", "viewpoint", ...kCameraKeys];
 const kOwn = { method: ChoiceField, "min-score": NumberField }; // beside the options, always sent
 // What the form asks for by other fields, or the page by itself.
-const kElsewhere = ["format", "camera", "viewpoint", "unit", "rejected", "claims", ...Object.keys(kOwn)];
+const kReading = ["camera", "viewpoint", "unit"];
+const kElsewhere = ["format", ...kReading, "rejected", "claims", ...Object.keys(kOwn)];
 
 const triple = (text) => text.trim().split(/[\s,;]+/);
 
@@ -72,10 +73,10 @@ export class Settings {
     this.#onChange();
   }
 
-  /** What a parameter is as long as nobody says otherwise. */
-  #usual(name) {
+  /** What a parameter is as long as nobody says otherwise; asked: nor the scan's own query. */
+  #usual(name, asked = true) {
     const { libraryUnit } = this;
-    return this.#query?.get(name) ?? { unit: libraryUnit }[name] ?? usualOf(this.described.get(name));
+    return (asked ? this.#query?.get(name) : null) ?? { unit: libraryUnit }[name] ?? usualOf(this.described.get(name));
   }
 
   /** Take over how a scan is to be read: an example says it, a file is like the last one. */
@@ -114,6 +115,7 @@ export class Settings {
 
   set unit(unit) {
     field("unit").value = unit;
+    if (!this.#query) remember(["unit"]);
     this.#changed();
   }
 
@@ -176,11 +178,20 @@ export class Settings {
     return parameters;
   }
 
-  /** Parameters that are not as usual, for restore(). */
+  /** Of the parameters of an answered request, those that the form can show, for restore(). */
+  shown(query) {
+    const known = [...Object.keys(kOwn), ...kReading];
+    return new URLSearchParams(
+      [...query].filter(([name]) => known.includes(name) || this.options.get(name)),
+    );
+  }
+
+  /** Parameters that are not as usual, or as an example says, for restore(). */
   shared(scan) {
     const parameters = new URLSearchParams();
+    const isKnown = isExample(scan);
     const share = (name, value) => {
-      if (value !== this.#usual(name)) parameters.set(name, value);
+      if (value !== this.#usual(name, isKnown)) parameters.set(name, value);
     };
     for (const name of [...Object.keys(kOwn), "unit"]) share(name, field(name).value);
     share("viewpoint", triple(field("viewpoint").value).join(","));

@@ -15,6 +15,7 @@ export const test = base.extend({
       if (message.type() === "error" && !allowed?.test(message.text())) wrong.push(message.text());
     });
     page.on("pageerror", (error) => wrong.push(error.message));
+    page.on("dialog", (dialog) => dialog.accept());
     page.on("request", (request) => {
       const url = request.url();
       if (!url.startsWith(`${baseURL}/`) && !url.startsWith("blob:")) wrong.push(`asked ${url}`);

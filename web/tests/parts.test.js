@@ -37,13 +37,31 @@ test("a part is trained, looked at, published, renamed and removed", async ({ pa
   await box.getByRole("button", { name: "Publish" }).click();
   await expect(page.locator("#library-facts")).toContainText("3 models");
   await expect(box).toHaveCount(0);
-  await page.getByLabel("Change my_box").click();
+  await page.getByLabel("Rename or remove my_box").click();
   await page.getByLabel("New name of my_box").fill("crate");
   await page.getByRole("button", { name: "Rename my_box" }).click();
   await expect(page.locator("#model-list")).toContainText("crate");
-  page.on("dialog", (dialog) => dialog.accept());
-  await page.getByLabel("Change crate").click();
+  await page.getByLabel("Rename or remove crate").click();
   await page.getByRole("button", { name: "Remove crate" }).click();
+  await expect(page.locator("#library-facts")).toContainText("2 models");
+});
+
+test("a part of a name that the library has is published as its replacement", async ({ page }) => {
+  await openPage(page);
+  const box = part(page, "twice");
+  await bring(page, boxFile("twice.stl", 60, 40, 20));
+  for (const button of ["Publish", "Replace"]) {
+    if (button === "Replace") {
+      await page.locator("#part-files").setInputFiles(boxFile("twice.stl", 60, 40, 30));
+    }
+    await box.getByRole("button", { name: button }).click();
+    await expect(page.locator("#parts-note")).toHaveText(
+      "twice is in the library, and looked for from now on.",
+    );
+    await expect(page.locator("#library-facts")).toContainText("3 models");
+  }
+  await page.getByLabel("Rename or remove twice").click();
+  await page.getByRole("button", { name: "Remove twice" }).click();
   await expect(page.locator("#library-facts")).toContainText("2 models");
 });
 

@@ -222,7 +222,7 @@ test("frames that are none are refused with the reason, and the last good one st
 }) => {
   await openExample(page);
   await page.getByText("For a robot").click();
-  const frame = page.getByLabel("The scan's frame in the robot's");
+  const frame = page.getByLabel("Hand-eye calibration");
   await frame.fill("0 0 1 10, 1 0 0 20; 0 1 0 30\n0 0 0 1");
   await frame.blur();
   await expect(frame).toHaveValue("0 0 1 10\n1 0 0 20\n0 1 0 30\n0 0 0 1");
@@ -231,11 +231,11 @@ test("frames that are none are refused with the reason, and the last good one st
   await frame.fill("0 0 1 10, 1 0 0 20; 0 1 0 30");
   await frame.blur();
   await expect(page.locator("#frame-note")).toHaveText(
-    "The frame is not taken: expected four rows of four numbers, found 12 of 16.",
+    "The calibration is not taken: expected four rows of four numbers, found 12 of 16.",
   );
   await expect(frame).toHaveAttribute("aria-invalid", "true");
   await page.reload();
-  await expect(page.getByLabel("The scan's frame in the robot's")).toHaveValue(
+  await expect(page.getByLabel("Hand-eye calibration")).toHaveValue(
     "0 0 1 10\n1 0 0 20\n0 1 0 30\n0 0 0 1",
   );
 

@@ -78,16 +78,52 @@ test("scans are kept with what runs find, and runs are held side by side", async
     await expect(cells.nth(1)).toHaveText(`${count}`);
     await expect(cells.nth(2)).toHaveText("0");
   }
+  const told = page.locator("#compare-settings");
+  await expect(told).toHaveText("Set differently: min-score 0.8 in A, 1 in B.");
   await page.getByLabel("against run").selectOption("A");
+  await expect(told).toHaveText("Both were asked with the same settings.");
   const total = page.locator("#comparison tfoot td");
   await expect(total.first()).toHaveText(`${found[0] + found[1]}`);
 
   // What run B says of a scan, that there is nothing, can be the truth, too.
-  await page.getByLabel("Open with the answers of run").selectOption("B");
+  await page.getByLabel("Show the answers of run").selectOption("B");
   await scanRows(page).last().click();
   await page.getByRole("button", { name: "Nothing is there" }).click();
   await expect(page.locator("#verdicts-note")).toHaveText("The truth of this scan is kept.");
   expect((await indexOf(request)).scans.map(({ truth }) => truth)).toEqual([null, []]);
+});
+
+test("a kept answer comes with what was asked, the camera in its link, too", async ({
+  page,
+  request,
+}) => {
+  await keepScans(page, request);
+  await page.locator("#tab-result").click();
+  await page.locator("#settings-box > summary").click();
+  await page.getByLabel("Lowest score").fill("0.9");
+  await page.locator("#tab-session").click();
+  await runAll(page, "A");
+  await page.goto("/");
+  await expect(page.locator("#headline")).toHaveText("Ready for a scan");
+  await page.locator("#tab-session").click();
+  await scanRows(page).first().click();
+  await expect(foundRows(page).first()).toBeVisible();
+  await expect(page.locator("[name=min-score]")).toHaveValue("0.9");
+  await expect(page.locator("#command")).toContainText("scan_0.png");
+  await expect(page.locator("#command")).toContainText("--min-score 0.9");
+  await expect.poll(() => new URL(page.url()).hash).toContain("camera=");
+});
+
+test("depth images without a camera are not kept, and the page says what they need", async ({
+  page,
+  request,
+}) => {
+  await clear(request);
+  await openPage(page);
+  const images = (await scanFiles(request)).filter(({ name }) => name.endsWith("png"));
+  await drop(page, images);
+  await expect(page.locator("#session-problem")).toContainText("A depth image needs its camera");
+  await expect(scanRows(page)).toHaveCount(0);
 });
 
 test("what is found is marked by keys and buttons, and becomes the truth", async ({
@@ -135,7 +171,7 @@ test("what is found is marked by keys and buttons, and becomes the truth", async
   // Another run of the same scan is known by that truth.
   await page.keyboard.press("e");
   await runAll(page, "B");
-  await page.getByLabel("Open with the answers of run").selectOption("B");
+  await page.getByLabel("Show the answers of run").selectOption("B");
   await scanRows(page).first().click();
   await expect(page.locator("#verdicts-note")).toContainText(`${count} right, 0 wrong`);
   // A recognition that is not kept has no marks.

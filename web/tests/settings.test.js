@@ -295,7 +295,7 @@ test("the request is told for a shell, for curl and for Python", async ({ page, 
   await page.getByRole("group", { name: "Left out" }).getByLabel("background").check();
   for (const [k, words] of kRegion.entries()) await page.getByLabel(words).fill(k < 3 ? "-9" : "9");
   const { sent } = await askAgain(page);
-  await page.getByText("Without the page").click();
+  await page.getByText("From a shell or a program").click();
 
   const curl = wordsOf("curl", await commandOf(page, "curl"), ".");
   const url = new URL(curl[0]);
@@ -343,7 +343,7 @@ test("the command finds what the page found", async ({ page, request }) => {
   await page.locator('[name="preset"]').selectOption("fast");
   await page.getByRole("group", { name: "Left out" }).getByLabel("contour").check();
   const { scene } = await askAgain(page);
-  await page.getByText("Without the page").click();
+  await page.getByText("From a shell or a program").click();
   const command = await commandOf(page, "trivet");
   const { examples } = await (await request.get("/v1/examples")).json();
   await withFolder(async (folder) => {
@@ -411,6 +411,6 @@ test("a file of one's own is not in the link, and that is said", async ({ page, 
   await openPage(page);
   await recognized(page, async () => chooseFiles(page, await exampleFiles(request)));
   await page.getByText("Settings").click();
-  await expect(page.locator("#link-note")).toContainText(/scan\.\w+ is a file of yours/);
+  await expect(page.locator("#link-note")).toContainText(/scan\.\w+ is not in it/);
   await expect.poll(() => new URL(page.url()).hash).not.toContain("example=");
 });

@@ -78,8 +78,9 @@ export class Measure {
     if (this.#points && field("color").value === "distance") this.#paint();
   }
 
-  /** Measure to this one if it was found, else to all. */
+  /** Measure to this one, if it was found. */
   follow(id) {
+    if (!this.#things.some((thing) => thing.id === id)) return;
     const before = field("target").value;
     this.#aim(id);
     const isOther = field("target").value !== before;

@@ -20,7 +20,7 @@ function remembered() {
 }
 
 const rounded = (value) => Number(value.toPrecision(kDigits));
-const field = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : `${value}`);
+const csvField = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : `${value}`);
 
 /** What poses are told to: how its controller writes them, where it stands, what it grasps. */
 export class Robot {
@@ -71,6 +71,6 @@ export class Robot {
         ...numbers.map(({ value }) => rounded(value)),
       ]),
     );
-    return [head, ...rows].map((row) => row.map(field).join(",")).join("\n") + "\n";
+    return [head, ...rows].map((row) => row.map(csvField).join(",")).join("\n") + "\n";
   }
 }

@@ -70,7 +70,7 @@ export class RobotPanel {
       this.#change({ frame: field.value.trim() ? readFrame(field.value) : null });
       field.value = frameText(this.#robot.setup.frame);
     } catch (error) {
-      fault = `The frame is not taken: ${error.message}.`;
+      fault = `The calibration is not taken: ${error.message}.`;
     }
     field.setAttribute("aria-invalid", fault !== "");
     byId("frame-note").textContent = fault;

@@ -56,7 +56,7 @@ export class Marks {
     const open = verdicts.filter((verdict) => verdict === null).length;
     const rights = verdicts.filter(Boolean).length;
     byId("verdicts").hidden = false;
-    byId("all-right").textContent = verdicts.length ? "All right so far" : "Nothing is there";
+    byId("all-right").textContent = verdicts.length ? "Mark the rest as right" : "Nothing is there";
     byId("all-right").disabled = verdicts.length ? !open : isTold;
     byId("verdicts-note").textContent = this.#note(open, rights, isTold);
   }

@@ -14,6 +14,16 @@ function bytesWords(bytes) {
   return `${bytes < 10 * kMega ? (bytes / kMega).toFixed(1) : Math.round(bytes / kMega)} MB`;
 }
 
+/** What two runs were asked differently, by the queries of their answers about one scan. */
+function differenceWords(first, second, queries) {
+  if (!queries?.every((query) => query !== undefined)) return "";
+  const [a, b] = queries.map((query) => new URLSearchParams(query));
+  const words = [...new Set([...a.keys(), ...b.keys()])]
+    .filter((name) => a.get(name) !== b.get(name))
+    .map((name) => `${name} ${a.get(name) ?? "as usual"} in ${first}, ${b.get(name) ?? "as usual"} in ${second}`);
+  return words.length ? `Set differently: ${words.join("; ")}.` : "Both were asked with the same settings.";
+}
+
 function truthWords(truth) {
   if (truth === null) return "not marked";
   return truth.length ? `${truth.length} right` : "nothing right";
@@ -41,7 +51,10 @@ export class SessionPanel {
     byId("run-all").onclick = () => this.runAll();
     byId("run-stop").onclick = () => this.#running?.abort();
     byId("run-shown").onchange = () => this.show();
-    byId("run-delete").onclick = () => this.#change(() => session.removeRun(this.run));
+    byId("run-delete").onclick = () => {
+      if (!confirm(`Delete run ${this.run}, all of its answers and marks?`)) return;
+      this.#change(() => session.removeRun(this.run));
+    };
     for (const id of ["run-a", "run-b"]) byId(id).onchange = () => this.#compare();
     moveByArrows(this.#list, "button.scan");
     this.show();
@@ -65,6 +78,7 @@ export class SessionPanel {
     byId("session-empty").hidden = session.scans.length > 0;
     byId("run-all").disabled = !session.scans.length || Boolean(this.#running);
     byId("run-all").textContent = `Run all as ${session.nextRun()}`;
+    byId("run-all").title = "Recognize every scan with the settings of the tab Result";
     byId("session-archive").hidden = !session.scans.length;
     this.#offerRuns();
     this.#listScans();
@@ -129,6 +143,7 @@ export class SessionPanel {
     const parameters = this.#session.parametersFor(scan, this.page.parameters({ format }));
     try {
       const { answer } = await recognize({ body }, parameters, signal);
+      answer.query = parameters.toString();
       await this.#session.keepAnswer(run, scan.name, answer, signal);
     } catch (error) {
       if (error.name !== "AbortError") error.message = `${scan.name}: ${error.message}`;
@@ -218,13 +233,18 @@ export class SessionPanel {
         type: "button",
         className: "plain",
         "aria-label": `Remove ${name}`,
-        onclick: () => this.#change(() => this.#session.removeScan(name)),
+        onclick: () => this.#remove(name),
       },
       "Remove",
     );
     picture.dataset.scan = name;
     this.#wanted.observe(picture);
     this.#rows.set(name, { item: element("li", {}, button, remove), button, facts, found });
+  }
+
+  #remove(name) {
+    if (!confirm(`Remove ${name}, with its answers in all runs and its marks?`)) return;
+    this.#change(() => this.#session.removeScan(name));
   }
 
   async #open(name, run) {
@@ -277,6 +297,7 @@ export class SessionPanel {
             name,
             a: a.scenes[0].detections,
             b: b.scenes[0].detections,
+            queries: [a.query, b.query],
             secondsA: a.seconds?.work ?? null,
             secondsB: b.seconds?.work ?? null,
           };
@@ -285,6 +306,7 @@ export class SessionPanel {
       const names = scans.flatMap(({ a, b }) => [...a, ...b].map(({ model }) => model));
       const modelOf = await this.page.modelOf(names);
       if (first !== byId("run-a").value || second !== byId("run-b").value) return;
+      byId("compare-settings").textContent = differenceWords(first, second, scans[0]?.queries);
       this.#showComparison(first, second, compareRuns(scans, modelOf));
     } catch (error) {
       this.say(error.message);

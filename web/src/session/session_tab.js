@@ -15,7 +15,8 @@ export class SessionTab {
   #marking = Promise.resolve();
 
   /**
-   * page  { open(scan, answer or null), parameters(scan), adopt(scan, camera), select(id),
+   * page  { open(scan, answer or null), parameters(scan), adopt(scan, camera),
+   *   fault(scan): { message }, or null, select(id),
    *   selected(), meshes, library() }
    */
   constructor(page) {
@@ -41,6 +42,8 @@ export class SessionTab {
   /** Keep what was dropped. scans, camera: see readScans */
   add(scans, camera) {
     this.page.adopt(scans[0], camera);
+    const fault = this.page.fault(scans[0]);
+    if (fault) return this.#panel.say(`${fault.message} Drop it together with the images.`);
     return this.#panel.add(scans);
   }
 
