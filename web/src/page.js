@@ -27,7 +27,7 @@ import { Settings } from "./settings.js";
 import { timesView } from "./times.js";
 import { Meshes } from "./view/meshes.js";
 import { SceneView } from "./view/scene_view.js";
-import { WhyList } from "./why_list.js";
+import { verdictWords, WhyList } from "./why_list.js";
 import {
   countWords,
   lengthWords,
@@ -374,8 +374,7 @@ async function showWhy({ point, models }, signal) {
     return { id: found ?? (explained.pose && `why-${k}`), explained };
   });
   byId("why-note").textContent =
-    `At ${placeWords(point, settings.unit)}` +
-    (models.length ? ":" : ": no pose of any model was proposed here.");
+    `At ${placeWords(point, settings.unit)}: ${verdictWords(models, settings.minScore)}`;
   lists.why.show(entries);
   rays = new Map(entries.map(({ id, explained }) => [id, explained.rays]));
   const drawn = entries

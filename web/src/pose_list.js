@@ -26,7 +26,7 @@ function detailsOf({ kind, pose }, { unit, scoreParts, aboutPose }) {
   const orientation = orientationOf(pose.T_scene_model);
   return [
     terms([
-      ["position", pointWords(position(pose), unit)],
+      ["position", `${pointWords(position(pose), unit)} in the scan's frame`],
       ["turned by", turnWords(orientation)],
       ["quaternion", `${quaternionWords(orientation)} (x, y, z, w)`],
       found && ["outline free", percentWords(pose.contour)],
@@ -45,7 +45,7 @@ function detailsOf({ kind, pose }, { unit, scoreParts, aboutPose }) {
     element(
       "p",
       { className: "buttons" },
-      copyButton("Copy pose", JSON.stringify(pose.T_scene_model)),
+      copyButton("Copy matrix", JSON.stringify(pose.T_scene_model)),
     ),
   ].flat();
 }

@@ -29,6 +29,12 @@ async function readCamera(file) {
     throw new Error(`${file.name}: expected a camera in JSON, found something else.`);
   }
   const missing = kCameraKeys.filter((key) => !Number.isFinite(camera?.[key]));
+  if (missing.length === kCameraKeys.length) {
+    throw new Error(
+      `${file.name}: expected a camera, with the numbers ${kCameraKeys.join(", ")}. Hand-eye ` +
+        'calibrations and grasps are chosen below the result, under "For a robot".',
+    );
+  }
   if (missing.length) {
     throw new Error(
       `${file.name}: expected the numbers ${kCameraKeys.join(", ")}; ` +

@@ -25,6 +25,22 @@ const legend = (rays) =>
     }),
   );
 
+const kNothing = 0.05; // a score below which nothing speaks for a model
+
+/** In a sentence what is at a place; models  as the service explains them, minScore  of the request */
+export function verdictWords(models, minScore) {
+  if (!models.length) return "no pose of any model was proposed here.";
+  const found = models.find(({ detection }) => detection !== null);
+  if (found) return `${found.model}, number ${found.detection + 1}, was found here.`;
+  const tested = models.filter(({ pose }) => pose).sort((a, b) => b.pose.score - a.pose.score);
+  if (!tested.length) return "no pose got as far as a test by rays here.";
+  const [{ model, pose }] = tested;
+  const score = scoreWords(pose.score);
+  return pose.score < kNothing
+    ? `nothing here looks like a model; the best guess, ${model}, has a score of ${score}.`
+    : `not sure enough: the best guess, ${model}, has a score of ${score}; the lowest is ${minScore}.`;
+}
+
 /** What became of each model at a place of the scan. */
 export class WhyList {
   #list;

@@ -104,6 +104,8 @@ test("files that are no scans are refused with what was expected", async ({ page
   await expect(page.getByRole("alert")).toContainText("scan.jpg: expected a scan (ply, pcd");
   await drop(page, [file("a.ply", ""), file("b.ply", "")]);
   await expect(page.getByRole("alert")).toContainText("Expected one scan, found 2");
+  await drop(page, [file("hand_eye.json", "[[1, 0, 0, 0]]")]);
+  await expect(page.getByRole("alert")).toContainText('under "For a robot"');
   await drop(page, [file("camera.json", '{"fx": 1}')]);
   await expect(page.getByRole("alert")).toContainText("missing: fy, cx, cy, depth_scale");
 });

@@ -356,7 +356,7 @@ for (const clipboard of [true, false]) {
     }
     const { detections } = await openExample(page);
     await foundRows(page).first().click();
-    await page.getByRole("button", { name: "Copy pose" }).click();
+    await page.getByRole("button", { name: "Copy matrix" }).click();
     await expect(page.getByRole("button", { name: "Copied" })).toBeVisible();
     await page.getByRole("tab", { name: "Models" }).click();
     await page.getByLabel("Filter").press("Control+v");

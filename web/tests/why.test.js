@@ -44,6 +44,7 @@ test("a place of the scan is asked about, and every model answers", async ({ pag
   await expect(foundRows(page)).toHaveCount(detections.length);
   await expect(page.locator("#found [aria-expanded=true]")).toHaveCount(0);
   await expect(page.locator("#why-title")).toBeInViewport();
+  await expect(page.locator("#why-note")).toContainText(", was found here.");
   await expect(page.locator(".mark.found.selected")).toHaveCount(1);
 });
 
@@ -59,9 +60,13 @@ test("a pose that was not reported is drawn where it was tested", async ({ page 
 test("the middle of the view is asked about by the keyboard", async ({ page }) => {
   await openExample(page);
   await page.keyboard.press("w");
-  await page.locator("#canvas").focus();
+  await expect(page.locator("#tool-hint")).toContainText("Click a place");
+  await expect(page.locator("#canvas")).toBeFocused();
   const asked = page.waitForResponse((response) => response.url().includes("explain="));
   await page.keyboard.press("Enter");
   await asked;
   await expect(page.locator("#why-note")).toContainText("At ");
+  await page.keyboard.press("Escape");
+  await expect(page.locator("#tool-hint")).toBeEmpty();
+  await expect(page.locator("#ask")).toHaveAttribute("aria-pressed", "false");
 });

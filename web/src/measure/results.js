@@ -90,9 +90,11 @@ export function resultsView({ distances, isClosed, figures }, { band, tolerance,
     element(
       "p",
       { className: "dim" },
-      isClosed
-        ? "Positive is outside the model."
-        : "A mesh is open, so it has no inside: positive is where its faces look.",
+      `All points within ±${lengthWords(band, unit)} count, those of neighbors and of the table among ` +
+        "them; the rmse of what is found counts only points that agree with it. " +
+        (isClosed
+          ? "Positive is outside the model."
+          : "A mesh is open, so it has no inside: positive is where its faces look."),
     ),
   ];
 }
