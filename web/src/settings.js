@@ -73,10 +73,10 @@ export class Settings {
     this.#onChange();
   }
 
-  /** What a parameter is as long as nobody says otherwise; asked: nor the scan's own query. */
-  #usual(name, asked = true) {
-    const { libraryUnit } = this;
-    return (asked ? this.#query?.get(name) : null) ?? { unit: libraryUnit }[name] ?? usualOf(this.described.get(name));
+  /** What a parameter is as long as nobody says otherwise; query  of the scan, or null */
+  #usual(name, query = this.#query) {
+    const own = { unit: this.libraryUnit }[name] ?? usualOf(this.described.get(name));
+    return query?.get(name) ?? own;
   }
 
   /** Take over how a scan is to be read: an example says it, a file is like the last one. */
@@ -189,9 +189,9 @@ export class Settings {
   /** Parameters that are not as usual, or as an example says, for restore(). */
   shared(scan) {
     const parameters = new URLSearchParams();
-    const isKnown = isExample(scan);
+    const query = isExample(scan) ? this.#query : null;
     const share = (name, value) => {
-      if (value !== this.#usual(name, isKnown)) parameters.set(name, value);
+      if (value !== this.#usual(name, query)) parameters.set(name, value);
     };
     for (const name of [...Object.keys(kOwn), "unit"]) share(name, field(name).value);
     share("viewpoint", triple(field("viewpoint").value).join(","));

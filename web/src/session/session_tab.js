@@ -43,7 +43,7 @@ export class SessionTab {
   add(scans, camera) {
     this.page.adopt(scans[0], camera);
     const fault = this.page.fault(scans[0]);
-    if (fault) return this.#panel.say(`${fault.message} Drop it together with the images.`);
+    if (fault) return this.#panel.say(fault.message);
     return this.#panel.add(scans);
   }
 
