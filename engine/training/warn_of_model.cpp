@@ -46,7 +46,11 @@ double open_share(const SurveyedModel& model) {
   return model.has_faces() ? sum.norm() / model.areas.back() : 0;
 }
 
+/// Without an exponent: many millimeters are told in meters.
 std::string length_text(double length, LengthUnit unit) {
+  constexpr double kMany = 1e4;
+  if (unit == LengthUnit::millimeter && length >= kMany)
+    return fmt::format("{:.4g} m", unit_scale(unit, LengthUnit::meter) * length);
   return fmt::format("{:.4g} {}", length, unit_name(unit));
 }
 

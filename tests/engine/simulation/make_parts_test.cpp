@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kNumParts = 48;  // two of each family
+constexpr std::size_t kNumParts = 72;  // three of each family
 constexpr std::uint64_t kSeed = 11;
 
 const std::vector<Part>& parts() {

@@ -35,6 +35,7 @@ const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
 const kStray = 0.005; // share of a scan's points that need not be seen when all of it is
 const kRoom = 1.6; // radii of a thing that are seen around its center when it is looked at
+const kSurroundings = 4; // the same where what lies around it decides
 const kRestSeconds = 0.15; // after which the view counts as at rest
 const kSlowMs = 120; // of a picture: then coarse ones follow until the view is at rest
 const kPauseMs = 1000; // of the hand, which tells nothing of how slow pictures are
@@ -341,10 +342,11 @@ export class SceneView {
     this.#arrange();
     const thing = this.#things.find((other) => other.id === id);
     if (!thing || this.#model) return;
+    const room = thing.kind === "why" ? kSurroundings : kRoom;
     const half = Math.atan(
       Math.tan((kFieldOfView * Math.PI) / 360) * Math.min(1, this.#camera.aspect),
     );
-    this.#pilot.flyTo(thing.center, this.#pilot.back, (kRoom * thing.radius) / Math.sin(half));
+    this.#pilot.flyTo(thing.center, this.#pilot.back, (room * thing.radius) / Math.sin(half));
   }
 
   /** Show one model by itself, until closeModel(). axes  of its symmetries: see makeTurnAxes */
