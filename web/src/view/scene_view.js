@@ -99,6 +99,7 @@ export class SceneView {
     this.#marks = marks;
     this.#renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "default" });
     this.#renderer.localClippingEnabled = true;
+    this.#renderer.debug.checkShaderErrors = false; // which waits for their compilation
     this.#picture = new Picture(this.#renderer);
     this.#pilot = new Pilot(this.#camera, canvas, () => this.#draw());
     this.#solid.add(new HemisphereLight("#ffffff", "#6f7680", 1.4), this.#camera, this.#found);
@@ -507,14 +508,15 @@ export class SceneView {
   }
 
   /** At rest, put the marks on what is seen of their things; they stay there when it turns. */
-  #settle() {
+  async #settle() {
     this.#isNew = false;
+    const things = this.#things;
     const seen = this.#things.filter(({ mesh }) => mesh?.visible);
     if (!seen.length) return;
     const hidden = [this.#axes, this.#sensor.pyramid].filter((thing) => thing.visible);
     for (const thing of hidden) thing.visible = false;
     const meshes = seen.map(({ mesh }) => mesh);
-    const places = this.#seenParts.find(
+    const finding = this.#seenParts.find(
       this.#renderer,
       this.#solid,
       this.#camera,
@@ -523,6 +525,8 @@ export class SceneView {
       (height) => this.#setPointSize(height, 1),
     );
     for (const thing of hidden) thing.visible = true;
+    const places = await finding;
+    if (things !== this.#things) return; // others are shown by now
     seen.forEach((thing, k) => {
       thing.place = places[k] ?? thing.center;
       thing.mark.classList.toggle("behind", !places[k]);

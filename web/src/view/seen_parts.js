@@ -41,13 +41,15 @@ export class SeenParts {
    * scene   with the meshes, which are visible, and all that may hide them
    * isSeen  whether a hit of a ray is, and not cut away
    * shrink  called with the height of the picture that is drawn for this [pixel]
-   * Returns a place on the surface of each mesh, in the world; null where nothing of it is seen.
+   * It is drawn at once; what was drawn is awaited without holding up the page.
+   * Promises a place on the surface of each mesh, in the world; null where nothing of it is seen.
    */
-  find(renderer, scene, camera, meshes, isSeen, shrink) {
+  async find(renderer, scene, camera, meshes, isSeen, shrink) {
     const height = Math.max(1, Math.round(kWidth / camera.aspect));
     this.#target.setSize(kWidth, height);
     shrink(height);
-    const pixels = this.#draw(renderer, scene, camera, meshes.slice(0, kMost), height);
+    const seenFrom = camera.clone();
+    const pixels = await this.#draw(renderer, scene, camera, meshes.slice(0, kMost), height);
     const ids = new Uint8Array(kWidth * height).map((_, i) => pixels[4 * i + 3]);
     const caster = new Raycaster();
     const places = innermostPixels(ids, kWidth, meshes.length);
@@ -55,7 +57,7 @@ export class SeenParts {
       if (pixel < 0) return null;
       const across = (2 * ((pixel % kWidth) + 0.5)) / kWidth - 1;
       const up = (2 * (Math.floor(pixel / kWidth) + 0.5)) / height - 1;
-      caster.setFromCamera(new Vector2(across, up), camera);
+      caster.setFromCamera(new Vector2(across, up), seenFrom);
       return caster.intersectObject(meshes[k], false).find(isSeen)?.point ?? null;
     });
   }
@@ -72,10 +74,10 @@ export class SeenParts {
     renderer.clear();
     renderer.render(scene, camera);
     const pixels = new Uint8Array(4 * kWidth * height);
-    renderer.readRenderTargetPixels(this.#target, 0, 0, kWidth, height, pixels);
+    const read = renderer.readRenderTargetPixelsAsync(this.#target, 0, 0, kWidth, height, pixels);
     renderer.setRenderTarget(null);
     meshes.forEach((mesh, k) => (mesh.material = materials[k]));
     scene.background = background;
-    return pixels;
+    return read;
   }
 }
