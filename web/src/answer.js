@@ -1,5 +1,6 @@
 import { copiesOnClick } from "./copy.js";
 import { byId, element, terms } from "./dom.js";
+import { downloadsText } from "./download.js";
 
 /**
  * Who answered, and the answer itself to copy or download.
@@ -16,9 +17,6 @@ export function showAnswer({ text, answer }, scanName) {
   );
   byId("copy").textContent = "Copy JSON";
   copiesOnClick(byId("copy"), text);
-  const download = byId("download");
-  URL.revokeObjectURL(download.href);
-  download.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-  download.download = `${scanName.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.trivet.json`;
+  downloadsText(byId("download"), text, "application/json", scanName, "trivet.json");
   byId("answer-section").hidden = false;
 }

@@ -25,6 +25,7 @@ import * as service from "./service.js";
 import { SessionTab } from "./session/session_tab.js";
 import { Settings } from "./settings.js";
 import { timesView } from "./times.js";
+import { unitScale } from "./units.js";
 import { Meshes } from "./view/meshes.js";
 import { SceneView } from "./view/scene_view.js";
 import { verdictWords, WhyList } from "./why_list.js";
@@ -434,8 +435,7 @@ function beside(place) {
 
 /** Vertices of a model, in the library's unit, to the points as they are drawn. */
 function poseMatrix(rows) {
-  const perMetre = { m: 1, mm: 1000 };
-  const scale = perMetre[settings.unit] / perMetre[library.unit];
+  const scale = unitScale(library.unit, settings.unit);
   return new Matrix4()
     .set(...rows.flat())
     .setPosition(...beside(rows.slice(0, 3).map((row) => row[3])))

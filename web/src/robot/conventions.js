@@ -1,8 +1,9 @@
 /** Poses as controllers of robots take them: the numbers of `trivet recognize --robot-csv`. */
 
+import { unitScale } from "../units.js";
+
 const kDegrees = 180 / Math.PI;
 const kUpright = 1 - 1e-12; // sine of a second angle that leaves the other two undetermined
-const kPerMeter = { m: 1, mm: 1000 };
 
 /**
  * The unit quaternion [x, y, z, w], w >= 0, of a rotation.
@@ -113,7 +114,7 @@ export const kConventions = {
  */
 export function robotPose(rows, unit, convention) {
   const { names, length, unit: turned, orientation } = kConventions[convention];
-  const scale = kPerMeter[length] / kPerMeter[unit];
+  const scale = unitScale(unit, length);
   return [
     ...["x", "y", "z"].map((name, k) => ({ name, value: scale * rows[k][3], unit: length })),
     ...orientation(quaternionOf(rows)).map((value, k) => ({ name: names[k], value, unit: turned })),

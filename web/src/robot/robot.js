@@ -1,9 +1,9 @@
 import { keep, recall } from "../storage.js";
+import { unitScale } from "../units.js";
 import { kConventions, robotPose } from "./conventions.js";
 import { product, readFrame, readGrasps, scaled } from "./frames.js";
 
 const kRemembered = "trivet.robot";
-const kPerMeter = { m: 1, mm: 1000 };
 const kDigits = 7; // of a table, as of `trivet recognize --robot-csv`
 
 function remembered() {
@@ -46,7 +46,7 @@ export class Robot {
   poses({ model, T_scene_model }, units) {
     const { convention, frame, grasps } = this.#setup;
     const posed = frame ? product(frame, T_scene_model) : T_scene_model;
-    const scale = kPerMeter[units.scan] / kPerMeter[units.library];
+    const scale = unitScale(units.library, units.scan);
     const own = Object.entries(grasps[model] ?? {});
     if (!own.length) return [{ grasp: "", numbers: robotPose(posed, units.scan, convention) }];
     return own.map(([grasp, rows]) => ({

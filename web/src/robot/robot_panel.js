@@ -1,5 +1,6 @@
 import { copiesOnClick } from "../copy.js";
 import { byId } from "../dom.js";
+import { downloadsText } from "../download.js";
 import { numbered } from "../words.js";
 import { conventionOptions } from "./convention_options.js";
 import { readFrame, readGrasps } from "./frames.js";
@@ -52,10 +53,7 @@ export class RobotPanel {
     const table = this.#robot.table(scene, detections, units);
     byId("copy-robot").textContent = "Copy table";
     copiesOnClick(byId("copy-robot"), table);
-    const download = byId("download-robot");
-    URL.revokeObjectURL(download.href);
-    download.href = URL.createObjectURL(new Blob([table], { type: "text/csv" }));
-    download.download = `${scene.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.${convention}.csv`;
+    downloadsText(byId("download-robot"), table, "text/csv", scene, `${convention}.csv`);
   }
 
   #change(some) {

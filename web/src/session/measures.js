@@ -1,6 +1,5 @@
 /** What poses of a model are compared by: see poseDistance. */
-
-const kPerMeter = { m: 1, mm: 1000 };
+import { unitScale } from "../units.js";
 
 /**
  * meshes         whose bounding boxes tell where the middle of a model is
@@ -9,7 +8,7 @@ const kPerMeter = { m: 1, mm: 1000 };
  * Returns a function that gives by name what poseDistance needs; nothing for models of no library.
  */
 export async function measuresOf(names, { meshes, library, unit }) {
-  const scale = kPerMeter[unit] / kPerMeter[library.unit];
+  const scale = unitScale(library.unit, unit);
   const scaled = (pose) => pose.map(([x, y, z, shift]) => [x, y, z, shift * scale]);
   const measures = new Map();
   const known = library.models.filter(({ name }) => names.includes(name));
