@@ -43,36 +43,54 @@ struct Tally {
   }
 };
 
-constexpr std::size_t kRun = 64;  // samples that are measured at a time
+constexpr std::size_t kLanes = 16;
+constexpr std::uint32_t kNowhere = 0xFFFF'FFFFU;
 
 struct Oriented {
   Eigen::Vector3f point, normal;
 };
 
-/// Squared distances of a point from samples as SampledSurface has them, infinite where normals
-/// disagree. Returns how many are below `wanted`.
+/// Per lane the nearest sample so far: its squared distance and its place.
+struct Nearest {
+  explicit Nearest(float cap) noexcept {
+    squared.fill(cap * cap);
+    places.fill(kNowhere);
+  }
+
+  alignas(64) std::array<float, kLanes> squared;
+  alignas(64) std::array<std::uint32_t, kLanes> places;
+};
+
+/// Look at samples [first, last) as SampledSurface has them, and at some more, so that all lanes are
+/// filled: these are samples too.
 TRIVET_SIMD_CLONES
-int measure_run(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
-                const float* __restrict nxs, const float* __restrict nys,
-                const float* __restrict nzs, std::size_t n, const Oriented& query, float slack,
-                float wanted, float* __restrict squared) noexcept {
+void keep_nearest(const float* __restrict xs, const float* __restrict ys,
+                  const float* __restrict zs, const float* __restrict nxs,
+                  const float* __restrict nys, const float* __restrict nzs, std::size_t first,
+                  std::size_t last, const Oriented& query, float slack, std::uint32_t excluded,
+                  Nearest& nearest) noexcept {
   const float qx = query.point.x(), qy = query.point.y(), qz = query.point.z();
   const float mx = query.normal.x(), my = query.normal.y(), mz = query.normal.z();
-  int num_below = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float dx = qx - xs[i], dy = qy - ys[i], dz = qz - zs[i];
-    const float cosine = nxs[i] * mx + nys[i] * my + nzs[i] * mz;
-    const float along = dx * (nxs[i] + mx) + dy * (nys[i] + my) + dz * (nzs[i] + mz);
-    const float agreeing = std::max(cosine, SampledSurface::kMinCosine);
-    const float plane = along * along / (2 + 2 * agreeing);
-    const float lateral = std::max(0.0F, dx * dx + dy * dy + dz * dz - plane);
-    const float excess = std::max(0.0F, std::sqrt(lateral) - slack);
-    const float distance = plane + excess * excess;
-    squared[i] =
-        cosine < SampledSurface::kMinCosine ? std::numeric_limits<float>::infinity() : distance;
-    num_below += squared[i] < wanted ? 1 : 0;
+  float* __restrict squared = nearest.squared.data();
+  std::uint32_t* __restrict places = nearest.places.data();
+  for (std::size_t i = first; i < last; i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float dx = qx - xs[i + k], dy = qy - ys[i + k], dz = qz - zs[i + k];
+      const float nx = nxs[i + k], ny = nys[i + k], nz = nzs[i + k];
+      const float cosine = nx * mx + ny * my + nz * mz;
+      const float along = dx * (nx + mx) + dy * (ny + my) + dz * (nz + mz);
+      const float agreeing = std::max(cosine, SampledSurface::kMinCosine);
+      const float plane = along * along / (2 + 2 * agreeing);
+      const float lateral = std::max(0.0F, dx * dx + dy * dy + dz * dz - plane);
+      const float excess = std::max(0.0F, std::sqrt(lateral) - slack);
+      const float distance = plane + excess * excess;
+      const auto place = static_cast<std::uint32_t>(i + k);
+      const bool nearer =
+          (cosine >= SampledSurface::kMinCosine) & (distance < squared[k]) & (place != excluded);
+      squared[k] = nearer ? distance : squared[k];
+      places[k] = nearer ? place : places[k];
+    }
   }
-  return num_below;
 }
 
 }  // namespace
@@ -99,7 +117,11 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
   // Samples are looked for as far as kCap and kMaxSlack: runs of this length are read fastest.
   constexpr float kCell = 0.1F;
   grid_ = VoxelHash(points_, kCell);
-  for (const std::uint32_t i : grid_.order()) grid_normals_.push_back(normals_[i]);
+  for (std::size_t k = 0; k < used + kLanes; ++k) {
+    const bool exists = k < used;
+    sorted_points_.push_back(exists ? grid_.ordered_points()[k] : Eigen::Vector3f::Zero());
+    sorted_normals_.push_back(exists ? normals_[grid_.order()[k]] : Eigen::Vector3f::Zero());
+  }
   double sum_nearest = 0;
   for (std::uint32_t i = 0; i < used; ++i) {
     float nearest = kCell * kCell;
@@ -112,9 +134,10 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
 
   slacks_.resize(used);
   own_distances_.resize(used);
-  for (std::uint32_t i = 0; i < used; ++i) {
+  for (std::uint32_t place = 0; place < used; ++place) {
+    const std::uint32_t i = grid_.order()[place];
     slacks_[i] = std::clamp(1.5F * second_gap(i), slack_, kMaxSlack);
-    own_distances_[i] = match(points_[i], normals_[i], slacks_[i], i).distance;
+    own_distances_[i] = match(points_[i], normals_[i], slacks_[i], place).distance;
   }
 }
 
@@ -133,28 +156,25 @@ float SampledSurface::second_gap(std::uint32_t sample) const noexcept {
 SampledSurface::Match SampledSurface::match(const Eigen::Vector3f& point,
                                             const Eigen::Vector3f& normal, float slack,
                                             std::uint32_t excluded, float cap) const noexcept {
-  Match best;
-  float best_squared = cap * cap;
-  std::array<float, kRun> squared;
-  grid_.visit_runs_within(point, slack + cap, [&](PointsView points, const std::uint32_t* indices) {
-    const auto before = static_cast<std::size_t>(indices - grid_.order().data());
-    for (std::size_t first = 0; first < points.size(); first += kRun) {
-      const std::size_t count = std::min(kRun, points.size() - first);
-      const PointsView some = points.slice(first, count);
-      const NormalsView normals = grid_normals_.view().slice(before + first, count);
-      const int num_nearer = measure_run(
-          some.x.data(), some.y.data(), some.z.data(), normals.x.data(), normals.y.data(),
-          normals.z.data(), count, {point, normal}, slack, best_squared, squared.data());
-      if (num_nearer == 0) continue;
-      for (std::size_t k = 0; k < count; ++k) {
-        if (!(squared[k] < best_squared) || indices[first + k] == excluded) continue;
-        best_squared = squared[k];
-        best.index = indices[first + k];
-      }
-    }
+  Nearest nearest(cap);
+  const PointsView at = sorted_points_;
+  const NormalsView along = sorted_normals_;
+  grid_.visit_runs_within(point, slack + cap, [&](PointsView run, const std::uint32_t* indices) {
+    const auto first = static_cast<std::size_t>(indices - grid_.order().data());
+    keep_nearest(at.x.data(), at.y.data(), at.z.data(), along.x.data(), along.y.data(),
+                 along.z.data(), first, first + run.size(), {point, normal}, slack, excluded,
+                 nearest);
   });
-  best.distance = std::sqrt(best_squared);
-  return best;
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < kLanes; ++k) {
+    if (std::pair(nearest.squared[k], nearest.places[k]) <
+        std::pair(nearest.squared[best], nearest.places[best]))
+      best = k;
+  }
+  Match match;
+  match.distance = std::sqrt(nearest.squared[best]);
+  if (nearest.places[best] != kNowhere) match.index = grid_.order()[nearest.places[best]];
+  return match;
 }
 
 float SampledSurface::misfit(const Pose& motion, float tolerance, float give_up,
@@ -168,8 +188,9 @@ float SampledSurface::misfit(const Pose& motion, float tolerance, float give_up,
   }
   float result = 0;
   for (std::size_t k = 0, i = 0; k < num_queries && result <= give_up; ++k, i = (i + step) % n) {
-    moved.add(match(motion * points_[i], motion.linear() * normals_[i], slacks_[i], kNone).distance,
-              tolerance);
+    moved.add(
+        match(motion * points_[i], motion.linear() * normals_[i], slacks_[i], kNowhere).distance,
+        tolerance);
     result = moved.misfit(own, num_queries);
   }
   return result;
@@ -179,7 +200,7 @@ void SampledSurface::mark_matched(const Pose& motion, float distance,
                                   std::span<std::uint8_t> out) const noexcept {
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Eigen::Vector3f normal = motion.linear() * normals_[i];
-    const Match found = match(motion * points_[i], normal, slacks_[i], kNone, distance);
+    const Match found = match(motion * points_[i], normal, slacks_[i], kNowhere, distance);
     out[i] = found.index != kNone ? 1 : 0;
   }
 }
@@ -195,7 +216,7 @@ Pose SampledSurface::refine(Pose motion, std::size_t num_queries, int num_steps)
     for (std::size_t k = 0, i = 0; k < std::min(num_queries, n); ++k, i = (i + step) % n) {
       const Eigen::Vector3f q = motion * points_[i];
       const Eigen::Vector3f m = motion.linear() * normals_[i];
-      const Match found = match(q, m, slacks_[i], kNone);
+      const Match found = match(q, m, slacks_[i], kNowhere);
       if (found.index == kNone) continue;
       const Eigen::Vector3f h = (normals_[found.index] + m).normalized();
       Vector6d row;

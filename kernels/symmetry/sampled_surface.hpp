@@ -68,7 +68,7 @@ class SampledSurface {
     float distance = kCap;
     std::uint32_t index = kNone;
   };
-  /// None where nothing is nearer than `cap`.
+  /// None where nothing is nearer than `cap`, but for the sample that stands at a place of the grid.
   Match match(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float slack,
               std::uint32_t excluded, float cap = kCap) const noexcept;
   /// Distance to the second nearest sample of the same sheet; kMaxSlack where it is farther.
@@ -81,7 +81,9 @@ class SampledSurface {
   Points points_;
   Normals normals_;
   VoxelHash grid_;
-  Normals grid_normals_;         // in the grid's order
+  // In the grid's order; behind them what fills a vector's lanes and matches nothing.
+  Points sorted_points_;
+  Normals sorted_normals_;
   Column<float> own_distances_;  // of each sample from all others
 };
 
