@@ -15,6 +15,7 @@
 #include "descriptors/feature_pool.hpp"
 #include "engine/common/parallel.hpp"
 #include "kernels/common/pca.hpp"
+#include "kernels/common/projector.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/surfaces/mesh_resolution.hpp"
 #include "storage/read_cloud.hpp"
@@ -60,10 +61,10 @@ struct Study {
     if (!basis) return raw;
     const std::size_t n = surface.keypoints.size();
     Column<float> projected(n * basis->size());
+    const kernels::Projector projector(*basis);
     engine::for_chunks(n, 64, [&](std::size_t first, std::size_t count) {
-      kernels::project(*basis,
-                       std::span(raw).subspan(first * descriptor->size, count * descriptor->size),
-                       std::span(projected).subspan(first * basis->size(), count * basis->size()));
+      projector.project(std::span(raw).subspan(first * descriptor->size, count * descriptor->size),
+                        std::span(projected).subspan(first * basis->size(), count * basis->size()));
     });
     return projected;
   }

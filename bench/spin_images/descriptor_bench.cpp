@@ -126,7 +126,8 @@ const auto* const kNaiveImages = add_row("images/naive", [](benchmark::State& st
 
 const auto* const kProject = add_row("project/ours", [](benchmark::State& state) {
   std::vector<float> features(kNumKeypoints * relief_basis().size());
-  for (auto _ : state) kernels::project(relief_basis(), relief_images(), features);
+  const kernels::Projector projector(relief_basis());
+  for (auto _ : state) projector.project(relief_images(), features);
   return kNumKeypoints;
 });
 
@@ -147,10 +148,11 @@ const Index& features() {
     Index out;
     out.pool.dimension = basis.size();
     out.pool.features.resize(vertices.size() * basis.size());
-    kernels::project(basis, describe(descriptors().front(), all), out.pool.features);
+    const kernels::Projector projector(basis);
+    projector.project(describe(descriptors().front(), all), out.pool.features);
     out.pool.models.assign(vertices.size(), 0);
     out.queries.resize(kNumKeypoints * basis.size());
-    kernels::project(basis, noisy_images(), out.queries);
+    projector.project(noisy_images(), out.queries);
     std::vector<float> distances(kNumKeypoints * vertices.size());
     compare_all(out.queries, out.pool, distances);
     for (std::size_t q = 0; q < kNumKeypoints; ++q) {

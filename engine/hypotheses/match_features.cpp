@@ -8,7 +8,7 @@
 #include "engine/hypotheses/search_codes.hpp"
 #include "engine/libraries/index_features.hpp"
 #include "engine/training/describe_surface.hpp"
-#include "kernels/common/pca.hpp"
+#include "kernels/common/projector.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/group_matches.hpp"
 #include "kernels/spin_images/keypoints_uniform.hpp"
@@ -61,14 +61,14 @@ Column<std::uint8_t> encode_images(const TriSpinBasis& basis, std::span<const fl
   const std::size_t n = images.size() / kernels::kTriSpinSize, k = basis.components.size();
   const std::size_t stride = kernels::code_stride(k);
   Column<std::uint8_t> padded(n * stride);
+  const kernels::Projector projector(basis.components);
   PerThread<MatchScratch> per_thread;
   for_chunks(n, kFeatureGrain, [&](std::size_t first, std::size_t count) {
     MatchScratch& scratch = per_thread.local();
     scratch.numbers.resize(count * k);
     scratch.codes.resize(count * k);
-    kernels::project(basis.components,
-                     images.subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
-                     scratch.numbers);
+    projector.project(images.subspan(first * kernels::kTriSpinSize, count * kernels::kTriSpinSize),
+                      scratch.numbers);
     kernels::encode(scratch.numbers, basis.code_step, scratch.codes);
     kernels::pad_codes(scratch.codes, k, std::span(padded).subspan(first * stride, count * stride));
   });

@@ -2,17 +2,17 @@
 
 #include <utility>
 
-#include "kernels/common/pca.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 
 namespace trivet::engine {
 
-FeatureRows encode_features(const Descriptions& descriptions, const TriSpinBasis& basis) {
-  const std::size_t n = descriptions.size(), k = basis.components.size();
+FeatureRows encode_features(const Descriptions& descriptions, const kernels::Projector& projector,
+                            float code_step) {
+  const std::size_t n = descriptions.size(), k = projector.size();
   FeatureRows rows{descriptions.keypoints, Column<FrameRows>(n), Column<std::uint8_t>(n * k)};
   Column<float> projected(n * k);
-  kernels::project(basis.components, descriptions.images, projected);
-  kernels::encode(projected, basis.code_step, rows.codes);
+  projector.project(descriptions.images, projected);
+  kernels::encode(projected, code_step, rows.codes);
   for (std::size_t i = 0; i < n; ++i) {
     Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rows.frames[i].data()) =
         descriptions.frames[i];

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/training/describe_surface.hpp"
+#include "kernels/common/projector.hpp"
 #include "storage/tri_spin_features.hpp"
 
 namespace trivet::engine {
@@ -17,7 +18,8 @@ struct FeatureRows {
 };
 
 /// Project images and write them as codes.
-FeatureRows encode_features(const Descriptions& descriptions, const TriSpinBasis& basis);
+FeatureRows encode_features(const Descriptions& descriptions, const kernels::Projector& projector,
+                            float code_step);
 
 /// All rows of a model, in their order.
 ///

@@ -6,6 +6,7 @@
 #include "engine/training/describe_model.hpp"
 #include "engine/training/survey_model.hpp"
 #include "kernels/common/pca.hpp"
+#include "kernels/common/projector.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 
 namespace trivet::engine {
@@ -46,7 +47,7 @@ TriSpinBasis basis_of(std::span<const float> images, std::size_t num_components)
   basis.support = DescribeOptions{}.support;
   basis.components = kernels::find_components(images, kernels::kTriSpinSize, num_components);
   std::vector<float> features(images.size() / kernels::kTriSpinSize * basis.components.size());
-  kernels::project(basis.components, images, features);
+  kernels::Projector(basis.components).project(images, features);
   basis.code_step = kernels::code_step_for(features);
   return basis;
 }

@@ -49,6 +49,7 @@ void gather_supports(const TriSpinBasis& basis, ModelInTraining& model) {
 void describe(const TriSpinBasis& basis, ModelInTraining& model) {
   if (basis.components.size() == 0) return;
   const StageTimer timer(model.feature_times, "describe");
+  const kernels::Projector projector(basis.components);
   PerThread<Descriptions> images;
   for (std::size_t k = 0; k < kFeatureScales.size(); ++k) {
     const ModelDescriber& describer = *model.describers[k];
@@ -57,7 +58,7 @@ void describe(const TriSpinBasis& basis, ModelInTraining& model) {
       Descriptions& some = images.local();
       some.clear();
       describer.describe(c, some);
-      rows[c] = encode_features(some, basis);
+      rows[c] = encode_features(some, projector, basis.code_step);
     });
     model.features[k] =
         join_features(rows, basis, resolution_for(model.surveyed->diameter, kFeatureScales[k]));

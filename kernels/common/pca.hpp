@@ -1,4 +1,4 @@
-/// Principal components of many vectors, and vectors in them.
+/// Principal components of many vectors.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,5 @@ namespace trivet::kernels {
 /// Source: Pearson 1901; eigenvectors of the covariance.
 PcaBasis find_components(std::span<const float> vectors, std::size_t dimension,
                          std::size_t max_components, double energy = 1);
-
-/// Write vectors less the mean in terms of the components.
-///
-/// vectors  n of basis.dimension numbers
-/// out      n of basis.size() numbers
-/// No allocation, lock or throw. Vectors are independent: any split into chunks gives the same
-/// bits, on any processor.
-void project(const PcaBasis& basis, std::span<const float> vectors, std::span<float> out) noexcept;
 
 }  // namespace trivet::kernels

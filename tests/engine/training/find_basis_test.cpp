@@ -8,7 +8,7 @@
 
 #include "engine/training/describe_model.hpp"
 #include "engine/training/encode_features.hpp"
-#include "kernels/common/pca.hpp"
+#include "kernels/common/projector.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
@@ -44,12 +44,13 @@ TEST(EncodeFeatures, KeepsDistances) {
   ASSERT_TRUE(model);
   const Descriptions all = describe_model(*model, {.stride = 4});
   const TriSpinBasis basis = basis_of(all.images, 60);
-  const std::array parts{encode_features(all, basis)};
+  const kernels::Projector projector(basis.components);
+  const std::array parts{encode_features(all, projector, basis.code_step)};
   const TriSpinFeatures features = join_features(parts, basis, 0.01F);
   ASSERT_EQ(features.size(), all.size());
   ASSERT_EQ(features.codes.size(), 60 * all.size());
   std::vector<float> exact(features.codes.size()), coded(features.codes.size());
-  kernels::project(basis.components, all.images, exact);
+  projector.project(all.images, exact);
   kernels::decode(features.codes, basis.code_step, coded);
   const auto distance = [&](const std::vector<float>& of, std::size_t i, std::size_t j) {
     double squared = 0;

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "engine/training/find_basis.hpp"
-#include "kernels/common/pca.hpp"
+#include "kernels/common/projector.hpp"
 #include "support/rendered_scene.hpp"
 
 namespace trivet::engine {
@@ -47,7 +47,7 @@ TEST(StandardBasis, HasNearlyTheVarianceThatAnImagesOwnBasisHas) {
   ASSERT_TRUE(images);
   const auto share_left = [&](const PcaBasis& pca) {
     std::vector<float> numbers(images->size() / pca.dimension * pca.size());
-    kernels::project(pca, *images, numbers);
+    kernels::Projector(pca).project(*images, numbers);
     double all = 0, kept = 0;
     for (std::size_t i = 0; i < images->size(); ++i) {
       const float d = (*images)[i] - pca.mean[i % pca.dimension];

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <vector>
 
-#include "support/allocations.hpp"
 #include "support/random.hpp"
 
 namespace trivet::kernels {
@@ -85,49 +84,6 @@ TEST(FindComponents, KeepsAsManyAsTheEnergyAsksFor) {
   }
   EXPECT_EQ(find_components(cloud.vectors, 30, 100, 0).size(), 1U) << "the thesis' one";
   EXPECT_EQ(find_components(cloud.vectors, 30, 7).size(), 7U);
-}
-
-TEST(Project, AgreesWithANaiveReferenceAndKeepsDistancesInAFullBasis) {
-  test::Random random;
-  for (const std::size_t d : {1U, 5U, 16U, 33U}) {
-    const Cloud cloud(random, d, 60);
-    const PcaBasis basis = find_components(cloud.vectors, d, d);
-    std::vector<float> out(60 * basis.size());
-    project(basis, cloud.vectors, out);
-    for (std::size_t i = 0; i < 60; ++i) {
-      for (std::size_t k = 0; k < basis.size(); ++k) {
-        double expected = 0;
-        for (std::size_t j = 0; j < d; ++j)
-          expected +=
-              (static_cast<double>(cloud.vectors[i * d + j]) - static_cast<double>(basis.mean[j])) *
-              static_cast<double>(component(basis, k)[j]);
-        EXPECT_NEAR(out[i * basis.size() + k], expected, 1e-5 * static_cast<double>(d));
-      }
-    }
-    const auto squared = [](std::span<const float> a, std::span<const float> b) {
-      double sum = 0;
-      for (std::size_t j = 0; j < a.size(); ++j) sum += std::pow(a[j] - b[j], 2);
-      return sum;
-    };
-    const auto row = [&](std::span<const float> all, std::size_t i) {
-      return all.subspan(i * d, d);
-    };
-    EXPECT_NEAR(squared(row(cloud.vectors, 3), row(cloud.vectors, 4)),
-                squared(row(out, 3), row(out, 4)), 1e-3);
-  }
-}
-
-TEST(Project, GivesTheSameBitsForAnyChunkingAndAllocatesNothing) {
-  test::Random random;
-  const Cloud cloud(random, 21, 100);
-  const PcaBasis basis = find_components(cloud.vectors, 21, 6);
-  std::vector<float> whole(600), parts(600);
-  EXPECT_EQ(test::allocations_in([&] { project(basis, cloud.vectors, whole); }), 0U);
-  test::for_chunks(100, 7, [&](std::size_t first, std::size_t count) {
-    project(basis, std::span(cloud.vectors).subspan(first * 21, count * 21),
-            std::span(parts).subspan(first * 6, count * 6));
-  });
-  EXPECT_TRUE(test::same_bits(whole, parts));
 }
 
 }  // namespace
