@@ -50,6 +50,19 @@ struct Oriented {
   Eigen::Vector3f point, normal;
 };
 
+/// Samples as SampledSurface has them, in the grid's order.
+struct Columns {
+  const float *x, *y, *z, *nx, *ny, *nz;
+};
+
+/// Runs of samples, from one place to before another, that are looked at in whole vectors: what
+/// stands behind a run are samples too.
+struct Runs {
+  static constexpr std::size_t kMost = 32;
+  std::array<std::pair<std::uint32_t, std::uint32_t>, kMost> places;
+  std::size_t count = 0;
+};
+
 /// Per lane the nearest sample so far: its squared distance and its place.
 struct Nearest {
   explicit Nearest(float cap) noexcept {
@@ -61,36 +74,93 @@ struct Nearest {
   alignas(64) std::array<std::uint32_t, kLanes> places;
 };
 
-/// Look at samples [first, last) as SampledSurface has them, and at some more, so that all lanes are
-/// filled: these are samples too.
 TRIVET_SIMD_CLONES
-void keep_nearest(const float* __restrict xs, const float* __restrict ys,
-                  const float* __restrict zs, const float* __restrict nxs,
-                  const float* __restrict nys, const float* __restrict nzs, std::size_t first,
-                  std::size_t last, const Oriented& query, float slack, std::uint32_t excluded,
-                  Nearest& nearest) noexcept {
+void keep_nearest(const Columns& samples, const Runs& runs, const Oriented& query, float slack,
+                  std::uint32_t excluded, Nearest& nearest) noexcept {
+  const float *const xs = samples.x, *const ys = samples.y, *const zs = samples.z;
+  const float *const nxs = samples.nx, *const nys = samples.ny, *const nzs = samples.nz;
   const float qx = query.point.x(), qy = query.point.y(), qz = query.point.z();
   const float mx = query.normal.x(), my = query.normal.y(), mz = query.normal.z();
-  float* __restrict squared = nearest.squared.data();
-  std::uint32_t* __restrict places = nearest.places.data();
-  for (std::size_t i = first; i < last; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const float dx = qx - xs[i + k], dy = qy - ys[i + k], dz = qz - zs[i + k];
-      const float nx = nxs[i + k], ny = nys[i + k], nz = nzs[i + k];
-      const float cosine = nx * mx + ny * my + nz * mz;
-      const float along = dx * (nx + mx) + dy * (ny + my) + dz * (nz + mz);
-      const float agreeing = std::max(cosine, SampledSurface::kMinCosine);
-      const float plane = along * along / (2 + 2 * agreeing);
-      const float lateral = std::max(0.0F, dx * dx + dy * dy + dz * dz - plane);
-      const float excess = std::max(0.0F, std::sqrt(lateral) - slack);
-      const float distance = plane + excess * excess;
-      const auto place = static_cast<std::uint32_t>(i + k);
-      const bool nearer =
-          (cosine >= SampledSurface::kMinCosine) & (distance < squared[k]) & (place != excluded);
-      squared[k] = nearer ? distance : squared[k];
-      places[k] = nearer ? place : places[k];
+  Nearest kept = nearest;
+  for (std::size_t r = 0; r < runs.count; ++r) {
+    for (std::size_t i = runs.places[r].first; i < runs.places[r].second; i += kLanes) {
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const float dx = qx - xs[i + k], dy = qy - ys[i + k], dz = qz - zs[i + k];
+        const float nx = nxs[i + k], ny = nys[i + k], nz = nzs[i + k];
+        const float cosine = nx * mx + ny * my + nz * mz;
+        const float along = dx * (nx + mx) + dy * (ny + my) + dz * (nz + mz);
+        const float agreeing = std::max(cosine, SampledSurface::kMinCosine);
+        const float plane = along * along / (2 + 2 * agreeing);
+        const float lateral = std::max(0.0F, dx * dx + dy * dy + dz * dz - plane);
+        const float excess = std::max(0.0F, std::sqrt(lateral) - slack);
+        const float distance = plane + excess * excess;
+        const auto place = static_cast<std::uint32_t>(i + k);
+        const bool nearer = (cosine >= SampledSurface::kMinCosine) & (distance < kept.squared[k]) &
+                            (place != excluded);
+        kept.squared[k] = nearer ? distance : kept.squared[k];
+        kept.places[k] = nearer ? place : kept.places[k];
+      }
     }
   }
+  // The best of all lanes to the first: the nearest, of equally near ones the first.
+  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
+    for (std::size_t k = 0; k < width; ++k) {
+      const float mine = kept.squared[k], other = kept.squared[k + width];
+      const std::uint32_t place = kept.places[k], other_place = kept.places[k + width];
+      const bool better = (other < mine) | ((other == mine) & (other_place < place));
+      kept.squared[k] = better ? other : mine;
+      kept.places[k] = better ? other_place : place;
+    }
+  }
+  nearest = kept;
+}
+
+/// Squared distances of a sample from others: per lane from the nearest, and from the nearest two of
+/// the same sheet.
+struct Gaps {
+  explicit Gaps(float cap) noexcept {
+    nearest.fill(cap * cap);
+    first = second = nearest;
+  }
+
+  alignas(64) std::array<float, kLanes> nearest, first, second;
+};
+
+TRIVET_SIMD_CLONES
+void keep_gaps(const Columns& samples, const Runs& runs, const Oriented& query,
+               std::uint32_t excluded, float thickness, Gaps& gaps) noexcept {
+  const float *const xs = samples.x, *const ys = samples.y, *const zs = samples.z;
+  const float *const nxs = samples.nx, *const nys = samples.ny, *const nzs = samples.nz;
+  const float qx = query.point.x(), qy = query.point.y(), qz = query.point.z();
+  const float mx = query.normal.x(), my = query.normal.y(), mz = query.normal.z();
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  Gaps kept = gaps;
+  for (std::size_t r = 0; r < runs.count; ++r) {
+    for (std::size_t i = runs.places[r].first; i < runs.places[r].second; i += kLanes) {
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const float dx = xs[i + k] - qx, dy = ys[i + k] - qy, dz = zs[i + k] - qz;
+        const float nx = nxs[i + k], ny = nys[i + k], nz = nzs[i + k];
+        const bool other = static_cast<std::uint32_t>(i + k) != excluded;
+        const bool same_sheet = (nx * mx + ny * my + nz * mz >= SampledSurface::kMinCosine) &
+                                (std::abs(nx * dx + ny * dy + nz * dz) <= thickness);
+        const float squared = other ? dx * dx + dy * dy + dz * dz : kNone;
+        const float on_sheet = same_sheet ? squared : kNone;
+        kept.nearest[k] = std::min(kept.nearest[k], squared);
+        kept.second[k] = std::min(kept.second[k], std::max(kept.first[k], on_sheet));
+        kept.first[k] = std::min(kept.first[k], on_sheet);
+      }
+    }
+  }
+  for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
+    for (std::size_t k = 0; k < width; ++k) {
+      const float first = kept.first[k], other = kept.first[k + width];
+      kept.nearest[k] = std::min(kept.nearest[k], kept.nearest[k + width]);
+      kept.second[k] =
+          std::min(std::max(first, other), std::min(kept.second[k], kept.second[k + width]));
+      kept.first[k] = std::min(first, other);
+    }
+  }
+  gaps = kept;
 }
 
 }  // namespace
@@ -117,63 +187,65 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
   // Samples are looked for as far as kCap and kMaxSlack: runs of this length are read fastest.
   constexpr float kCell = 0.1F;
   grid_ = VoxelHash(points_, kCell);
-  for (std::size_t k = 0; k < used + kLanes; ++k) {
-    const bool exists = k < used;
-    sorted_points_.push_back(exists ? grid_.ordered_points()[k] : Eigen::Vector3f::Zero());
-    sorted_normals_.push_back(exists ? normals_[grid_.order()[k]] : Eigen::Vector3f::Zero());
+  constexpr float kFar = 1000;  // from all: fills the last vector's lanes
+  for (const std::uint32_t i : grid_.order()) sorted_normals_.push_back(normals_[i]);
+  for (std::size_t place = 0; place < used; ++place)
+    sorted_points_.push_back(grid_.ordered_points()[place]);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    sorted_points_.push_back(Eigen::Vector3f::Constant(kFar));
+    sorted_normals_.push_back(Eigen::Vector3f::Zero());
   }
+
+  constexpr float kThickness = 0.01F;  // of what counts as one sheet
+  slacks_.resize(used);
   double sum_nearest = 0;
-  for (std::uint32_t i = 0; i < used; ++i) {
-    float nearest = kCell * kCell;
-    grid_.visit_within(points_[i], kCell, [&](std::uint32_t k, float d2) {
-      if (k != i) nearest = std::min(nearest, d2);
+  for (std::uint32_t place = 0; place < used; ++place) {
+    const std::uint32_t i = grid_.order()[place];
+    Gaps gaps(kMaxSlack);
+    visit_runs(points_[i], kMaxSlack, [&](const Columns& samples, const Runs& runs) {
+      keep_gaps(samples, runs, {points_[i], normals_[i]}, place, kThickness, gaps);
     });
-    sum_nearest += std::sqrt(nearest);
+    sum_nearest += std::sqrt(gaps.nearest[0]);
+    slacks_[i] = std::sqrt(gaps.second[0]);
   }
   slack_ = std::min(kMaxSlack, static_cast<float>(2 * sum_nearest / static_cast<double>(used)));
+  for (float& slack : slacks_) slack = std::clamp(1.5F * slack, slack_, kMaxSlack);
 
-  slacks_.resize(used);
   own_distances_.resize(used);
   for (std::uint32_t place = 0; place < used; ++place) {
     const std::uint32_t i = grid_.order()[place];
-    slacks_[i] = std::clamp(1.5F * second_gap(i), slack_, kMaxSlack);
     own_distances_[i] = match(points_[i], normals_[i], slacks_[i], place).distance;
   }
 }
 
-float SampledSurface::second_gap(std::uint32_t sample) const noexcept {
-  constexpr float kThickness = 0.01F;  // of what counts as one sheet
-  float nearest = kMaxSlack * kMaxSlack, second = nearest;
-  grid_.visit_within(points_[sample], kMaxSlack, [&](std::uint32_t i, float d2) {
-    if (i == sample || normals_[i].dot(normals_[sample]) < kMinCosine) return;
-    if (std::abs(normals_[i].dot(points_[i] - points_[sample])) > kThickness) return;
-    if (d2 < nearest) std::swap(d2, nearest);
-    second = std::min(second, d2);
+template <class Visit>
+void SampledSurface::visit_runs(const Eigen::Vector3f& point, float radius,
+                                Visit&& visit) const noexcept {
+  const PointsView at = sorted_points_;
+  const NormalsView along = sorted_normals_;
+  const Columns samples{at.x.data(),    at.y.data(),    at.z.data(),
+                        along.x.data(), along.y.data(), along.z.data()};
+  Runs runs;
+  grid_.visit_runs_within(point, radius, [&](PointsView run, const std::uint32_t* indices) {
+    const auto first = static_cast<std::uint32_t>(indices - grid_.order().data());
+    runs.places[runs.count++] = {first, first + static_cast<std::uint32_t>(run.size())};
+    if (runs.count < Runs::kMost) return;
+    visit(samples, runs);
+    runs.count = 0;
   });
-  return std::sqrt(second);
+  if (runs.count > 0) visit(samples, runs);
 }
 
 SampledSurface::Match SampledSurface::match(const Eigen::Vector3f& point,
                                             const Eigen::Vector3f& normal, float slack,
                                             std::uint32_t excluded, float cap) const noexcept {
   Nearest nearest(cap);
-  const PointsView at = sorted_points_;
-  const NormalsView along = sorted_normals_;
-  grid_.visit_runs_within(point, slack + cap, [&](PointsView run, const std::uint32_t* indices) {
-    const auto first = static_cast<std::size_t>(indices - grid_.order().data());
-    keep_nearest(at.x.data(), at.y.data(), at.z.data(), along.x.data(), along.y.data(),
-                 along.z.data(), first, first + run.size(), {point, normal}, slack, excluded,
-                 nearest);
+  visit_runs(point, slack + cap, [&](const Columns& samples, const Runs& runs) {
+    keep_nearest(samples, runs, {point, normal}, slack, excluded, nearest);
   });
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < kLanes; ++k) {
-    if (std::pair(nearest.squared[k], nearest.places[k]) <
-        std::pair(nearest.squared[best], nearest.places[best]))
-      best = k;
-  }
   Match match;
-  match.distance = std::sqrt(nearest.squared[best]);
-  if (nearest.places[best] != kNowhere) match.index = grid_.order()[nearest.places[best]];
+  match.distance = std::sqrt(nearest.squared[0]);
+  if (nearest.places[0] != kNowhere) match.index = grid_.order()[nearest.places[0]];
   return match;
 }
 

@@ -71,8 +71,9 @@ class SampledSurface {
   /// None where nothing is nearer than `cap`, but for the sample that stands at a place of the grid.
   Match match(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float slack,
               std::uint32_t excluded, float cap = kCap) const noexcept;
-  /// Distance to the second nearest sample of the same sheet; kMaxSlack where it is farther.
-  float second_gap(std::uint32_t sample) const noexcept;
+  /// Call visit(samples, runs) for runs that together hold all samples within a radius.
+  template <class Visit>
+  void visit_runs(const Eigen::Vector3f& point, float radius, Visit&& visit) const noexcept;
 
   Eigen::Vector3f center_{0, 0, 0};
   float diameter_ = 1;

@@ -21,20 +21,24 @@ constexpr float kMaxScore = 0.022F;
 constexpr float kOneAxis = 0.1F;            // [rad]
 constexpr std::size_t kMaxCandidates = 24;  // of one order
 
+constexpr std::size_t kRowLanes = 8;
+
 /// Lower the numbers of voxels in a row to their distances from a disc; `first` leads from the disc's
-/// center to the first voxel.
+/// center to the first voxel. Pre: n is a multiple of kRowLanes.
 TRIVET_SIMD_CLONES
 void mark_row(const Eigen::Vector3f& first, const Eigen::Vector3f& normal, float step, float slack,
               std::size_t n, float* __restrict row) noexcept {
   const float across = first.y() * first.y() + first.z() * first.z();
   const float along = normal.y() * first.y() + normal.z() * first.z();
   const float x0 = first.x(), nx = normal.x();
-  for (std::size_t k = 0; k < n; ++k) {
-    const float x = x0 + static_cast<float>(k) * step;
-    const float plane = nx * x + along;
-    const float lateral = std::sqrt(std::max(0.0F, x * x + across - plane * plane));
-    const float excess = std::max(0.0F, lateral - slack);
-    row[k] = std::min(row[k], std::sqrt(plane * plane + excess * excess));
+  for (std::size_t first_lane = 0; first_lane < n; first_lane += kRowLanes) {
+    for (std::size_t k = first_lane; k < first_lane + kRowLanes; ++k) {
+      const float x = x0 + static_cast<float>(k) * step;
+      const float plane = nx * x + along;
+      const float lateral = std::sqrt(std::max(0.0F, x * x + across - plane * plane));
+      const float excess = std::max(0.0F, lateral - slack);
+      row[k] = std::min(row[k], std::sqrt(plane * plane + excess * excess));
+    }
   }
 }
 
@@ -90,7 +94,11 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f p = points_[i], n = normals[i];
     const Eigen::Array3i center = (p.array() * scale_ + 0.5F * kSize).floor().cast<int>();
-    const Eigen::Array3i low = (center - reach).max(0), high = (center + reach).min(kSize - 1);
+    Eigen::Array3i low = (center - reach).max(0), high = (center + reach).min(kSize - 1);
+    // Rows as long as vectors, by voxels that are out of reach.
+    const auto width =
+        static_cast<std::size_t>(high.x() - low.x()) / kRowLanes * kRowLanes + kRowLanes;
+    low.x() = std::min(low.x(), kSize - static_cast<int>(width));
     const auto offset = [&](int voxel, float of_point) {
       return (static_cast<float>(voxel) + 0.5F - 0.5F * kSize) * step - of_point;
     };
@@ -98,7 +106,7 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
       for (int y = low.y(); y <= high.y(); ++y) {
         float* const row = &field_[static_cast<std::size_t>((z * kSize + y) * kSize + low.x())];
         mark_row({offset(low.x(), p.x()), offset(y, p.y()), offset(z, p.z())}, n, step, slack,
-                 static_cast<std::size_t>(high.x() - low.x() + 1), row);
+                 width, row);
       }
     }
   }
