@@ -83,7 +83,8 @@ struct Moments {
 LocalFrame frame_of(const Moments& moments, float radius, const Eigen::Vector3f& normal) noexcept {
   LocalFrame frame;
   if (!(moments.weight > 0) || !(moments.second.trace() > 0)) return frame;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments.second);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(moments.second);
   const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(0);  // rising
   Eigen::Vector3d e1 = solver.eigenvectors().col(2), e3 = solver.eigenvectors().col(0);
   const double along = moments.first.dot(e1);
