@@ -1,4 +1,5 @@
 // Damaged, foreign and hostile files: refused, or the library that was written; never another one.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -478,6 +479,15 @@ TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
   std::vector<PpfEntry> entries(model.ppf.entries.begin(), model.ppf.entries.end());
   entries[7].reference = 30;
   reseal("ppf/entries[7]: expected a reference below 30, found 30",
+         data("models/a/ppf/entries", entries));
+  entries.assign(model.ppf.entries.begin(), model.ppf.entries.end());
+  const auto fuller = std::ranges::adjacent_find(
+      model.ppf.offsets, [](std::uint32_t a, std::uint32_t b) { return b > a + 1; });
+  ASSERT_NE(fuller, model.ppf.offsets.end());
+  entries[*fuller] = {29, 9};
+  entries[*fuller + 1] = {29, 8};
+  reseal(fmt::format("ppf/entries[{}]: expected cell {} sorted by reference, then angle",
+                     *fuller + 1, fuller - model.ppf.offsets.begin()),
          data("models/a/ppf/entries", entries));
 
   std::vector<std::uint32_t> triangles(3 * model.triangles.size(), 0);
