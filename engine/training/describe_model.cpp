@@ -90,15 +90,13 @@ struct ViewedSurface {
       : surface(std::move(from)),
         views(partial_views_of(surface.views)),
         radius(support_radius),
-        grid(surface.points, kCell * radius) {
+        grid(surface.points, kCell * radius),
+        sharers(surface.points.size(), kModelShare * radius) {
     for (const std::uint32_t i : grid.order()) views_in_order.push_back(views[i]);
     const PointsView points = grid.ordered_points();
-    const kernels::VoxelHash fine(points, kModelShare * radius);
-    sharers.num_points = points.size();
-    sharers.counts.resize(kernels::kMostPartialViews * points.size());
+    const kernels::VoxelHash fine(points, sharers.radius);
     for_chunks(points.size(), 256, [&](std::size_t first, std::size_t count) {
-      kernels::count_sharers(fine, views_in_order, points.slice(first, count), first,
-                             kModelShare * radius, sharers.counts);
+      kernels::count_sharers(fine, views_in_order, points.slice(first, count), first, sharers);
     });
   }
 
@@ -148,8 +146,7 @@ void describe_keypoint(const ViewedSurface& model, std::uint32_t point,
   while (left != 0 && out.size() < before + kMostDescriptions) {
     const std::size_t view = kernels::most_typical(scratch.views, left);
     left &= ~scratch.views.alike[view];
-    kernels::take_view(model.grid, scratch.all, view, model.sharers, kModelShare * model.radius,
-                       scratch.seen);
+    kernels::take_view(model.grid, scratch.all, view, model.sharers, scratch.seen);
     const Eigen::Matrix3f frame =
         kernels::describe_support(scratch.seen, model.surface.normals[point], model.radius, limits,
                                   scratch.image, scratch.spin)

@@ -30,11 +30,11 @@ std::uint64_t spread(std::uint64_t bits) noexcept {
   return (bits | bits << 7) & 0x0101010101010101;
 }
 
-/// The counts of eight views from `first` on, a byte each.
-std::uint64_t eight_counts(std::size_t first, const BitCounters& counters) noexcept {
+/// The counts of eight views from `first` on, a byte each; planes from num_planes on are empty.
+std::uint64_t eight_counts(std::size_t first, const BitCounters& counters,
+                           std::size_t num_planes) noexcept {
   std::uint64_t counts = 0;
-  for (std::size_t p = 0; p < counters.size(); ++p)
-    counts |= spread(counters[p] >> first & 0xFF) << p;
+  for (std::size_t p = 0; p < num_planes; ++p) counts |= spread(counters[p] >> first & 0xFF) << p;
   return counts;
 }
 
@@ -95,16 +95,25 @@ std::uint32_t count_points(std::span<const std::uint64_t> seen) noexcept {
 
 }  // namespace
 
+Sharers::Sharers(std::size_t all_points, float within)
+    : num_points(all_points), radius(within), counts(kMostPartialViews * all_points) {
+  for (std::size_t n = 1; n < areas.size(); ++n)
+    areas[n] = std::numbers::pi_v<float> * radius * radius / static_cast<float>(n);
+}
+
 void count_sharers(const VoxelHash& grid, std::span<const ViewBits> views, PointsView points,
-                   std::size_t first, float radius, std::span<std::uint8_t> counts) noexcept {
+                   std::size_t first, Sharers& sharers) noexcept {
   for (std::size_t i = 0; i < points.size(); ++i) {
     BitCounters counters{};
-    grid.visit_within(points[i], radius,
+    grid.visit_within(points[i], sharers.radius,
                       [&](std::uint32_t near, float) { add(views[near], counters); });
+    std::size_t num_planes = counters.size();
+    while (num_planes > 0 && counters[num_planes - 1] == 0) --num_planes;
     for (std::size_t v = 0; v < kMostPartialViews; v += 8) {
-      const std::uint64_t eight = eight_counts(v, counters);
+      const std::uint64_t eight = eight_counts(v, counters, num_planes);
       for (std::size_t k = 0; k < 8; ++k)
-        counts[(v + k) * views.size() + first + i] = static_cast<std::uint8_t>(eight >> 8 * k);
+        sharers.counts[(v + k) * views.size() + first + i] =
+            static_cast<std::uint8_t>(eight >> 8 * k);
     }
   }
 }
@@ -131,14 +140,11 @@ void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> view
 }
 
 void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
-               const Sharers& sharers, float share_radius, Support& support) {
+               const Sharers& sharers, Support& support) {
   const std::size_t most = all.size + Support::kLanes;
   for (Column<float>* const column : {&support.x, &support.y, &support.z, &support.area}) {
     if (column->size() < most) column->resize(2 * most);
   }
-  std::array<float, 256> areas{};  // by the number of sharers; no point that is seen has none
-  for (std::size_t n = 1; n < areas.size(); ++n)
-    areas[n] = std::numbers::pi_v<float> * share_radius * share_radius / static_cast<float>(n);
   float *const x = support.x.data(), *const y = support.y.data();
   float *const z = support.z.data(), *const area = support.area.data();
   const float px = all.keypoint.x(), py = all.keypoint.y(), pz = all.keypoint.z();
@@ -152,7 +158,7 @@ void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view
       x[kept] = points.x[p] - px;
       y[kept] = points.y[p] - py;
       z[kept] = points.z[p] - pz;
-      area[kept] = areas[counts[p]];
+      area[kept] = sharers.areas[counts[p]];
     }
   }
   support.size = kept;

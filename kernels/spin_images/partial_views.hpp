@@ -20,8 +20,14 @@ inline constexpr std::size_t kMostPartialViews = 64;
 /// How many points share the area around each, by view: row v has a count a point, 255 at most, in the
 /// order of the grid that supports are gathered from.
 struct Sharers {
+  /// radius  > 0: points this near share an area
+  Sharers(std::size_t num_points, float radius);
+
+  std::size_t num_points;
+  float radius;
   Column<std::uint8_t> counts;  ///< kMostPartialViews rows of num_points
-  std::size_t num_points = 0;
+  std::array<float, 256>
+      areas{};  ///< by count, of a disc of the radius; no point that is seen has 0
 
   std::span<const std::uint8_t> of_view(std::size_t v) const noexcept {
     return std::span(counts).subspan(v * num_points, num_points);
@@ -34,10 +40,10 @@ struct Sharers {
 /// grid    of all points
 /// views   of all points
 /// points  some, those [first, first + points.size()) of the rows of counts
-/// counts  as of Sharers, of all points
+/// sharers  of all points; those of the points are written
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
 void count_sharers(const VoxelHash& grid, std::span<const ViewBits> views, PointsView points,
-                   std::size_t first, float radius, std::span<std::uint8_t> counts) noexcept;
+                   std::size_t first, Sharers& sharers) noexcept;
 
 /// The surface around a keypoint, all of it.
 struct ViewedSupport {
@@ -62,7 +68,7 @@ void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> view
 /// What one view sees of it, as gather_support gives it for the view's points alone, with the areas
 /// that share_areas gives them.
 void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
-               const Sharers& sharers, float share_radius, Support& support);
+               const Sharers& sharers, Support& support);
 
 /// Which views see nearly the same of a support.
 struct LikeViews {

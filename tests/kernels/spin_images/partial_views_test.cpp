@@ -48,15 +48,13 @@ struct Gridded {
   Sharers sharers;
 
   explicit Gridded(const Scene& scene, std::size_t chunk = 100)
-      : grid(scene.points, 0.5F * kRadius) {
+      : grid(scene.points, 0.5F * kRadius), sharers(scene.points.size(), kShareRadius) {
     for (const std::uint32_t i : grid.order()) views.push_back(scene.views[i]);
     const PointsView points = grid.ordered_points();
     const VoxelHash fine(points, kShareRadius);
-    sharers.num_points = points.size();
-    sharers.counts.resize(kMostPartialViews * points.size());
     for (std::size_t first = 0; first < points.size(); first += chunk) {
       const std::size_t count = std::min(chunk, points.size() - first);
-      count_sharers(fine, views, points.slice(first, count), first, kShareRadius, sharers.counts);
+      count_sharers(fine, views, points.slice(first, count), first, sharers);
     }
   }
 };
@@ -78,7 +76,7 @@ TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
     for (const std::size_t at : {0U, 17U, 400U}) {
       const Eigen::Vector3f keypoint = scene.points[at];
       gather_viewed_support(gridded.grid, gridded.views, keypoint, kRadius, all);
-      take_view(gridded.grid, all, view, gridded.sharers, kShareRadius, found);
+      take_view(gridded.grid, all, view, gridded.sharers, found);
       gather_support(alone_grid, areas, keypoint, kRadius, expected);
       EXPECT_GT(found.size, 20U);
       EXPECT_EQ(rows_of(found), rows_of(expected)) << view;
@@ -150,7 +148,7 @@ TEST(PartialViews, AllocateOnlyOnce) {
   const auto describe = [&](std::size_t at) {
     gather_viewed_support(gridded.grid, gridded.views, scene.points[at], kRadius, all);
     compare_views(all, scene.views[at], 0.2F, like);
-    take_view(gridded.grid, all, 0, gridded.sharers, kShareRadius, support);
+    take_view(gridded.grid, all, 0, gridded.sharers, support);
   };
   for (std::size_t at = 0; at < scene.points.size(); ++at) describe(at);
   EXPECT_EQ(test::allocations_in([&] {
