@@ -135,9 +135,9 @@ Result<void> write_level(const LevelInPieces& made, const std::string& name, hid
   if (!datasets) return failed;
   const std::size_t row_bytes =
       level.stride + sizeof(std::uint32_t) + 3 * sizeof(float) + sizeof(RotationCode);
+  // While a piece is written, the next one is made: also of a level that would fit into one.
   const std::size_t at_once =
-      std::max(std::min(place.piece_bytes / 2 / row_bytes, n), std::size_t{1});
-  // While a piece is written, the next one is made.
+      std::max(std::min(place.piece_bytes / 2 / row_bytes, n / 4 + 1), std::size_t{1});
   std::array pieces{Piece(at_once, level.stride), Piece(at_once, level.stride)};
   const auto make = [&](std::size_t k) {
     const std::size_t at = k * at_once;
