@@ -334,7 +334,7 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
                    fmt::format("{} ({})", written.error().message, state.how_to_go_on())};
     }
   }
-  engine::remove_parts(engine::parts_folder(state.request.file));
+  engine::remove_parts(engine::parts_folder(state.request.file), std::move(state.parts));
   report.seconds = std::chrono::duration<double>(Clock::now() - state.start).count();
   return report;
 }

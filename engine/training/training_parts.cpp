@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
+#include "engine/common/parallel.hpp"
 #include "storage/file.hpp"
 
 namespace trivet::engine {
@@ -45,7 +47,11 @@ std::vector<Library> open_parts(const fs::path& folder) {
   return parts;
 }
 
-void remove_parts(const fs::path& folder) noexcept {
+void remove_parts(const fs::path& folder, std::vector<Library> parts) noexcept {
+  for_each_index(parts.size(), [&](std::size_t k) {
+    std::error_code error;
+    fs::remove(std::exchange(parts[k], {}).file, error);
+  });
   std::error_code error;
   fs::remove_all(folder, error);
 }

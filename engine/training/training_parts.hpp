@@ -20,8 +20,9 @@ std::filesystem::path parts_folder(const std::filesystem::path& library);
 /// Pre: nobody writes into it.
 std::vector<Library> open_parts(const std::filesystem::path& folder);
 
-/// Remove the parts, once their models are published. What cannot be removed stays.
-void remove_parts(const std::filesystem::path& folder) noexcept;
+/// Close the parts and remove them, once their models are published: several at a time, since the
+/// kernel takes a while over gigabytes. What cannot be removed stays.
+void remove_parts(const std::filesystem::path& folder, std::vector<Library> parts) noexcept;
 
 /// Writes models as they come into files of the folder, each a library of some models without an
 /// index. A part appears when it has lasted long enough: a process that dies loses no more.
