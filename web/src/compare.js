@@ -93,3 +93,55 @@ export function compareRuns(scans, modelOf) {
   const keys = ["both", "onlyA", "onlyB", "secondsA", "secondsB"];
   return { rows, total: Object.fromEntries(keys.map((key) => [key, sum(key)])) };
 }
+
+/**
+ * The chance of two runs differing so much or more where both are equally good: McNemar's exact test
+ * in both directions, as `trivet compare` and `trivet study` have it.
+ *
+ * onlyA, onlyB  what just one of them finds
+ */
+export function pairedChance(onlyA, onlyB) {
+  const n = onlyA + onlyB;
+  const fewer = Math.min(onlyA, onlyB);
+  // Of n fair coins: the chance of exactly `fewer` on one side, in logarithms as 2^n may be too
+  // large, then of fewer and fewer as shares of it.
+  let logChance = -n * Math.LN2;
+  for (let i = 1; i <= fewer; ++i) logChance += Math.log((n - fewer + i) / i);
+  let sum = 0;
+  for (let i = fewer, share = 1; share > 0; --i) {
+    sum += share;
+    share *= i / (n - i + 1);
+  }
+  return Math.min(1, 2 * Math.exp(logChance) * sum);
+}
+
+/**
+ * What two runs find of what is known to be right.
+ *
+ * scans  [{ a, b: detections, truth: [{ model, T_scene_model }], or null where it is not known }]
+ * Returns { scans: number with a truth, right: of them in all, foundA, foundB, onlyA, onlyB, wrongA,
+ *   wrongB, chance: see pairedChance }.
+ */
+export function compareByTruth(scans, modelOf) {
+  const known = scans.filter(({ truth }) => truth !== null);
+  const sums = { scans: known.length, right: 0, foundA: 0, foundB: 0, onlyA: 0, onlyB: 0 };
+  let [detectionsA, detectionsB] = [0, 0];
+  for (const { a, b, truth } of known) {
+    const [inA, inB] = [a, b].map(
+      (detections) => new Set(matchDetections(detections, truth, modelOf).map(([, k]) => k)),
+    );
+    sums.right += truth.length;
+    sums.foundA += inA.size;
+    sums.foundB += inB.size;
+    sums.onlyA += [...inA].filter((k) => !inB.has(k)).length;
+    sums.onlyB += [...inB].filter((k) => !inA.has(k)).length;
+    detectionsA += a.length;
+    detectionsB += b.length;
+  }
+  return {
+    ...sums,
+    wrongA: detectionsA - sums.foundA,
+    wrongB: detectionsB - sums.foundB,
+    chance: pairedChance(sums.onlyA, sums.onlyB),
+  };
+}

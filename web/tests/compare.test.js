@@ -1,7 +1,13 @@
 /** Which detections are the same, held against quaternions and brute force. */
 import { test, expect } from "@playwright/test";
 
-import { compareRuns, matchDetections, poseDistance } from "../src/compare.js";
+import {
+  compareByTruth,
+  compareRuns,
+  matchDetections,
+  pairedChance,
+  poseDistance,
+} from "../src/compare.js";
 
 const kHalfTurn = [
   [-1, 0, 0, 0.2],
@@ -106,4 +112,37 @@ test("runs are summed, and a time that is not known leaves its sum unknown", () 
     [0, 0, 2],
   ]);
   expect(total).toEqual({ both: 1, onlyA: 1, onlyB: 2, secondsA: 1.5, secondsB: null });
+});
+
+// By hand: twice the tail of the binomial distribution.
+test("a difference is chance by McNemar's exact test", () => {
+  expect(pairedChance(0, 0)).toBe(1);
+  expect(pairedChance(1, 0)).toBe(1);
+  expect(pairedChance(0, 5)).toBeCloseTo(2 / 32, 12);
+  expect(pairedChance(9, 1)).toBeCloseTo((2 * 11) / 1024, 12);
+  expect(pairedChance(4, 4)).toBe(1);
+  expect(pairedChance(2000, 3000)).toBeGreaterThan(0);
+  expect(pairedChance(2000, 3000)).toBeLessThan(1e-40);
+  for (let n = 1; n <= 12; ++n) {
+    for (let k = 0; 2 * k < n; ++k) {
+      let ways = 0;
+      for (let coins = 0; coins < 2 ** n; ++coins)
+        ways += coins.toString(2).replaceAll("0", "").length <= k;
+      expect(pairedChance(k, n - k)).toBeCloseTo(Math.min(1, (2 * ways) / 2 ** n), 12);
+    }
+  }
+});
+
+test("runs are held against what is known to be right", () => {
+  const at = (x, model) => detection(poseOf([0, 0, 1], 0, [x, 0, 1]), model);
+  const scans = [
+    // One is found by both, one by A, one by none; B has one that is not there, and a wrong model.
+    { truth: [at(0), at(1), at(2)], a: [at(0), at(1)], b: [at(0), at(5), at(1, "bolt")] },
+    { truth: [], a: [], b: [at(3)] },
+    { truth: null, a: [at(4)], b: [] },
+  ];
+  const { chance, ...counts } = compareByTruth(scans, () => kModel);
+  const expected = { scans: 2, right: 3, foundA: 2, foundB: 1, onlyA: 1, onlyB: 0, wrongA: 0, wrongB: 3 };
+  expect(counts).toEqual(expected);
+  expect(chance).toBe(1);
 });

@@ -84,6 +84,7 @@ test("scans are kept with what runs find, and runs are held side by side", async
   await expect(told).toHaveText("Both were asked with the same settings.");
   const total = page.locator("#comparison tfoot td");
   await expect(total.first()).toHaveText(`${found[0] + found[1]}`);
+  await expect(page.locator("#compare-verdict")).toContainText("Mark what is right in the scans");
 
   // What run B says of a scan, that there is nothing, can be the truth, too.
   await page.getByLabel("Show the answers of run").selectOption("B");
@@ -91,6 +92,12 @@ test("scans are kept with what runs find, and runs are held side by side", async
   await page.getByRole("button", { name: "Nothing is there" }).click();
   await expect(page.locator("#verdicts-note")).toHaveText("The truth of this scan is kept.");
   expect((await indexOf(request)).scans.map(({ truth }) => truth)).toEqual([null, []]);
+  await page.locator("#tab-session").click();
+  await page.getByLabel("against run").selectOption("B");
+  await expect(page.locator("#compare-verdict")).toHaveText(
+    `Of 0 parts marked right in 1 scan, A finds 0 and ${found[1]} that ${found[1] === 1 ? "is" : "are"} not, ` +
+      "B finds 0. Both find the same of them.",
+  );
 });
 
 test("a kept answer comes with what was asked, the camera in its link, too", async ({

@@ -1,4 +1,4 @@
-import { compareRuns } from "../compare.js";
+import { compareByTruth, compareRuns } from "../compare.js";
 import { byId, element, moveByArrows } from "../dom.js";
 import { fetchBytes, fetchPoints, recognize } from "../service.js";
 import { numbered, secondsWords } from "../words.js";
@@ -22,6 +22,21 @@ function differenceWords(first, second, queries) {
     .filter((name) => a.get(name) !== b.get(name))
     .map((name) => `${name} ${a.get(name) ?? "as usual"} in ${first}, ${b.get(name) ?? "as usual"} in ${second}`);
   return words.length ? `Set differently: ${words.join("; ")}.` : "Both were asked with the same settings.";
+}
+
+/** Which of two runs finds more of what is right, and whether that may be chance. */
+function verdictWords(first, second, { scans, right, onlyA, onlyB, chance, ...all }) {
+  if (!scans)
+    return "Mark what is right in the scans, and read here which run finds more of it, and how sure that is.";
+  const counts = (run, found, others) =>
+    `${run} finds ${found}${others ? ` and ${others} that ${others === 1 ? "is" : "are"} not` : ""}`;
+  const found =
+    `Of ${numbered(right, "part", "parts")} marked right in ${numbered(scans, "scan", "scans")}, ` +
+    `${counts(first, all.foundA, all.wrongA)}, ${counts(second, all.foundB, all.wrongB)}.`;
+  if (!onlyA && !onlyB) return `${found} Both find the same of them.`;
+  const p = chance < 0.001 ? "below 0.001" : `${Number(chance.toPrecision(2))}`;
+  const sure = chance < 0.05 ? "that is more than chance" : "that may be chance";
+  return `${found} Only ${first} finds ${onlyA}, only ${second} ${onlyB}: ${sure} (McNemar’s exact test, p ${p}).`;
 }
 
 function truthWords(truth) {
@@ -297,17 +312,21 @@ export class SessionPanel {
             name,
             a: a.scenes[0].detections,
             b: b.scenes[0].detections,
+            truth: session.scan(name).truth,
             queries: [a.query, b.query],
             secondsA: a.seconds?.work ?? null,
             secondsB: b.seconds?.work ?? null,
           };
         }),
       );
-      const names = scans.flatMap(({ a, b }) => [...a, ...b].map(({ model }) => model));
+      const names = scans.flatMap(({ a, b, truth }) =>
+        [...a, ...b, ...(truth ?? [])].map(({ model }) => model),
+      );
       const modelOf = await this.page.modelOf(names);
       if (first !== byId("run-a").value || second !== byId("run-b").value) return;
       byId("compare-settings").textContent = differenceWords(first, second, scans[0]?.queries);
       this.#showComparison(first, second, compareRuns(scans, modelOf));
+      byId("compare-verdict").textContent = verdictWords(first, second, compareByTruth(scans, modelOf));
     } catch (error) {
       this.say(error.message);
     }
