@@ -43,6 +43,8 @@ const kCoarse = 0.4; // of the resolution
 const kDim = 0.8; // share of the ground in points that do not count
 const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
+const foundMaterial = () => new MeshLambertMaterial({ flatShading: true, side: DoubleSide });
+
 /** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
 const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispose());
 
@@ -83,6 +85,7 @@ export class SceneView {
   #isNew = false; // no mark was placed yet
   #isCoarse = false;
   #lastDrawn = 0;
+  #alike = []; // see #prepare
 
   /** Whether a click asks about a place of the scan instead of picking what is drawn. */
   asks = false;
@@ -110,11 +113,37 @@ export class SceneView {
     this.#solid.add(this.#axes, this.#sensor.pyramid);
     this.#camera.position.set(0, 0.5, 3);
     this.readColors();
+    this.#prepare();
 
     new ResizeObserver(() => this.#resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColors());
     canvas.addEventListener("webglcontextrestored", () => this.#draw());
     this.#listenForPicks();
+  }
+
+  /**
+   * Draw something like a scan and a found model once, in a few pixels: programs are compiled by their
+   * first use, for which the page would wait while pictures of many points are drawn. What was drawn
+   * stays, as programs that nothing uses are forgotten.
+   */
+  #prepare() {
+    const corners = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);
+    const points = makeScanPoints(corners, frameOf(corners));
+    points.material.uniforms.color.value = points.material.uniforms.dim.value = this.colors.scan;
+    const mesh = new Mesh(points.geometry, foundMaterial());
+    // SeenParts draws outlines among what is solid, where its lights make them another program.
+    const [outline, seen] = [0, 1].map(
+      () => new Mesh(points.geometry, outlineMaterial(kSelected, new Color())),
+    );
+    this.#alike.push(points, mesh, outline, seen);
+    for (const thing of this.#alike) thing.frustumCulled = false;
+    this.#solid.add(points, mesh, seen);
+    this.#outlined.add(outline);
+    const hidden = this.#solid.children.filter(({ visible }) => !visible);
+    for (const thing of hidden) thing.visible = true;
+    this.#picture.render(this.#solid, this.#outlined, this.#camera, 1, 1);
+    for (const thing of hidden) thing.visible = false;
+    for (const thing of this.#alike) thing.removeFromParent();
   }
 
   /** Take the colors of the scene from the style sheet. */
@@ -205,8 +234,7 @@ export class SceneView {
     this.#outlined.add(outline);
     let mesh = null;
     if (thing.kind === "found") {
-      const material = new MeshLambertMaterial({ flatShading: true, side: DoubleSide });
-      mesh = pose(new Mesh(thing.geometry, material), matrix);
+      mesh = pose(new Mesh(thing.geometry, foundMaterial()), matrix);
       mesh.userData.id = thing.id;
       this.#found.add(mesh);
     }
