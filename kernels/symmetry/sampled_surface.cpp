@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -43,6 +44,8 @@ struct Tally {
   }
 };
 
+// Samples are looked for as far as kCap and kMaxSlack: runs of this length are read fastest.
+constexpr float kCell = 0.1F;
 constexpr std::size_t kLanes = 16;
 constexpr std::uint32_t kNowhere = 0xFFFF'FFFFU;
 
@@ -58,7 +61,8 @@ struct Columns {
 /// Runs of samples, from one place to before another, that are looked at in whole vectors: what
 /// stands behind a run are samples too.
 struct Runs {
-  static constexpr std::size_t kMost = 32;
+  static_assert(2 * (SampledSurface::kCap + SampledSurface::kMaxSlack) < 3 * kCell);
+  static constexpr std::size_t kMost = 4 * 4;  // rows of voxels that so small a ball touches
   std::array<std::pair<std::uint32_t, std::uint32_t>, kMost> places;
   std::size_t count = 0;
 };
@@ -184,8 +188,6 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
     normals_.push_back(normals[i]);
   }
 
-  // Samples are looked for as far as kCap and kMaxSlack: runs of this length are read fastest.
-  constexpr float kCell = 0.1F;
   grid_ = VoxelHash(points_, kCell);
   constexpr float kFar = 1000;  // from all: fills the last vector's lanes
   for (const std::uint32_t i : grid_.order()) sorted_normals_.push_back(normals_[i]);
@@ -227,13 +229,11 @@ void SampledSurface::visit_runs(const Eigen::Vector3f& point, float radius,
                         along.x.data(), along.y.data(), along.z.data()};
   Runs runs;
   grid_.visit_runs_within(point, radius, [&](PointsView run, const std::uint32_t* indices) {
+    assert(runs.count < Runs::kMost && "the ball is larger than any that is asked for");
     const auto first = static_cast<std::uint32_t>(indices - grid_.order().data());
     runs.places[runs.count++] = {first, first + static_cast<std::uint32_t>(run.size())};
-    if (runs.count < Runs::kMost) return;
-    visit(samples, runs);
-    runs.count = 0;
   });
-  if (runs.count > 0) visit(samples, runs);
+  visit(samples, runs);
 }
 
 SampledSurface::Match SampledSurface::match(const Eigen::Vector3f& point,

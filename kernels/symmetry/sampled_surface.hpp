@@ -71,7 +71,8 @@ class SampledSurface {
   /// None where nothing is nearer than `cap`, but for the sample that stands at a place of the grid.
   Match match(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float slack,
               std::uint32_t excluded, float cap = kCap) const noexcept;
-  /// Call visit(samples, runs) for runs that together hold all samples within a radius.
+  /// Call visit(samples, runs) with runs that together hold all samples within a radius, which is
+  /// kCap + kMaxSlack at most.
   template <class Visit>
   void visit_runs(const Eigen::Vector3f& point, float radius, Visit&& visit) const noexcept;
 
