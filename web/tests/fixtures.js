@@ -126,6 +126,18 @@ export async function pixels(page, clip) {
 export const look = async (page) =>
   (await page.getByRole("application").screenshot()).toString("base64");
 
+/** The same once it rests: fine pictures follow coarse ones, and labels are placed after pictures. */
+export async function lookAtRest(page) {
+  let last = null;
+  const isStill = async () => {
+    const before = last;
+    last = await look(page);
+    return last === before;
+  };
+  await base.expect.poll(isStill, { intervals: [400] }).toBe(true);
+  return last;
+}
+
 /** The share of pixels that differ visibly between an earlier look of the view and this one. */
 export async function changed(page, before) {
   const pictures = [before, await look(page)].map((png) => `(${decode})("${png}")`);

@@ -4,6 +4,7 @@ import {
   expect,
   foundRows,
   look,
+  lookAtRest,
   lookedAt,
   openExample,
   openPage,
@@ -40,7 +41,7 @@ test("keys alone lead from the start to a detection in the view", async ({ page 
 
 test("the view turns by arrow keys and fits again", async ({ page }) => {
   await openExample(page);
-  const before = await look(page);
+  const before = await lookAtRest(page);
   await page.getByRole("application").focus();
   await page.keyboard.press("ArrowLeft");
   await expect.poll(() => changed(page, before)).toBeGreaterThan(0.02);
