@@ -82,6 +82,7 @@ export class SceneView {
   #selected = null;
   #asked = 0;
   #rest = 0;
+  #settled = 0; // how often it came to rest
   #isNew = false; // no mark was placed yet
   #isCoarse = false;
   #lastDrawn = 0;
@@ -538,6 +539,7 @@ export class SceneView {
   /** At rest, put the marks on what is seen of their things; they stay there when it turns. */
   async #settle() {
     this.#isNew = false;
+    const turn = ++this.#settled;
     const things = this.#things;
     const seen = this.#things.filter(({ mesh }) => mesh?.visible);
     if (!seen.length) return;
@@ -554,7 +556,8 @@ export class SceneView {
     );
     for (const thing of hidden) thing.visible = true;
     const places = await finding;
-    if (things !== this.#things) return; // others are shown by now
+    // Others are shown by now, or looked for from another place.
+    if (things !== this.#things || turn !== this.#settled) return;
     seen.forEach((thing, k) => {
       thing.place = places[k] ?? thing.center;
       thing.mark.classList.toggle("behind", !places[k]);

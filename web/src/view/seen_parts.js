@@ -48,6 +48,7 @@ export class SeenParts {
     const height = Math.max(1, Math.round(kWidth / camera.aspect));
     this.#target.setSize(kWidth, height);
     shrink(height);
+    camera.updateMatrixWorld(); // which moves with what is drawn next
     const seenFrom = camera.clone();
     const pixels = await this.#draw(renderer, scene, camera, meshes.slice(0, kMost), height);
     const ids = new Uint8Array(kWidth * height).map((_, i) => pixels[4 * i + 3]);
