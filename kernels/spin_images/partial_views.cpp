@@ -87,9 +87,10 @@ std::uint32_t count_differences(const std::uint64_t* a, const std::uint64_t* b,
   return count;
 }
 
-std::uint32_t count_points(std::span<const std::uint64_t> seen) noexcept {
+TRIVET_SIMD_CLONES
+std::uint32_t count_points(const std::uint64_t* seen, std::size_t n) noexcept {
   std::uint32_t count = 0;
-  for (const std::uint64_t word : seen) count += static_cast<std::uint32_t>(std::popcount(word));
+  for (std::size_t w = 0; w < n; ++w) count += static_cast<std::uint32_t>(std::popcount(seen[w]));
   return count;
 }
 
@@ -170,7 +171,7 @@ void compare_views(const ViewedSupport& all, ViewBits wanted, float share,
                    LikeViews& views) noexcept {
   for (ViewBits rest = wanted; rest != 0; rest &= rest - 1) {
     const auto a = static_cast<std::size_t>(std::countr_zero(rest));
-    views.sizes[a] = count_points(all.seen_by(a));
+    views.sizes[a] = count_points(all.seen_by(a).data(), all.num_words);
     views.alike[a] = ViewBits{1} << a;
     for (ViewBits before = wanted ^ rest; before != 0; before &= before - 1) {
       const auto b = static_cast<std::size_t>(std::countr_zero(before));

@@ -25,6 +25,18 @@ double uniform(std::uint64_t seed, std::uint64_t counter) {
   return static_cast<double>(x >> 11) * 0x1p-53;
 }
 
+struct Corner {
+  Eigen::Vector3d point, ab, ac;  ///< and the edges from it
+  Eigen::Vector3f normal;
+};
+
+Corner first_corner(PointsView vertices, const Triangles& triangles, std::size_t t) {
+  const Eigen::Vector3d a = vertices[triangles.a[t]].cast<double>();
+  const Eigen::Vector3d ab = vertices[triangles.b[t]].cast<double>() - a;
+  const Eigen::Vector3d ac = vertices[triangles.c[t]].cast<double>() - a;
+  return {a, ab, ac, ab.cross(ac).normalized().cast<float>()};
+}
+
 double fraction(double x) { return x - std::floor(x); }
 
 }  // namespace
@@ -55,14 +67,26 @@ void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<cons
   const auto last = std::lower_bound(area_sums.begin(), area_sums.end(), area_sums.back());
   const double share = area_sums.back() / static_cast<double>(num_samples);
 
+  // The triangle at a random place within each share. Places rise, and so do the triangles.
+  const auto place_of = [&](std::size_t i) {
+    return (static_cast<double>(i) + uniform(seed, i)) * share;
+  };
+  auto found = std::upper_bound(area_sums.begin(), last, place_of(first));
+  const auto corner_at = [&](auto triangle) {
+    return first_corner(vertices, triangles,
+                        static_cast<std::size_t>(triangle - area_sums.begin()));
+  };
+  Corner corner = corner_at(found);
+
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t i = first + k;
     const auto index = static_cast<double>(i);
-
-    // The triangle at a random place within the i-th share; those without area are stepped over.
-    const double place = (index + uniform(seed, i)) * share;
-    const auto found = std::upper_bound(area_sums.begin(), area_sums.end(), place);
-    const auto t = static_cast<std::size_t>(std::min(found, last) - area_sums.begin());
+    const double place = place_of(i);
+    if (found != last && *found <= place) {
+      do ++found;  // steps over those without area
+      while (found != last && *found <= place);
+      corner = corner_at(found);
+    }
 
     // From the square to the triangle, keeping areas and most neighbors.
     double u = fraction(shift_u + kStepU * index);
@@ -74,12 +98,8 @@ void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<cons
       v *= 0.5;
       u -= v;
     }
-
-    const Eigen::Vector3d a = vertices[triangles.a[t]].cast<double>();
-    const Eigen::Vector3d b = vertices[triangles.b[t]].cast<double>();
-    const Eigen::Vector3d c = vertices[triangles.c[t]].cast<double>();
-    points.set(k, (a + u * (b - a) + v * (c - a)).cast<float>());
-    normals.set(k, (b - a).cross(c - a).normalized().cast<float>());
+    points.set(k, (corner.point + u * corner.ab + v * corner.ac).cast<float>());
+    normals.set(k, corner.normal);
   }
 }
 
