@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "storage/feature_index.hpp"
@@ -29,6 +30,17 @@ struct LibraryHeader {
   bool operator==(const LibraryHeader&) const = default;
 };
 
+/// The names of all models that are going to be added; none: nobody knows yet.
+struct NamesToCome {
+  std::size_t count = 0;
+  std::size_t bytes = 0;  ///< of all names together
+
+  void add(std::string_view name) noexcept {
+    ++count;
+    bytes += name.size();
+  }
+};
+
 /// The features of all models of a library in the making, by the models' names.
 struct WrittenFeatures {
   std::span<const FeaturesOfModel> of_models;
@@ -37,14 +49,17 @@ struct WrittenFeatures {
 
 /// A model as it is going to lie in a library: checked, in columns with their checksums.
 struct PackedModel;
+/// How many bytes its datasets take.
+std::uint64_t packed_bytes(const PackedModel& packed) noexcept;
 
 /// Writes models one after the other into a temporary file beside `file`; `publish` makes it
 /// visible. Peak memory is that of one model. Not for use by two threads at once, but for `pack`.
 class LibraryWriter {
  public:
+  /// names  make room for; thousands of models take long to add without. The file depends on them.
   /// Errors: bad_data (header of more than 60,000 bytes), cannot_create, io.
   static Result<LibraryWriter> create(const std::filesystem::path& file,
-                                      const LibraryHeader& header);
+                                      const LibraryHeader& header, const NamesToCome& names = {});
   LibraryWriter(LibraryWriter&&) noexcept;
   LibraryWriter& operator=(LibraryWriter&&) noexcept;
   ~LibraryWriter();  ///< without publish: removes the temporary file, an older library stays
@@ -64,7 +79,8 @@ class LibraryWriter {
   /// piece by piece: so that no level is in memory. At most once, after all models; no model may
   /// come after it.
   ///
-  /// next         gives level k, or nothing when there are no more; models are named by their rank
+  /// next         gives level k, or nothing when there are no more, while the level before is written;
+  ///              models are named by their rank
   /// piece_bytes  of a level's features are in memory at a time; the file is the same for any
   /// Errors: bad_data, io.
   using NextLevel =

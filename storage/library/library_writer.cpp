@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
 #include <limits>
 #include <map>
 #include <new>
@@ -140,7 +141,8 @@ LibraryWriter::LibraryWriter(LibraryWriter&&) noexcept = default;
 LibraryWriter& LibraryWriter::operator=(LibraryWriter&&) noexcept = default;
 LibraryWriter::~LibraryWriter() = default;
 
-Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryHeader& header) {
+Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryHeader& header,
+                                            const NamesToCome& names) {
   constexpr std::size_t kMaxText = 60000;  // an attribute must fit an object header of 64 KiB
   for (const std::string* text : {&header.producer, &header.parameters}) {
     if (text->size() > kMaxText || text->find('\0') != std::string::npos) {
@@ -165,7 +167,7 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
   state->hdf5 =
       Handle(H5Fcreate(state->file.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));
   state->root = Handle(H5Gopen2(state->hdf5.get(), "/", H5P_DEFAULT));
-  state->models = create_group(state->root.get(), "models");
+  state->models = create_group(state->root.get(), "models", names);
   if (!state->hdf5 || !state->root || !state->models) return state->fail("its first bytes");
   return LibraryWriter(std::move(state));
 }
@@ -250,12 +252,19 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
   const LevelPlace place{state.file.path(), rank, unit_name(state.header.unit), piece_bytes};
   Handle group;
   StoredGroup described;
-  for (std::size_t k = 0; const std::optional<LevelInPieces> level = next(all, k); ++k) {
+  // While a level is written, the next one is looked for.
+  const auto look_for = [&](std::size_t k) {
+    return std::async(std::launch::async, [&next, &all, k] { return next(all, k); });
+  };
+  std::future<std::optional<LevelInPieces>> found = look_for(0);
+  for (std::size_t k = 0; const std::optional<LevelInPieces> level = found.get(); ++k) {
+    found = look_for(k + 1);
     if (k == 0) group = create_group(state.root.get(), "index");
     if (!group) return state.fail("the index");
     const std::string name = fmt::format("{:02}", k);
     StoredGroup& stored = described.groups[name];
     const Result<void> written = write_level(*level, name, group.get(), place, stored);
+    state.file.start_writing_back();
     if (written) continue;
     if (written.error().code != ErrorCode::io) return written;
     return state.fail(fmt::format("level {} of the index, of {} features", k, level->size()));

@@ -63,7 +63,19 @@ void add_features(const TriSpinFeatures& features, PackedGroup& group) {
   group.add(format::kFeatures, std::as_bytes(std::span(features.codes)));
 }
 
+std::uint64_t bytes_of(const PackedGroup& group) {
+  std::uint64_t sum = 0;
+  for (const auto& [name, dataset] : group.described.datasets) sum += dataset.bytes;
+  return sum;
+}
+
 }  // namespace
+
+std::uint64_t packed_bytes(const PackedModel& packed) noexcept {
+  std::uint64_t sum = bytes_of(packed.own);
+  for (const auto& [name, part] : packed.parts) sum += bytes_of(part);
+  return sum;
+}
 
 StoredGroup PackedModel::described() const {
   StoredGroup all = own.described;

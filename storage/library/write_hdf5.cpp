@@ -110,11 +110,17 @@ Handle creation_of(hid_t kind) {
 }
 
 // All links inside the checksummed object header, too, which may continue: HDF5 1.10 crashes when
-// it lists a damaged group of the other kind, which it would make of more than 8 links.
-Handle create_group(hid_t parent, const std::string& name) {
-  constexpr unsigned kMostLinks = 65535;
+// it lists a damaged group of the other kind, which it would make of more than 8 links. A header
+// that grows link by link takes a time of more than the square of their number: it gets its room.
+Handle create_group(hid_t parent, const std::string& name, const NamesToCome& groups) {
+  constexpr std::size_t kMostLinks = 65535;
+  const auto count = static_cast<unsigned>(std::min(groups.count, kMostLinks));
+  const auto length = static_cast<unsigned>(groups.bytes / std::max<std::size_t>(groups.count, 1));
   const Handle creation = creation_of(H5P_GROUP_CREATE);
-  if (!creation || H5Pset_link_phase_change(creation.get(), kMostLinks, 0) < 0) return {};
+  if (!creation || H5Pset_link_phase_change(creation.get(), kMostLinks, 0) < 0 ||
+      (count > 0 && H5Pset_est_link_info(creation.get(), count, length) < 0)) {
+    return {};
+  }
   return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT));
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "storage/columns.hpp"
+#include "storage/library.hpp"
 #include "storage/library/hdf5.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/stored_tree.hpp"
@@ -71,7 +72,7 @@ StoredDataset describe(const format::DatasetSpec& spec, std::uint64_t num_bytes,
 
 /// Properties for creating objects that are the same bytes whenever they are written.
 Handle creation_of(hid_t kind);
-Handle create_group(hid_t parent, const std::string& name);
+Handle create_group(hid_t parent, const std::string& name, const NamesToCome& groups = {});
 bool write_attributes(hid_t object, const StoredAttributes& attributes);
 /// Takes up where the dataset lies.
 bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,

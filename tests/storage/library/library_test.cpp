@@ -110,6 +110,25 @@ TEST_F(LibraryTest, HoldsModelsWithoutFeatures) {
   EXPECT_EQ(without->basis.components.size(), 0U);
 }
 
+// More room than one message of an object header can hold, most of which stays empty; and too little.
+TEST_F(LibraryTest, IsReadWhateverRoomItHadForNames) {
+  for (const NamesToCome names : {NamesToCome{9000, 90000}, NamesToCome{2, 2}}) {
+    auto writer = LibraryWriter::create(file(), kHeader, names);
+    ASSERT_TRUE(writer && writer->add(random_basis(5, test::kRandomComponents)));
+    std::vector<Model> models;
+    for (int m = 0; m < 40; ++m) {
+      models.push_back(random_model("model_" + std::to_string(100 + m), 1));
+      ASSERT_TRUE(writer->add(models.back()));
+    }
+    ASSERT_TRUE(writer->publish());
+    const auto library = verify_library(file());
+    ASSERT_TRUE(library) << library.error().message;
+    ASSERT_EQ(library->models.size(), models.size());
+    for (std::size_t m = 0; m < models.size(); ++m)
+      EXPECT_EQ(difference(library->models[m], models[m]), "");
+  }
+}
+
 TEST_F(LibraryTest, RefusesFeaturesOfAnotherBasisAndASecondBasis) {
   auto writer = LibraryWriter::create(file(), kHeader);
   ASSERT_TRUE(writer);
