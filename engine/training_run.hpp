@@ -13,6 +13,7 @@
 
 #include "engine/progress.hpp"
 #include "engine/train.hpp"
+#include "storage/library.hpp"
 #include "storage/result.hpp"
 
 namespace trivet {
@@ -29,6 +30,7 @@ struct JobOutcome {
   std::optional<Error> fault;  ///< why the model cannot be trained
   StageTimes times;
   std::vector<std::string> warnings;
+  std::shared_ptr<PackedModel> model = nullptr;  ///< none where it cannot be trained, or was not
 };
 
 /// What all processes of a run must agree on.
@@ -44,12 +46,13 @@ struct TrainingWork {
 /// different models overlap (a flow graph with a node a stage).
 ///
 /// next  called by one thread at a time, which may wait in it
-/// done  likewise, for each job that came to its end
+/// done  likewise, for each job that came to its end; where it fails, no more jobs are begun
 /// stop  no more jobs are begun; those that were begun are finished and kept
-/// Errors: of writing.
+/// Errors: of writing, of done.
 Result<void> train_models(const TrainingWork& work,
                           const std::function<std::optional<TrainingJob>()>& next,
-                          const std::function<void(JobOutcome)>& done, const std::stop_token& stop);
+                          const std::function<Result<void>(JobOutcome)>& done,
+                          const std::stop_token& stop);
 
 /// A library that is being brought up to date. Holds the lock of its file.
 class TrainingRun {
@@ -64,8 +67,10 @@ class TrainingRun {
   std::size_t num_taken_over() const noexcept;               ///< of them
   /// The next job; none when all are given out. One thread at a time.
   std::optional<TrainingJob> next();
-  /// Take note of an outcome. One thread at a time.
-  void add(JobOutcome outcome);
+  /// Take note of an outcome. Its model is written ahead where all before it, by name, are: those
+  /// of a library from nothing are there when it is to be published. One thread at a time. Errors:
+  /// of LibraryWriter.
+  Result<void> add(JobOutcome outcome);
   /// Write the library, when all jobs came to their ends. Errors: as of train_library.
   Result<TrainReport> publish(const TrainProgress& progress);
 

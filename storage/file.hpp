@@ -39,6 +39,10 @@ void give_back_pages(std::span<const std::byte> mapped) noexcept;
 /// Bytes that lie elsewhere stay.
 void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept;
 
+/// Let go of the memory that holds what was read and written of a file that is on the disk: of a file
+/// that is hardly going to be read soon, so that it does not displace what is.
+void give_back_file(const std::filesystem::path& file) noexcept;
+
 /// All that an open descriptor gives until its end. `name` stands for it in messages.
 /// Errors: bad_data (more than max_bytes), io.
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,

@@ -74,7 +74,10 @@ Result<void> train_share(const TrainRequest& request, const Ranks& ranks, const 
         if (!job) return std::nullopt;
         return parse_job(*job, places);
       },
-      [&](const JobOutcome& outcome) { worker.done(outcome_bytes(outcome, request.sources)); },
+      [&](const JobOutcome& outcome) -> Result<void> {
+        worker.done(outcome_bytes(outcome, request.sources));
+        return {};
+      },
       stop);
 }
 
@@ -97,7 +100,7 @@ class Account {
             [this](const std::string& bytes) {
               JobOutcome outcome = parse_outcome(bytes, places_);
               progress_.training(++num_done_, places_.size(), run_->sources()[outcome.source].name);
-              run_->add(std::move(outcome));
+              [[maybe_unused]] const Result<void> added = run_->add(std::move(outcome));
             }};
   }
   Result<TrainReport> publish() {

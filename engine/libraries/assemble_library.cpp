@@ -46,31 +46,47 @@ std::vector<ModelCopy> copies_of(const Library& library) {
   return all;
 }
 
+Result<LibraryWriter> begin_library(const LibraryHeader& header, const TriSpinBasis& basis,
+                                    const FileLock& lock, const NamesToCome& names) {
+  Result<LibraryWriter> writer = LibraryWriter::create(lock.file(), header, names);
+  if (!writer || basis.components.size() == 0) return writer;
+  if (const Result<void> added = writer->add(basis); !added) return added.error();
+  return writer;
+}
+
+Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> models,
+                            std::size_t num_written, const FileLock& lock,
+                            const Progress& progress) {
+  Result<void> written;
+  progress(num_written, models.size(), {});
+  engine::prepare_ahead(
+      models.size() - num_written,
+      [&](std::size_t k) { return check_and_pack(models[num_written + k], writer); },
+      [&](std::size_t k, const Result<std::shared_ptr<PackedModel>>& packed) {
+        const ModelCopy& copy = models[num_written + k];
+        written = !packed ? packed.error()
+                  : progress.stop.stop_requested()
+                      ? stopped(lock.file(), num_written + k, models.size())
+                      : writer.add(**packed);
+        if (!written) return false;
+        copy.library->give_back(kMostInMemory);
+        progress(num_written + k + 1, models.size(), copy.name);
+        return true;
+      });
+  if (!written) return written;
+  if (const Result<void> indexed = engine::add_index(writer); !indexed) return indexed;
+  return writer.publish();
+}
+
 Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& basis,
                               std::vector<ModelCopy> models, const FileLock& lock,
                               const Progress& progress) {
   std::ranges::stable_sort(models, {}, &ModelCopy::name);
-  Result<LibraryWriter> writer = LibraryWriter::create(lock.file(), header);
+  NamesToCome names;
+  for (const ModelCopy& copy : models) names.add(copy.name);
+  Result<LibraryWriter> writer = begin_library(header, basis, lock, names);
   if (!writer) return writer.error();
-  if (basis.components.size() > 0) {
-    if (const Result<void> added = writer->add(basis); !added) return added;
-  }
-  Result<void> written;
-  progress(0, models.size(), {});
-  engine::prepare_ahead(
-      models.size(), [&](std::size_t k) { return check_and_pack(models[k], *writer); },
-      [&](std::size_t k, const Result<std::shared_ptr<PackedModel>>& packed) {
-        written = !packed                          ? packed.error()
-                  : progress.stop.stop_requested() ? stopped(lock.file(), k, models.size())
-                                                   : writer->add(**packed);
-        if (!written) return false;
-        models[k].library->give_back(kMostInMemory);
-        progress(k + 1, models.size(), models[k].name);
-        return true;
-      });
-  if (!written) return written;
-  if (const Result<void> indexed = engine::add_index(*writer); !indexed) return indexed;
-  return writer->publish();
+  return finish_library(std::move(*writer), models, 0, lock, progress);
 }
 
 }  // namespace trivet

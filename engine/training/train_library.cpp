@@ -9,6 +9,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/libraries/assemble_library.hpp"
 #include "engine/libraries/edit_library.hpp"
+#include "engine/training/ahead_writer.hpp"
 #include "engine/training/provenance.hpp"
 #include "engine/training/standard_basis.hpp"
 #include "engine/training/training_parts.hpp"
@@ -90,6 +91,8 @@ struct TrainingRun::State {
         lock(std::move(held)),
         header(engine::library_header(request.unit, request.options)),
         basis(engine::standard_basis(request.options)) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 
   TrainRequest request;  // sources by name
   FileLock lock;
@@ -104,6 +107,7 @@ struct TrainingRun::State {
   std::vector<std::string> fingerprints;  // of the sources; empty: unreadable
   std::vector<std::size_t> jobs;          // sources that are to be trained
   std::size_t num_unreadable = 0;
+  std::optional<engine::AheadWriter> ahead;
 
   std::mutex mutex;                            // of what follows
   std::size_t num_given = 0;                   // of the jobs
@@ -119,6 +123,8 @@ struct TrainingRun::State {
   Result<void> find_staying();
   Result<void> read_sources(const Progress& progress);
   void plan();
+  std::vector<std::size_t> first_jobs() const;
+  Result<void> write_ahead(const JobOutcome& outcome);
   Error all_faults() const;
   Result<std::vector<ModelCopy>> gather_models();
   const JobOutcome* outcome_of(const ModelCopy& copy) const;
@@ -184,6 +190,33 @@ void TrainingRun::State::plan() {
     if (!fingerprint.empty() && !kept.contains(fingerprint) && !resumed.contains(fingerprint))
       jobs.push_back(k);
   }
+  NamesToCome names;
+  for (const ModelCopy& copy : staying) names.add(copy.name);
+  for (std::size_t k = 0; k < sources().size(); ++k) {
+    if (!faults.contains(k)) names.add(sources()[k].name);
+  }
+  ahead.emplace(header, basis, lock, names, first_jobs());
+}
+
+/// Whose models come before all others that the library is going to have.
+std::vector<std::size_t> TrainingRun::State::first_jobs() const {
+  std::vector<std::size_t> first;
+  for (std::size_t k = 0; k < sources().size() && first.size() < jobs.size(); ++k) {
+    if (faults.contains(k)) continue;
+    if (jobs[first.size()] != k) break;
+    if (!staying.empty() && staying.front().name < sources()[k].name) break;
+    first.push_back(k);
+  }
+  return first;
+}
+
+Result<void> TrainingRun::State::write_ahead(const JobOutcome& outcome) {
+  if (outcome.fault) ahead->give_up();
+  if (!outcome.model) return {};  // or another process has it
+  const Result<void> written = ahead->add(outcome.source, outcome.model);
+  if (written) return {};
+  return Error{written.error().code,
+               fmt::format("{} ({})", written.error().message, how_to_go_on())};
 }
 
 std::string TrainingRun::State::how_to_go_on() const {
@@ -305,10 +338,13 @@ std::optional<TrainingJob> TrainingRun::next() {
   return TrainingJob{state.jobs[state.num_given++], hopeless};
 }
 
-void TrainingRun::add(JobOutcome outcome) {
+Result<void> TrainingRun::add(JobOutcome outcome) {
+  if (const Result<void> written = state_->write_ahead(outcome); !written) return written;
+  outcome.model = nullptr;
   const std::lock_guard guard(state_->mutex);
   if (outcome.fault) state_->faults.emplace(outcome.source, *outcome.fault);
   state_->outcomes.emplace(outcome.source, std::move(outcome));
+  return {};
 }
 
 Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
@@ -327,8 +363,12 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
   if (!models) return models.error();
   TrainReport report = state.report_on(*models);
   if (!report.unchanged) {
-    const Result<void> written = assemble_library(state.header, state.basis, std::move(*models),
-                                                  state.lock, progress.writing);
+    std::optional<LibraryWriter> ahead = state.ahead->release();
+    const Result<void> written =
+        ahead ? finish_library(std::move(*ahead), *models, state.ahead->num_written(), state.lock,
+                               progress.writing)
+              : assemble_library(state.header, state.basis, std::move(*models), state.lock,
+                                 progress.writing);
     if (!written) {
       return Error{written.error().code,
                    fmt::format("{} ({})", written.error().message, state.how_to_go_on())};
@@ -349,8 +389,9 @@ Result<TrainReport> train_library(const TrainRequest& request, const TrainProgre
       {run->sources(), request.unit, request.options, request.file}, [&] { return run->next(); },
       [&](JobOutcome outcome) {
         const std::string& name = run->sources()[outcome.source].name;
-        run->add(std::move(outcome));
-        progress.training(++num_done, total, name);
+        const Result<void> added = run->add(std::move(outcome));
+        if (added) progress.training(++num_done, total, name);
+        return added;
       },
       progress.training.stop);
   if (!trained) return trained.error();

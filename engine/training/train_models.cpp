@@ -57,7 +57,7 @@ void read_and_survey(const TrainingWork& work, Item& item) {
 
 Result<void> train_models(const TrainingWork& work,
                           const std::function<std::optional<TrainingJob>()>& next,
-                          const std::function<void(JobOutcome)>& done,
+                          const std::function<Result<void>(JobOutcome)>& done,
                           const std::stop_token& stop) {
   const TriSpinBasis basis = engine::standard_basis(work.options);
   engine::PartWriter parts(engine::parts_folder(work.file),
@@ -111,23 +111,26 @@ Result<void> train_models(const TrainingWork& work,
         Item& item = *std::get<0>(joined);
         if (item.model.pair_fault) item.fault = item.model.pair_fault;
         if (failed) return flow::continue_msg{};
-        JobOutcome outcome{item.job.source, item.fault, {}, {}};
+        const auto fail = [&](const Error& error) {
+          failure = error;
+          failed = true;
+          return flow::continue_msg{};
+        };
+        JobOutcome outcome{item.job.source, item.fault, {}, {}, {}};
         if (item.goes_on()) {
           const ModelSource& source = work.sources[item.job.source];
           TrainedModel trained = engine::finish(source, std::move(item.model));
           trained.model.source_xxh3 = item.source_xxh3;
           trained.model.fingerprint =
               engine::fingerprint_of(source, item.source_xxh3, work.unit, work.options);
-          if (const Result<void> added = parts.add(trained.model); !added) {
-            failure = added.error();
-            failed = true;
-            return flow::continue_msg{};
-          }
+          Result<std::shared_ptr<PackedModel>> written = parts.add(trained.model);
+          if (!written) return fail(written.error());
+          outcome.model = std::move(*written);
           outcome.times = std::move(trained.stats.times);
           outcome.warnings = std::move(trained.stats.warnings);
         }
-        done(std::move(outcome));
-        return flow::continue_msg{};
+        const Result<void> taken = done(std::move(outcome));
+        return taken ? flow::continue_msg{} : fail(taken.error());
       });
 
   flow::make_edge(jobs, gate);

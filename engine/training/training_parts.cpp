@@ -72,24 +72,28 @@ Result<void> PartWriter::open() {
   return {};
 }
 
-Result<void> PartWriter::add(const Model& model) {
+Result<std::shared_ptr<PackedModel>> PartWriter::add(const Model& model) {
   if (!part_) {
-    if (const Result<void> opened = open(); !opened) return opened;
+    if (const Result<void> opened = open(); !opened) return opened.error();
   }
-  if (const Result<void> added = part_->add(model); !added) {
+  const Result<std::shared_ptr<PackedModel>> packed = part_->pack(model);
+  const Result<void> added = packed ? part_->add(**packed) : packed.error();
+  if (!added) {
     part_.reset();
-    return added;
+    return added.error();
   }
   num_bytes_ += stored_bytes(model);
   if (num_bytes_ < kLargestPart && std::chrono::steady_clock::now() - opened_ < kLongestPart)
-    return {};
-  return close();
+    return packed;
+  if (const Result<void> closed = close(); !closed) return closed.error();
+  return packed;
 }
 
 Result<void> PartWriter::close() {
   if (!part_) return {};
   const Result<void> published = part_->publish();
   part_.reset();
+  if (published) give_back_file(part_of(folder_, writer_, num_parts_));
   return published;
 }
 

@@ -35,8 +35,8 @@ class PartWriter {
         basis_(std::move(basis)),
         writer_(writer) {}
 
-  /// Errors: of LibraryWriter.
-  Result<void> add(const Model& model);
+  /// The model as it was written. Errors: of LibraryWriter.
+  Result<std::shared_ptr<PackedModel>> add(const Model& model);
   /// Publish what was added since the last part. Errors: of LibraryWriter.
   Result<void> close();
 

@@ -121,6 +121,11 @@ void give_back_around(std::span<const std::byte> read, std::span<const std::byte
   give_back_pages(mapped.subspan(from, std::min(end + kAround, mapped.size()) - from));
 }
 
+void give_back_file(const std::filesystem::path& file) noexcept {
+  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (opened) (void)::posix_fadvise(opened.get(), 0, 0, POSIX_FADV_DONTNEED);
+}
+
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
                                         std::uint64_t max_bytes) {
   constexpr std::size_t kStep = 1 << 16;

@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// A library of three models, to which training adds five more and a change.
+/// A library of three models, to which training adds five more and a change; or all of it from nothing,
+/// which is written ahead.
 class InterruptedTraining : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -58,14 +59,20 @@ class InterruptedTraining : public testing::Test {
     return train(all, environment, watch);
   }
   static std::string bytes() { return test::read_bytes(*folder_ / "library.h5"); }
-  /// The library as it was before, and nothing beside it.
-  static void reset() {
+  /// The library as it was before, or none, and nothing beside it.
+  static void reset(bool from_nothing = false) {
     fs::remove_all(*folder_ / "library.h5.parts");
-    folder_->write("library.h5", before_);
+    if (from_nothing) {
+      fs::remove(*folder_ / "library.h5");
+    } else {
+      folder_->write("library.h5", before_);
+    }
+    from_nothing_ = from_nothing;
   }
   static void expect_whole(const std::string& told) {
+    if (from_nothing_ && !fs::exists(*folder_ / "library.h5")) return;
     const std::string now = bytes();
-    EXPECT_TRUE(now == before_ || now == after_) << told;
+    EXPECT_TRUE((now == before_ && !from_nothing_) || now == after_) << told;
   }
   static void expect_done_by_the_same_command(const std::string& told) {
     const test::Outcome resumed = train_all();
@@ -80,13 +87,14 @@ class InterruptedTraining : public testing::Test {
   static inline std::unique_ptr<test::TempDir> folder_;
   static inline std::string before_, after_;
   static inline double seconds_ = 0;
+  static inline bool from_nothing_ = false;
 };
 
 TEST_F(InterruptedTraining, GoesOnAfterBeingKilledAtAnyMoment) {
   constexpr int kKills = 20;
   std::mt19937 random(1);
   for (int k = 0; k < kKills; ++k) {
-    if (k % 2 == 0) reset();  // else what was killed is killed again
+    if (k % 2 == 0) reset(k % 4 == 0);  // else what was killed is killed again
     const double at = std::uniform_real_distribution<>(0, seconds_)(random);
     const auto start = Clock::now();
     train_all({}, [&](pid_t program, const std::string&) {
@@ -115,24 +123,27 @@ TEST_F(InterruptedTraining, SaysHowFarItCameWhenItIsStopped) {
 TEST_F(InterruptedTraining, GoesOnWhenAFullDiskIsNotFullAnyMore) {
   if (std::string(TRIVET_FAILING_WRITES).empty()) GTEST_SKIP() << "not with sanitizers";
   const std::string preload = std::string("LD_PRELOAD=") + TRIVET_FAILING_WRITES;
-  const test::Outcome counted = train_all({preload, "COUNT_TO=" + (*folder_ / "count").string()});
-  ASSERT_EQ(counted.exit_code, 0) << counted.error;
-  const long num_calls = std::stol(test::read_bytes(*folder_ / "count"));
-  fs::remove(*folder_ / "count");
-  ASSERT_GT(num_calls, 100);
-  constexpr int kPlaces = 20;
-  for (int k = 0; k < kPlaces; ++k) {
-    reset();
-    // The last calls are those that count most: all of them in turn.
-    const long from =
-        k < kPlaces / 2 ? 1 + num_calls * k / (kPlaces / 2) : num_calls - (kPlaces - 1 - k);
-    const test::Outcome failed = train_all({preload, "FAIL_FROM=" + std::to_string(from)});
-    const std::string told =
-        "call " + std::to_string(from) + " of " + std::to_string(num_calls) + ": " + failed.error;
-    EXPECT_TRUE(failed.exit_code == 74 || failed.exit_code == 73) << failed.exit_code << told;
-    EXPECT_NE(failed.error.find("error: "), std::string::npos) << told;
-    expect_whole(told);
-    expect_done_by_the_same_command(told);
+  for (const bool from_nothing : {false, true}) {
+    reset(from_nothing);
+    const test::Outcome counted = train_all({preload, "COUNT_TO=" + (*folder_ / "count").string()});
+    ASSERT_EQ(counted.exit_code, 0) << counted.error;
+    const long num_calls = std::stol(test::read_bytes(*folder_ / "count"));
+    fs::remove(*folder_ / "count");
+    ASSERT_GT(num_calls, 100);
+    constexpr int kPlaces = 10;
+    for (int k = 0; k < kPlaces; ++k) {
+      reset(from_nothing);
+      // The last calls are those that count most: all of them in turn.
+      const long from =
+          k < kPlaces / 2 ? 1 + num_calls * k / (kPlaces / 2) : num_calls - (kPlaces - 1 - k);
+      const test::Outcome failed = train_all({preload, "FAIL_FROM=" + std::to_string(from)});
+      const std::string told =
+          "call " + std::to_string(from) + " of " + std::to_string(num_calls) + ": " + failed.error;
+      EXPECT_TRUE(failed.exit_code == 74 || failed.exit_code == 73) << failed.exit_code << told;
+      EXPECT_NE(failed.error.find("error: "), std::string::npos) << told;
+      expect_whole(told);
+      expect_done_by_the_same_command(told);
+    }
   }
 }
 
