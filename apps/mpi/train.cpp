@@ -100,6 +100,7 @@ class Account {
             [this](const std::string& bytes) {
               JobOutcome outcome = parse_outcome(bytes, places_);
               progress_.training(++num_done_, places_.size(), run_->sources()[outcome.source].name);
+              // Without a model, which lies in a rank's part, nothing is written.
               [[maybe_unused]] const Result<void> added = run_->add(std::move(outcome));
             }};
   }
