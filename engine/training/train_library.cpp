@@ -118,6 +118,9 @@ struct TrainingRun::State {
   std::size_t num_taken_over() const { return sources().size() - jobs.size() - num_unreadable; }
   std::string path() const { return request.file.string(); }
   std::string how_to_go_on() const;
+  Error resumable(const Error& error) const {
+    return {error.code, fmt::format("{} ({})", error.message, how_to_go_on())};
+  }
 
   Result<void> open_old();
   Result<void> find_staying();
@@ -215,8 +218,7 @@ Result<void> TrainingRun::State::write_ahead(const JobOutcome& outcome) {
   if (!outcome.model) return {};  // or another process has it
   const Result<void> written = ahead->add(outcome.source, outcome.model);
   if (written) return {};
-  return Error{written.error().code,
-               fmt::format("{} ({})", written.error().message, how_to_go_on())};
+  return resumable(written.error());
 }
 
 std::string TrainingRun::State::how_to_go_on() const {
@@ -369,10 +371,7 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
                                progress.writing)
               : assemble_library(state.header, state.basis, std::move(*models), state.lock,
                                  progress.writing);
-    if (!written) {
-      return Error{written.error().code,
-                   fmt::format("{} ({})", written.error().message, state.how_to_go_on())};
-    }
+    if (!written) return state.resumable(written.error());
   }
   engine::remove_parts(engine::parts_folder(state.request.file), std::move(state.parts));
   report.seconds = std::chrono::duration<double>(Clock::now() - state.start).count();
