@@ -50,11 +50,12 @@ export async function openExample(page, index = 0) {
   return scene;
 }
 
-/** Wait until the view has this many detections. */
+/** Wait until the view shows this many detections. */
 export async function drawn(page, count) {
   const marks = page.locator(".mark.found");
   await base.expect(marks).toHaveCount(count);
   if (count) await base.expect(marks.first()).toBeVisible();
+  await atRest(page);
 }
 
 export const foundRows = (page) =>
@@ -122,20 +123,14 @@ export async function pixels(page, clip) {
   return page.evaluate(`(${decode})("${png}").then((data) => [...data])`);
 }
 
-/** What the view looks like. */
-export const look = async (page) =>
-  (await page.getByRole("application").screenshot()).toString("base64");
+/** Wait until all that was asked of the view is drawn, and its labels are placed. */
+export const atRest = (page) =>
+  base.expect(page.getByRole("application")).toHaveAttribute("aria-busy", "false");
 
-/** The same once it rests: fine pictures follow coarse ones, and labels are placed after pictures. */
-export async function lookAtRest(page) {
-  let last = null;
-  const isStill = async () => {
-    const before = last;
-    last = await look(page);
-    return last === before;
-  };
-  await base.expect.poll(isStill, { intervals: [400] }).toBe(true);
-  return last;
+/** What the view looks like, at rest. */
+export async function look(page) {
+  await atRest(page);
+  return (await page.getByRole("application").screenshot()).toString("base64");
 }
 
 /** The share of pixels that differ visibly between an earlier look of the view and this one. */

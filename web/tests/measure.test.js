@@ -3,7 +3,17 @@ import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
 
 import { findDistances, Surface } from "../src/measure/signed_distance.js";
 import { kPalettes } from "../src/view/palettes.js";
-import { changed, expect, foundRows, look, openExample, pixels, recognized, test } from "./fixtures.js";
+import {
+  atRest,
+  changed,
+  expect,
+  foundRows,
+  look,
+  openExample,
+  pixels,
+  recognized,
+  test,
+} from "./fixtures.js";
 import { kSights, seen } from "./sight.js";
 
 const number = (text) => Number(text.replace("−", "-").match(/-?[\d.]+/)[0]);
@@ -207,7 +217,7 @@ test("a ruler measures between points of the scan, by pointer and by keys", asyn
   await page.getByRole("application").focus();
   await page.keyboard.press("Enter");
   for (let k = 0; k < 3; ++k) await page.keyboard.press("Shift+ArrowRight");
-  await page.waitForTimeout(300);
+  await atRest(page);
   await page.keyboard.press("Enter");
   expect(await check()).not.toBe(first);
   await page.keyboard.press("Escape");

@@ -4,7 +4,6 @@ import {
   expect,
   foundRows,
   look,
-  lookAtRest,
   lookedAt,
   openExample,
   openPage,
@@ -41,7 +40,7 @@ test("keys alone lead from the start to a detection in the view", async ({ page 
 
 test("the view turns by arrow keys and fits again", async ({ page }) => {
   await openExample(page);
-  const before = await lookAtRest(page);
+  const before = await look(page);
   await page.getByRole("application").focus();
   await page.keyboard.press("ArrowLeft");
   await expect.poll(() => changed(page, before)).toBeGreaterThan(0.02);

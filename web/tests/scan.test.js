@@ -2,6 +2,7 @@
 import { gzipSync } from "node:zlib";
 
 import {
+  atRest,
   chooseFiles,
   drawn,
   drop,
@@ -187,7 +188,7 @@ test("labels lie on what is seen of their models", async ({ page }) => {
   await openExample(page);
   await page.getByRole("application").focus();
   for (let k = 0; k < 5; ++k) await page.keyboard.press("ArrowDown"); // one behind the other
-  await page.waitForTimeout(2000); // at rest, also without a GPU
+  await atRest(page);
   const marks = page.locator(".mark.found:not(.behind)");
   const count = await marks.count();
   expect(count).toBeGreaterThan(0);
@@ -199,7 +200,7 @@ test("labels lie on what is seen of their models", async ({ page }) => {
     await page.keyboard.press("f");
     await page.getByRole("application").focus();
     for (let n = 0; n < 5; ++n) await page.keyboard.press("ArrowDown");
-    await page.waitForTimeout(2000);
+    await atRest(page);
   }
 });
 

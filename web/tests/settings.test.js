@@ -5,6 +5,7 @@ import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 
 import {
+  atRest,
   chooseFiles,
   exampleFiles,
   expect,
@@ -183,7 +184,7 @@ async function openAside(page) {
   for (const key of ["ArrowLeft", "ArrowLeft", "ArrowLeft", "ArrowUp", "ArrowUp", "-", "-", "-", "-"]) {
     await page.keyboard.press(key);
   }
-  await page.waitForTimeout(1500); // at rest, also without a GPU
+  await atRest(page);
   return scene;
 }
 

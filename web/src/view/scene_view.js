@@ -51,7 +51,8 @@ const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispo
 /**
  * The 3-D view: one scan with posed models, or one model by itself.
  *
- * It draws only when something changed. Things are posed in the scan's frame; `onPick(id)` tells
+ * It draws only when something changed; until that is drawn and its marks are placed, its canvas has
+ * `aria-busy`. Things are posed in the scan's frame; `onPick(id)` tells
  * which one was clicked (null: none), `onAsk(point)` which point of the scan, `onLook(point, distance)` where the camera looks, in the
  * scan's frame and unit, and `onScale(length)` how long a pixel is there, in the unit of what is
  * shown (null: nothing is); `onDraw(lens)` how the scan is seen in what was drawn (null: it is not).
@@ -81,7 +82,7 @@ export class SceneView {
   #layers = { scan: true, found: true, rejected: false };
   #selected = null;
   #asked = 0;
-  #rest = 0;
+  #rest = 0; // timer until it counts as at rest
   #settled = 0; // how often it came to rest
   #isNew = false; // no mark was placed yet
   #isCoarse = false;
@@ -491,6 +492,7 @@ export class SceneView {
   }
 
   #draw() {
+    this.#canvas.setAttribute("aria-busy", true);
     this.#asked ||= requestAnimationFrame(() => {
       this.#asked = 0;
       this.#drawNow();
@@ -518,6 +520,7 @@ export class SceneView {
     const spacing = this.#points?.material.uniforms.spacing.value ?? 0;
     this.#picture.render(this.#solid, this.#outlined, this.#camera, pixelsPerUnit, spacing);
     clearTimeout(this.#rest);
+    this.#rest = 0;
     if (this.#isNew) this.#settle();
     else this.#rest = setTimeout(() => this.#comeToRest(), 1000 * kRestSeconds);
     this.#placeMarks();
@@ -532,6 +535,7 @@ export class SceneView {
   }
 
   #comeToRest() {
+    this.#rest = 0;
     if (this.#isCoarse && !this.#pilot.isDragged) this.#setCoarse(false);
     else this.#settle();
   }
@@ -541,11 +545,21 @@ export class SceneView {
     this.#isNew = false;
     const turn = ++this.#settled;
     const things = this.#things;
-    const seen = this.#things.filter(({ mesh }) => mesh?.visible);
-    if (!seen.length) return;
+    const seen = things.filter(({ mesh }) => mesh?.visible);
+    const places = seen.length ? await this.#findSeen(seen.map(({ mesh }) => mesh)) : [];
+    // Others are shown by now, or looked for from another place.
+    if (things !== this.#things || turn !== this.#settled) return;
+    seen.forEach((thing, k) => {
+      thing.place = places[k] ?? thing.center;
+      thing.mark.classList.toggle("behind", !places[k]);
+    });
+    if (seen.length) this.#placeMarks();
+    if (!this.#asked && !this.#rest) this.#canvas.setAttribute("aria-busy", false);
+  }
+
+  #findSeen(meshes) {
     const hidden = [this.#axes, this.#sensor.pyramid].filter((thing) => thing.visible);
     for (const thing of hidden) thing.visible = false;
-    const meshes = seen.map(({ mesh }) => mesh);
     const finding = this.#seenParts.find(
       this.#renderer,
       this.#solid,
@@ -555,14 +569,7 @@ export class SceneView {
       (height) => this.#setPointSize(height, 1),
     );
     for (const thing of hidden) thing.visible = true;
-    const places = await finding;
-    // Others are shown by now, or looked for from another place.
-    if (things !== this.#things || turn !== this.#settled) return;
-    seen.forEach((thing, k) => {
-      thing.place = places[k] ?? thing.center;
-      thing.mark.classList.toggle("behind", !places[k]);
-    });
-    this.#placeMarks();
+    return finding;
   }
 
   /** For a picture of this height [pixel]; smallest  size of a point. Returns pixelsPerUnit. */
