@@ -89,6 +89,17 @@ class Study : public testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
   }
+  /// study.toml with kConfig, and in run_a what comes of it: computed once for all tests.
+  void take_whole_run() const {
+    static const test::TempDir folder;
+    static const test::Outcome whole = [] {
+      std::ofstream(folder / "study.toml") << kConfig;
+      return test::run_trivet({"study", "study.toml", "-o", "run_a"},
+                              {.folder = folder.path(), .environment = {}, .watch = {}});
+    }();
+    ASSERT_EQ(whole.exit_code, 0) << whole.error;
+    fs::copy(folder.path(), folder_.path(), fs::copy_options::recursive);
+  }
   std::string read(const std::string& name) const {
     std::ifstream file(folder_ / name);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -128,9 +139,7 @@ class Study : public testing::Test {
 };
 
 TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
-  write("study.toml", kConfig);
-  const test::Outcome whole = run({"study", "study.toml", "-o", "run_a"});
-  ASSERT_EQ(whole.exit_code, 0) << whole.error;
+  ASSERT_NO_FATAL_FAILURE(take_whole_run());
 
   // Whole cells: a kill may leave a part of one beside them.
   const auto cells = [&] {
@@ -162,28 +171,25 @@ TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
 }
 
 TEST_F(Study, ComputesNothingTwice) {
-  write("study.toml", kConfig);
-  ASSERT_EQ(run({"study", "study.toml", "-o", "out", "--quiet"}).exit_code, 0);
-  const std::string first = read("out/index.html");
+  ASSERT_NO_FATAL_FAILURE(take_whole_run());
+  const std::string first = read("run_a/index.html");
   // Of 8 points on 3 scenes, the default of ppf stands in four, that of trisi is apart from noise.
   std::size_t num_cells = 0;
-  for (const auto& entry : fs::directory_iterator(folder_ / "out/cells"))
+  for (const auto& entry : fs::directory_iterator(folder_ / "run_a/cells"))
     num_cells += entry.path().extension() == ".json" ? 1 : 0;
   // noise: 2 x 2; rotation: 2, of which 15 is the default; without rays; 2 others; trisi: 1.
   EXPECT_EQ(num_cells, 3U * (4 + 2 + 1 + 1 + 1));
-  const test::Outcome again = run({"study", "study.toml", "-o", "out"});
+  const test::Outcome again = run({"study", "study.toml", "-o", "run_a"});
   EXPECT_EQ(again.exit_code, 0);
   EXPECT_EQ(again.error.find("recognized"), std::string::npos) << again.error;
   EXPECT_EQ(again.error.find("trained"), std::string::npos) << again.error;
-  EXPECT_EQ(std::regex_replace(read("out/index.html"), std::regex("<pre>[^<]*</pre>"), ""),
+  EXPECT_EQ(std::regex_replace(read("run_a/index.html"), std::regex("<pre>[^<]*</pre>"), ""),
             std::regex_replace(first, std::regex("<pre>[^<]*</pre>"), ""));
 }
 
 TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
-  write("study.toml", kConfig);
-  const test::Outcome outcome = run({"study", "study.toml", "-o", "out"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
-  const std::string csv = read("out/results.csv");
+  ASSERT_NO_FATAL_FAILURE(take_whole_run());
+  const std::string csv = read("run_a/results.csv");
   const auto number = [&](const std::string& row, std::size_t column) {
     return std::stod(field(csv, row, column));
   };
@@ -203,7 +209,7 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   EXPECT_EQ(number(usual, kFound), number(all, kFound));
   EXPECT_EQ(number(usual, kInstances), number(all, kInstances));
 
-  const std::string libraries = read("out/libraries.csv");
+  const std::string libraries = read("run_a/libraries.csv");
   constexpr std::size_t kBytes = 1, kOpen = 2, kPeak = 3;
   const auto of_library = [&](const std::string& row, std::size_t column) {
     return std::stod(field(libraries, row, column));
@@ -214,7 +220,7 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
     EXPECT_GT(of_library(row, kPeak), 1e6);
   }
 
-  const std::string page = read("out/index.html");
+  const std::string page = read("run_a/index.html");
   for (const char* const outside : {"src=\"http", "href=\"http", "<script", "@import", "url("})
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
   EXPECT_EQ(page.find("<and>"), std::string::npos) << "the title goes in as text";

@@ -5,6 +5,8 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <span>
+#include <vector>
 
 #include "engine/progress.hpp"
 #include "engine/simulation/parts/design.hpp"
@@ -22,10 +24,11 @@ using Eigen::Vector3d;
 constexpr std::size_t kNumParts = 72;  // three of each family
 constexpr std::uint64_t kSeed = 11;
 
-const std::vector<Part>& parts() {
-  static const std::vector<Part> all = make_parts(kNumParts, kSeed);
+const std::vector<Part>& many_parts() {
+  static const std::vector<Part> all = make_parts(200, kSeed);
   return all;
 }
+std::span<const Part> parts() { return std::span(many_parts()).first(kNumParts); }
 
 const engine::parts::Family& family(std::size_t i) {
   const auto all = engine::parts::families();
@@ -124,7 +127,7 @@ TEST(MakeParts, NoSymmetryIsFoundThatIsNotDeclared) {
 
 TEST(MakeParts, NoTwoOfAFamilyAreAlike) {
   std::map<std::string_view, std::vector<std::pair<double, double>>> families;
-  const std::vector<Part> many = make_parts(200, kSeed);
+  const std::vector<Part>& many = many_parts();
   for (std::size_t i = 0; i < many.size(); ++i) {
     const double diameter = reference::diameter(many[i].vertices);
     EXPECT_GE(diameter, 0.0199);
@@ -215,7 +218,7 @@ TEST(MakeParts, AllFamiliesTakeTurnsInTheOrderOfTheirNames) {
 }
 
 TEST(MakeParts, GivesTheSameBytesOnOneThread) {
-  const std::vector<Part>& parallel = parts();
+  const std::span<const Part> parallel = parts();
   const ThreadLimit limit(1);
   const std::vector<Part> serial = make_parts(24, kSeed);
   for (std::size_t i = 0; i < serial.size(); ++i) EXPECT_TRUE(same(serial[i], parallel[i])) << i;
