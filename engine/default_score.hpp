@@ -5,7 +5,7 @@
 
 namespace trivet {
 
-/// Fitted on rendered scenes; engine/evaluation/default_score.json holds its numbers and says
+/// Fitted on rendered scenes; engine/calibration/default_score.json holds its numbers and says
 /// which.
 const kernels::ScoreModel& default_score() noexcept;
 

@@ -48,6 +48,6 @@ folders() {
 }
 folders storage files formats library datasets
 folders kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
-folders engine common options libraries training hypotheses verification camera recognition evaluation pictures meshing simulation/parts simulation
+folders engine common options libraries training hypotheses verification camera recognition evaluation calibration pictures meshing simulation/parts simulation
 folders apps inputs words results help options report study program service/http service service/route service/serve/inference service/serve/session service/serve/workshop service/serve commands mpi
 exit $failed

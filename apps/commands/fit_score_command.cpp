@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "apps/commands/commands.hpp"
+#include "engine/calibration/calibrate_score.hpp"
+#include "engine/calibration/score_file.hpp"
 #include "engine/default_score.hpp"
-#include "engine/evaluation/calibrate_score.hpp"
-#include "engine/evaluation/score_file.hpp"
 #include "kernels/verification/fit_score.hpp"
 #include "storage/counted.hpp"
 #include "storage/file.hpp"
@@ -191,7 +191,7 @@ void add_fit_score(CLI::App& app, Context& context) {
                       "What --csv of earlier runs wrote, to fit to as well or alone");
   command->add_option(
       "-o,--output", arguments->output,
-      "The score as JSON, engine/evaluation/default_score.json; without it nothing is fitted");
+      "The score as JSON, engine/calibration/default_score.json; without it nothing is fitted");
   command->add_option("--csv", arguments->csv,
                       "Write the parts of every detection's score and the outcome to this file");
   command->add_option("--rounds", arguments->rounds, "Of recognizing and fitting")

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "engine/evaluation/calibrate_score.hpp"
+#include "engine/calibration/calibrate_score.hpp"
 #include "storage/result.hpp"
 
 namespace trivet::apps {

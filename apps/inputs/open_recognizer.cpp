@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "engine/calibration/score_calibration.hpp"
 #include "engine/default_score.hpp"
-#include "engine/evaluation/score_calibration.hpp"
 #include "storage/library.hpp"
 
 namespace trivet::apps {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/evaluation/commission_score.hpp"
+#include "engine/calibration/commission_score.hpp"
 
 namespace trivet::apps {
 

@@ -9,7 +9,7 @@
 
 namespace trivet::test {
 
-inline constexpr const char* kFittedScore = TRIVET_SOURCES "/engine/evaluation/default_score.json";
+inline constexpr const char* kFittedScore = TRIVET_SOURCES "/engine/calibration/default_score.json";
 
 inline const kernels::ScoreModel& fitted_score() {
   static const kernels::ScoreModel model = [] {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/program.hpp"
+#include "engine/calibration/score_calibration.hpp"
 #include "engine/default_score.hpp"
-#include "engine/evaluation/score_calibration.hpp"
 #include "storage/read_cloud.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"

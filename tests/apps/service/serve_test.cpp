@@ -17,7 +17,7 @@
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "engine/evaluation/score_calibration.hpp"
+#include "engine/calibration/score_calibration.hpp"
 #include "storage/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/evaluation/score_file.hpp"
+#include "engine/calibration/score_file.hpp"
 
 namespace trivet {
 namespace engine {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "engine/evaluation/calibrate_score.hpp"
+#include "engine/calibration/calibrate_score.hpp"
 #include "kernels/verification/adapt_score.hpp"
 #include "storage/result.hpp"
 

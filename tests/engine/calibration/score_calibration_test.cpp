@@ -1,4 +1,4 @@
-#include "engine/evaluation/score_calibration.hpp"
+#include "engine/calibration/score_calibration.hpp"
 
 #include <gtest/gtest.h>
 

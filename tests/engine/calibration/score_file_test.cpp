@@ -1,4 +1,4 @@
-#include "engine/evaluation/score_file.hpp"
+#include "engine/calibration/score_file.hpp"
 
 #include <gtest/gtest.h>
 

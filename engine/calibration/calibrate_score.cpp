@@ -1,4 +1,4 @@
-#include "engine/evaluation/calibrate_score.hpp"
+#include "engine/calibration/calibrate_score.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "engine/evaluation/score_calibration.hpp"
+#include "engine/calibration/score_calibration.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "engine/calibration/score_json.hpp"
 #include "engine/default_score.hpp"
-#include "engine/evaluation/score_json.hpp"
 #include "storage/file.hpp"
 
 namespace trivet {

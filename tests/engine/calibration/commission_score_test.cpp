@@ -1,4 +1,4 @@
-#include "engine/evaluation/commission_score.hpp"
+#include "engine/calibration/commission_score.hpp"
 
 #include <gtest/gtest.h>
 

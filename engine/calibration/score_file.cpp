@@ -1,4 +1,4 @@
-#include "engine/evaluation/score_file.hpp"
+#include "engine/calibration/score_file.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "engine/evaluation/score_json.hpp"
+#include "engine/calibration/score_json.hpp"
 
 namespace trivet {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/evaluation/score_json.hpp"
+#include "engine/calibration/score_json.hpp"
 
 #include <fmt/format.h>
 
