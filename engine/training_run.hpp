@@ -33,6 +33,8 @@ struct JobOutcome {
   std::shared_ptr<PackedModel> model = nullptr;  ///< none where it cannot be trained, or was not
 };
 
+using PackedModels = std::vector<std::shared_ptr<PackedModel>>;
+
 /// What all processes of a run must agree on.
 struct TrainingWork {
   std::span<const ModelSource> sources;
@@ -42,16 +44,17 @@ struct TrainingWork {
   int writer = 0;  ///< of those that train for this file at once: 0, 1, ...
 };
 
-/// Train the models that `next` gives, until it gives none, and keep them beside the file. Stages of
-/// different models overlap (a flow graph with a node a stage).
+/// Train the models that `next` gives, until it gives none. Stages of different models overlap (a flow
+/// graph with a node a stage).
 ///
 /// next  called by one thread at a time, which may wait in it
-/// done  likewise, for each job that came to its end; where it fails, no more jobs are begun
+/// done  likewise, for each job that came to its end; gives back the models that it has not kept, which
+///       are kept beside the file. Where it fails, no more jobs are begun
 /// stop  no more jobs are begun; those that were begun are finished and kept
 /// Errors: of writing, of done.
 Result<void> train_models(const TrainingWork& work,
                           const std::function<std::optional<TrainingJob>()>& next,
-                          const std::function<Result<void>(JobOutcome)>& done,
+                          const std::function<Result<PackedModels>(JobOutcome)>& done,
                           const std::stop_token& stop);
 
 /// A library that is being brought up to date. Holds the lock of its file.
@@ -67,10 +70,10 @@ class TrainingRun {
   std::size_t num_taken_over() const noexcept;               ///< of them
   /// The next job; none when all are given out. One thread at a time.
   std::optional<TrainingJob> next();
-  /// Take note of an outcome. Its model is written ahead where all before it, by name, are: those
-  /// of a library from nothing are there when it is to be published. One thread at a time. Errors:
-  /// of LibraryWriter.
-  Result<void> add(JobOutcome outcome);
+  /// Take note of an outcome. Its model is written where all before it, by name, are: those of a
+  /// library from nothing are there when it is to be published. Gives back models that are not, to be
+  /// kept beside the file. One thread at a time. Errors: of LibraryWriter.
+  Result<PackedModels> add(JobOutcome outcome);
   /// Write the library, when all jobs came to their ends. Errors: as of train_library.
   Result<TrainReport> publish(const TrainProgress& progress);
 

@@ -48,39 +48,54 @@ void give_back_file(const std::filesystem::path& file) noexcept;
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
                                         std::uint64_t max_bytes);
 
-/// A file written under a temporary name in the folder of its target, whose place it then takes:
-/// readers see the old file or the whole new one. Without publish the temporary file is removed.
+/// What a published file is sure to outlast. Without waiting for the disk, a power failure may leave
+/// any of its bytes unwritten: its reader must check them.
+enum class Outlasts : std::uint8_t { process, power_failure };
+
+/// A file written under another name, whose target's place it then takes: readers see the old file or
+/// the whole new one.
 class PendingFile {
  public:
-  /// Errors: cannot_create.
+  /// Under a temporary name in the folder of the target; without publish it is removed. Errors:
+  /// cannot_create.
   static Result<PendingFile> create(const std::filesystem::path& target);
+  /// Under a name that nothing has yet, in the same file system; without publish it stays there.
+  /// Errors: cannot_create.
+  static Result<PendingFile> create_lasting(const std::filesystem::path& target,
+                                            const std::filesystem::path& name);
   PendingFile(PendingFile&& other) noexcept { swap(other); }
   PendingFile& operator=(PendingFile&& other) noexcept {
     swap(other);
     return *this;
   }
-  ~PendingFile() { discard(); }
+  ~PendingFile() { give_up(); }
 
-  const std::filesystem::path& path() const noexcept { return temporary_; }  ///< the temporary file
-  int descriptor() const noexcept { return descriptor_; }                    ///< open for writing
-  bool pending() const noexcept { return descriptor_ >= 0; }  ///< neither published nor discarded
+  const std::filesystem::path& path() const noexcept { return name_; }  ///< until it is published
+  int descriptor() const noexcept { return descriptor_; }               ///< open for writing
+  bool pending() const noexcept { return descriptor_ >= 0; }  ///< neither published nor given up
 
   /// Let the disk begin to take what was written, so that publish() waits for little of a large file.
   void start_writing_back() const noexcept;
-  /// fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
-  Result<void> publish();
-  /// Remove the temporary file and give its space back, even while something else holds it open.
-  void discard() noexcept;
+  /// fsync, rename, fsync the folder; nothing but the rename where it need only outlast the process.
+  /// Errors: cannot_create (rename), io.
+  Result<void> publish(Outlasts end = Outlasts::power_failure);
+  /// Give back the space behind so many bytes, where that is possible.
+  void shrink(std::uint64_t bytes) noexcept;
+  /// Write no more. A temporary file is removed and its space given back, even while something else
+  /// holds it open.
+  void give_up() noexcept;
 
  private:
   PendingFile() = default;
   void swap(PendingFile& other) noexcept {
     target_.swap(other.target_);
-    temporary_.swap(other.temporary_);
+    name_.swap(other.name_);
+    std::swap(lasting_, other.lasting_);
     std::swap(descriptor_, other.descriptor_);
   }
 
-  std::filesystem::path target_, temporary_;
+  std::filesystem::path target_, name_;
+  bool lasting_ = false;
   int descriptor_ = -1;
 };
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "storage/feature_index.hpp"
+#include "storage/file.hpp"
 #include "storage/length_unit.hpp"
 #include "storage/model.hpp"
 #include "storage/result.hpp"
@@ -49,6 +50,13 @@ struct WrittenFeatures {
 
 /// A model as it is going to lie in a library: checked, in columns with their checksums.
 struct PackedModel;
+/// What of adding a model takes longest, before there is a library to add it to.
+///
+/// unit            of the library
+/// num_components  of its basis; 0: no features are kept
+/// Errors: bad_data (broken model, features of another basis).
+Result<std::shared_ptr<PackedModel>> pack_model(const Model& model, LengthUnit unit,
+                                                std::size_t num_components);
 /// How many bytes its datasets take.
 std::uint64_t packed_bytes(const PackedModel& packed) noexcept;
 
@@ -60,21 +68,30 @@ class LibraryWriter {
   /// Errors: bad_data (header of more than 60,000 bytes), cannot_create, io.
   static Result<LibraryWriter> create(const std::filesystem::path& file,
                                       const LibraryHeader& header, const NamesToCome& names = {});
+  /// Under a name that nothing has yet, in the same file system, where it stays when it is not
+  /// published: what `write_contents` told of it can be taken up. Errors: as above.
+  static Result<LibraryWriter> create_lasting(const std::filesystem::path& file,
+                                              const std::filesystem::path& name,
+                                              const LibraryHeader& header,
+                                              const NamesToCome& names = {});
   LibraryWriter(LibraryWriter&&) noexcept;
   LibraryWriter& operator=(LibraryWriter&&) noexcept;
-  ~LibraryWriter();  ///< without publish: removes the temporary file, an older library stays
+  ~LibraryWriter();  ///< without publish: an older library stays, a temporary file goes
 
-  /// What the features of the models to come have in common; at most once, before them. Errors:
-  /// bad_data, io.
+  /// What the features of the models to come have in common; at most once, before them. Nothing of an
+  /// empty one. Errors: bad_data, io.
   Result<void> add(const TriSpinBasis& basis);
   /// Errors: bad_data (invalid or repeated name, broken model, features of another basis), io (disk
   /// full: says how much was needed).
   Result<void> add(const Model& model);
-  /// The part of `add` that takes longest: may be called by many threads at once, while another
-  /// model is added. Errors: bad_data.
-  Result<std::shared_ptr<PackedModel>> pack(const Model& model) const;
-  /// Add what this writer has packed. Errors: bad_data (repeated name), io.
+  /// Pre: packed with this library's unit and components. Errors: bad_data (repeated name), io.
   Result<void> add(PackedModel& model);
+  LengthUnit unit() const noexcept;
+  std::size_t num_components() const noexcept;  ///< of the basis; 0: there is none
+  /// Tell in another file of the models that were added since this was last called. It is for
+  /// `open_contents` and need only outlast the process. Also after writing has failed. Errors:
+  /// cannot_create, io.
+  Result<void> write_contents(const std::filesystem::path& file);
   /// Call `next` with the features of all models that were added, and add the levels that it gives,
   /// piece by piece: so that no level is in memory. At most once, after all models; no model may
   /// come after it.
@@ -87,12 +104,14 @@ class LibraryWriter {
       std::function<std::optional<LevelInPieces>(const WrittenFeatures&, std::size_t k)>;
   static constexpr std::size_t kPieceBytes = std::size_t{64} << 20U;
   Result<void> add_index(const NextLevel& next, std::size_t piece_bytes = kPieceBytes);
-  /// Close, fsync, rename, fsync the folder. Errors: cannot_create (rename), io.
-  Result<void> publish();
+  /// Close and publish the file (PendingFile::publish). Errors: cannot_create (rename), io.
+  Result<void> publish(Outlasts end = Outlasts::power_failure);
 
  private:
   struct State;
   explicit LibraryWriter(std::unique_ptr<State> state);
+  static Result<LibraryWriter> begin(Result<PendingFile> file, const std::filesystem::path& target,
+                                     const LibraryHeader& header, const NamesToCome& names);
   std::unique_ptr<State> state_;
 };
 
@@ -131,6 +150,10 @@ struct Library {
 /// Links, external storage, filters and datasets that the format does not name are refused.
 /// Errors: missing_input, bad_data (names the dataset and the bound it broke), io.
 Result<Library> open_library(const std::filesystem::path& file);
+
+/// Open what LibraryWriter::write_contents told of, in the folder of the file that the models lie in.
+/// Errors: as above.
+Result<Library> open_contents(const std::filesystem::path& file);
 
 /// Open a library and check all of it: every byte against its checksum, every value against its
 /// bounds, and the directory against what HDF5 finds. Errors: as above.

@@ -74,9 +74,10 @@ Result<void> train_share(const TrainRequest& request, const Ranks& ranks, const 
         if (!job) return std::nullopt;
         return parse_job(*job, places);
       },
-      [&](const JobOutcome& outcome) -> Result<void> {
+      [&](JobOutcome outcome) -> Result<PackedModels> {
         worker.done(outcome_bytes(outcome, request.sources));
-        return {};
+        if (!outcome.model) return PackedModels{};
+        return PackedModels{std::move(outcome.model)};
       },
       stop);
 }
@@ -101,7 +102,7 @@ class Account {
               JobOutcome outcome = parse_outcome(bytes, places_);
               progress_.training(++num_done_, places_.size(), run_->sources()[outcome.source].name);
               // Without a model, which lies in a rank's part, nothing is written.
-              [[maybe_unused]] const Result<void> added = run_->add(std::move(outcome));
+              [[maybe_unused]] const Result<PackedModels> added = run_->add(std::move(outcome));
             }};
   }
   Result<TrainReport> publish() {

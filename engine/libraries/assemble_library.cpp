@@ -24,7 +24,7 @@ Result<std::shared_ptr<PackedModel>> check_and_pack(const ModelCopy& copy,
   for (const ModelPart part : kModelParts) {
     if (const Result<void> good = copy.library->check(copy.index, part); !good) return good.error();
   }
-  return writer.pack(as_named(copy));
+  return pack_model(as_named(copy), writer.unit(), writer.num_components());
 }
 
 Error stopped(const std::filesystem::path& file, std::size_t num_written, std::size_t num_models) {
@@ -44,14 +44,6 @@ std::vector<ModelCopy> copies_of(const Library& library) {
   std::vector<ModelCopy> all;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) all.push_back(copy_of(library, m));
   return all;
-}
-
-Result<LibraryWriter> begin_library(const LibraryHeader& header, const TriSpinBasis& basis,
-                                    const FileLock& lock, const NamesToCome& names) {
-  Result<LibraryWriter> writer = LibraryWriter::create(lock.file(), header, names);
-  if (!writer || basis.components.size() == 0) return writer;
-  if (const Result<void> added = writer->add(basis); !added) return added.error();
-  return writer;
 }
 
 Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> models,
@@ -84,8 +76,9 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
   std::ranges::stable_sort(models, {}, &ModelCopy::name);
   NamesToCome names;
   for (const ModelCopy& copy : models) names.add(copy.name);
-  Result<LibraryWriter> writer = begin_library(header, basis, lock, names);
+  Result<LibraryWriter> writer = LibraryWriter::create(lock.file(), header, names);
   if (!writer) return writer.error();
+  if (const Result<void> added = writer->add(basis); !added) return added;
   return finish_library(std::move(*writer), models, 0, lock, progress);
 }
 

@@ -39,12 +39,8 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
                               std::vector<ModelCopy> models, const FileLock& lock,
                               const Progress& progress = {});
 
-/// The same in two steps, with room between them for models that are written as they come, by name.
+/// Its last step, for who has begun to write.
 ///
-/// names  of all models of the library
-/// Errors: of LibraryWriter.
-Result<LibraryWriter> begin_library(const LibraryHeader& header, const TriSpinBasis& basis,
-                                    const FileLock& lock, const NamesToCome& names);
 /// models       of the whole library, by name
 /// num_written  of them, the first ones
 /// Errors: as of assemble_library.

@@ -1,56 +1,86 @@
 #include "engine/training/ahead_writer.hpp"
 
+#include <system_error>
 #include <utility>
 
-#include "engine/libraries/assemble_library.hpp"
+#include "storage/file.hpp"
 
 namespace trivet::engine {
 namespace {
 
-// Those that wait for a slower one before them; beyond that, they are read again in the end.
+// Those that wait for a slower one before them; beyond that, they are kept as parts.
 constexpr std::uint64_t kMostWaiting = std::uint64_t{256} << 20U;
 
 }  // namespace
 
-Result<void> AheadWriter::add(std::size_t source, std::shared_ptr<PackedModel> model) {
-  if (next_ == sources_.size() || source > sources_.back()) return {};
+// A file that nothing tells of would only take up the disk.
+AheadWriter::~AheadWriter() {
+  if (!writer_) return;
+  [[maybe_unused]] const Result<void> told = tell();
+  writer_.reset();
+  std::error_code error;
+  if (num_told_ == 0) std::filesystem::remove(unfinished_, error);
+}
+
+Result<PackedModels> AheadWriter::add(std::size_t source, std::shared_ptr<PackedModel> model) {
+  if (next_ == sources_.size() || source > sources_.back()) return PackedModels{std::move(model)};
   bytes_waiting_ += packed_bytes(*model);
   waiting_.emplace(source, std::move(model));
   for (; next_ < sources_.size(); ++next_) {
     const auto node = waiting_.extract(sources_[next_]);
     if (!node) break;
     bytes_waiting_ -= packed_bytes(*node.mapped());
-    if (const Result<void> written = write(*node.mapped()); !written) return written;
+    if (const Result<void> written = write(*node.mapped()); !written) return written.error();
   }
-  if (bytes_waiting_ > kMostWaiting) {
-    sources_.resize(next_);
-    waiting_.clear();
-  }
+  return bytes_waiting_ > kMostWaiting ? stop() : PackedModels{};
+}
+
+Result<PackedModels> AheadWriter::give_up() {
+  if (const Result<void> told = tell(); !told) return told.error();
+  writer_.reset();
+  num_written_ = 0;
+  return stop();
+}
+
+Result<void> AheadWriter::tell() {
+  if (num_untold_ == 0) return {};
+  const Result<void> told = writer_->write_contents(contents_of(unfinished_, num_told_));
+  if (!told) return told;
+  ++num_told_;
+  num_untold_ = 0;
+  time_.reset();
   return {};
 }
 
-void AheadWriter::give_up() noexcept {
-  sources_.clear();
-  next_ = 0;
-  waiting_.clear();
-  writer_.reset();
-  num_written_ = 0;
+Result<void> AheadWriter::begin() {
+  const std::filesystem::path folder = parts_folder(file_);
+  if (const Result<void> made = make_folder(folder); !made) return made;
+  unfinished_ = free_name(folder);
+  Result<LibraryWriter> begun = LibraryWriter::create_lasting(file_, unfinished_, header_, names_);
+  if (!begun) return begun.error();
+  writer_ = std::move(*begun);
+  time_.reset();
+  return writer_->add(basis_);
 }
 
 Result<void> AheadWriter::write(PackedModel& model) {
   if (!writer_) {
-    Result<LibraryWriter> begun = begin_library(header_, basis_, lock_, names_);
-    if (!begun) return begun.error();
-    writer_ = std::move(*begun);
+    if (const Result<void> begun = begin(); !begun) return begun;
   }
   if (const Result<void> added = writer_->add(model); !added) return added;
   ++num_written_;
-  return {};
+  ++num_untold_;
+  time_.add(model);
+  return time_.has_come() ? tell() : Result<void>();
 }
 
-std::optional<LibraryWriter> AheadWriter::release() {
-  waiting_.clear();
-  return std::exchange(writer_, {});
+/// No more models are written.
+PackedModels AheadWriter::stop() {
+  sources_.resize(next_);
+  bytes_waiting_ = 0;
+  PackedModels waited;
+  for (auto& [source, model] : std::exchange(waiting_, {})) waited.push_back(std::move(model));
+  return waited;
 }
 
 }  // namespace trivet::engine

@@ -127,7 +127,7 @@ struct TrainingRun::State {
   Result<void> read_sources(const Progress& progress);
   void plan();
   std::vector<std::size_t> first_jobs() const;
-  Result<void> write_ahead(const JobOutcome& outcome);
+  Result<PackedModels> write_ahead(const JobOutcome& outcome);
   Error all_faults() const;
   Result<std::vector<ModelCopy>> gather_models();
   const JobOutcome* outcome_of(const ModelCopy& copy) const;
@@ -198,7 +198,7 @@ void TrainingRun::State::plan() {
   for (std::size_t k = 0; k < sources().size(); ++k) {
     if (!faults.contains(k)) names.add(sources()[k].name);
   }
-  ahead.emplace(header, basis, lock, names, first_jobs());
+  ahead.emplace(request.file, header, basis, names, first_jobs());
 }
 
 /// Whose models come before all others that the library is going to have.
@@ -213,12 +213,13 @@ std::vector<std::size_t> TrainingRun::State::first_jobs() const {
   return first;
 }
 
-Result<void> TrainingRun::State::write_ahead(const JobOutcome& outcome) {
-  if (outcome.fault) ahead->give_up();
-  if (!outcome.model) return {};  // or another process has it
-  const Result<void> written = ahead->add(outcome.source, outcome.model);
-  if (written) return {};
-  return resumable(written.error());
+/// Gives back models that are to be kept elsewhere.
+Result<PackedModels> TrainingRun::State::write_ahead(const JobOutcome& outcome) {
+  Result<PackedModels> rest = outcome.fault   ? ahead->give_up()
+                              : outcome.model ? ahead->add(outcome.source, outcome.model)
+                                              : PackedModels{};  // another process has it
+  if (!rest) return resumable(rest.error());
+  return rest;
 }
 
 std::string TrainingRun::State::how_to_go_on() const {
@@ -323,7 +324,7 @@ Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress
   auto state = std::make_unique<State>(std::move(request), std::move(*lock));
   if (const Result<void> opened = state->open_old(); !opened) return opened.error();
   if (const Result<void> found = state->find_staying(); !found) return found.error();
-  state->parts = engine::open_parts(engine::parts_folder(state->request.file));
+  state->parts = engine::recover_parts(engine::parts_folder(state->request.file));
   if (const Result<void> read = state->read_sources(progress.reading); !read) return read.error();
   state->plan();
   return TrainingRun(std::move(state));
@@ -340,18 +341,20 @@ std::optional<TrainingJob> TrainingRun::next() {
   return TrainingJob{state.jobs[state.num_given++], hopeless};
 }
 
-Result<void> TrainingRun::add(JobOutcome outcome) {
-  if (const Result<void> written = state_->write_ahead(outcome); !written) return written;
+Result<PackedModels> TrainingRun::add(JobOutcome outcome) {
+  Result<PackedModels> rest = state_->write_ahead(outcome);
+  if (!rest) return rest;
   outcome.model = nullptr;
   const std::lock_guard guard(state_->mutex);
   if (outcome.fault) state_->faults.emplace(outcome.source, *outcome.fault);
   state_->outcomes.emplace(outcome.source, std::move(outcome));
-  return {};
+  return rest;
 }
 
 Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
   State& state = *state_;
   const std::size_t num_sources = state.sources().size();
+  if (const Result<void> told = state.ahead->tell(); !told) return state.resumable(told.error());
   if (state.outcomes.size() < state.jobs.size()) {
     return Error{ErrorCode::resumable,
                  fmt::format("{}: stopped after {} of {} models; {}", state.path(),
@@ -388,9 +391,9 @@ Result<TrainReport> train_library(const TrainRequest& request, const TrainProgre
       {run->sources(), request.unit, request.options, request.file}, [&] { return run->next(); },
       [&](JobOutcome outcome) {
         const std::string& name = run->sources()[outcome.source].name;
-        const Result<void> added = run->add(std::move(outcome));
-        if (added) progress.training(++num_done, total, name);
-        return added;
+        Result<PackedModels> rest = run->add(std::move(outcome));
+        if (rest) progress.training(++num_done, total, name);
+        return rest;
       },
       progress.training.stop);
   if (!trained) return trained.error();

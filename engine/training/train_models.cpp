@@ -57,7 +57,7 @@ void read_and_survey(const TrainingWork& work, Item& item) {
 
 Result<void> train_models(const TrainingWork& work,
                           const std::function<std::optional<TrainingJob>()>& next,
-                          const std::function<Result<void>(JobOutcome)>& done,
+                          const std::function<Result<PackedModels>(JobOutcome)>& done,
                           const std::stop_token& stop) {
   const TriSpinBasis basis = engine::standard_basis(work.options);
   engine::PartWriter parts(engine::parts_folder(work.file),
@@ -123,14 +123,19 @@ Result<void> train_models(const TrainingWork& work,
           trained.model.source_xxh3 = item.source_xxh3;
           trained.model.fingerprint =
               engine::fingerprint_of(source, item.source_xxh3, work.unit, work.options);
-          Result<std::shared_ptr<PackedModel>> written = parts.add(trained.model);
-          if (!written) return fail(written.error());
-          outcome.model = std::move(*written);
+          Result<std::shared_ptr<PackedModel>> packed =
+              pack_model(trained.model, work.unit, basis.components.size());
+          if (!packed) return fail(packed.error());
+          outcome.model = std::move(*packed);
           outcome.times = std::move(trained.stats.times);
           outcome.warnings = std::move(trained.stats.warnings);
         }
-        const Result<void> taken = done(std::move(outcome));
-        return taken ? flow::continue_msg{} : fail(taken.error());
+        const Result<PackedModels> rest = done(std::move(outcome));
+        if (!rest) return fail(rest.error());
+        for (const std::shared_ptr<PackedModel>& model : *rest) {
+          if (const Result<void> kept = parts.add(*model); !kept) return fail(kept.error());
+        }
+        return flow::continue_msg{};
       });
 
   flow::make_edge(jobs, gate);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -14,12 +16,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A part costs two fsyncs and a file; what is not in one yet is lost with its process.
-constexpr std::chrono::seconds kLongestPart{10};
-constexpr std::uint64_t kLargestPart = std::uint64_t{256} << 20U;
+constexpr std::chrono::seconds kLongest{10};
+constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20U;
 
 fs::path part_of(const fs::path& folder, int writer, int number) {
   return folder / fmt::format("{}-{}.h5", writer, number);
+}
+
+constexpr std::string_view kPartEnd = ".h5", kUnfinishedEnd = ".models";
+
+std::vector<fs::path> files_of(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder, error)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+bool is_contents(const fs::path& file) {
+  return file.extension().string().starts_with(fmt::format("{}-", kUnfinishedEnd));
+}
+
+Result<Library> open_part(const fs::path& file) {
+  return is_contents(file) ? open_contents(file) : open_library(file);
 }
 
 }  // namespace
@@ -30,19 +49,38 @@ fs::path parts_folder(const fs::path& library) {
   return folder;
 }
 
-std::vector<Library> open_parts(const fs::path& folder) {
+fs::path free_name(const fs::path& folder) {
+  fs::path file;
   std::error_code error;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder, error)) files.push_back(entry.path());
-  std::ranges::sort(files);
+  for (int n = 0; file.empty() || fs::exists(file, error); ++n)
+    file = folder / fmt::format("{}{}", n, kUnfinishedEnd);
+  return file;
+}
+
+fs::path contents_of(const fs::path& unfinished, int n) {
+  return unfinished.parent_path() / fmt::format("{}-{}", unfinished.filename().string(), n);
+}
+
+std::vector<Library> recover_parts(const fs::path& folder) {
+  std::set<fs::path> wanted;
+  for (const fs::path& file : files_of(folder)) {
+    const Result<Library> part = open_part(file);
+    if (!part || !part->check_all()) continue;
+    wanted.insert(file);
+    if (is_contents(file)) wanted.insert(fs::path(file).replace_extension(kUnfinishedEnd));
+  }
+  for (const fs::path& file : files_of(folder)) {
+    std::error_code error;
+    if (!wanted.contains(file)) fs::remove(file, error);
+  }
+  return open_parts(folder);
+}
+
+std::vector<Library> open_parts(const fs::path& folder) {
   std::vector<Library> parts;
-  for (const fs::path& file : files) {
-    Result<Library> part = open_library(file);
-    if (part) {
-      parts.push_back(std::move(*part));
-    } else {
-      fs::remove(file, error);
-    }
+  for (const fs::path& file : files_of(folder)) {
+    if (!is_contents(file) && file.extension() != kPartEnd) continue;
+    if (Result<Library> part = open_part(file)) parts.push_back(std::move(*part));
   }
   return parts;
 }
@@ -56,6 +94,12 @@ void remove_parts(const fs::path& folder, std::vector<Library> parts) noexcept {
   fs::remove_all(folder, error);
 }
 
+void KeepingTime::add(const PackedModel& model) { num_bytes_ += packed_bytes(model); }
+
+bool KeepingTime::has_come() const {
+  return num_bytes_ >= kMostBytes || std::chrono::steady_clock::now() - since_ >= kLongest;
+}
+
 Result<void> PartWriter::open() {
   if (const Result<void> made = make_folder(folder_); !made) return made;
   std::error_code error;
@@ -63,35 +107,27 @@ Result<void> PartWriter::open() {
   Result<LibraryWriter> part =
       LibraryWriter::create(part_of(folder_, writer_, num_parts_), header_);
   if (!part) return part.error();
-  if (basis_.components.size() > 0) {
-    if (const Result<void> added = part->add(basis_); !added) return added;
-  }
+  if (const Result<void> added = part->add(basis_); !added) return added;
   part_ = std::move(*part);
-  opened_ = std::chrono::steady_clock::now();
-  num_bytes_ = 0;
+  time_.reset();
   return {};
 }
 
-Result<std::shared_ptr<PackedModel>> PartWriter::add(const Model& model) {
+Result<void> PartWriter::add(PackedModel& model) {
   if (!part_) {
-    if (const Result<void> opened = open(); !opened) return opened.error();
+    if (const Result<void> opened = open(); !opened) return opened;
   }
-  const Result<std::shared_ptr<PackedModel>> packed = part_->pack(model);
-  const Result<void> added = packed ? part_->add(**packed) : packed.error();
-  if (!added) {
+  if (const Result<void> added = part_->add(model); !added) {
     part_.reset();
-    return added.error();
+    return added;
   }
-  num_bytes_ += stored_bytes(model);
-  if (num_bytes_ < kLargestPart && std::chrono::steady_clock::now() - opened_ < kLongestPart)
-    return packed;
-  if (const Result<void> closed = close(); !closed) return closed.error();
-  return packed;
+  time_.add(model);
+  return time_.has_come() ? close() : Result<void>();
 }
 
 Result<void> PartWriter::close() {
   if (!part_) return {};
-  const Result<void> published = part_->publish();
+  const Result<void> published = part_->publish(Outlasts::process);
   part_.reset();
   if (published) give_back_file(part_of(folder_, writer_, num_parts_));
   return published;

@@ -40,6 +40,11 @@ Error cannot_create(const std::filesystem::path& file) {
           fmt::format("{}: cannot be created: {}", file.string(), errno_text())};
 }
 
+/// Opened for writing; negative: there is such a file, or none can be created (errno).
+int create_new(const std::filesystem::path& file) {
+  return ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+}
+
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
 }
@@ -155,12 +160,22 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   const auto folder = folder_of(target);
   // A name of its own for each writer: two of them never share a temporary file.
   for (int attempt = 0; file.descriptor_ < 0; ++attempt) {
-    file.temporary_ =
+    file.name_ =
         folder / fmt::format("{}{}.{}{}", pending_prefix(target), ::getpid(), attempt, kPendingEnd);
-    file.descriptor_ =
-        ::open(file.temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    file.descriptor_ = create_new(file.name_);
     if (file.descriptor_ < 0 && errno != EEXIST) return cannot_create(target);
   }
+  return file;
+}
+
+Result<PendingFile> PendingFile::create_lasting(const std::filesystem::path& target,
+                                                const std::filesystem::path& name) {
+  PendingFile file;
+  file.target_ = target;
+  file.name_ = name;
+  file.lasting_ = true;
+  file.descriptor_ = create_new(name);
+  if (file.descriptor_ < 0) return cannot_create(name);
   return file;
 }
 
@@ -169,19 +184,20 @@ void PendingFile::start_writing_back() const noexcept {
   [[maybe_unused]] const int ignored = ::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
 }
 
-Result<void> PendingFile::publish() {
-  if (::fsync(descriptor_) != 0) {
+Result<void> PendingFile::publish(Outlasts end) {
+  if (end == Outlasts::power_failure && ::fsync(descriptor_) != 0) {
     Error error{ErrorCode::io, fmt::format("{}: cannot be brought to the disk: {}",
                                            target_.string(), errno_text())};
-    discard();
+    give_up();
     return error;
   }
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+  if (::rename(name_.c_str(), target_.c_str()) != 0) {
     Error error = cannot_create(target_);
-    discard();
+    give_up();
     return error;
   }
   ::close(std::exchange(descriptor_, -1));
+  if (end == Outlasts::process) return {};
 
   // The rename itself must survive a power cut; some file systems cannot sync a folder (EINVAL).
   const auto folder = folder_of(target_);
@@ -193,10 +209,16 @@ Result<void> PendingFile::publish() {
   return {};
 }
 
-void PendingFile::discard() noexcept {
+void PendingFile::shrink(std::uint64_t bytes) noexcept {
+  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(bytes));
+}
+
+void PendingFile::give_up() noexcept {
   if (!pending()) return;
-  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, 0);
-  ::unlink(temporary_.c_str());
+  if (!lasting_) {
+    shrink(0);
+    ::unlink(name_.c_str());
+  }
   ::close(std::exchange(descriptor_, -1));
 }
 

@@ -16,6 +16,7 @@ namespace trivet::format {
 
 inline constexpr std::string_view kName = "trivet-library";
 inline constexpr std::string_view kChecksum = "checksum";           ///< attribute of the root
+inline constexpr std::string_view kColumnsIn = "columns_in";        ///< likewise, of contents alone
 inline constexpr std::string_view kDataChecksum = "xxh3_128";       ///< attribute of each dataset
 inline constexpr std::string_view kModelsDigest = "models_digest";  ///< attribute of /directory
 inline constexpr std::uint64_t kRows = 0;  ///< stands in a shape for the number of rows

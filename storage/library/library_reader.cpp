@@ -142,11 +142,12 @@ bool same(const ModelRecord& record, const ModelRecord& other) {
                             &TriSpinFeatures::resolution);
 }
 
-/// What is known of all models.
-std::vector<ModelRecord> take_records(Taker& take, const StoredGroup& root, From from) {
+/// What is known of all models, whose columns lie in a file of so many bytes.
+std::vector<ModelRecord> take_records(Taker& take, const StoredGroup& root, From from,
+                                      std::uint64_t file_bytes) {
   if (from == From::groups) return take_models(take, root.groups.at("models"));
   const StoredGroup& directory = root.groups.at("directory");
-  std::vector<ModelRecord> records = take_directory(take, directory);
+  std::vector<ModelRecord> records = take_directory(take, directory, file_bytes);
   if (from == From::directory || take.fault()) return records;
   const std::vector<ModelRecord> walked = take_models(take, root.groups.at("models"));
   const std::string digest =
@@ -159,14 +160,24 @@ std::vector<ModelRecord> take_records(Taker& take, const StoredGroup& root, From
   return records;
 }
 
+/// Bytes of a file, in which offsets count, and what keeps them alive.
+struct FileBytes {
+  std::span<const std::byte> bytes;
+  std::shared_ptr<const std::byte> owner;
+};
+
+FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.owner()}; }
+
 /// As parse_library.
-Result<Library> parse(const fs::path& file, const StoredGroup& root,
-                      std::span<const std::byte> bytes,
-                      const std::shared_ptr<const std::byte>& owner, From from, Held held) {
-  Taker take(file, bytes);
+///
+/// own      of the file whose tree it is
+/// columns  of the file that the models' columns lie in
+Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileBytes& own,
+                      const FileBytes& columns, From from, Held held) {
+  Taker take(file, own.bytes);
   const std::uint32_t minor = take.u32(root.attributes, "format_version_minor", "/");
   take.set_version(minor);
-  Library out{file, {}, minor, bytes.size(), {}, {}, {}, {}};
+  Library out{file, {}, minor, own.bytes.size(), {}, {}, {}, {}};
   out.header.producer = take.text(root.attributes, "producer", "/");
   out.header.parameters = take.text(root.attributes, "parameters", "/");
   const std::string unit = take.text(root.attributes, "length_unit", "/");
@@ -208,7 +219,7 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root,
                                        num_groups, models->datasets.size()));
   };
   if (from != From::directory) expect_count(models->groups.size());
-  const std::vector<ModelRecord> records = take_records(take, root, from);
+  const std::vector<ModelRecord> records = take_records(take, root, from, columns.bytes.size());
   if (!take.fault()) expect_count(records.size());
   // Of a file that was stored anew, the index lies somewhere else than it was.
   std::vector<LevelRecord> levels;
@@ -217,7 +228,7 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root,
   if (take.fault()) return *take.fault();
 
   for (const ModelRecord& record : records) {
-    out.models.push_back(map_model(record, bytes, owner, take.num_components()));
+    out.models.push_back(map_model(record, columns.bytes, columns.owner, take.num_components()));
     if (const auto good = format::check_traits(out.models.back()); !good) {
       take.refuse(good.error());
       return *take.fault();
@@ -225,30 +236,54 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root,
   }
   std::vector<LevelColumns> level_columns;
   for (const LevelRecord& level : levels) {
-    out.index.push_back(map_level(level.resolution, level.stride, level.columns, bytes, owner));
+    out.index.push_back(
+        map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
     level_columns.push_back(level.columns);
   }
-  out.checks = std::make_shared<const LibraryChecks>(file, bytes, owner, held, records,
-                                                     std::move(level_columns));
+  out.checks = std::make_shared<const LibraryChecks>(file, columns.bytes, columns.owner, held,
+                                                     records, std::move(level_columns));
   return out;
 }
 
+Result<MappedFile> map(const fs::path& file) {
+  return MappedFile::open(file, std::numeric_limits<std::uint64_t>::max());
+}
+
 Result<Library> open(const fs::path& file, bool whole) {
-  const auto mapped = MappedFile::open(file, std::numeric_limits<std::uint64_t>::max());
+  const auto mapped = map(file);
   if (!mapped) return mapped.error();
-  const auto bytes = mapped->bytes();
-  if (auto good = check_superblock(file, bytes); !good) return good.error();
-  Result<StoredGroup> root = read_stored_tree(file, bytes.size(), whole ? "" : "models");
+  const FileBytes own = bytes_of(*mapped);
+  if (auto good = check_superblock(file, own.bytes); !good) return good.error();
+  Result<StoredGroup> root = read_stored_tree(file, own.bytes.size(), whole ? "" : "models");
   if (!root) return root.error();
-  Taker take(file, bytes);
-  const StoredGroup* const directory = Taker::below(*root, "directory");
-  if (directory != nullptr && is_in_place(take, *directory)) {
-    return parse(file, *root, bytes, mapped->owner(), whole ? From::both : From::directory,
-                 Held::mapped);
+  Taker take(file, own.bytes);
+  if (root->attributes.contains(std::string(format::kColumnsIn))) {
+    take.refuse("/", "expected a model library, found what training keeps beside one");
+    return *take.fault();
   }
-  if (!whole) root = read_stored_tree(file, bytes.size());
+  const StoredGroup* const directory = Taker::below(*root, "directory");
+  if (directory != nullptr && is_in_place(take, *directory))
+    return parse(file, *root, own, own, whole ? From::both : From::directory, Held::mapped);
+  if (!whole) root = read_stored_tree(file, own.bytes.size());
   if (!root) return root.error();
-  return parse(file, *root, bytes, mapped->owner(), From::groups, Held::mapped);
+  return parse(file, *root, own, own, From::groups, Held::mapped);
+}
+
+Result<Library> open_with_columns(const fs::path& file) {
+  const auto mapped = map(file);
+  if (!mapped) return mapped.error();
+  const FileBytes own = bytes_of(*mapped);
+  if (auto good = check_superblock(file, own.bytes); !good) return good.error();
+  const Result<StoredGroup> root = read_stored_tree(file, own.bytes.size());
+  if (!root) return root.error();
+  Taker take(file, own.bytes);
+  const fs::path name = take.text(root->attributes, std::string(format::kColumnsIn), "/");
+  if (Taker::below(*root, "directory") == nullptr || Taker::below(*root, "index") != nullptr)
+    take.refuse("/", "expected a directory and no index");
+  if (take.fault()) return *take.fault();
+  const auto columns = map(file.parent_path() / name.filename());
+  if (!columns) return columns.error();
+  return parse(file, *root, own, bytes_of(*columns), From::directory, Held::mapped);
 }
 
 /// What a file is opened by, where memory may not suffice for it.
@@ -267,11 +302,16 @@ Result<Library> within_memory(const fs::path& file, F&& read) {
 Result<Library> parse_library(const fs::path& file, const StoredGroup& root,
                               std::span<const std::byte> bytes,
                               const std::shared_ptr<const std::byte>& owner) {
-  return parse(file, root, bytes, owner, From::groups, Held::in_memory);
+  const FileBytes own{bytes, owner};
+  return parse(file, root, own, own, From::groups, Held::in_memory);
 }
 
 Result<Library> open_library(const fs::path& file) {
   return within_memory(file, [&] { return open(file, false); });
+}
+
+Result<Library> open_contents(const fs::path& file) {
+  return within_memory(file, [&] { return open_with_columns(file); });
 }
 
 Result<Library> verify_library(const fs::path& file) {

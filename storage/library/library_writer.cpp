@@ -37,6 +37,23 @@ StoredAttributes basis_attributes(const TriSpinBasis& basis) {
 constexpr std::string_view kAxisConvention =
     "models: as in their source; scenes: x right, y down, z forward";
 
+Result<void> check_target(const fs::path& file, const LibraryHeader& header) {
+  constexpr std::size_t kMaxText = 60000;  // an attribute must fit an object header of 64 KiB
+  for (const std::string* text : {&header.producer, &header.parameters}) {
+    if (text->size() > kMaxText || text->find('\0') != std::string::npos) {
+      return Error{ErrorCode::bad_data, fmt::format("{}: producer and parameters: expected at most "
+                                                    "{} bytes without NUL, found {}",
+                                                    file.string(), kMaxText, text->size())};
+    }
+  }
+  std::error_code unknown;
+  if (fs::is_directory(file, unknown) || !file.has_filename()) {
+    return Error{ErrorCode::cannot_create,
+                 fmt::format("{}: expected the name of a file, found a folder", file.string())};
+  }
+  return {};
+}
+
 Error over() { return {ErrorCode::io, "this library was published, or its writing has failed"}; }
 
 }  // namespace
@@ -53,16 +70,20 @@ struct LibraryWriter::State {
   PendingFile file;
   Handle hdf5, root, models;               ///< destroyed in reverse order
   std::map<std::string, Written> written;  ///< models, by name
-  std::size_t num_components = 0;          ///< of the basis; 0: there is none
+  std::vector<std::string> untold;         ///< of them, in no contents yet
+  std::uint64_t end = 0;                   ///< of their columns in the file
+  TriSpinBasis basis;                      ///< without components: there is none
   std::string basis_digest, index_digest;
+  std::string columns_in;  ///< the name of the file that the models lie in, where it is another one
 
   // false when HDF5 failed
-  bool write(const TriSpinBasis& basis);
+  bool write_basis();
   bool write(PackedModel& model);
   bool write_directory(const std::string& models_digest, std::string& digest) const;
-  PackedGroup empty_group() const { return {unit_name(header.unit), num_components}; }
+  std::size_t num_components() const noexcept { return basis.components.size(); }
+  PackedGroup empty_group() const { return {unit_name(header.unit), num_components()}; }
 
-  /// What could not be written; the temporary file goes.
+  /// What could not be written; a temporary file goes, of a lasting one the models stay.
   Error fail(const std::string& what);
 };
 
@@ -74,7 +95,8 @@ Error LibraryWriter::State::fail(const std::string& what) {
               fmt::format("{}: cannot write {}; {} bytes are free on the disk; free some, or raise "
                           "the limit on the size of files",
                           target.string(), what, unknown ? 0 : space.available)};
-  file.discard();
+  file.shrink(end);
+  file.give_up();
   return error;
 }
 
@@ -87,12 +109,14 @@ bool LibraryWriter::State::write(PackedModel& packed) {
   }
   const StoredGroup described = packed.described();
   written.emplace(name, Written{format::digest(described), record_of(packed.model, described)});
+  untold.push_back(name);
+  for (const StoredColumn& column : written.at(name).record.columns)
+    end = std::max(end, column.offset + column.bytes);
   return true;
 }
 
-bool LibraryWriter::State::write(const TriSpinBasis& basis) {
+bool LibraryWriter::State::write_basis() {
   const PcaBasis& pca = basis.components;
-  num_components = pca.size();
   PackedGroup packed = empty_group();
   packed.described.attributes = basis_attributes(basis);
   packed.add(format::kMeanImage, std::as_bytes(std::span(pca.mean)));
@@ -143,25 +167,34 @@ LibraryWriter::~LibraryWriter() = default;
 
 Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryHeader& header,
                                             const NamesToCome& names) {
-  constexpr std::size_t kMaxText = 60000;  // an attribute must fit an object header of 64 KiB
-  for (const std::string* text : {&header.producer, &header.parameters}) {
-    if (text->size() > kMaxText || text->find('\0') != std::string::npos) {
-      return Error{ErrorCode::bad_data, fmt::format("{}: producer and parameters: expected at most "
-                                                    "{} bytes without NUL, found {}",
-                                                    file.string(), kMaxText, text->size())};
-    }
-  }
-  std::error_code unknown;
-  if (fs::is_directory(file, unknown) || !file.has_filename()) {
-    return Error{ErrorCode::cannot_create,
-                 fmt::format("{}: expected the name of a file, found a folder", file.string())};
-  }
-  auto pending = PendingFile::create(file);
-  if (!pending) return pending.error();
+  if (const Result<void> good = check_target(file, header); !good) return good.error();
+  return begin(PendingFile::create(file), file, header, names);
+}
 
+Result<LibraryWriter> LibraryWriter::create_lasting(const fs::path& file, const fs::path& name,
+                                                    const LibraryHeader& header,
+                                                    const NamesToCome& names) {
+  if (const Result<void> good = check_target(file, header); !good) return good.error();
+  return begin(PendingFile::create_lasting(file, name), file, header, names);
+}
+
+Result<LibraryWriter> LibraryWriter::begin(Result<PendingFile> file, const fs::path& target,
+                                           const LibraryHeader& header, const NamesToCome& names) {
+  if (!file) return file.error();
   hdf5::start();
-  auto state =
-      std::make_unique<State>(State{file, header, *std::move(pending), {}, {}, {}, {}, 0, {}, {}});
+  auto state = std::make_unique<State>(State{.target = target,
+                                             .header = header,
+                                             .file = *std::move(file),
+                                             .hdf5 = {},
+                                             .root = {},
+                                             .models = {},
+                                             .written = {},
+                                             .untold = {},
+                                             .end = 0,
+                                             .basis = {},
+                                             .basis_digest = {},
+                                             .index_digest = {},
+                                             .columns_in = {}});
   const Handle creation = hdf5::creation_of(H5P_FILE_CREATE);
   const Handle access = hdf5::file_access();
   state->hdf5 =
@@ -174,34 +207,27 @@ Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryH
 
 Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
   if (!state_ || !state_->file.pending()) return over();
+  if (basis.components.size() == 0 && basis.components.mean.empty()) return {};
   if (auto good = format::check_basis(basis); !good) return good;
-  if (state_->num_components > 0 || !state_->written.empty()) {
+  if (state_->num_components() > 0 || !state_->written.empty()) {
     return Error{ErrorCode::internal,
                  fmt::format("{}: expected one basis, before all models", state_->target.string())};
   }
   hdf5::start();
-  if (state_->write(basis)) return {};
+  state_->basis = basis;
+  if (state_->write_basis()) return {};
   return state_->fail("the basis of the features");
 }
 
-Result<std::shared_ptr<PackedModel>> LibraryWriter::pack(const Model& model) const {
-  if (!state_) return over();
-  if (auto good = format::check_model(model); !good) return good.error();
-  for (const TriSpinFeatures& features : model.features) {
-    if (features.size() == 0 || features.num_components == state_->num_components) continue;
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}: model '{}': expected features of {} components, found {}",
-                             state_->target.string(), model.name, state_->num_components,
-                             features.num_components)};
-  }
-  return std::make_shared<PackedModel>(
-      pack_model(model, unit_name(state_->header.unit), state_->num_components));
-}
+LengthUnit LibraryWriter::unit() const noexcept { return state_->header.unit; }
+std::size_t LibraryWriter::num_components() const noexcept { return state_->num_components(); }
 
 Result<void> LibraryWriter::add(const Model& model) {
   if (!state_ || !state_->file.pending()) return over();
-  const Result<std::shared_ptr<PackedModel>> packed = pack(model);
-  return packed ? add(**packed) : packed.error();
+  const Result<std::shared_ptr<PackedModel>> packed = pack_model(model, unit(), num_components());
+  if (packed) return add(**packed);
+  return Error{packed.error().code,
+               fmt::format("{}: {}", state_->target.string(), packed.error().message)};
 }
 
 Result<void> LibraryWriter::add(PackedModel& packed) {
@@ -229,6 +255,20 @@ Result<void> LibraryWriter::add(PackedModel& packed) {
       fmt::format("model '{}', whose table alone takes {} bytes", model.name, bytes));
 }
 
+Result<void> LibraryWriter::write_contents(const fs::path& file) {
+  if (!state_) return over();
+  State& state = *state_;
+  Result<LibraryWriter> contents = create(file, state.header);
+  if (!contents) return contents.error();
+  if (const Result<void> added = contents->add(state.basis); !added) return added;
+  contents->state_->columns_in = state.file.path().filename().string();
+  for (const std::string& name : state.untold)
+    contents->state_->written.emplace(name, state.written.at(name));
+  const Result<void> published = contents->publish(Outlasts::process);
+  if (published) state.untold.clear();
+  return published;
+}
+
 Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_bytes) {
   if (!state_ || !state_->file.pending()) return over();
   State& state = *state_;
@@ -244,7 +284,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
   std::uint32_t rank = 0;
   for (const auto& [name, written] : state.written) {
     const Model model =
-        map_model(written.record, mapped->bytes(), mapped->owner(), state.num_components);
+        map_model(written.record, mapped->bytes(), mapped->owner(), state.num_components());
     for (const TriSpinFeatures& at_scale : model.features) features.push_back({rank, at_scale});
     ++rank;
   }
@@ -273,7 +313,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
   return {};
 }
 
-Result<void> LibraryWriter::publish() {
+Result<void> LibraryWriter::publish(Outlasts end) {
   if (!state_ || !state_->file.pending()) return over();
   hdf5::start();
   State& state = *state_;
@@ -283,7 +323,7 @@ Result<void> LibraryWriter::publish() {
   std::map<std::string, std::string> children{{"models", format::digest({}, models)}};
   if (!state.write_directory(children.at("models"), children["directory"]))
     return state.fail("the directory of the models");
-  if (state.num_components > 0) children.emplace("trisi", state.basis_digest);
+  if (state.num_components() > 0) children.emplace("trisi", state.basis_digest);
   if (!state.index_digest.empty()) children.emplace("index", state.index_digest);
 
   // The root comes last: its checksum covers all that was written.
@@ -296,13 +336,14 @@ Result<void> LibraryWriter::publish() {
   root.emplace("axis_convention", attribute(kAxisConvention));
   root.emplace("parameters", attribute(state.header.parameters));
   root.emplace("num_models", attribute(static_cast<std::uint32_t>(models.size())));
+  if (!state.columns_in.empty()) root.emplace(format::kColumnsIn, attribute(state.columns_in));
   root.emplace(format::kChecksum, attribute(format::digest(root, children)));
   if (!write_attributes(state.root.get(), root)) return state.fail("the attributes of the root");
 
   state.models = Handle();
   state.root = Handle();
   if (H5Fclose(state.hdf5.release()) < 0) return state.fail("the last bytes");
-  return state.file.publish();
+  return state.file.publish(end);
 }
 
 }  // namespace trivet

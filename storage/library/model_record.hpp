@@ -23,7 +23,10 @@ struct ModelRecord {
 std::vector<ModelRecord> take_models(Taker& take, const StoredGroup& models);
 
 /// Take them from the directory. Extents are checked.
-std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory);
+///
+/// file_bytes  of the file that the columns lie in
+std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory,
+                                        std::uint64_t file_bytes);
 
 /// Rigid motions of sixteen numbers each, row-major.
 std::vector<Pose> poses_of(std::span<const float> numbers);

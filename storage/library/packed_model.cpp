@@ -1,7 +1,10 @@
 #include "storage/library/packed_model.hpp"
 
+#include <fmt/format.h>
+
 #include <span>
 
+#include "storage/library.hpp"
 #include "storage/library/write_hdf5.hpp"
 
 namespace trivet {
@@ -83,14 +86,22 @@ StoredGroup PackedModel::described() const {
   return all;
 }
 
-PackedModel pack_model(const Model& model, std::string_view unit, std::size_t num_components) {
-  const PackedGroup empty(unit, num_components);
-  PackedModel packed{model, empty, {}};
-  add_own(packed.model, packed.own);
-  add_pairs(packed.model, packed.parts.emplace_back("ppf", empty).second);
+Result<std::shared_ptr<PackedModel>> pack_model(const Model& model, LengthUnit unit,
+                                                std::size_t num_components) {
+  if (auto good = format::check_model(model); !good) return good.error();
+  for (const TriSpinFeatures& features : model.features) {
+    if (features.size() == 0 || features.num_components == num_components) continue;
+    return Error{ErrorCode::bad_data,
+                 fmt::format("model '{}': expected features of {} components, found {}", model.name,
+                             num_components, features.num_components)};
+  }
+  const PackedGroup empty(unit_name(unit), num_components);
+  auto packed = std::make_shared<PackedModel>(PackedModel{model, empty, {}});
+  add_own(packed->model, packed->own);
+  add_pairs(packed->model, packed->parts.emplace_back("ppf", empty).second);
   for (std::size_t k = 0; num_components > 0 && k < model.features.size(); ++k) {
-    add_features(packed.model.features[k],
-                 packed.parts.emplace_back(format::kFeatureGroups[k], empty).second);
+    add_features(packed->model.features[k],
+                 packed->parts.emplace_back(format::kFeatureGroups[k], empty).second);
   }
   return packed;
 }

@@ -19,7 +19,4 @@ struct PackedModel {
   StoredGroup described() const;
 };
 
-/// num_components  of the basis of its features; 0: none of them are kept
-PackedModel pack_model(const Model& model, std::string_view unit, std::size_t num_components);
-
 }  // namespace trivet

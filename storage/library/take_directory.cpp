@@ -122,8 +122,7 @@ ModelRecord record_at(const Columns& c, std::size_t m) {
 }
 
 /// Columns lie inside the file, and are of whole rows.
-void check_places(Taker& take, const ModelRecord& record) {
-  const std::uint64_t file_bytes = take.bytes().size();
+void check_places(Taker& take, const ModelRecord& record, std::uint64_t file_bytes) {
   for (std::size_t k = 0; k < kColumns; ++k) {
     const StoredColumn& column = record.columns[k];
     const format::DatasetSpec& spec = format::kModelColumns[k].spec;
@@ -140,7 +139,8 @@ void check_places(Taker& take, const ModelRecord& record) {
 
 }  // namespace
 
-std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory) {
+std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory,
+                                        std::uint64_t file_bytes) {
   const Columns columns = take_columns(take, directory);
   const std::size_t n = columns.names.size() / format::kNameBytes;
   if (!take.fault()) check_columns(take, columns, n);
@@ -148,7 +148,7 @@ std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& director
   std::vector<ModelRecord> records;
   for (std::size_t m = 0; m < n; ++m) {
     records.push_back(record_at(columns, m));
-    check_places(take, records.back());
+    check_places(take, records.back(), file_bytes);
     if (m > 0 && records[m - 1].traits.name >= records[m].traits.name)
       take.refuse(kPath + "/names", "expected names to rise");
     if (take.fault()) return {};

@@ -35,7 +35,6 @@ class Taker {
       : file_(file), bytes_(bytes) {}
 
   const std::filesystem::path& file() const noexcept { return file_; }
-  std::span<const std::byte> bytes() const noexcept { return bytes_; }
   const std::optional<Error>& fault() const noexcept { return fault_; }
   void refuse(const std::string& place, const std::string& what);
   void refuse(const Error& error);

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "engine/libraries/assemble_library.hpp"
 #include "support/library_file.hpp"
@@ -28,19 +31,20 @@ class AheadWriter : public test::LibraryTest {
     EXPECT_TRUE(writer->publish());
     whole_ = *open_library(folder() / "whole.h5");
   }
-  engine::AheadWriter ahead(std::vector<std::size_t> sources) const {
-    return {header_, basis_, lock_, names_, std::move(sources)};
+  std::unique_ptr<engine::AheadWriter> ahead(std::vector<std::size_t> sources) const {
+    return std::make_unique<engine::AheadWriter>(file(), header_, basis_, names_,
+                                                 std::move(sources));
   }
   std::shared_ptr<PackedModel> packed(std::size_t m) const {
-    auto part = LibraryWriter::create(folder() / "part.h5", header_);
-    EXPECT_TRUE(part && part->add(basis_));
-    return *part->pack(whole_.models[m]);
+    return *pack_model(whole_.models[m], header_.unit, test::kRandomComponents);
   }
-  /// What lies beside the library of models and the lock.
-  std::size_t num_temporary() const {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        fs::directory_iterator(folder()),
-        [](const auto& entry) { return entry.path().extension() == ".tmp"; }));
+  /// What the next run of the same command finds.
+  std::vector<std::string> kept() const {
+    std::vector<std::string> names;
+    for (const Library& part : engine::recover_parts(engine::parts_folder(file()))) {
+      for (const Model& model : part.models) names.push_back(model.name);
+    }
+    return names;
   }
 
   LibraryHeader header_{LengthUnit::millimeter, "test", "{}"};
@@ -55,11 +59,14 @@ TEST_F(AheadWriter, GivesTheSameBytesInWhateverOrderModelsCome) {
   const std::string expected = test::read_bytes(file());
   Order order{4, 5, 9};
   do {
-    engine::AheadWriter writer = ahead({4, 5, 9});
-    for (const std::size_t source : order)
-      ASSERT_TRUE(writer.add(source, packed(source == 9 ? 2 : source - 4)));
-    EXPECT_EQ(writer.num_written(), 3U);
-    ASSERT_TRUE(finish_library(*writer.release(), copies_of(whole_), 3, lock_));
+    const auto writer = ahead({4, 5, 9});
+    for (const std::size_t source : order) {
+      const auto rest = writer->add(source, packed(source == 9 ? 2 : source - 4));
+      ASSERT_TRUE(rest);
+      EXPECT_TRUE(rest->empty());
+    }
+    EXPECT_EQ(writer->num_written(), 3U);
+    ASSERT_TRUE(finish_library(*writer->release(), copies_of(whole_), 3, lock_));
     EXPECT_TRUE(test::read_bytes(file()) == expected);
   } while (std::ranges::next_permutation(order).found);
 }
@@ -67,25 +74,46 @@ TEST_F(AheadWriter, GivesTheSameBytesInWhateverOrderModelsCome) {
 TEST_F(AheadWriter, LeavesTheRestToThoseThatAreReadAgain) {
   ASSERT_TRUE(assemble_library(header_, basis_, copies_of(whole_), lock_));
   const std::string expected = test::read_bytes(file());
-  engine::AheadWriter writer = ahead({0, 1});
-  ASSERT_TRUE(writer.add(2, packed(2)));  // not among the first
-  ASSERT_TRUE(writer.add(0, packed(0)));
-  EXPECT_EQ(writer.num_written(), 1U);
-  ASSERT_TRUE(finish_library(*writer.release(), copies_of(whole_), 1, lock_));
+  const auto writer = ahead({0, 1});
+  const std::shared_ptr<PackedModel> other = packed(2);
+  const auto rest = writer->add(2, other);  // not among the first
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(*rest, PackedModels{other});
+  ASSERT_TRUE(writer->add(0, packed(0)));
+  EXPECT_EQ(writer->num_written(), 1U);
+  ASSERT_TRUE(finish_library(*writer->release(), copies_of(whole_), 1, lock_));
   EXPECT_TRUE(test::read_bytes(file()) == expected);
 }
 
-TEST_F(AheadWriter, BeginsNoFileBeforeTheFirstModelAndKeepsNoneThatIsGivenUp) {
-  engine::AheadWriter writer = ahead({0, 1});
-  ASSERT_TRUE(writer.add(1, packed(1)));
-  EXPECT_EQ(num_temporary(), 0U);
-  EXPECT_FALSE(ahead({0}).release());
-  ASSERT_TRUE(writer.add(0, packed(0)));
-  EXPECT_EQ(num_temporary(), 1U);
-  writer.give_up();
-  EXPECT_EQ(num_temporary(), 0U);
-  ASSERT_TRUE(writer.add(0, packed(0)));
-  EXPECT_FALSE(writer.release());
+TEST_F(AheadWriter, KeepsWhatItWroteForTheNextRun) {
+  {
+    const auto writer = ahead({0, 1, 2});
+    ASSERT_TRUE(writer->add(1, packed(1)));
+    EXPECT_FALSE(fs::exists(engine::parts_folder(file()))) << "no file before the first model";
+    ASSERT_TRUE(writer->add(0, packed(0)));
+    ASSERT_TRUE(writer->tell());
+    ASSERT_TRUE(writer->add(2, packed(2)));
+  }
+  EXPECT_EQ(kept(), (std::vector<std::string>{"a", "b", "c"}));
+  {
+    const auto again = ahead({0});
+    ASSERT_TRUE(again->add(0, packed(0)));
+  }
+  EXPECT_EQ(kept(), (std::vector<std::string>{"a", "b", "c", "a"})) << "beside what another wrote";
+}
+
+TEST_F(AheadWriter, KeepsWhatItWroteOfALibraryThatIsGoingToBeAnother) {
+  const auto writer = ahead({0, 1, 2});
+  ASSERT_TRUE(writer->add(0, packed(0)));
+  const std::shared_ptr<PackedModel> waiting = packed(2);
+  ASSERT_TRUE(writer->add(2, waiting));
+  const auto rest = writer->give_up();
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(*rest, PackedModels{waiting});
+  EXPECT_EQ(kept(), std::vector<std::string>{"a"});
+  const std::shared_ptr<PackedModel> late = packed(1);
+  EXPECT_EQ(*writer->add(1, late), PackedModels{late});
+  EXPECT_FALSE(writer->release());
 }
 
 }  // namespace

@@ -34,6 +34,15 @@ class TrainLibrary : public testing::Test {
       cloud.points.set(i, size * cloud.points[i]);
     EXPECT_TRUE(write_ply(folder_ / (name + ".ply"), cloud));
   }
+  /// More than are ever in training at once, since those are finished when a run is stopped.
+  std::vector<std::string> put_many() {
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < 6 + 2 * std::thread::hardware_concurrency(); ++k) {
+      names.push_back(fmt::format("size_{:03}", k));
+      put(names.back(), test::bracket(), 1 + 0.01F * static_cast<float>(k));
+    }
+    return names;
+  }
   ModelSource source(const std::string& name) const {
     return {name, folder_ / (name + ".ply"), 1, {}};
   }
@@ -174,13 +183,8 @@ TEST_F(TrainLibrary, MixesNoModelsOfOtherParameters) {
 }
 
 TEST_F(TrainLibrary, GoesOnWithWhatAStoppedRunTrained) {
-  // More than are ever in training at once, since those are finished when a run is stopped.
-  const std::size_t num_models = 6 + 2 * std::thread::hardware_concurrency();
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < num_models; ++k) {
-    names.push_back(fmt::format("size_{:03}", k));
-    put(names.back(), test::bracket(), 1 + 0.01F * static_cast<float>(k));
-  }
+  const std::vector<std::string> names = put_many();
+  const std::size_t num_models = names.size();
   StopAfter one(1);
   const auto stopped = train_library(request(names), one.progress);
   ASSERT_FALSE(stopped);
@@ -202,6 +206,34 @@ TEST_F(TrainLibrary, GoesOnWithWhatAStoppedRunTrained) {
   EXPECT_FALSE(has_parts());
   EXPECT_EQ(num_entries(), 3 + num_models + 2)
       << "the models and two libraries: no temporary file, no lock";
+}
+
+TEST_F(TrainLibrary, TrainsAgainWhatAPowerFailureKeptFromTheDisk) {
+  const std::vector<std::string> names = put_many();
+  const std::string expected = fresh(names);
+  for (const bool in_part : {false, true}) {
+    fs::remove(file_);
+    // A library from nothing is written at once; what comes into one lies in parts.
+    if (in_part) {
+      ASSERT_TRUE(train_library(request({names.front()})));
+    }
+    StopAfter one(1);
+    ASSERT_FALSE(train_library(request(names), one.progress));
+    std::size_t num_damaged = 0;
+    for (const auto& entry : fs::directory_iterator(engine::parts_folder(file_))) {
+      if (entry.path().extension() != (in_part ? ".h5" : ".models")) continue;
+      const std::string bytes = test::read_bytes(entry.path());
+      // Zeros, as of blocks that were never written; the beginning of the file is as it was.
+      std::ofstream(entry.path(), std::ios::binary)
+          << bytes.substr(0, bytes.size() / 2) << std::string(bytes.size() - bytes.size() / 2, 0);
+      ++num_damaged;
+    }
+    EXPECT_EQ(num_damaged, 1U);
+    const auto report = train_library(request(names));
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(count(*report, ModelOrigin::resumed), 0U);
+    EXPECT_TRUE(bytes() == expected);
+  }
 }
 
 TEST_F(TrainLibrary, TellsAllFaultsTogetherAndKeepsWhatWasTrained) {
