@@ -20,7 +20,7 @@ namespace trivet::apps {
 namespace {
 
 struct ChangeArguments {
-  std::string file, to, output, json, format = "ply";
+  std::string file, name, to, output, json, format = "ply";
   std::vector<std::string> names;
   bool keep_going = false;
   std::size_t num_parts = 2;
@@ -60,7 +60,7 @@ Result<void> remove(const ChangeArguments& arguments, const Context& context) {
 }
 
 Result<void> rename(const ChangeArguments& arguments, const Context& context) {
-  return rename_model(arguments.file, arguments.names.front(), arguments.to, written(context));
+  return rename_model(arguments.file, arguments.name, arguments.to, written(context));
 }
 
 Result<void> merge(const ChangeArguments& arguments, const Context& context) {
@@ -140,9 +140,7 @@ void add_library_changes(CLI::App& library, Context& context) {
       ->add_option("NAME", arguments->names, "Names of models")
       ->required();
   CLI::App* const rename_command = add("rename", "Give a model another name", rename);
-  rename_command->add_option("NAME", arguments->names, "Name of the model")
-      ->required()
-      ->expected(1);
+  rename_command->add_option("NAME", arguments->name, "Name of the model")->required();
   rename_command->add_option("NEW", arguments->to, "Name that it gets")->required();
   CLI::App* const merge_command =
       add("merge", "Write the models of several libraries, trained alike, into one", merge);

@@ -1,0 +1,91 @@
+/// What `trivet library` changes, by the command line.
+#include <gtest/gtest.h>
+
+#include "apps/program.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/rendered_scene.hpp"
+#include "support/temp_dir.hpp"
+
+namespace trivet {
+namespace {
+
+class LibraryChanges : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<test::TempDir>();
+    ASSERT_TRUE(write_ply(*folder_ / "bracket.ply", test::cloud_of(test::bracket())));
+    ASSERT_TRUE(write_ply(*folder_ / "lever.ply", test::cloud_of(test::lever())));
+    does({"train", "bracket.ply", "lever.ply", "-o", "library.h5", "--preset", "fast"});
+    bytes_ = bytes("library.h5");
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  void SetUp() override { folder_->write("library.h5", bytes_); }
+
+  static test::Outcome run(const std::vector<std::string>& arguments) {
+    return test::run_trivet(arguments, {.folder = folder_->path(), .environment = {}, .watch = {}});
+  }
+  /// Returns what it writes to standard output.
+  static std::string does(const std::vector<std::string>& arguments) {
+    const test::Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << testing::PrintToString(arguments) << outcome.error;
+    return outcome.out;
+  }
+  static void fails(const std::vector<std::string>& arguments, const std::string& told) {
+    const test::Outcome outcome = run(arguments);
+    EXPECT_NE(outcome.exit_code, 0) << testing::PrintToString(arguments);
+    EXPECT_NE(outcome.error.find(told), std::string::npos) << outcome.error;
+    EXPECT_TRUE(bytes("library.h5") == bytes_);
+  }
+  static std::string bytes(const std::string& name) { return test::read_bytes(*folder_ / name); }
+
+  static inline std::unique_ptr<test::TempDir> folder_;
+  static inline std::string bytes_;
+};
+
+TEST_F(LibraryChanges, TakeModelsOutAndIn) {
+  does({"library", "remove", "library.h5", "lever"});
+  EXPECT_EQ(does({"library", "list", "library.h5"}), "bracket\n");
+  does({"library", "add", "library.h5", "lever.ply"});
+  EXPECT_TRUE(bytes("library.h5") == bytes_);
+  fails({"library", "remove", "library.h5", "handle"}, "handle");
+}
+
+TEST_F(LibraryChanges, RenameAModel) {
+  folder_->write("before.h5", bytes_);
+  does({"library", "rename", "library.h5", "bracket", "arm"});
+  EXPECT_EQ(does({"library", "list", "library.h5"}), "arm\nlever\n");
+  EXPECT_EQ(does({"library", "diff", "before.h5", "library.h5"}),
+            "renamed  bracket to arm\n1 model is the same\n");
+  does({"library", "rename", "library.h5", "arm", "bracket"});
+  EXPECT_TRUE(bytes("library.h5") == bytes_);
+  fails({"library", "rename", "library.h5", "bracket", "lever"}, "lever");
+  fails({"library", "rename", "library.h5", "handle", "arm"}, "handle");
+}
+
+TEST_F(LibraryChanges, MergeWhatWasSplit) {
+  const std::string parts = does({"library", "split", "library.h5", "-n", "2", "-o", "parts"});
+  const std::size_t end = parts.find('\n');
+  does({"library", "merge", parts.substr(0, end), parts.substr(end + 1, parts.size() - end - 2),
+        "-o", "merged.h5"});
+  EXPECT_TRUE(bytes("merged.h5") == bytes_);
+}
+
+TEST_F(LibraryChanges, ExportWhatTrainsToTheSame) {
+  does({"library", "export", "library.h5", "bracket", "-o", "surfaces"});
+  does({"library", "export", "library.h5", "lever", "-o", "surfaces"});
+  does({"train", "surfaces/bracket.ply", "surfaces/lever.ply", "-o", "again.h5", "--preset",
+        "fast"});
+  EXPECT_NE(does({"library", "diff", "library.h5", "again.h5"}).find("2 models are the same"),
+            std::string::npos);
+}
+
+TEST_F(LibraryChanges, VerifyTellsDamage) {
+  EXPECT_NE(does({"library", "verify", "library.h5"}).find("2 models"), std::string::npos);
+  std::string damaged = bytes_;
+  damaged[damaged.size() / 2] ^= 1;
+  folder_->write("damaged.h5", damaged);
+  fails({"library", "verify", "damaged.h5"}, "damaged.h5");
+}
+
+}  // namespace
+}  // namespace trivet
