@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "engine/common/by_group.hpp"
 #include "engine/common/parallel.hpp"
 
 namespace trivet::engine {
@@ -11,24 +12,6 @@ namespace {
 constexpr std::size_t kQueryGrain = 64;
 constexpr std::size_t kTile = 1024;  // codes that are compared with a query at a time
 constexpr std::size_t kPartBytes = std::size_t{64} << 20U;  // of codes, between two rests
-
-/// (query, probe) pairs by list.
-struct Visits {
-  std::vector<std::uint32_t> offsets;  // by list
-  std::vector<std::uint32_t> slots;    // query * probes + probe, rising in each list
-};
-
-Visits visits_of(std::span<const std::uint32_t> lists, std::size_t num_lists) {
-  Visits visits;
-  visits.offsets.assign(num_lists + 1, 0);
-  for (const std::uint32_t list : lists) ++visits.offsets[list];
-  (void)counts_to_offsets(visits.offsets);
-  visits.slots.resize(lists.size());
-  std::vector<std::uint32_t> next(visits.offsets.begin(), visits.offsets.end() - 1);
-  for (std::uint32_t slot = 0; slot < lists.size(); ++slot)
-    visits.slots[next[lists[slot]]++] = slot;
-  return visits;
-}
 
 }  // namespace
 
@@ -57,10 +40,10 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
   });
 
   PerThread<Column<std::int32_t>> tile_norms([] { return Column<std::int32_t>(kTile); });
-  const Visits visits = visits_of(lists, num_lists);
+  const ByGroup visits = by_group(lists, num_lists);  // query * probes + probe, by list
   std::vector<CodeNeighbor> of_visit(lists.size() * num_neighbors);
   const auto compare_list = [&](std::size_t l) {
-    if (visits.offsets[l] == visits.offsets[l + 1]) return;
+    if (visits.of(l).empty()) return;
     const std::size_t end = index.offsets[l + 1];
     for (std::size_t first = index.offsets[l]; first < end; first += kTile) {
       const std::size_t count = std::min(kTile, end - first);
@@ -68,8 +51,7 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
       const std::span squared = std::span(scratch.local()).first(count);
       const std::span norms = std::span(tile_norms.local()).first(count);
       kernels::code_norms(codes, stride, norms);
-      for (std::size_t v = visits.offsets[l]; v < visits.offsets[l + 1]; ++v) {
-        const std::size_t slot = visits.slots[v];
+      for (const std::size_t slot : visits.of(l)) {
         kernels::code_distances(query(slot / visited), codes, norms, squared);
         kernels::keep_nearest(squared, static_cast<std::uint32_t>(first),
                               std::span(of_visit).subspan(slot * num_neighbors, num_neighbors));
