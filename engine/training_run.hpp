@@ -33,6 +33,7 @@ struct JobOutcome {
   std::shared_ptr<PackedModel> model = nullptr;  ///< none where it cannot be trained, or was not
 };
 
+/// Models as they are going to lie in libraries.
 using PackedModels = std::vector<std::shared_ptr<PackedModel>>;
 
 /// What all processes of a run must agree on.

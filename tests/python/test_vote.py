@@ -81,8 +81,8 @@ def bin_scene(trivet, data, tmp_path_factory):
     return read_library(str(folder / "bin.h5")).models, points, found
 
 
-# Without symmetry, with six turns and six flips, with an axis and a flip.
-@pytest.mark.parametrize("name", ["rockerarm", "gear", "pipe"])
+# With six turns and six flips, with an axis and a flip; those of the laser scan are without symmetry.
+@pytest.mark.parametrize("name", ["gear", "pipe"])
 def test_agrees_with_trivet_on_a_bin_of_parts(bin_scene, name):
     models, points, found = bin_scene
     own = vote.recognize(models[name], points, np.zeros(3))

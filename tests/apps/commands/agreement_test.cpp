@@ -104,7 +104,7 @@ TEST_P(AgreementOnRecognition, HoldsForStoredDetectionsAndWhileRecognizing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, AgreementOnRecognition,
-                         testing::Values("uwa", "kinect_bunny", "clutter_bin", "clutter_table"),
+                         testing::Values("uwa", "kinect_bunny", "clutter_bin"),
                          [](const auto& set) { return std::string(set.param); });
 
 /// Makes detections that are hard to judge.
