@@ -76,7 +76,7 @@ class PendingFile {
 
   /// Let the disk begin to take what was written, so that publish() waits for little of a large file.
   void start_writing_back() const noexcept;
-  /// fsync, rename, fsync the folder; nothing but the rename where it need only outlast the process.
+  /// fsync, rename, fsync the folder; where it need only outlast the process nothing waits for the disk.
   /// Errors: cannot_create (rename), io.
   Result<void> publish(Outlasts end = Outlasts::power_failure);
   /// Give back the space behind so many bytes, where that is possible.

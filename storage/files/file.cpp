@@ -185,6 +185,7 @@ void PendingFile::start_writing_back() const noexcept {
 }
 
 Result<void> PendingFile::publish(Outlasts end) {
+  if (end == Outlasts::process) start_writing_back();
   if (end == Outlasts::power_failure && ::fsync(descriptor_) != 0) {
     Error error{ErrorCode::io, fmt::format("{}: cannot be brought to the disk: {}",
                                            target_.string(), errno_text())};
