@@ -1,4 +1,4 @@
-// Holds the program's BOP numbers against tests/reference/bop_metrics.py, which computes them from
+// Holds the program's BOP numbers against tests/comparisons/bop_metrics.py, which computes them from
 // the definitions alone, on random scenes.
 #include <gtest/gtest.h>
 #include <stdio.h>
