@@ -31,7 +31,7 @@ struct Fault {
 };
 
 int parse_id(std::string_view field, const char* name) {
-  const auto id = formats::parse_integer(field);
+  const auto id = parse_integer(field);
   if (!id || *id < 0 || *id > kMaxBopId)
     throw Fault{fmt::format("expected a number as {}, found {}", name, formats::quote(field))};
   return static_cast<int>(*id);
@@ -42,7 +42,7 @@ std::array<double, count> parse_numbers(std::string_view field, const char* name
   std::array<double, count> numbers{};
   formats::TextCursor cursor(field);
   for (double& number : numbers) {
-    const auto value = formats::parse_number(cursor.word());
+    const auto value = parse_number(cursor.word());
     if (!value || !(std::abs(*value) <= kMaxNumber)) {
       throw Fault{fmt::format("expected {} numbers of at most 1e9 as {}, found {}", count, name,
                               formats::quote(field))};

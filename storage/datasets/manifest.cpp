@@ -33,7 +33,7 @@ std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
   }
   if (model.has("symmetry_axis")) {
     declared = true;
-    symmetry.axis = model.at("symmetry_axis").symmetry_axis();
+    symmetry.axis = model.at("symmetry_axis").only({"axis", "offset"}).symmetry_axis();
   }
   return declared ? std::optional(symmetry) : std::nullopt;
 }
@@ -41,6 +41,7 @@ std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
 ManifestModel parse_model(const std::string& name, const JsonNode& node,
                           const std::filesystem::path& folder) {
   if (!is_model_name(name)) node.refuse(fmt::format("expected a name of {}", kModelNameRule));
+  node.only({"file", "scale", "symmetries", "symmetry_axis"});
   ManifestModel model;
   model.name = name;
   model.file = folder / node.at("file").string();
@@ -50,6 +51,7 @@ ManifestModel parse_model(const std::string& name, const JsonNode& node,
 }
 
 ManifestScene parse_scene(const JsonNode& node, const std::filesystem::path& folder) {
+  node.only({"file", "camera", "viewpoint", "truth"});
   ManifestScene scene;
   scene.name = node.at("file").string();
   scene.file = folder / scene.name;
@@ -84,6 +86,9 @@ class ModelOrder {
 }  // namespace
 
 TruthInstance parse_truth(const JsonNode& node) {
+  node.only({"model", "T_scene_model", "occlusion", "visible_fraction", "clutter", "ignore",
+             // How it was made and what it is worth, for people.
+             "name", "origin", "seen_through", "median_error", "median_nn_mm"});
   const FilePose pose = node.at("T_scene_model").file_pose();
   TruthInstance truth{node.at("model").string(), pose.cast<float>(), {}, false};
   truth.rounded_off = pose.translation() - truth.T_scene_model.translation().cast<double>();
@@ -99,6 +104,7 @@ Result<Manifest> read_manifest(const std::filesystem::path& file) {
   Manifest manifest;
   ModelOrder order;
   const auto walk = [&](const JsonNode& root) {
+    root.only({"unit", "models", "models_scored", "scenes"});
     manifest.unit = parse_unit(root.at("unit"));
     if (root.has("models")) {
       const JsonNode models = root.at("models").object();

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "storage/files/json_file.hpp"
-#include "storage/files/text.hpp"
+#include "storage/files/numbers.hpp"
 
 namespace trivet {
 namespace {
@@ -51,7 +51,7 @@ std::vector<std::string> list_folders(const fs::path& folder) {
 std::set<int> list_scenes(const fs::path& split) {
   std::set<int> ids;
   for (const std::string& name : list_folders(split)) {
-    const auto id = formats::parse_integer(name);
+    const auto id = parse_integer(name);
     if (id && *id >= 0 && *id <= kMaxBopId && name == fmt::format("{:06}", *id))
       ids.insert(static_cast<int>(*id));
   }
@@ -118,7 +118,7 @@ Result<fs::path> choose_split(const fs::path& root) {
 
 /// An id that stands as a key, written in one way only.
 int parse_id(const std::string& key, const JsonNode& node) {
-  const auto id = formats::parse_integer(key);
+  const auto id = parse_integer(key);
   if (!id || *id < 0 || *id > kMaxBopId || key != std::to_string(*id))
     node.refuse("expected a number as the name of this entry");
   return static_cast<int>(*id);

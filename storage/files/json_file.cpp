@@ -11,7 +11,9 @@
 
 #include "storage/file.hpp"
 #include "storage/files/input.hpp"
+#include "storage/files/json_text.hpp"
 #include "storage/files/looks_like.hpp"
+#include "storage/files/nearest_name.hpp"
 
 namespace trivet {
 namespace {
@@ -37,17 +39,28 @@ void JsonNode::refuse(std::string_view what) const {
                             : value_->is_array() ? fmt::format("an array of {}", value_->size())
                             : value_->is_string()
                                 ? formats::quote(value_->get_ref<const std::string&>())
-                                : formats::quote(value_->dump());
+                                : formats::quote(json_text(*value_));
   refuse(what, found);
 }
 
 void JsonNode::refuse(std::string_view what, std::string_view found) const {
-  throw JsonFault{
-      fmt::format("{}: {}, found {}", path_.empty() ? "the document" : path_, what, found)};
+  throw JsonFault{fmt::format("{}: {}, found {}", place(), what, found)};
+}
+
+std::string_view JsonNode::place() const {
+  return path_.empty() ? std::string_view("the document") : path_;
 }
 
 const JsonNode& JsonNode::object() const {
   if (!value_->is_object()) refuse("expected an object");
+  return *this;
+}
+
+const JsonNode& JsonNode::only(std::initializer_list<std::string_view> known) const {
+  for (const auto& [key, value] : object().value_->items()) {
+    if (!key.starts_with('_') && std::ranges::find(known, key) == known.end())
+      throw JsonFault{fmt::format("{}: {}", place(), unknown_name(key, known))};
+  }
   return *this;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -31,6 +32,9 @@ class JsonNode {
       : value_(&value), path_(std::move(path)) {}
 
   const JsonNode& object() const;  ///< itself, if it is an object
+  /// Itself, if it is an object of such members alone: refuse a name that nobody reads, and tell the
+  /// nearest. Names that begin with '_' are notes.
+  const JsonNode& only(std::initializer_list<std::string_view> known) const;
   /// Whether the member is there and not null.
   bool has(std::string_view key) const;
   JsonNode at(std::string_view key) const;
@@ -67,6 +71,7 @@ class JsonNode {
   [[noreturn]] void refuse(std::string_view what, std::string_view found) const;
 
  private:
+  std::string_view place() const;  ///< its path, or "the document"
   /// "a", "b": to be told beside the name that is not among them.
   std::string names_of_members() const;
 

@@ -1,10 +1,6 @@
 #include "storage/files/text.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <limits>
-#include <system_error>
 
 namespace trivet::formats {
 
@@ -47,47 +43,6 @@ std::string_view TextCursor::rest_of_line() const noexcept {
   const auto size = static_cast<std::size_t>(last - at_);
   const std::string_view line(at_, size);
   return line.ends_with('\r') ? line.substr(0, size - 1) : line;
-}
-
-namespace {
-
-/// std::from_chars takes no plus sign.
-std::string_view without_plus(std::string_view word) noexcept {
-  const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
-  return plus ? word.substr(1) : word;
-}
-
-}  // namespace
-
-std::optional<double> parse_number(std::string_view word) noexcept {
-  word = without_plus(word);
-  double value = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (end != word.data() + word.size()) return {};
-  if (fault == std::errc{}) return value;
-  // Too small for double is zero, too large is no number.
-  const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
-  if (fault == std::errc::result_out_of_range && tiny) return 0.0;
-  return {};
-}
-
-std::optional<std::int64_t> parse_integer(std::string_view word) noexcept {
-  word = without_plus(word);
-  std::int64_t value = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (fault != std::errc{} || end != word.data() + word.size()) return {};
-  return value;
-}
-
-float to_float(double value) noexcept {
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  return static_cast<float>(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
-}
-
-std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept {
-  const double limit = std::min(static_cast<double>(bound), 4294967296.0);
-  if (!(value >= 0 && value < limit) || value != std::floor(value)) return {};
-  return static_cast<std::uint32_t>(value);
 }
 
 std::string lower_case(std::string_view text) {

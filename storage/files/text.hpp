@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
+
+#include "storage/files/numbers.hpp"
 
 namespace trivet::formats {
 
@@ -36,17 +36,6 @@ class TextCursor {
   std::size_t line_ = 1;
   std::array<bool, 256> separates_{};
 };
-
-/// A whole word as a number; "nan" and "inf" are numbers. Beyond the range of double: none.
-std::optional<double> parse_number(std::string_view word) noexcept;
-std::optional<std::int64_t> parse_integer(std::string_view word) noexcept;
-
-/// Round to float; finite values beyond its range stay finite, so that they can be told from
-/// infinity.
-float to_float(double value) noexcept;
-
-/// A value as an index below `bound`; none when it is negative, broken or too large.
-std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept;
 
 /// The text with its ASCII capitals in lower case.
 std::string lower_case(std::string_view text);

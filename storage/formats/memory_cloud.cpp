@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "storage/files/numbers.hpp"
 #include "storage/formats/arrange_points.hpp"
 #include "storage/formats/depth_image.hpp"
 #include "storage/formats/finish.hpp"
@@ -145,7 +146,7 @@ Result<Triangles> take_triangles(const Input& input, const ArrayView& array,
       std::array<std::uint32_t, 3> corners{};
       for (std::size_t k = 0; k < 3; ++k) {
         const auto corner = static_cast<double>(number(t, k, 0));
-        const auto index = formats::to_index(corner, num_points);
+        const auto index = to_index(corner, num_points);
         if (!index) {
           return input.refuse(fmt::format(
               "triangle {}: expected indices of the {} points, found {}", t, num_points, corner));

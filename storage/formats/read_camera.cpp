@@ -4,7 +4,7 @@
 #include <string>
 
 #include "storage/files/json_file.hpp"
-#include "storage/files/text.hpp"
+#include "storage/files/numbers.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
@@ -33,7 +33,7 @@ Result<Camera> read_camera(const std::filesystem::path& file, std::optional<int>
 }
 
 std::optional<int> image_id_of(const std::filesystem::path& image) {
-  const auto id = formats::parse_integer(image.stem().string());
+  const auto id = parse_integer(image.stem().string());
   if (!id || *id < 0 || *id > kMaxImageId) return std::nullopt;
   return static_cast<int>(*id);
 }

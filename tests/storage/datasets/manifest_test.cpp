@@ -132,6 +132,32 @@ TEST_F(ReadManifest, NamesThePathOfWhatIsWrong) {
   EXPECT_EQ(read_manifest(folder_ / "none.json").error().code, ErrorCode::missing_input);
 }
 
+TEST_F(ReadManifest, RefusesNamesThatNobodyReadsAndTellsTheNearest) {
+  const auto model = [](const std::string& body) {
+    return R"({"unit": "m", "models": {"ant": {"file": "a", )" + body + "}}}";
+  };
+  const auto truth = [](const std::string& body) {
+    return R"({"unit": "m", "scenes": [{"file": "a", "truth": [{"model": "ant", "T_scene_model": )" +
+           kIdentity + body + "}]}]}";
+  };
+  expect_refused(R"({"unit": "m", "modles": {}})",
+                 "the document: found 'modles'; did you mean 'models'?");
+  expect_refused(model(R"("scal": 1000)"), "models.ant: found 'scal'; did you mean 'scale'?");
+  expect_refused(
+      model(R"("color": "red")"),
+      "models.ant: expected one of file, scale, symmetries, symmetry_axis, found 'color'");
+  expect_refused(model(R"("symmetry_axis": {"axis": [0, 0, 1], "ofset": [1, 0, 0]})"),
+                 "models.ant.symmetry_axis: found 'ofset'; did you mean 'offset'?");
+  expect_refused(R"({"unit": "m", "scenes": [{"file": "a", "view_point": [1, 2, 3]}]})",
+                 "scenes[0]: found 'view_point'; did you mean 'viewpoint'?");
+  expect_refused(truth(R"(, "ignored": true)"),
+                 "scenes[0].truth[0]: found 'ignored'; did you mean 'ignore'?");
+
+  EXPECT_TRUE(read(model(R"("_color": "red")"))) << "a note";
+  const auto noted = read(truth(R"(, "origin": "by hand", "median_nn_mm": 0.2, "name": "left")"));
+  EXPECT_TRUE(noted) << noted.error().message;
+}
+
 TEST_F(ReadManifest, SurvivesTruncationAtEveryByte) {
   const std::string whole =
       R"({"unit": "m", "models": {"ant": {"file": "a", "symmetries": [)" + kHalfTurn +
