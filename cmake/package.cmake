@@ -16,8 +16,8 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(debian_version "${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}")
 
-# deb(COMPONENT PACKAGE SECTION TEXT): a package of what is installed as the component, with the documents that Debian
-# asks for. TEXT has lines of at most 79 letters.
+# deb(COMPONENT PACKAGE SECTION TEXT [TARGET [LOCK_FILE]]): a package of what is installed as the component, with the documents that
+# Debian asks for, and the bill of materials of the TARGET, and of its page by npm's LOCK_FILE. TEXT has lines of at most 79 letters.
 function(deb component package section text)
   list(APPEND CPACK_COMPONENTS_ALL ${component})
   set(CPACK_COMPONENTS_ALL "${CPACK_COMPONENTS_ALL}" PARENT_SCOPE)
@@ -53,17 +53,28 @@ ${package}: bogus-mail-host-in-debian-changelog *
     COMPONENT ${component} EXCLUDE_FROM_ALL)
   install(FILES "${documents}/copyright" "${documents}/changelog.gz" "${documents}/changelog.Debian.gz" DESTINATION "${docs}"
     COMPONENT ${component} EXCLUDE_FROM_ALL)
+  if(ARGN)
+    list(POP_FRONT ARGN target)
+    install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/scripts/sbom\" \"${PROJECT_BINARY_DIR}\" ${package} ${PROJECT_VERSION}
+      \"$<TARGET_FILE:${target}>\" \"${documents}/sbom.cdx.json\" ${ARGN} COMMAND_ERROR_IS_FATAL ANY)"
+      COMPONENT ${component} EXCLUDE_FROM_ALL)
+    install(FILES "${documents}/sbom.cdx.json" DESTINATION "${docs}" COMPONENT ${component} EXCLUDE_FROM_ALL)
+  endif()
   install(FILES "${documents}/overrides/${package}" DESTINATION "${CMAKE_INSTALL_DATADIR}/lintian/overrides"
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endfunction()
 
+set(page_lock_file "")
+if(EXISTS "${PROJECT_SOURCE_DIR}/web/dist/index.html")
+  set(page_lock_file "${PROJECT_SOURCE_DIR}/web/package-lock.json")
+endif()
 deb(program trivet science
   "The program: trains libraries of models, recognizes them in scans of laser and
-depth cameras with verified poses, and serves recognition over HTTP.")
+depth cameras with verified poses, and serves recognition over HTTP." trivet ${page_lock_file})
 if(TRIVET_BUILD_C)
   set(library_package libtrivet${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   deb(library ${library_package} libs
-    "The C interface of Trivet, for programs in any language.")
+    "The C interface of Trivet, for programs in any language." trivet_c)
   file(WRITE "${PROJECT_BINARY_DIR}/documents/triggers" "activate-noawait ldconfig\n")
   file(WRITE "${PROJECT_BINARY_DIR}/documents/shlibs"
     "libtrivet ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} ${library_package} (>= ${PROJECT_VERSION})\n")
@@ -77,13 +88,13 @@ endif()
 if(TRIVET_BUILD_MPI)
   deb(mpi trivet-mpi science
     "Trains libraries, recognizes scenes and runs studies over the processes of
-Open MPI.")
+Open MPI." trivet-mpi)
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "openmpi-bin")
 endif()
 if(TRIVET_BUILD_PYTHON)
   deb(python python3-trivet python
     "The Python package trivet: training, recognition and evaluation with NumPy
-arrays.")
+arrays." trivet_python)
   set(documents "${PROJECT_BINARY_DIR}/documents/python3-trivet")
   file(WRITE "${documents}/postinst" "#!/bin/sh\nset -e\n[ \"$1\" != configure ] || py3compile -p python3-trivet\n")
   file(WRITE "${documents}/prerm" "#!/bin/sh\nset -e\npy3clean -p python3-trivet\n")
