@@ -57,6 +57,8 @@ constexpr trivet_status status_of(ErrorCode code) noexcept {
       return TRIVET_IO;
     case ErrorCode::resumable:
       return TRIVET_STOPPED;
+    case ErrorCode::changed:
+      return TRIVET_CHANGED;
     case ErrorCode::internal:
       return TRIVET_INTERNAL;
   }

@@ -53,6 +53,7 @@ typedef enum trivet_status {
   TRIVET_USAGE = 2,          /**< an argument or an option is wrong */
   TRIVET_BAD_DATA = 65,      /**< a file or a scan breaks its format, or cannot be used */
   TRIVET_MISSING_INPUT = 66, /**< a file that is named does not exist */
+  TRIVET_CHANGED = 69,       /**< a file was changed by others while it was used; open it anew */
   TRIVET_INTERNAL = 70,      /**< a fault of the program */
   TRIVET_CANNOT_CREATE = 73, /**< a file or a folder cannot be made */
   TRIVET_IO = 74,            /**< reading failed, or memory ran out */

@@ -16,18 +16,55 @@
 
 namespace trivet {
 
-/// Read-only mapping of a regular file; the mapping survives the file's replacement by rename.
+/// Who may write a file while it is mapped.
+enum class Writers : std::uint8_t {
+  none,    ///< it is this process's own, or held by its lock
+  others,  ///< anybody: it is watched
+};
+
+/// Read-only mapping of a regular file; the mapping survives the file's replacement by rename. Bytes
+/// that are cut off read as zeros. What others write and is not larger than memory is better read.
 class MappedFile {
  public:
-  /// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io.
-  static Result<MappedFile> open(const std::filesystem::path& file, std::uint64_t max_bytes);
-  std::span<const std::byte> bytes() const noexcept { return {data_.get(), size_}; }
-  std::shared_ptr<const std::byte> owner() const noexcept { return data_; }
+  /// What became of the file since it was opened.
+  enum class State : std::uint8_t {
+    same,
+    touched,  ///< its names or rights were changed; or its bytes, and the time of that was set back
+    changed,  ///< in place: bytes may be others than they were. It stays so.
+  };
+
+  /// writers  with `others` a descriptor stays open, by which changes are seen
+  /// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io, changed (it is
+  /// being written).
+  static Result<MappedFile> open(const std::filesystem::path& file, std::uint64_t max_bytes,
+                                 Writers writers = Writers::none);
+  std::span<const std::byte> bytes() const noexcept;
+  std::shared_ptr<const std::byte> owner() const noexcept;
+
+  /// Compare size and times of the opened file with those that it was opened with: a system call. A
+  /// change through somebody's own mapping shows when the system gives it a time.
+  State state() const noexcept;
+  /// When it was touched last, for accept_touch.
+  std::int64_t time_of_touch() const noexcept;
+  /// What was touched then holds the bytes that it held.
+  void accept_touch(std::int64_t time) const noexcept;
+  /// It is found to hold others.
+  void condemn() const noexcept;
+  /// Whether a path leads to this very file, or nowhere.
+  bool is_at(const std::filesystem::path& file) const noexcept;
 
  private:
-  std::shared_ptr<const std::byte> data_;
-  std::size_t size_ = 0;
+  struct Mapping;
+  std::shared_ptr<Mapping> mapping_;
 };
+
+/// All of a regular file, which others may write at any time.
+/// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io, changed (while it
+/// was read).
+Result<std::vector<std::byte>> read_file(const std::filesystem::path& file,
+                                         std::uint64_t max_bytes);
+/// The same as text.
+Result<std::string> read_text_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
 /// Ask for the pages of a mapping before they are read: many that are asked for at once come from
 /// a disk in a tenth of the time that they take one after the other.
@@ -52,8 +89,12 @@ Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
 /// any of its bytes unwritten: its reader must check them.
 enum class Outlasts : std::uint8_t { process, power_failure };
 
+/// What a path stands for: the end of its symbolic links, where something may not be yet.
+std::filesystem::path behind_links(const std::filesystem::path& file);
+
 /// A file written under another name, whose target's place it then takes: readers see the old file or
-/// the whole new one.
+/// the whole new one. It takes over the old one's mode, and owner and group as far as the process may
+/// give them; of a symbolic link the target is replaced.
 class PendingFile {
  public:
   /// Under a temporary name in the folder of the target; without publish it is removed. Errors:

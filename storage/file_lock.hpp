@@ -22,7 +22,8 @@ class FileLock {
   }
   ~FileLock();
 
-  const std::filesystem::path& file() const noexcept { return file_; }  ///< that may be written
+  /// That may be written: behind the links of what was asked for.
+  const std::filesystem::path& file() const noexcept { return file_; }
 
  private:
   FileLock() = default;

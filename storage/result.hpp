@@ -18,6 +18,7 @@ enum class ErrorCode {
   io,             ///< reading or writing failed
   resumable,      ///< stopped before the end; running again continues
   internal,       ///< a bug
+  changed,        ///< others changed a file while it was used
 };
 
 /// A sentence that names the file, the place, what was expected, what was found and what to do.

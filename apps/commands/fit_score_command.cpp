@@ -104,10 +104,9 @@ std::string csv_of(const Outcomes& outcomes) {
 
 /// Add what csv_of() wrote.
 Result<void> read_outcomes(const std::string& file, Outcomes& outcomes) {
-  const Result<MappedFile> bytes = MappedFile::open(file, kMaxOutcomesBytes);
-  if (!bytes) return bytes.error();
-  const std::span<const std::byte> view = bytes->bytes();
-  std::istringstream lines(std::string(reinterpret_cast<const char*>(view.data()), view.size()));
+  Result<std::string> text = read_text_file(file, kMaxOutcomesBytes);
+  if (!text) return text.error();
+  std::istringstream lines(*std::move(text));
   std::string line;
   std::getline(lines, line);
   if (line != csv_header()) {

@@ -70,7 +70,7 @@ struct LoadResult {
 
 /// A request that is sent again and again.
 struct LoadScene {
-  MappedFile body;
+  std::string body;
   std::string target;
 };
 
@@ -108,7 +108,8 @@ class LoadRun {
   }
 
   asio::awaitable<void> send_one(const LoadScene& scene, Clock::time_point due) {
-    const HttpCall call{"POST", arguments_.address, scene.target, {}, scene.body.bytes()};
+    const HttpCall call{
+        "POST", arguments_.address, scene.target, {}, std::as_bytes(std::span(scene.body))};
     const HttpOutcome outcome =
         co_await client_.ask(where_, call, Clock::now() + duration_of(arguments_.timeout));
     const HttpResponse* const answer = std::get_if<HttpResponse>(&outcome);
@@ -177,7 +178,7 @@ Result<void> load(const LoadArguments& arguments, const Context& context) {
   }
   std::vector<LoadScene> scenes;
   for (const std::string& file : arguments.scenes) {
-    Result<MappedFile> body = MappedFile::open(file, kMaxSceneBytes);
+    Result<std::string> body = read_text_file(file, kMaxSceneBytes);
     if (!body) return body.error();
     std::string extension = std::filesystem::path(file).extension().string();
     if (!extension.empty()) extension.erase(0, 1);

@@ -16,10 +16,11 @@ struct ExitCode {
 };
 
 /// Of everything that can go wrong; 0 is that nothing did.
-inline constexpr std::array<ExitCode, 7> kExitCodes{{
+inline constexpr std::array<ExitCode, 8> kExitCodes{{
     {ErrorCode::usage, 2, "An option or an argument is wrong."},
     {ErrorCode::bad_data, 65, "A file breaks its format, or cannot be used."},
     {ErrorCode::missing_input, 66, "A file that is named does not exist."},
+    {ErrorCode::changed, 69, "A file was changed by others while it was used."},
     {ErrorCode::internal, 70, "A fault of the program."},
     {ErrorCode::cannot_create, 73, "A file or a folder cannot be made."},
     {ErrorCode::io, 74, "Reading or writing failed, or memory ran out."},

@@ -22,16 +22,14 @@ class SettingsReader {
       : settings_(settings), arguments_(arguments) {}
 
   Result<void> read_file() {
-    const Result<MappedFile> bytes = MappedFile::open(arguments_.config, kMaxFileBytes);
-    if (!bytes) return bytes.error();
-    const std::string_view text(reinterpret_cast<const char*>(bytes->bytes().data()),
-                                bytes->bytes().size());
+    const Result<std::string> text = read_text_file(arguments_.config, kMaxFileBytes);
+    if (!text) return text.error();
     const std::string file = std::filesystem::path(arguments_.config).filename().string();
     const auto where = [&](const toml::source_region& place) {
       return fmt::format("{}:{}: ", file, place.begin.line);
     };
     try {
-      for (const auto& [key, node] : toml::parse(text)) {
+      for (const auto& [key, node] : toml::parse(*text)) {
         if (!arguments_.values.contains(std::string(key.str())))
           set(where(node.source()), key.str(), node);
       }

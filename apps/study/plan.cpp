@@ -21,10 +21,10 @@ std::string key_of(const Json& json) {
 }
 
 Result<std::string> hash_file(const fs::path& file) {
-  const Result<MappedFile> mapped =
-      MappedFile::open(file, std::numeric_limits<std::uint64_t>::max());
-  if (!mapped) return mapped.error();
-  return xxh3_hex(mapped->bytes());
+  const Result<std::vector<std::byte>> bytes =
+      read_file(file, std::numeric_limits<std::uint64_t>::max());
+  if (!bytes) return bytes.error();
+  return xxh3_hex(*bytes);
 }
 
 /// Things by their key, in the order in which they are first met.

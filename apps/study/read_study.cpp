@@ -437,18 +437,15 @@ Result<StudySettings> settings_of(const Study& study, const Experiment& experime
 }
 
 Result<Study> read_study(const fs::path& file) {
-  const Result<MappedFile> mapped = MappedFile::open(file, kMaxBytes);
-  if (!mapped) return mapped.error();
-  const auto bytes = mapped->bytes();
-  std::string text(bytes.size(), '\0');
-  std::ranges::transform(bytes, text.begin(), [](std::byte b) { return static_cast<char>(b); });
-  const Result<toml::table> root = parse(file, text);
+  Result<std::string> text = read_text_file(file, kMaxBytes);
+  if (!text) return text.error();
+  const Result<toml::table> root = parse(file, *text);
   if (!root) return root.error();
   Reader reader(file);
   Study study = read_root(reader, *root);
   if (!reader.faults().empty())
     return Error{ErrorCode::bad_data, fmt::format("{}", fmt::join(reader.faults(), "\n"))};
-  study.text = std::move(text);
+  study.text = *std::move(text);
   return study;
 }
 

@@ -19,6 +19,8 @@ void raise(const Error& error) {
         return "InputOutputError";
       case ErrorCode::resumable:
         return "Stopped";
+      case ErrorCode::changed:
+        return "ChangedError";
       case ErrorCode::internal:
         break;
     }

@@ -15,8 +15,8 @@ What goes wrong is raised as one of `trivet.errors`.
 
 from ._geometry import Mesh
 from ._trivet import Detection, Model, RejectedPose, Stopper, __version__
-from .errors import (CannotCreateError, DataError, Error, InputOutputError, InternalError,
-                     MissingInputError, Stopped, UsageError)
+from .errors import (CannotCreateError, ChangedError, DataError, Error, InputOutputError,
+                     InternalError, MissingInputError, Stopped, UsageError)
 from .evaluation import Evaluation, evaluate
 from .library import Library
 from .options import options
@@ -26,8 +26,8 @@ from .scenes import Scene, mesh, write_ply
 from .training import TrainReport, train
 
 __all__ = [
-    "CannotCreateError", "DataError", "Detection", "Error", "Evaluation", "InputOutputError",
-    "InternalError", "Library", "Mesh", "MissingInputError", "Model", "RejectedPose", "Result",
-    "ScannedScene", "Scene", "Stopped", "Stopper", "TrainReport", "Truth", "UsageError",
+    "CannotCreateError", "ChangedError", "DataError", "Detection", "Error", "Evaluation",
+    "InputOutputError", "InternalError", "Library", "Mesh", "MissingInputError", "Model",
+    "RejectedPose", "Result", "ScannedScene", "Scene", "Stopped", "Stopper", "TrainReport", "Truth", "UsageError",
     "VirtualScanner", "__version__", "evaluate", "mesh", "options", "scan", "train", "write_ply",
 ]

@@ -26,6 +26,10 @@ class InputOutputError(Error, OSError):
     """Reading or writing failed, or memory ran out."""
 
 
+class ChangedError(InputOutputError):
+    """Others changed a file while it was used: open it anew."""
+
+
 class Stopped(Error):
     """It was stopped before its end."""
 

@@ -134,10 +134,9 @@ Result<void> write_bop_results(const std::filesystem::path& file,
 }
 
 Result<std::vector<BopResult>> read_bop_results(const std::filesystem::path& file) {
-  const auto mapped = MappedFile::open(file, kMaxBytes);
-  if (!mapped) return mapped.error();
-  std::string_view text{reinterpret_cast<const char*>(mapped->bytes().data()),
-                        mapped->bytes().size()};
+  const auto read = read_text_file(file, kMaxBytes);
+  if (!read) return read.error();
+  std::string_view text = *read;
   std::vector<BopResult> results;
   ImageTimes times;
   std::size_t line_number = 0;

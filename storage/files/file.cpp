@@ -14,26 +14,11 @@
 #include <new>
 #include <system_error>
 
+#include "storage/files/descriptor.hpp"
 #include "storage/files/errno_text.hpp"
 
 namespace trivet {
 namespace {
-
-/// A descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  int get() const noexcept { return number_; }
-  explicit operator bool() const noexcept { return number_ >= 0; }
-
- private:
-  int number_;
-};
 
 Error cannot_create(const std::filesystem::path& file) {
   return {ErrorCode::cannot_create,
@@ -54,6 +39,23 @@ std::string pending_prefix(const std::filesystem::path& target) {
   return fmt::format(".{}.", target.filename().string());
 }
 
+/// Give a file the mode, owner and group of the one whose place it is going to take, as far as this
+/// process may. Who was not allowed to read the old one is not allowed to read the new one.
+void take_over_rights(int descriptor, const std::filesystem::path& target) noexcept {
+  struct stat before {
+  }, mine{};
+  if (::stat(target.c_str(), &before) != 0 || ::fstat(descriptor, &mine) != 0) return;
+  mode_t mode = before.st_mode & 0777U;
+  constexpr auto kSame = static_cast<uid_t>(-1);
+  const bool has_group =
+      before.st_gid == mine.st_gid || ::fchown(descriptor, kSame, before.st_gid) == 0;
+  // The new file's group are others.
+  if (!has_group) mode &= ~mode_t{070U} | ((mode & 07U) << 3U);
+  if (before.st_uid != mine.st_uid) [[maybe_unused]]
+    const int allowed = ::fchown(descriptor, before.st_uid, kSame);
+  ::fchmod(descriptor, mode);
+}
+
 bool write_all(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -72,43 +74,6 @@ void advise(std::span<const std::byte> mapped, int advice) noexcept {
 }
 
 }  // namespace
-
-Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint64_t max_bytes) {
-  // Not blocking: a named pipe without a writer would hang before it could be refused.
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-  if (!descriptor) {
-    const bool missing = errno == ENOENT || errno == ENOTDIR;
-    return Error{missing ? ErrorCode::missing_input : ErrorCode::io,
-                 fmt::format("{}: cannot be opened: {}", file.string(), errno_text())};
-  }
-
-  struct stat status {};
-  if (::fstat(descriptor.get(), &status) != 0) {
-    return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", file.string(), errno_text())};
-  }
-  if (!S_ISREG(status.st_mode)) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}: expected a regular file, found a {}", file.string(),
-                             S_ISDIR(status.st_mode) ? "folder" : "device, pipe or socket")};
-  }
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size > max_bytes) {
-    return Error{ErrorCode::bad_data, fmt::format("{}: holds {} bytes, more than the limit of {}",
-                                                  file.string(), size, max_bytes)};
-  }
-
-  MappedFile mapped;
-  if (size == 0) return mapped;
-  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor.get(), 0);
-  if (memory == MAP_FAILED) {
-    return Error{ErrorCode::io,
-                 fmt::format("{}: cannot be mapped: {}", file.string(), errno_text())};
-  }
-  mapped.data_ = {static_cast<const std::byte*>(memory),
-                  [memory, size](const std::byte*) { ::munmap(memory, size); }};
-  mapped.size_ = size;
-  return mapped;
-}
 
 void ask_for_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_WILLNEED); }
 
@@ -131,31 +96,21 @@ void give_back_file(const std::filesystem::path& file) noexcept {
   if (opened) (void)::posix_fadvise(opened.get(), 0, 0, POSIX_FADV_DONTNEED);
 }
 
-Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
-                                        std::uint64_t max_bytes) {
-  constexpr std::size_t kStep = 1 << 16;
-  std::vector<std::byte> bytes;
-  std::size_t size = 0;
-  while (true) {
-    // Doubled, so that what comes in small pieces is not copied for each.
-    if (bytes.size() < size + kStep) bytes.resize(std::max(2 * bytes.size(), kStep));
-    const ssize_t count = ::read(descriptor, bytes.data() + size, bytes.size() - size);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0)
-      return Error{ErrorCode::io, fmt::format("{}: cannot be read: {}", name, errno_text())};
-    size += static_cast<std::size_t>(count);
-    if (size > max_bytes) {
-      return Error{ErrorCode::bad_data,
-                   fmt::format("{}: holds more than the limit of {} bytes", name, max_bytes)};
-    }
-    if (count > 0) continue;
-    bytes.resize(size);
-    return bytes;
+std::filesystem::path behind_links(const std::filesystem::path& file) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  std::filesystem::path at = file;
+  for (int i = 0; i < kMostLinks; ++i) {
+    std::error_code error;
+    const std::filesystem::path next = std::filesystem::read_symlink(at, error);
+    if (error) break;
+    at = at.parent_path() / next;
   }
+  return at;
 }
 
-Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
+Result<PendingFile> PendingFile::create(const std::filesystem::path& given) {
   PendingFile file;
+  const std::filesystem::path target = behind_links(given);
   file.target_ = target;
   const auto folder = folder_of(target);
   // A name of its own for each writer: two of them never share a temporary file.
@@ -171,7 +126,7 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
 Result<PendingFile> PendingFile::create_lasting(const std::filesystem::path& target,
                                                 const std::filesystem::path& name) {
   PendingFile file;
-  file.target_ = target;
+  file.target_ = behind_links(target);
   file.name_ = name;
   file.lasting_ = true;
   file.descriptor_ = create_new(name);
@@ -192,6 +147,7 @@ Result<void> PendingFile::publish(Outlasts end) {
     give_up();
     return error;
   }
+  take_over_rights(descriptor_, target_);
   if (::rename(name_.c_str(), target_.c_str()) != 0) {
     Error error = cannot_create(target_);
     give_up();
@@ -223,7 +179,8 @@ void PendingFile::give_up() noexcept {
   ::close(std::exchange(descriptor_, -1));
 }
 
-void remove_pending_files(const std::filesystem::path& target) noexcept {
+void remove_pending_files(const std::filesystem::path& given) noexcept {
+  const std::filesystem::path target = behind_links(given);
   const std::string prefix = pending_prefix(target);
   std::error_code error;
   std::vector<std::filesystem::path> found;

@@ -54,7 +54,8 @@ void say_whose(int descriptor) {
 
 }  // namespace
 
-Result<FileLock> FileLock::acquire(const fs::path& file) {
+Result<FileLock> FileLock::acquire(const fs::path& given) {
+  const fs::path file = behind_links(given);
   const fs::path path = lock_of(file);
   FileLock lock;
   lock.file_ = file;

@@ -273,9 +273,9 @@ Camera JsonNode::camera() const {
 Result<void> with_json(const std::filesystem::path& file,
                        const std::function<void(const JsonNode& root)>& walk,
                        const OnJsonKey& on_key) {
-  const auto mapped = MappedFile::open(file, kMaxBytes);
-  if (!mapped) return mapped.error();
-  return with_json(mapped->bytes(), file.string(), walk, on_key);
+  const auto bytes = read_file(file, kMaxBytes);
+  if (!bytes) return bytes.error();
+  return with_json(*bytes, file.string(), walk, on_key);
 }
 
 Result<void> with_json(std::span<const std::byte> bytes, const std::string& name,

@@ -240,13 +240,12 @@ std::span<const std::byte> GltfBuffers::load_uri(const JsonNode& node, std::size
         node.at("uri").refuse(
             fmt::format("expected a file beside this one or below, found {}", quote(uri)));
       }
-      Result<MappedFile> mapped = MappedFile::open(file, input_.options.max_file_bytes);
-      if (!mapped) node.at("uri").refuse(mapped.error().message);
-      found = loaded_.emplace(index, *std::move(mapped)).first;
+      Result<std::vector<std::byte>> bytes = read_file(file, input_.options.max_file_bytes);
+      if (!bytes) node.at("uri").refuse(bytes.error().message);
+      found = loaded_.emplace(index, *std::move(bytes)).first;
     }
   }
-  if (const auto* const mapped = std::get_if<MappedFile>(&found->second)) return mapped->bytes();
-  return std::get<std::vector<std::byte>>(found->second);
+  return found->second;
 }
 
 }  // namespace trivet::formats

@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "storage/file.hpp"
@@ -73,7 +72,7 @@ class GltfBuffers {
   const Input& input_;
   std::span<const std::byte> binary_;
   std::vector<JsonNode> accessors_, views_, buffers_;
-  std::map<std::size_t, std::variant<std::vector<std::byte>, MappedFile>> loaded_;
+  std::map<std::size_t, std::vector<std::byte>> loaded_;
 };
 
 }  // namespace trivet::formats

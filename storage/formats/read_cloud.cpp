@@ -147,9 +147,9 @@ Result<Cloud> formats::read(const Input& input) {
 }
 
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
-  const auto mapped = MappedFile::open(file, options.max_file_bytes);
-  if (!mapped) return mapped.error();
-  return formats::read({file, mapped->bytes(), options, file.parent_path()});
+  const auto bytes = read_file(file, options.max_file_bytes);
+  if (!bytes) return bytes.error();
+  return formats::read({file, *bytes, options, file.parent_path()});
 }
 
 Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,

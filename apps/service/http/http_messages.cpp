@@ -32,6 +32,8 @@ unsigned status_of(ErrorCode code) {
     case ErrorCode::resumable:
     case ErrorCode::internal:
       return 500;
+    case ErrorCode::changed:
+      return 503;
   }
   return 500;
 }

@@ -181,9 +181,9 @@ void Session::take_answer(const std::string& file, const std::string& run,
     faults_.push_back({file, fmt::format("no scan '{}'", scan)});
     return;
   }
-  const Result<MappedFile> mapped = MappedFile::open(folder_ / file, kMaxAnswerBytes);
-  if (!mapped) return faults_.push_back({file, mapped.error().message});
-  Result<Answer> answer = read_answer(mapped->bytes(), file);
+  const Result<std::vector<std::byte>> bytes = read_file(folder_ / file, kMaxAnswerBytes);
+  if (!bytes) return faults_.push_back({file, bytes.error().message});
+  Result<Answer> answer = read_answer(*bytes, file);
   if (!answer) return faults_.push_back({file, answer.error().message});
   runs_[run][scan] = std::move(*answer);
 }

@@ -1,0 +1,108 @@
+#include "storage/files/mapping_guard.hpp"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+
+namespace trivet {
+namespace {
+
+/// Where a guarded mapping lies. A handler may read it at any moment: it has no lock.
+struct Guarded {
+  std::atomic<bool> is_taken{false}, is_torn{false};
+  std::atomic<std::uintptr_t> begin{0}, end{0};  ///< 0: none
+};
+static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
+
+std::array<Guarded, 4096> all_guarded;
+std::atomic<std::size_t> num_slots{0};  ///< those behind were never taken
+std::uintptr_t page_size = 0;
+struct sigaction action_before {};
+
+/// Replace what lies in a guarded mapping from an address on: past the end of a file that was cut
+/// short nothing is left, and what is told of the mapping is that it is torn. All at once, since
+/// each piece by itself would count against the number of mappings that a process may have.
+bool tear(std::uintptr_t address) noexcept {
+  const std::size_t n = num_slots.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < n; ++i) {
+    Guarded& guarded = all_guarded[i];
+    const std::uintptr_t begin = guarded.begin.load(std::memory_order_acquire);
+    const std::uintptr_t end = guarded.end.load(std::memory_order_acquire);
+    if (begin == 0 || address < begin || address >= end ||
+        guarded.begin.load(std::memory_order_acquire) != begin)
+      continue;
+    const std::uintptr_t page = address / page_size * page_size;
+    guarded.is_torn.store(true, std::memory_order_release);
+    return ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
+                  MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != MAP_FAILED;
+  }
+  return false;
+}
+
+void on_bus_error(int signal, siginfo_t* info, void* context) {
+  const int error = errno;
+  const bool is_torn =
+      info->si_code == BUS_ADRERR && tear(reinterpret_cast<std::uintptr_t>(info->si_addr));
+  errno = error;
+  if (is_torn) return;
+  if ((action_before.sa_flags & SA_SIGINFO) != 0) {
+    return action_before.sa_sigaction(signal, info, context);
+  }
+  if (action_before.sa_handler != SIG_DFL && action_before.sa_handler != SIG_IGN) {
+    return action_before.sa_handler(signal);
+  }
+  // The access is repeated on return, and ends the process.
+  struct sigaction end {};
+  end.sa_handler = SIG_DFL;
+  ::sigaction(SIGBUS, &end, nullptr);
+}
+
+void install_handler() {
+  page_size = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  ::sigaction(SIGBUS, nullptr, &action_before);
+  struct sigaction action {};
+  action.sa_sigaction = on_bus_error;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK;
+  ::sigaction(SIGBUS, &action, nullptr);
+}
+
+}  // namespace
+
+MappingGuard::MappingGuard(std::span<const std::byte> mapped) {
+  static const bool installed = (install_handler(), true);
+  (void)installed;
+  for (std::size_t i = 0; i < all_guarded.size(); ++i) {
+    Guarded& guarded = all_guarded[i];
+    if (guarded.is_taken.load(std::memory_order_relaxed) || guarded.is_taken.exchange(true))
+      continue;
+    std::size_t n = num_slots.load();
+    while (n < i + 1 && !num_slots.compare_exchange_weak(n, i + 1)) {
+    }
+    const auto begin = reinterpret_cast<std::uintptr_t>(mapped.data());
+    guarded.is_torn.store(false);
+    guarded.end.store(begin + mapped.size());
+    guarded.begin.store(begin);
+    slot_ = i;
+    return;
+  }
+}
+
+MappingGuard::~MappingGuard() {
+  if (slot_ == kNone) return;
+  Guarded& guarded = all_guarded[slot_];
+  guarded.begin.store(0);
+  guarded.end.store(0);
+  guarded.is_taken.store(false);
+}
+
+bool MappingGuard::is_torn() const noexcept {
+  return slot_ != kNone && all_guarded[slot_].is_torn.load(std::memory_order_acquire);
+}
+
+}  // namespace trivet
