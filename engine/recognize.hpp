@@ -41,7 +41,8 @@ Result<Cloud> read_scene(const SceneInput& input);
 
 /// Find the models in one scene that is already in memory. Same input, same bytes for any number of
 /// threads. With fewer than 50 measurements nothing is found. Errors: bad_data (sizes that cannot
-/// match the library's unit), usage (unknown model name), internal (no memory for ray tracing).
+/// match the library's unit), usage (unknown model name), internal (no memory for ray tracing),
+/// changed (others changed the library in place: see Library::unchanged).
 Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& scene,
                               const SceneInput& input, const RecognizeOptions& options,
                               std::stop_token stop = {});

@@ -133,6 +133,14 @@ struct Library {
   /// Compare the bytes with their checksums and bounds, once. May be called from many threads.
   /// Errors: bad_data (names the model, the dataset and what is wrong).
   Result<void> check(std::uint32_t model, ModelPart part) const;
+  /// Whether the file's bytes are still those that were opened: others may write it in place, while
+  /// it is mapped. To be asked before an answer is worked out, and before it is given: 300 ns. Where
+  /// the file's names or rights were changed, what was checked is compared with its checksums again.
+  /// Once changed it stays so; a file that takes its place by rename changes nothing.
+  /// Errors: changed (says what to do).
+  Result<void> unchanged() const;
+  /// The same without comparing any bytes: those that were put back to their time are not seen.
+  bool is_changed() const noexcept;
   /// The same of a level of the index.
   Result<void> check_level(std::size_t level) const;
   /// Ask for the bytes of a part that is not checked yet, so that they come while others are read.
@@ -148,8 +156,11 @@ struct Library {
 /// models. Files of before 1.4 have no directory: their structure is walked through.
 ///
 /// Links, external storage, filters and datasets that the format does not name are refused.
-/// Errors: missing_input, bad_data (names the dataset and the bound it broke), io.
-Result<Library> open_library(const std::filesystem::path& file);
+///
+/// writers  with `others` the file stays open, and Library::unchanged watches it
+/// Errors: missing_input, bad_data (names the dataset and the bound it broke), io, changed (while it
+/// was opened).
+Result<Library> open_library(const std::filesystem::path& file, Writers writers = Writers::others);
 
 /// Open what LibraryWriter::write_contents told of, in the folder of the file that the models lie in.
 /// Errors: as above.

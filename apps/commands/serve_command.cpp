@@ -129,7 +129,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   Metrics metrics;
   RecognitionService service(settings.service(), *first);
   first = std::shared_ptr<const LibraryGeneration>();
-  std::optional<LibrarySlot> slot(std::in_place, settings.files(), service, metrics);
+  std::optional<LibrarySlot> slot(std::in_place, settings.files(), service, metrics, daemon.log());
   std::unique_ptr<PartWorkshop> workshop;
   if (!settings.workshop.folder.empty()) {
     auto opened = PartWorkshop::open(

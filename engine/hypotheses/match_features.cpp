@@ -146,6 +146,7 @@ std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& 
                                                             Grouping grouping) {
   std::vector<std::vector<const FeatureMatch*>> of_model(num_models);
   for (const FeatureMatch& match : matches.matches) {
+    if (match.model >= num_models) continue;  // of a file that somebody writes at this moment
     if (!explained.empty() &&
         is_explained(scene, explained, matches.keypoints[match.keypoint], matches.spacing))
       continue;

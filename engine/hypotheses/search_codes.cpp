@@ -44,7 +44,9 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
   std::vector<CodeNeighbor> of_visit(lists.size() * num_neighbors);
   const auto compare_list = [&](std::size_t l) {
     if (visits.of(l).empty()) return;
-    const std::size_t end = index.offsets[l + 1];
+    // Offsets may lie in a file that somebody writes at this moment.
+    const std::size_t end =
+        std::min<std::size_t>(index.offsets[l + 1], index.codes.size() / stride);
     for (std::size_t first = index.offsets[l]; first < end; first += kTile) {
       const std::size_t count = std::min(kTile, end - first);
       const auto codes = index.codes.subspan(first * stride, count * stride);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "engine/common/pipeline.hpp"
 #include "engine/libraries/index_features.hpp"
@@ -67,6 +68,12 @@ Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> mod
       });
   if (!written) return written;
   if (const Result<void> indexed = engine::add_index(writer); !indexed) return indexed;
+  // What was copied after it had been checked.
+  std::set<const Library*> sources;
+  for (const ModelCopy& copy : models) sources.insert(copy.library);
+  for (const Library* const source : sources) {
+    if (const Result<void> same = source->unchanged(); !same) return same;
+  }
   return writer.publish();
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <utility>
 
@@ -120,11 +121,10 @@ Result<void> check_sizes(const Library& library, const PreparedScene& scene,
                   input.file.string(), smallest, largest, unit_name(library.header.unit), extent)};
 }
 
-}  // namespace
-
-Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
-                              const SceneInput& input, const RecognizeOptions& asked,
-                              std::stop_token stop) {
+/// As recognize, in a library that nobody changes meanwhile.
+Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& cloud,
+                                 const SceneInput& input, const RecognizeOptions& asked,
+                                 const std::stop_token& stop) {
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e10"};
@@ -174,6 +174,24 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
   result.stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+}  // namespace
+
+Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
+                              const SceneInput& input, const RecognizeOptions& asked,
+                              std::stop_token stop) {
+  const Library& library = recognizer.library();
+  if (const Result<void> same = library.unchanged(); !same) return same.error();
+  // Whatever comes of bytes that were changed meanwhile, a fault too, is no answer.
+  try {
+    Result<SceneResult> result = recognize_in(recognizer, cloud, input, asked, stop);
+    if (const Result<void> same = library.unchanged(); !same) return same.error();
+    return result;
+  } catch (const std::exception&) {
+    if (const Result<void> same = library.unchanged(); !same) return same.error();
+    throw;
+  }
 }
 
 }  // namespace trivet

@@ -59,9 +59,9 @@ Result<std::vector<ModelSource>> by_name(std::vector<ModelSource> sources) {
 }
 
 Result<std::string> hash_of(const std::filesystem::path& file) {
-  const Result<MappedFile> bytes = MappedFile::open(file, ReadOptions{}.max_file_bytes);
+  const Result<std::vector<std::byte>> bytes = read_file(file, ReadOptions{}.max_file_bytes);
   if (!bytes) return bytes.error();
-  return xxh3_hex(bytes->bytes());
+  return xxh3_hex(*bytes);
 }
 
 ModelFacts facts_of(const ModelCopy& copy, ModelOrigin origin) {
@@ -90,7 +90,9 @@ struct TrainingRun::State {
       : request(std::move(wanted)),
         lock(std::move(held)),
         header(engine::library_header(request.unit, request.options)),
-        basis(engine::standard_basis(request.options)) {}
+        basis(engine::standard_basis(request.options)) {
+    request.file = lock.file();
+  }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 

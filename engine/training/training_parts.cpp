@@ -38,7 +38,7 @@ bool is_contents(const fs::path& file) {
 }
 
 Result<Library> open_part(const fs::path& file) {
-  return is_contents(file) ? open_contents(file) : open_library(file);
+  return is_contents(file) ? open_contents(file) : open_library(file, Writers::none);
 }
 
 }  // namespace

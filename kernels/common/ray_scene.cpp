@@ -1,10 +1,13 @@
 #include "kernels/common/ray_scene.hpp"
 
 #include <embree3/rtcore.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -127,11 +130,16 @@ Result<RayScene> RayScene::from_mesh(PointsView vertices, TrianglesView triangle
     Eigen::Map<Eigen::Vector3f>(positions + 3 * i) = vertices[i];
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    assert(triangles.a[t] < vertices.size() && triangles.b[t] < vertices.size() &&
-           triangles.c[t] < vertices.size() && "the reader checks vertex indices");
     indices[3 * t] = triangles.a[t];
     indices[3 * t + 1] = triangles.b[t];
     indices[3 * t + 2] = triangles.c[t];
+  }
+  // Readers check this, but a mapped file may have been changed since.
+  if (std::ranges::any_of(std::span(indices, 3 * triangles.size()),
+                          [&](std::uint32_t index) { return index >= vertices.size(); })) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("a mesh of {} vertices: expected faces that name these, found others",
+                             vertices.size())};
   }
 
   state->num_primitives = triangles.size();

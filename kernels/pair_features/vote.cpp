@@ -42,21 +42,27 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
       votes.begin(), votes.end(), [&](const SceneVote& vote) { return vote.cell < num_cells; });
   votes = votes.first(static_cast<std::size_t>(beyond - votes.begin()));
 
+  if (accumulator.empty()) return 0;
   const std::uint32_t* const offsets = table.offsets.data();
   const PpfEntry* const entries = table.entries.data();
   std::uint16_t* const counters = accumulator.data();
+  // The table may lie in a file that somebody writes at this moment: whatever it says, no other memory
+  // is touched.
+  const auto num_entries = static_cast<std::uint32_t>(table.entries.size());
+  const auto last_row = static_cast<std::uint32_t>(accumulator.size() / kRotationBins - 1);
   const std::uint32_t too_full = fullest_cell(votes, offsets, max_votes);
   constexpr std::size_t kAhead = 8;  // look-ups whose entries are on their way from memory
   std::uint64_t total = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (i + kAhead < votes.size()) __builtin_prefetch(entries + offsets[votes[i + kAhead].cell]);
-    const std::uint32_t first = offsets[votes[i].cell], last = offsets[votes[i].cell + 1];
+    const std::uint32_t first = offsets[votes[i].cell];
+    const std::uint32_t last = std::min(offsets[votes[i].cell + 1], num_entries);
     if (last - first >= too_full) continue;
     const std::uint16_t rotation = votes[i].rotation;
     for (std::uint32_t e = first; e < last; ++e) {
       const std::uint32_t bin =
           static_cast<std::uint16_t>(entries[e].angle - rotation) >> kRotationShift;
-      ++counters[entries[e].reference * kRotationBins + bin];
+      ++counters[std::min<std::uint32_t>(entries[e].reference, last_row) * kRotationBins + bin];
     }
     total += last - first;
   }

@@ -19,12 +19,13 @@ std::uint64_t mapped_bytes_in_memory() {
 }  // namespace
 
 LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
-                             std::shared_ptr<const void> owner, Held held,
+                             std::shared_ptr<const void> owner, MappedFile mapped, Held held,
                              const std::vector<ModelRecord>& models,
                              std::vector<LevelColumns> levels)
     : file_(std::move(file)),
       bytes_(bytes),
       owner_(std::move(owner)),
+      mapped_(std::move(mapped)),
       held_(held),
       levels_(std::move(levels)),
       good_parts_(models.size() * kModelParts.size()),
@@ -32,11 +33,56 @@ LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::by
   for (const ModelRecord& record : models) models_.push_back(record.columns);
 }
 
+Result<void> LibraryChecks::unchanged() const {
+  using State = MappedFile::State;
+  if (mapped_.state() == State::same) return {};
+  // All who come meanwhile wait: the bytes may be others.
+  const std::lock_guard lock(touched_);
+  if (mapped_.state() == State::touched) {
+    const std::int64_t time = mapped_.time_of_touch();
+    if (is_still_good()) {
+      mapped_.accept_touch(time);
+    } else {
+      mapped_.condemn();
+    }
+  }
+  if (mapped_.state() != State::changed) return {};
+  return Error{
+      ErrorCode::changed,
+      fmt::format("{}: the library was changed in place after it was opened, so nothing is "
+                  "answered from it; open or reload it, and replace a library in use by "
+                  "renaming a whole one over it (mv, not cp)",
+                  file_.string())};
+}
+
+bool LibraryChecks::is_still_good() const {
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
+      if (!good_parts_[state_of(m, format::kModelColumns[c].part)]) continue;
+      if (models_[m][c] != StoredColumn{} && !has_checksum(models_[m][c])) return false;
+    }
+  }
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
+    if (!good_levels_[level]) continue;
+    for (const StoredColumn& column : levels_[level]) {
+      if (!has_checksum(column)) return false;
+      if (held_ == Held::mapped) give_back_pages(bytes_of(column));
+    }
+  }
+  return true;
+}
+
+bool LibraryChecks::has_checksum(const StoredColumn& column) const {
+  const auto bytes = bytes_of(column);
+  return (held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes)) == column.checksum;
+}
+
 Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
                                         const std::string& place) const {
   const auto bytes = bytes_of(column);
   const Xxh3 found = held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes);
   if (found == column.checksum) return {};
+  if (const Result<void> same = unchanged(); !same) return same;
   return Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place,
                                                 wrong_checksum(column.checksum, found))};
 }
@@ -96,6 +142,10 @@ void LibraryChecks::give_back() const noexcept {
 Result<void> Library::check(std::uint32_t model, ModelPart part) const {
   return checks ? checks->check(models[model], model, part) : Result<void>();
 }
+
+Result<void> Library::unchanged() const { return checks ? checks->unchanged() : Result<void>(); }
+
+bool Library::is_changed() const noexcept { return checks && checks->is_changed(); }
 
 Result<void> Library::check_level(std::size_t level) const {
   return checks && level < index.size() ? checks->check(index[level], level, models.size())

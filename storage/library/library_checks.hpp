@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
+#include "storage/file.hpp"
 #include "storage/library.hpp"
 #include "storage/library/model_record.hpp"
 
@@ -19,14 +21,18 @@ enum class Held : std::uint8_t { mapped, in_memory };
 
 class LibraryChecks {
  public:
-  /// bytes  of the file, kept alive by the owner
+  /// bytes   of the file, kept alive by the owner
+  /// mapped  where they lie, for as long as others may write it
   LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
-                std::shared_ptr<const void> owner, Held held,
+                std::shared_ptr<const void> owner, MappedFile mapped, Held held,
                 const std::vector<ModelRecord>& models, std::vector<LevelColumns> levels);
 
   /// As Library::check.
   Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
+  /// As Library::unchanged.
+  Result<void> unchanged() const;
+  bool is_changed() const noexcept { return mapped_.state() == MappedFile::State::changed; }
   /// As Library::ask_for.
   void ask_for(std::size_t index, ModelPart part) const noexcept;
   /// Let go of the pages of all bytes, where they are mapped.
@@ -41,16 +47,21 @@ class LibraryChecks {
     return bytes_.subspan(column.offset, column.bytes);
   }
   Result<void> check_bytes(const StoredColumn& column, const std::string& place) const;
+  bool has_checksum(const StoredColumn& column) const;
+  /// Whether all that was found good still is.
+  bool is_still_good() const;
 
   std::filesystem::path file_;
   std::span<const std::byte> bytes_;
   std::shared_ptr<const void> owner_;
+  MappedFile mapped_;
   Held held_;
   std::vector<ModelColumns> models_;
   std::vector<LevelColumns> levels_;
   /// Whether it is good; what is not has been found bad or not been looked at. Two threads may check
   /// the same: both find the same.
   mutable std::vector<std::atomic<bool>> good_parts_, good_levels_;
+  mutable std::mutex touched_;  ///< held by the one that compares again
 };
 
 }  // namespace trivet

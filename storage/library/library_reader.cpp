@@ -160,13 +160,14 @@ std::vector<ModelRecord> take_records(Taker& take, const StoredGroup& root, From
   return records;
 }
 
-/// Bytes of a file, in which offsets count, and what keeps them alive.
+/// Bytes of a file, in which offsets count, what keeps them alive, and where they are mapped.
 struct FileBytes {
   std::span<const std::byte> bytes;
   std::shared_ptr<const std::byte> owner;
+  MappedFile mapped{};
 };
 
-FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.owner()}; }
+FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.owner(), mapped}; }
 
 /// As parse_library.
 ///
@@ -240,19 +241,17 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
         map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
     level_columns.push_back(level.columns);
   }
-  out.checks = std::make_shared<const LibraryChecks>(file, columns.bytes, columns.owner, held,
-                                                     records, std::move(level_columns));
+  out.checks = std::make_shared<const LibraryChecks>(
+      file, columns.bytes, columns.owner, columns.mapped, held, records, std::move(level_columns));
   return out;
 }
 
-Result<MappedFile> map(const fs::path& file) {
-  return MappedFile::open(file, std::numeric_limits<std::uint64_t>::max());
+Result<MappedFile> map(const fs::path& file, Writers writers) {
+  return MappedFile::open(file, std::numeric_limits<std::uint64_t>::max(), writers);
 }
 
-Result<Library> open(const fs::path& file, bool whole) {
-  const auto mapped = map(file);
-  if (!mapped) return mapped.error();
-  const FileBytes own = bytes_of(*mapped);
+Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole) {
+  const FileBytes own = bytes_of(mapped);
   if (auto good = check_superblock(file, own.bytes); !good) return good.error();
   Result<StoredGroup> root = read_stored_tree(file, own.bytes.size(), whole ? "" : "models");
   if (!root) return root.error();
@@ -269,8 +268,26 @@ Result<Library> open(const fs::path& file, bool whole) {
   return parse(file, *root, own, own, From::groups, Held::mapped);
 }
 
+/// Open what a path leads to. HDF5 opens it by its name once more: where another file has come there
+/// meanwhile, that one is opened.
+Result<Library> open(const fs::path& file, Writers writers, bool whole) {
+  constexpr int kMostTries = 10;
+  for (int i = 0;; ++i) {
+    const auto mapped = map(file, writers);
+    if (!mapped) return mapped.error();
+    Result<Library> library = open(file, *mapped, whole);
+    if (!mapped->is_at(file) && i + 1 < kMostTries) continue;
+    if (mapped->state() != MappedFile::State::changed) return library;
+    return Error{
+        ErrorCode::changed,
+        fmt::format("{}: was changed while it was opened; open it again when it is written, "
+                    "and replace a library in use by renaming a whole one over it",
+                    file.string())};
+  }
+}
+
 Result<Library> open_with_columns(const fs::path& file) {
-  const auto mapped = map(file);
+  const auto mapped = map(file, Writers::none);
   if (!mapped) return mapped.error();
   const FileBytes own = bytes_of(*mapped);
   if (auto good = check_superblock(file, own.bytes); !good) return good.error();
@@ -281,7 +298,7 @@ Result<Library> open_with_columns(const fs::path& file) {
   if (Taker::below(*root, "directory") == nullptr || Taker::below(*root, "index") != nullptr)
     take.refuse("/", "expected a directory and no index");
   if (take.fault()) return *take.fault();
-  const auto columns = map(file.parent_path() / name.filename());
+  const auto columns = map(file.parent_path() / name.filename(), Writers::none);
   if (!columns) return columns.error();
   return parse(file, *root, own, bytes_of(*columns), From::directory, Held::mapped);
 }
@@ -306,8 +323,8 @@ Result<Library> parse_library(const fs::path& file, const StoredGroup& root,
   return parse(file, root, own, own, From::groups, Held::in_memory);
 }
 
-Result<Library> open_library(const fs::path& file) {
-  return within_memory(file, [&] { return open(file, false); });
+Result<Library> open_library(const fs::path& file, Writers writers) {
+  return within_memory(file, [&] { return open(file, writers, false); });
 }
 
 Result<Library> open_contents(const fs::path& file) {
@@ -316,9 +333,10 @@ Result<Library> open_contents(const fs::path& file) {
 
 Result<Library> verify_library(const fs::path& file) {
   return within_memory(file, [&]() -> Result<Library> {
-    Result<Library> library = open(file, true);
+    Result<Library> library = open(file, Writers::others, true);
     if (!library) return library;
     if (const Result<void> good = library->check_all(); !good) return good.error();
+    if (const Result<void> same = library->unchanged(); !same) return same.error();
     return library;
   });
 }

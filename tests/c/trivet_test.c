@@ -175,6 +175,34 @@ static void test_points(const trivet_library* library, const Image* image, const
   free(xyz);
 }
 
+/* A library that others cut off while it is open: an error of its own, and no end of the process. */
+static void test_changed(const char* path, const char* folder, const Image* image) {
+  char copy[4096];
+  char buffer[65536];
+  size_t size;
+  FILE *from, *to;
+  trivet_library* library = NULL;
+  trivet_result* result = NULL;
+  trivet_error error;
+  if (snprintf(copy, sizeof(copy), "%s/changed.h5", folder) >= (int)sizeof(copy)) fail("long path");
+  from = fopen(path, "rb");
+  to = fopen(copy, "wb");
+  if (!from || !to) fail("cannot copy the library");
+  while ((size = fread(buffer, 1, sizeof(buffer), from)) > 0) fwrite(buffer, 1, size, to);
+  fclose(from);
+  fclose(to);
+  if (trivet_open(copy, NULL, &library, &error) != TRIVET_OK) fail(error.message);
+  to = fopen(copy, "wb");
+  if (!to) fail("cannot cut off the library");
+  fclose(to);
+  EXPECT(trivet_recognize_depth(library, image->depths, TRIVET_UINT16, image->width, image->height,
+                                image->width, &image->camera, TRIVET_MILLIMETER, NULL, NULL,
+                                &result, &error) == TRIVET_CHANGED);
+  EXPECT(!result && strstr(error.message, "changed.h5"));
+  trivet_close(library);
+  remove(copy);
+}
+
 int main(int argc, char** argv) {
   char path[4096];
   Image image;
@@ -206,6 +234,7 @@ int main(int argc, char** argv) {
   EXPECT(!result && error.message[0] != '\0');
   trivet_free_stopper(stopper);
   trivet_close(library);
+  test_changed(path, argv[1], &image);
   free(image.depths);
   printf("trivet %s: %d faults\n", trivet_version(), num_faults);
   return num_faults == 0 ? 0 : 1;

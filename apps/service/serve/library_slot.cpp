@@ -1,8 +1,18 @@
 #include "apps/service/serve/library_slot.hpp"
 
+#include <fmt/format.h>
+
+#include <chrono>
+#include <exception>
+#include <new>
 #include <utility>
 
 namespace trivet::apps::service {
+namespace {
+
+constexpr std::chrono::seconds kLookInterval{1};
+
+}  // namespace
 
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number) {
@@ -15,8 +25,11 @@ Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFi
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 
-LibrarySlot::LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics)
-    : files_(std::move(files)), service_(service), metrics_(metrics), thread_([this] { work(); }) {}
+LibrarySlot::LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics,
+                         RequestLog& log)
+    : files_(std::move(files)), service_(service), metrics_(metrics), log_(log), thread_([this] {
+        work();
+      }) {}
 
 LibrarySlot::~LibrarySlot() {
   {
@@ -40,17 +53,44 @@ void LibrarySlot::work() {
     std::vector<Done> asked;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return is_closed_ || !asked_.empty(); });
-      if (asked_.empty()) return;
+      changed_.wait_for(lock, kLookInterval, [&] { return is_closed_ || !asked_.empty(); });
+      if (is_closed_ && asked_.empty()) return;
       asked.swap(asked_);
     }
-    Result<std::shared_ptr<const LibraryGeneration>> next = load_generation(files_, next_number_);
-    metrics_.count_reload(next.has_value());
-    if (next) {
-      service_.publish(std::move(*next));
-      ++next_number_;
+    if (!asked.empty()) read_anew(asked);
+    look_for_change();
+  }
+}
+
+void LibrarySlot::read_anew(const std::vector<Done>& asked) {
+  const auto next = [&]() -> Result<std::shared_ptr<const LibraryGeneration>> {
+    try {
+      return load_generation(files_, next_number_);
+    } catch (const std::bad_alloc&) {
+      return Error{ErrorCode::io,
+                   fmt::format("{}: not enough memory to read the library", files_.library)};
+    } catch (const std::exception& error) {
+      return Error{ErrorCode::internal, error.what()};
     }
-    for (const Done& done : asked) done(next ? Result<void>() : Result<void>(next.error()));
+  }();
+  metrics_.count_reload(next.has_value());
+  if (next) {
+    service_.publish(*next);
+    ++next_number_;
+  }
+  for (const Done& done : asked) done(next ? Result<void>() : Result<void>(next.error()));
+}
+
+void LibrarySlot::look_for_change() {
+  try {
+    const auto generation = service_.generation();
+    if (generation->number == told_number_) return;
+    const Result<void> same = generation->recognizer.library().unchanged();
+    if (same) return;
+    log_.write("error", "library changed", {{"error", same.error().message}});
+    told_number_ = generation->number;
+  } catch (const std::exception&) {
+    // Without memory to tell of it now: in a second.
   }
 }
 

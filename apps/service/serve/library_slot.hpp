@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "apps/inputs/open_recognizer.hpp"
+#include "apps/service/http/request_log.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "engine/recognition_service.hpp"
 
@@ -26,12 +27,13 @@ struct LibraryFiles {
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number);
 
-/// Reads on a thread of its own, one after the other. A bad file leaves the old library answering.
+/// Reads on a thread of its own, one after the other. A bad file leaves the old library answering. Once
+/// a second it looks whether others changed the library in place, and says so in the log.
 class LibrarySlot {
  public:
   using Done = std::function<void(Result<void>)>;
-  /// `service` answers with generation 1 of `files`. Both outlive the slot.
-  LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics);
+  /// `service` answers with generation 1 of `files`. What is given outlives the slot.
+  LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics, RequestLog& log);
   LibrarySlot(const LibrarySlot&) = delete;
   LibrarySlot& operator=(const LibrarySlot&) = delete;
   ~LibrarySlot();
@@ -41,15 +43,19 @@ class LibrarySlot {
 
  private:
   void work();
+  void read_anew(const std::vector<Done>& asked);
+  void look_for_change();
 
   const LibraryFiles files_;
   RecognitionService& service_;
   Metrics& metrics_;
+  RequestLog& log_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Done> asked_;
   bool is_closed_ = false;
   std::uint64_t next_number_ = 2;
+  std::uint64_t told_number_ = 0;  ///< of the generation whose change was told
   std::thread thread_;
 };
 

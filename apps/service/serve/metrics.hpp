@@ -20,7 +20,7 @@ class Metrics : public RequestMetrics {
   /// What is now, told with the counters.
   struct Gauges {
     std::size_t waiting = 0, running = 0, queue_bytes = 0, connections = 0;
-    std::size_t library_models = 0, library_bytes = 0;
+    std::size_t library_models = 0, library_bytes = 0, library_changed = 0;
     std::uint64_t generation = 0, dropped_lines = 0;
   };
   HttpResponse tell(const Gauges& gauges) const;

@@ -159,7 +159,10 @@ void ServiceRoutes::submit_one(const CallPtr& call,
   ServiceJob job;
   job.work = [work = std::move(work), response](std::size_t, const LibraryGeneration& generation,
                                                 const std::stop_token&) -> Result<void> {
+    const Library& library = generation.recognizer.library();
+    if (const Result<void> same = library.unchanged(); !same) return same.error();
     Result<HttpResponse> done = work(generation);
+    if (const Result<void> same = library.unchanged(); !same) return same.error();
     if (!done) return done.error();
     *response = std::move(*done);
     return {};
@@ -191,7 +194,7 @@ void ServiceRoutes::live(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::ready(const CallPtr& call, std::string_view) {
-  const bool ready = is_ready_;
+  const bool ready = is_ready_ && !service_.generation()->recognizer.library().is_changed();
   reply(call, json_response(ready ? 200 : 503, {{"ready", ready}}));
 }
 
@@ -210,7 +213,8 @@ void ServiceRoutes::metrics(const CallPtr& call, std::string_view) {
   const Library& library = generation->recognizer.library();
   reply(call, metrics_.tell({state.num_waiting, state.num_running, state.num_bytes,
                              num_connections_ ? num_connections_() : 0, library.models.size(),
-                             library.file_bytes, generation->number, log_.num_dropped()}));
+                             library.file_bytes, library.is_changed() ? 1U : 0U, generation->number,
+                             log_.num_dropped()}));
 }
 
 void ServiceRoutes::page(const CallPtr& call, std::string_view rest) {
