@@ -18,8 +18,9 @@ void ServiceRoutes::list_live(const CallPtr& call, std::string_view) {
     return reply(call,
                  error_response(400, fmt::format("after: expected a number, found '{}'", *given)));
   }
-  reply(call,
-        json_response(200, {{"watched", true}, {"scans", commissioning_.live->tell(*after)}}));
+  reply(call, json_response(200, {{"watched", true},
+                                  {"epoch", commissioning_.live->epoch()},
+                                  {"scans", commissioning_.live->tell(*after)}}));
 }
 
 void ServiceRoutes::view_live(const CallPtr& call, std::string_view rest) {
@@ -34,7 +35,9 @@ void ServiceRoutes::view_live(const CallPtr& call, std::string_view rest) {
     return reply(call, {200, *answer, "application/json", {}});
   }
   const auto file = commissioning_.live->file(*number);
-  if (!file) return reply(call, error_response(404, "this scan is no longer kept"));
+  if (!file)
+    return reply(call,
+                 error_response(404, "this scan is no longer kept, or its file was overwritten"));
   reply(call, file_response(*file));
 }
 

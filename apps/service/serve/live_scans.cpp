@@ -4,21 +4,21 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <future>
+#include <new>
+#include <random>
 #include <utility>
-#include <vector>
 
 #include "apps/service/serve/recognition_job.hpp"
 #include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/valid_text.hpp"
 
 namespace trivet::apps::service {
 namespace {
 
 namespace fs = std::filesystem;
-using std::chrono::milliseconds;
 
-constexpr milliseconds kPollInterval{150};
 constexpr std::size_t kMostKept = 100;
 constexpr std::uint64_t kMostBytes = 512 << 20;
 
@@ -32,6 +32,14 @@ std::string format_of(const fs::path& file) {
   const std::string extension = inner.extension().string();
   return extension.empty() ? "" : extension.substr(1);
 }
+
+std::string new_epoch() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}", random(), random());
+}
+
+/// A name as others may read it.
+std::string shown_name(const fs::path& file) { return valid_utf8(file.filename().string()); }
 
 std::string reason_of_no_answer(const ServiceOutcome& outcome) {
   if (const Error* const error = std::get_if<Error>(&outcome)) return error->message;
@@ -61,86 +69,99 @@ Result<std::unique_ptr<LiveScans>> LiveScans::watch(const LiveSettings& settings
 
 LiveScans::LiveScans(const LiveSettings& settings, Parameters parameters,
                      RecognitionService& service, Metrics& metrics, RequestLog& log)
-    : folder_(settings.folder),
-      query_(settings.query),
+    : query_(settings.query),
+      epoch_(new_epoch()),
       parameters_(std::move(parameters)),
       service_(service),
       metrics_(metrics),
       log_(log),
-      seen_(look(true)),
+      folder_(settings.folder, std::chrono::milliseconds(settings.rest_ms)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 LiveScans::~LiveScans() = default;
 
-std::map<fs::path, LiveScans::Seen> LiveScans::look(bool is_old) const {
-  std::map<fs::path, Seen> files;
-  std::error_code error;
-  for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
-    std::error_code gone;
-    const fs::path& file = at->path();
-    if (!is_cloud_file(file) && !is_depth_file(file)) continue;
-    const Seen seen{at->file_size(gone), at->last_write_time(gone), is_old};
-    if (!gone && seen.size > 0) files.emplace(file, seen);
-  }
-  return files;
-}
-
 void LiveScans::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    std::this_thread::sleep_for(kPollInterval);
-    std::map<fs::path, Seen> now = look(false);
-    std::vector<std::pair<fs::file_time_type, fs::path>> ready;
-    for (auto& [file, seen] : now) {
-      const auto before = seen_.find(file);
-      if (before == seen_.end() || before->second.size != seen.size ||
-          before->second.written != seen.written)
-        continue;  // new, or growing
-      seen.is_done = true;
-      if (!before->second.is_done) ready.emplace_back(seen.written, file);
-    }
-    seen_ = std::move(now);
-    std::ranges::sort(ready);
-    for (const auto& [written, file] : ready) {
-      if (!stop.stop_requested()) recognize(file, stop);
+    try {
+      for (const Arrival& arrival : folder_.wait()) {
+        if (stop.stop_requested()) return;
+        if (std::optional<Scan> scan = recognize(arrival, stop)) {
+          keep(*std::move(scan));
+        } else {
+          folder_.expect(arrival.file);
+        }
+      }
+    } catch (const std::exception&) {
+      // Without memory for a name there is none to tell of it, either. The folder stays.
     }
   }
 }
 
-void LiveScans::recognize(const fs::path& file, const std::stop_token& stop) {
-  Scan scan;
-  scan.file = file;
-  scan.time = now_since_1970();
-  const std::string name = file.filename().string();
-  const Result<MappedFile> bytes = MappedFile::open(file, kMostBytes);
-  const Result<RecognizeQuery> query = parse_recognize_query(parameters_);
-  if (!bytes) {
-    scan.error = bytes.error().message;
-  } else {
-    const auto view = bytes->bytes();
-    ScanRequest request{std::make_shared<const std::string>(
-                            reinterpret_cast<const char*>(view.data()), view.size()),
-                        {},
-                        query->options};
-    request.scans.push_back({name, *request.body, query->scene});
-    const auto recognition = std::make_shared<Recognition>(std::move(request));
-    ServiceJob job = recognition_job(recognition, metrics_);
-    job.num_bytes = view.size();
-    job.is_gone = [stop] { return stop.stop_requested(); };
-    std::promise<ServiceOutcome> promise;
-    service_.submit(std::move(job),
-                    [&](ServiceOutcome outcome) { promise.set_value(std::move(outcome)); });
-    const ServiceOutcome outcome = promise.get_future().get();
-    if (const auto* const answer = std::get_if<ServiceAnswer>(&outcome)) {
-      scan.seconds = answer->work_seconds;
-      scan.num_detections = recognition->results.front().detections.size();
-      scan.answer =
-          std::make_shared<const std::string>(recognition_json(*recognition, *answer, name).dump());
-    } else {
-      scan.error = reason_of_no_answer(outcome);
-    }
+std::optional<LiveScans::Scan> LiveScans::recognize(const Arrival& arrival,
+                                                    const std::stop_token& stop) {
+  std::string reason;
+  try {
+    return try_recognize(arrival, stop);
+  } catch (const std::bad_alloc&) {
+    reason = "not enough memory for this scan; give the service more, or send smaller scans";
+  } catch (const std::exception& error) {
+    reason = error.what();
   }
+  Scan scan;
+  scan.file = arrival.file;
+  scan.time = now_since_1970();
+  scan.error = fmt::format("{}: {}", shown_name(arrival.file), valid_utf8(reason));
+  return scan;
+}
+
+std::optional<LiveScans::Scan> LiveScans::try_recognize(const Arrival& arrival,
+                                                        const std::stop_token& stop) {
+  Scan scan;
+  scan.file = arrival.file;
+  scan.stamp = arrival.stamp;
+  scan.time = now_since_1970();
+  const std::string name = shown_name(arrival.file);
+  if (!arrival.is_whole) {
+    scan.error = fmt::format(
+        "{}: is written again and again and never rests, so it is never whole; write each scan "
+        "under "
+        "another name and rename it, or let --watch-rest-ms be less",
+        name);
+    return scan;
+  }
+  Result<std::string> bytes = read_text_file(arrival.file, kMostBytes);
+  const bool is_same = FileStamp::of(arrival.file) == arrival.stamp;
+  if (!is_same || (!bytes && bytes.error().code == ErrorCode::changed)) return std::nullopt;
+  const Result<RecognizeQuery> query = parse_recognize_query(parameters_);
+  if (!bytes || !query) {
+    scan.error = valid_utf8((bytes ? query.error() : bytes.error()).message);
+    return scan;
+  }
+  const std::size_t num_bytes = bytes->size();
+  ScanRequest request{std::make_shared<const std::string>(*std::move(bytes)), {}, query->options};
+  request.scans.push_back({name, *request.body, query->scene});
+  const auto recognition = std::make_shared<Recognition>(std::move(request));
+  ServiceJob job = recognition_job(recognition, metrics_);
+  job.num_bytes = num_bytes;
+  job.is_gone = [stop] { return stop.stop_requested(); };
+  std::promise<ServiceOutcome> promise;
+  service_.submit(std::move(job),
+                  [&](ServiceOutcome outcome) { promise.set_value(std::move(outcome)); });
+  const ServiceOutcome outcome = promise.get_future().get();
+  if (const auto* const answer = std::get_if<ServiceAnswer>(&outcome)) {
+    scan.seconds = answer->work_seconds;
+    scan.num_detections = recognition->results.front().detections.size();
+    scan.answer =
+        std::make_shared<const std::string>(recognition_json(*recognition, *answer, name).dump());
+  } else {
+    scan.error = valid_utf8(reason_of_no_answer(outcome));
+  }
+  return scan;
+}
+
+void LiveScans::keep(Scan scan) {
   log_.write(scan.error.empty() ? "info" : "warning", "scan recognized",
-             {{"file", name},
+             {{"file", shown_name(scan.file)},
               {"seconds", scan.seconds},
               {"detections", scan.num_detections},
               {"error", scan.error}});
@@ -158,7 +179,7 @@ nlohmann::ordered_json LiveScans::tell(std::uint64_t after) const {
     nlohmann::ordered_json error;
     if (!scan.error.empty()) error = scan.error;
     scans.push_back({{"number", scan.number},
-                     {"name", scan.file.filename().string()},
+                     {"name", shown_name(scan.file)},
                      {"query", fmt::format("format={}{}{}", format_of(scan.file),
                                            query_.empty() ? "" : "&", query_)},
                      {"time", scan.time},
@@ -185,7 +206,7 @@ std::shared_ptr<const std::string> LiveScans::answer(std::uint64_t number) const
 std::optional<fs::path> LiveScans::file(std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
   const Scan* const scan = find(number);
-  if (!scan) return std::nullopt;
+  if (!scan || FileStamp::of(scan->file) != scan->stamp) return std::nullopt;
   return scan->file;
 }
 

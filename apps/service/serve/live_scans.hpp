@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "apps/service/http/query.hpp"
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/serve/metrics.hpp"
+#include "apps/service/serve/scan_folder.hpp"
 #include "engine/recognition_service.hpp"
 #include "storage/result.hpp"
 
@@ -24,11 +24,14 @@ namespace trivet::apps::service {
 struct LiveSettings {
   std::string folder;  ///< empty: none is watched
   std::string query;   ///< parameters of /v1/recognize, for all its scans
+  std::uint32_t rest_ms =
+      1000;  ///< a file that was not renamed is whole when it rested for so long
 };
 
-/// What lies there at the start is old; what appears later is taken once it grows no more, the
-/// oldest first, one at a time. The last hundred answers are kept. Any member may be called from
-/// any thread.
+/// What lies there at the start is old; what appears or changes later is taken once it is whole (see
+/// ScanFolder), the oldest first, one at a time. What goes wrong with a scan is its result: it ends
+/// nothing else, and the scan is tried again when its file changes. The last hundred results are
+/// kept. Any member may be called from any thread.
 class LiveScans {
  public:
   /// Errors: usage (the query), missing_input (the folder).
@@ -41,47 +44,42 @@ class LiveScans {
   LiveScans& operator=(const LiveScans&) = delete;
   ~LiveScans();
 
+  /// New with each service: numbers of another epoch stand for other scans.
+  const std::string& epoch() const noexcept { return epoch_; }
   /// [{"number", "name", "query", "time", "seconds", "detections", "error"}] of those after a
   /// number, rising.
   nlohmann::ordered_json tell(std::uint64_t after) const;
   /// The answer as /v1/recognize gives it; none: no longer kept, or there was an error.
   std::shared_ptr<const std::string> answer(std::uint64_t number) const;
-  /// The scan's file; none: no longer kept.
+  /// The scan's file; none: no longer kept, or overwritten since.
   std::optional<std::filesystem::path> file(std::uint64_t number) const;
 
  private:
   struct Scan {
     std::uint64_t number = 0;
     std::filesystem::path file;
+    FileStamp stamp;  ///< of the file as it was read
     std::string error;
     double time = 0, seconds = 0;  ///< when it came, since 1970; what recognizing it took
     std::size_t num_detections = 0;
     std::shared_ptr<const std::string> answer;
   };
-  /// Of a file, by which it is seen that it grows no more.
-  struct Seen {
-    std::uintmax_t size = 0;
-    std::filesystem::file_time_type written{};
-    bool is_done = false;
-    bool operator==(const Seen&) const = default;
-  };
-
   LiveScans(const LiveSettings& settings, Parameters parameters, RecognitionService& service,
             Metrics& metrics, RequestLog& log);
-  /// is_old  what lies there is not to be recognized
-  std::map<std::filesystem::path, Seen> look(bool is_old) const;
   void run(const std::stop_token& stop);
-  void recognize(const std::filesystem::path& file, const std::stop_token& stop);
+  /// What came of a scan; nothing: it is being written again, and comes once more.
+  std::optional<Scan> recognize(const Arrival& arrival, const std::stop_token& stop);
+  std::optional<Scan> try_recognize(const Arrival& arrival, const std::stop_token& stop);
+  void keep(Scan scan);
   const Scan* find(std::uint64_t number) const;
 
-  const std::filesystem::path folder_;
-  const std::string query_;
+  const std::string query_, epoch_;
   const Parameters parameters_;
   RecognitionService& service_;
   Metrics& metrics_;
   RequestLog& log_;
-  std::map<std::filesystem::path, Seen> seen_;  // of the thread
-  mutable std::mutex mutex_;                    // of what follows
+  ScanFolder folder_;         // of the thread
+  mutable std::mutex mutex_;  // of what follows
   std::deque<Scan> scans_;
   std::uint64_t num_scans_ = 0;
   std::jthread thread_;

@@ -41,6 +41,10 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
                    "Parameters of /v1/recognize for these scans, as "
                    "unit=mm&camera=525,525,319.5,239.5,1",
                    s.live.query),
+      number_setting("watch-rest-ms",
+                     "A scan that was not renamed into the folder is whole when its size and time "
+                     "have not changed for so long",
+                     s.live.rest_ms, 1, 3'600'000),
       text_setting("allow-training",
                    "Let clients train parts, and publish, rename and remove models; drafts lie in "
                    "this folder",

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <vector>
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
@@ -81,6 +82,88 @@ TEST_F(LiveScans, AreTakenInWholeThoughTheyAreWrittenSlowly) {
     ASSERT_EQ(told.size(), 1U);
     EXPECT_TRUE(told[0]["error"].is_null()) << told;
   });
+}
+
+// Written in place by a program that rests between: what rests for less than it was told is not whole.
+TEST_F(LiveScans, AreWholeWhenTheyHaveRestedOrWereRenamed) {
+  fs::create_directory(folder_ / "in");
+  serve({"--watch", "in", "--watch-query", parameters_, "--watch-rest-ms", "3000"}, [&](int port) {
+    const std::string bytes = read_bytes(depth_);
+    const auto append = [&](std::size_t first, std::size_t last) {
+      std::ofstream(folder_ / "in/halves.png", std::ios::binary | std::ios::app)
+          .write(bytes.data() + first, static_cast<std::streamsize>(last - first));
+    };
+    append(0, bytes.size() / 2);
+    // A renamed one does not wait for the rest.
+    std::ofstream(folder_ / "in/.renamed", std::ios::binary) << bytes;
+    fs::rename(folder_ / "in/.renamed", folder_ / "in/renamed.png");
+    nlohmann::json told = scans(port, 1);
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0]["name"], "renamed.png");
+    append(bytes.size() / 2, bytes.size());
+    told = scans(port, 1, "?after=1");
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0]["name"], "halves.png");
+    EXPECT_TRUE(told[0]["error"].is_null()) << told;
+    EXPECT_EQ(told[0]["detections"], scans(port, 1)[0]["detections"]);
+  });
+}
+
+TEST_F(LiveScans, AreOnesOfTheirOwnWhenOneFileIsOverwrittenAgainAndAgain) {
+  fs::create_directory(folder_ / "in");
+  const fs::path latest = folder_ / "in/latest.png";
+  const Outcome outcome = serve(
+      {"--watch", "in", "--watch-query", parameters_, "--watch-rest-ms", "200"}, [&](int port) {
+        const std::string bytes = read_bytes(depth_);
+        for (int i = 0; i < 4; ++i) {
+          // Cut off, then written anew: as a camera does that has one name for all.
+          std::ofstream(latest, std::ios::binary | std::ios::trunc)
+              << (i == 1 ? bytes.substr(0, bytes.size() / 2) : bytes);
+          const nlohmann::json told = scans(port, 1, "?after=" + std::to_string(i));
+          ASSERT_EQ(told.size(), 1U);
+          EXPECT_EQ(told[0]["number"], i + 1);
+          EXPECT_EQ(told[0]["error"].is_null(), i != 1) << told;
+        }
+        EXPECT_EQ(ask(port, "GET", "/v1/live/1/scan").status, 404) << "the file holds another scan";
+        EXPECT_EQ(ask(port, "GET", "/v1/live/4/scan").body, bytes);
+        EXPECT_EQ(ask(port, "GET", "/v1/live/1/answer").status, 200);
+      });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(LiveScans, MayHaveNamesThatAreNoText) {
+  fs::create_directory(folder_ / "in");
+  const Outcome outcome = serve({"--watch", "in", "--watch-query", parameters_}, [&](int port) {
+    for (const char* const name : {"Geh\xe4use.png", "br\xffken.png"}) {
+      fs::copy(depth_, folder_ / ".scan");
+      if (name[0] == 'b') fs::resize_file(folder_ / ".scan", 100);
+      fs::rename(folder_ / ".scan", folder_ / "in" / name);
+      scans(port, name[0] == 'b' ? 2 : 1);
+    }
+    const nlohmann::json told = scans(port, 2);
+    ASSERT_EQ(told.size(), 2U);
+    EXPECT_EQ(told[0]["name"], "Geh\xef\xbf\xbduse.png");
+    EXPECT_TRUE(told[0]["error"].is_null());
+    EXPECT_EQ(ask(port, "GET", told[0]["url"]).body, read_bytes(depth_));
+    EXPECT_EQ(ask(port, "GET", told[0]["answer"]).status, 200);
+    EXPECT_NE(told[1]["error"].get<std::string>().find("br\xef\xbf\xbdken.png"), std::string::npos);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(LiveScans, HaveAnEpochThatIsNewWithEachService) {
+  fs::create_directory(folder_ / "in");
+  std::vector<std::string> epochs;
+  for (int i = 0; i < 2; ++i) {
+    serve({"--watch", "in"}, [&](int port) {
+      const auto told = [&] { return ask(port, "GET", "/v1/live").json()["epoch"]; };
+      epochs.push_back(told());
+      EXPECT_EQ(told(), epochs.back());
+    });
+  }
+  ASSERT_EQ(epochs.size(), 2U);
+  EXPECT_FALSE(epochs[0].empty());
+  EXPECT_NE(epochs[0], epochs[1]);
 }
 
 TEST_F(LiveScans, RefusesWhatItCannotWatch) {
