@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <new>
 #include <span>
 #include <utility>
 
@@ -65,6 +67,18 @@ std::string in_clients_words(std::string message, const fs::path& folder) {
       message.erase(at, own.size());
   }
   return message;
+}
+
+/// What a job of the thread comes to: a job that fails in whatever way ends itself and nothing else.
+template <class F>
+Result<void> outcome_of(F&& job) {
+  try {
+    return job();
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::io, "not enough memory"};
+  } catch (const std::exception& error) {
+    return Error{ErrorCode::internal, error.what()};
+  }
 }
 
 /// What a model nearly looks the same by, and the symmetries that it has: a declaration stands for
@@ -244,7 +258,7 @@ void PartWorkshop::train(const std::string& name) {
     stop = at->second.stop.get_token();
   }
   Draft made;
-  const Result<void> done = train_and_read(name, stop, made);
+  const Result<void> done = outcome_of([&] { return train_and_read(name, stop, made); });
   const std::lock_guard lock(mutex_);
   const auto at = drafts_.find(name);
   // Another one of its name may have come meanwhile.
@@ -274,11 +288,9 @@ Result<void> PartWorkshop::train_and_read(const std::string& name, const std::st
   ChildLimits limits;
   limits.time = std::chrono::seconds(settings_.max_seconds);
   if (const Result<void> done = run_child(program, limits, stop); !done) return done.error();
-  const Result<MappedFile> facts = MappedFile::open(folder / kFacts, kMostFacts);
+  const Result<std::string> facts = read_text_file(folder / kFacts, kMostFacts);
   if (!facts) return facts.error();
-  const auto* const text = reinterpret_cast<const char*>(facts->bytes().data());
-  const auto json =
-      nlohmann::ordered_json::parse(text, text + facts->bytes().size(), nullptr, false);
+  const auto json = nlohmann::ordered_json::parse(*facts, nullptr, false);
   if (json.is_object() && json.contains("models") && json["models"].size() == 1)
     out.facts = json["models"][0];
   Result<Library> library = open_library(folder / kLibrary);
@@ -323,7 +335,7 @@ void PartWorkshop::change(std::string_view what, const std::string& name,
        after = std::move(after)]() mutable {
     if (thread_.get_stop_token().stop_requested())
       return done(Error{ErrorCode::resumable, "the service ends: ask the next one"});
-    const Result<void> edited = edit();
+    const Result<void> edited = outcome_of(edit);
     if (!edited) {
       log_.write("warning", fmt::format("not done: {}", what),
                  {{"model", name}, {"error", edited.error().message}});
@@ -378,7 +390,11 @@ void PartWorkshop::run(const std::stop_token& stop) {
       next = std::move(work_.front());
       work_.pop_front();
     }
-    next();
+    const Result<void> done = outcome_of([&]() -> Result<void> {
+      next();
+      return {};
+    });
+    if (!done) log_.write("error", "part not done", {{"error", done.error().message}});
   }
 }
 
