@@ -19,8 +19,11 @@ if(TRIVET_SANITIZE)
 endif()
 
 # compile_folders_together(TARGET SOURCES...): each folder's sources as one, since most of what a small source costs are the
-# headers and templates that it shares with its like.
+# headers and templates that it shares with its like. -DCMAKE_UNITY_BUILD=OFF leaves each to itself.
 function(compile_folders_together target)
+  if(DEFINED CMAKE_UNITY_BUILD AND NOT CMAKE_UNITY_BUILD)
+    return()
+  endif()
   foreach(source IN LISTS ARGN)
     cmake_path(GET source PARENT_PATH folder)
     string(MAKE_C_IDENTIFIER "${folder}" group)
