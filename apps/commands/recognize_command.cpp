@@ -62,6 +62,17 @@ Result<RobotOptions> robot_options(const SceneCommand& arguments, const Library&
   return options;
 }
 
+/// Warn of a calibration in `file` whose length looks like that of another unit than the scenes'.
+void warn_of_unit(const Console& console, const RobotOptions& robot, std::string_view file,
+                  std::span<const SceneInput> scenes, const Library& library) {
+  if (!robot.T_robot_scene) return;
+  for (const SceneInput& scene : scenes) {
+    const auto doubt =
+        frame_unit_doubt(*robot.T_robot_scene, scene_unit(scene, library.header.unit));
+    if (doubt) return console.warning(fmt::format("{}: {}", file, *doubt));
+  }
+}
+
 Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   Result<RecognitionRequest> request = make_request(arguments, context.console);
   if (!request) return request.error();
@@ -70,6 +81,7 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   const Result<RobotOptions> robot = robot_options(arguments, library);
   if (!robot) return robot.error();
   SceneInputs& scenes = request->scenes;
+  warn_of_unit(context.console, *robot, arguments.robot_frame, scenes.sources, library);
   const RecognizeOptions &options = request->options, &kept = request->kept;
 
   RecognizeOptions in_json = options;

@@ -15,7 +15,7 @@ std::string header(RobotConvention convention) {
     text += fmt::format(",{} [{}]", axis, unit_name(length_unit(convention)));
   for (const std::string_view name : orientation_names(convention))
     text += fmt::format(",{}", name);
-  return text;
+  return text + ",frame";
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ Result<void> write_robot_csv(const std::filesystem::path& file, const Library& l
       const auto grasps = options.grasps.find(detection.model);
       for (auto [name, T_model_grasp] : grasps == options.grasps.end() ? whole : grasps->second) {
         T_model_grasp.translation() *= to_scene;
-        const FilePose pose = options.T_robot_scene *
+        const FilePose pose = options.T_robot_scene.value_or(FilePose::Identity()) *
                               in_file_frame(detection.T_scene_model, results[s].offset) *
                               T_model_grasp;
         const RobotPose told = robot_pose(pose, unit, options.convention);
@@ -41,6 +41,7 @@ Result<void> write_robot_csv(const std::filesystem::path& file, const Library& l
         table.count(detection.alternatives.empty() ? 0 : 1);
         for (const double x : told.position) table.number(x);
         for (const double x : told.orientation) table.number(x);
+        table.text(options.T_robot_scene ? "robot" : "scene");
       }
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "apps/inputs/inputs.hpp"
@@ -14,11 +15,12 @@ namespace trivet::apps {
 
 struct RobotOptions {
   RobotConvention convention = RobotConvention::quaternion;
-  FilePose T_robot_scene = FilePose::Identity();  ///< scenes' unit: the hand-eye calibration
-  GraspFrames grasps{};                           ///< library's unit
+  std::optional<FilePose> T_robot_scene{};  ///< scenes' unit: the hand-eye calibration
+  GraspFrames grasps{};                     ///< library's unit
 };
 
-/// A row for each grasp of each detection, or for the model's own frame where it has no grasps.
+/// A row for each grasp of each detection, or for the model's own frame where it has no grasps. The
+/// last column names the frame: "robot", or "scene" where there is no calibration.
 ///
 /// results  one a scene
 /// Errors: cannot_create, io.

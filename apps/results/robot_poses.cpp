@@ -1,5 +1,7 @@
 #include "apps/results/robot_poses.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -28,6 +30,7 @@ namespace {
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 // Sine of a second angle that leaves the other two undetermined.
 constexpr double kUpright = 1 - 1e-12;
+constexpr double kShortestInMm = 10, kLongestInM = 50;  // of a calibration
 
 /// Angles about the fixed axes x, y, z, in this order.
 Eigen::Vector3d fixed_angles(const Eigen::Matrix3d& r) {
@@ -133,6 +136,15 @@ Result<FilePose> read_frame(const std::filesystem::path& file) {
       with_json(file, [&](const JsonNode& root) { frame = root.file_pose(); });
   if (!done) return done.error();
   return frame;
+}
+
+std::optional<std::string> frame_unit_doubt(const FilePose& T_robot_scene, LengthUnit unit) {
+  const double length = T_robot_scene.translation().norm();
+  const bool is_short = unit == LengthUnit::millimeter && length > 0 && length < kShortestInMm;
+  const bool is_long = unit == LengthUnit::meter && length > kLongestInM;
+  if (!is_short && !is_long) return std::nullopt;
+  return fmt::format("it moves by {:.4g} {}, the unit of the scenes: is it in {}?", length,
+                     unit_name(unit), is_short ? "m" : "mm");
 }
 
 }  // namespace trivet::apps

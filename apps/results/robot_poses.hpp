@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,6 +51,10 @@ Result<GraspFrames> read_grasp_frames(const std::filesystem::path& file);
 
 /// Four rows of four numbers: T_robot_scene, in the scenes' unit. Errors: missing_input, bad_data.
 Result<FilePose> read_frame(const std::filesystem::path& file);
+
+/// Whether the length of a calibration looks like that of another unit, as a sentence: a robot is
+/// hardly nearer to what it sees than 10 mm, nor farther than 50 m.
+std::optional<std::string> frame_unit_doubt(const FilePose& T_robot_scene, LengthUnit unit);
 
 }  // namespace trivet::apps
 

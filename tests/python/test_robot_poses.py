@@ -47,7 +47,7 @@ def table(folder, convention, *options):
 
 def rotation_of(row, convention):
     """By the definitions in the controllers' manuals."""
-    numbers = [float(value) for value in list(row.values())[9:]]
+    numbers = [float(value) for value in list(row.values())[9:-1]]
     match convention:
         case "quaternion":
             return Rotation.from_quat(numbers)
@@ -74,7 +74,7 @@ def test_is_the_pose_in_the_frame_of_the_robot(folder, convention):
         np.testing.assert_allclose(position, unit * pose[:3, 3], atol=unit * 1e-6)
         turn = rotation_of(row, convention) * Rotation.from_matrix(pose[:3, :3]).inv()
         assert turn.magnitude() < 1e-5
-        assert row["grasp"] == ""
+        assert row["grasp"] == "" and row["frame"] == "robot"
         assert float(row["score"]) == pytest.approx(one["score"], abs=1e-6)
 
 
@@ -100,3 +100,20 @@ def test_grasps_of_unknown_models_are_refused(folder):
         [PROGRAM, "recognize", "library.h5", "scans/manifest.json", "--robot-csv", "poses.csv",
          "--grasps", "typo.json"], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 2 and "brakcet" in done.stderr
+
+
+def test_the_table_names_the_frame_of_the_scene_without_a_calibration(folder):
+    run("recognize", "library.h5", "scans/manifest.json", "--robot-csv", "own.csv", at=folder)
+    with open(folder / "own.csv", newline="") as file:
+        assert {row["frame"] for row in csv.DictReader(file)} == {"scene"}
+
+
+def test_a_calibration_in_another_unit_is_warned_of(folder):
+    frame = FRAME.copy()
+    frame[:3, 3] *= 1000
+    (folder / "in_mm.json").write_text(json.dumps(frame.tolist()))
+    done = run("recognize", "library.h5", "scans/manifest.json", "--robot-csv", "poses.csv",
+               "--robot-frame", "in_mm.json", at=folder)
+    assert "in_mm.json: it moves by 1281 m" in done.stderr and "is it in mm?" in done.stderr
+    assert "in_mm" not in run("recognize", "library.h5", "scans/manifest.json", "--robot-csv", "poses.csv",
+                              "--robot-frame", "frame.json", at=folder).stderr
