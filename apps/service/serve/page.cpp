@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "apps/service/http/http_messages.hpp"
+
 namespace trivet::apps::service {
 
 /// Defined by what cmake/embed.cmake writes.
@@ -37,7 +39,37 @@ const std::vector<PageFile>& page_files() {
   return files;
 }
 
+constexpr const char* kNoPage = R"(<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>Trivet: no page</title>
+<h1>The service runs, but has no page</h1>
+<p>This program was built without it. In the folder of the sources, build the page, then the program:</p>
+<pre>./scripts/build-web
+cmake --workflow --preset release</pre>
+<p>It needs Node.js 18 or newer, and npm. Start the service again after that.</p>
+<p>Programs can use the service as it is: <a href="/v1/openapi.json">what it offers</a>,
+<a href="/v1/models">the models it looks for</a>, <a href="/metrics">its counters</a>.</p>
+</html>
+)";
+
 }  // namespace
+
+HttpResponse no_page_response(const HttpRequest& request) {
+  if (request.header("accept").find("text/html") == std::string::npos) {
+    return error_response(404,
+                          "this program was built without the page: run scripts/build-web and "
+                          "build it again");
+  }
+  return {404,
+          kNoPage,
+          "text/html; charset=utf-8",
+          {{"Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'"},
+           {"X-Content-Type-Options", "nosniff"},
+           {"Cache-Control", "no-cache"}}};
+}
 
 const PageFile* find_page_file(std::string_view path) {
   const auto found = std::ranges::find(page_files(), path, &PageFile::path);

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include "apps/service/http/http_server.hpp"
+
 namespace trivet::apps::service {
 
 struct PageFile {
@@ -12,5 +14,9 @@ struct PageFile {
 
 /// Null where there is none; everywhere, where the program was built without the page.
 const PageFile* find_page_file(std::string_view path);
+
+/// What a program that was built without the page answers in its place: 404 with how to get it, as
+/// a page of its own to a browser, else as JSON.
+HttpResponse no_page_response(const HttpRequest& request);
 
 }  // namespace trivet::apps::service

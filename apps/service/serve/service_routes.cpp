@@ -219,11 +219,7 @@ void ServiceRoutes::metrics(const CallPtr& call, std::string_view) {
 
 void ServiceRoutes::page(const CallPtr& call, std::string_view rest) {
   const PageFile* const file = find_page_file(rest.empty() ? "index.html" : rest);
-  if (!file && rest.empty()) {
-    return reply(call, error_response(404,
-                                      "this program was built without the page: run "
-                                      "scripts/build-web and build it again"));
-  }
+  if (!file && rest.empty()) return reply(call, no_page_response(call->request));
   if (!file) return reply(call, error_response(404, "no such path"));
   reply(call, {200,
                std::string(file->bytes),

@@ -1,0 +1,30 @@
+// What the service answers in place of a page that it was built without.
+#include "apps/service/serve/page.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace trivet::apps::service {
+namespace {
+
+TEST(NoPage, TellsABrowserInAPageOfItsOwn) {
+  HttpRequest request;
+  request.headers = {{"accept", "text/html,application/xhtml+xml,*/*;q=0.8"}};
+  const HttpResponse response = no_page_response(request);
+  EXPECT_EQ(response.status, 404U);
+  EXPECT_EQ(response.content_type, "text/html; charset=utf-8");
+  EXPECT_NE(response.body.find("scripts/build-web"), std::string::npos);
+}
+
+TEST(NoPage, TellsProgramsAsTheyAreToldOtherwise) {
+  HttpRequest request;
+  request.headers = {{"accept", "*/*"}};
+  const HttpResponse response = no_page_response(request);
+  EXPECT_EQ(response.status, 404U);
+  EXPECT_NE(nlohmann::json::parse(response.body)["error"].get<std::string>().find("build-web"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace trivet::apps::service
