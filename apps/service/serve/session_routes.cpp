@@ -78,7 +78,8 @@ void ServiceRoutes::put_session_scan(const CallPtr& call, std::string_view rest)
   if (!has_session(call)) return;
   if (const auto names = two_names(rest); names && names->second == "truth") {
     return submit_one(call, [this, call, name = names->first](const LibraryGeneration& generation) {
-      return commissioning_.session->put_truth(name, call->request.body, models_of(generation));
+      return commissioning_.session->put_truth(
+          name, call->request.body, call->request.header("if-match"), models_of(generation));
     });
   }
   if (is_form(call->request.header("content-type")))
@@ -117,6 +118,7 @@ void ServiceRoutes::put_session_answer(const CallPtr& call, std::string_view res
   if (!names) return reply(call, error_response(404, "expected the names of a run and a scan"));
   submit_one(call, [this, call, names = *names](const LibraryGeneration& generation) {
     return commissioning_.session->put_answer(names.first, names.second, call->request.body,
+                                              call->request.header("if-match"),
                                               models_of(generation));
   });
 }

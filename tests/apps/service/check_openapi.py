@@ -202,6 +202,9 @@ def check_answers():
     right = [{key: one[key] for key in ("model", "T_scene_model")} for one in found["scenes"][0]["detections"]]
     expect(200, "PUT", truth, "/v1/session/scans/a/truth", json.dumps({"truth": right}))
     expect(404, "PUT", truth, "/v1/session/scans/b/truth", '{"truth": null}')
+    stale = {"If-Match": '"of before"'}
+    expect(409, "PUT", truth, "/v1/session/scans/a/truth", json.dumps({"truth": right}), stale)
+    expect(409, "PUT", answer, "/v1/session/runs/A/a", json.dumps(found), stale)
     expect(200, "GET", "/v1/session")
     expect(200, "GET", "/v1/session/archive")
     expect(200, "DELETE", run, "/v1/session/runs/A")

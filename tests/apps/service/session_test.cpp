@@ -90,6 +90,7 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
       }
     }
     again["scans"][0]["truth"] = before;
+    again["scans"][0]["version"] = kept["scans"][0]["version"];
     EXPECT_EQ(again, kept) << "the same after a restart";
     EXPECT_EQ(ask(port, "DELETE", "/v1/session/scans/right").status, 200);
     EXPECT_EQ(ask(port, "GET", "/v1/session/runs/A/right").status, 404);
@@ -116,6 +117,46 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
       trivet({"compare", "session/runs/A", "session/runs/A", "--library", "l.h5", "--json", "-"});
   ASSERT_EQ(compared.exit_code, 0) << compared.error;
   EXPECT_EQ(Json::parse(compared.out)["total"]["both"], 2 * num_found);
+}
+
+TEST_F(SessionOfAService, ReplacesOnlyTheVersionThatIsKnown) {
+  const auto put = [](int port, const std::string& path, const Json& body,
+                      const std::string& version) {
+    return ask(port, "PUT", "/v1/session/" + path, body.dump(), "If-Match: " + version + "\r\n");
+  };
+  const auto outcome = serve({"--session", "cell"}, [&](int port) {
+    ASSERT_EQ(put_scan(port, "left", scan()).status, 200);
+    Json answer = ask(port, "POST", query_, scan()).json();
+    const Answer first = ask(port, "PUT", "/v1/session/runs/A/left", answer.dump());
+    ASSERT_EQ(first.status, 200) << first.body;
+    const std::string version = first.json()["version"];
+    EXPECT_NE(ask(port, "GET", "/v1/session/runs/A/left").head.find("ETag: " + version),
+              std::string::npos);
+    Json& detections = answer["scenes"][0]["detections"];
+    ASSERT_FALSE(detections.empty());
+    detections[0]["right"] = true;
+    EXPECT_EQ(put(port, "runs/A/left", answer, version).status, 200);
+    const Answer stale = put(port, "runs/A/left", answer, version);
+    EXPECT_EQ(stale.status, 409) << "it is another one now";
+    EXPECT_EQ(stale.json()["answer"]["scenes"][0]["detections"], detections);
+    EXPECT_EQ(put(port, "runs/A/left", answer, stale.json()["version"]).status, 200);
+    EXPECT_EQ(put(port, "runs/A/left", answer, "*").status, 200);
+
+    const std::string untold = index(port)["scans"][0]["version"];
+    const Json truth{
+        {"truth",
+         {{{"model", detections[0]["model"]}, {"T_scene_model", detections[0]["T_scene_model"]}}}}};
+    const Answer told = put(port, "scans/left/truth", truth, untold);
+    ASSERT_EQ(told.status, 200) << told.body;
+    EXPECT_NE(told.json()["version"], untold);
+    const Answer late = put(port, "scans/left/truth", {{"truth", nullptr}}, untold);
+    EXPECT_EQ(late.status, 409);
+    EXPECT_EQ(late.json()["scan"], index(port)["scans"][0]);
+    EXPECT_EQ(put(port, "scans/left/truth", {{"truth", nullptr}}, told.json()["version"]).status,
+              200);
+    EXPECT_EQ(index(port)["scans"][0]["version"], untold) << "of the same, the same";
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
 TEST_F(SessionOfAService, RefusesWhatItCannotKeep) {

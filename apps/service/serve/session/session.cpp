@@ -45,6 +45,16 @@ std::optional<HttpResponse> refuse_name(std::string_view what, std::string_view 
                        what, kMaxNameSize - 1, name.substr(0, 2 * kMaxNameSize)));
 }
 
+/// Of what is kept: the same for the same bytes.
+std::string version_of(std::string_view bytes) {
+  return fmt::format("\"{}\"", xxh3_hex(std::as_bytes(std::span(bytes))));
+}
+
+/// Whether the header If-Match takes a version: it names it, or any; empty: there is no condition.
+bool takes_version(std::string_view match, std::string_view version) {
+  return match.empty() || match == "*" || match.find(version) != std::string_view::npos;
+}
+
 /// Nothing where it is no regular file.
 std::optional<std::uint64_t> bytes_of(const fs::path& file) {
   std::error_code error;
@@ -191,6 +201,7 @@ void Session::take_answer(const std::string& file, const std::string& run,
 Result<Session::Answer> Session::read_answer(std::span<const std::byte> bytes,
                                              const std::string& name) {
   Answer answer;
+  answer.version = version_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   const Result<void> read = with_json(bytes, name, [&](const JsonNode& root) {
     const std::vector<JsonNode> scenes = root.at("scenes").elements();
     if (scenes.size() != 1) root.at("scenes").refuse("expected one scene");
@@ -216,10 +227,12 @@ nlohmann::ordered_json Session::scan_json(const std::string& name, const Scan& s
     truth.push_back(
         {{"model", instance.model}, {"T_scene_model", matrix_json(instance.file_pose())}});
   }
+  std::string version = version_of(truth.dump());
   return {{"name", name},
           {"bytes", files_.at(scan.listed.name)},
           {"query", reading_query(scan.listed, unit_)},
-          {"truth", std::move(truth)}};
+          {"truth", std::move(truth)},
+          {"version", std::move(version)}};
 }
 
 nlohmann::ordered_json Session::index() const {
@@ -263,7 +276,9 @@ HttpResponse Session::answer(const std::string& run, const std::string& scan) co
   if (found == runs_.end()) return error_response(404, fmt::format("no run '{}'", run));
   if (!found->second.contains(scan))
     return error_response(404, fmt::format("run '{}': no answer for '{}'", run, scan));
-  return file_response(folder_ / answer_file(run, scan), "application/json");
+  HttpResponse response = file_response(folder_ / answer_file(run, scan), "application/json");
+  response.headers.emplace_back("ETag", found->second.at(scan).version);
+  return response;
 }
 
 HttpResponse Session::archive() const {
@@ -434,7 +449,7 @@ Result<HttpResponse> Session::delete_scan(const std::string& name) {
 }
 
 Result<HttpResponse> Session::put_truth(const std::string& name, const std::string& body,
-                                        const ModelOfName& models) {
+                                        const std::string& match, const ModelOfName& models) {
   std::optional<std::vector<TruthInstance>> truth;
   const Result<void> read =
       with_json(std::as_bytes(std::span(body)), "truth", [&](const JsonNode& root) {
@@ -452,6 +467,15 @@ Result<HttpResponse> Session::put_truth(const std::string& name, const std::stri
   Scans next = scans_;
   const auto scan = next.find(name);
   if (scan == next.end()) return error_response(404, fmt::format("no scan '{}'", name));
+  Json now = scan_json(name, scan->second);
+  if (const std::string version = now["version"]; !takes_version(match, version)) {
+    return json_response(
+        409,
+        {{"error", fmt::format("scan '{}': expected the truth of version {}, found {}: someone "
+                               "else told it meanwhile",
+                               name, match, version)},
+         {"scan", std::move(now)}});
+  }
   scan->second.is_marked = truth.has_value();
   scan->second.listed.truth = truth.value_or(std::vector<TruthInstance>());
   const Result<std::optional<HttpResponse>> refused = write_models(next, models);
@@ -463,22 +487,45 @@ Result<HttpResponse> Session::put_truth(const std::string& name, const std::stri
   return json_response(200, scan_json(name, scans_.at(name)));
 }
 
+std::optional<HttpResponse> Session::refuse_stale_answer(const std::string& run,
+                                                         const std::string& scan,
+                                                         const std::string& match) const {
+  const auto answers = runs_.find(run);
+  if (match.empty() || answers == runs_.end() || !answers->second.contains(scan))
+    return std::nullopt;
+  const std::string& version = answers->second.at(scan).version;
+  if (takes_version(match, version)) return std::nullopt;
+  Json refusal{
+      {"error", fmt::format("run '{}', scan '{}': expected the answer of version {}, found "
+                            "{}: someone else changed it meanwhile",
+                            run, scan, match, version)},
+      {"version", version},
+      {"answer", nullptr}};
+  (void)with_json(folder_ / answer_file(run, scan),
+                  [&](const JsonNode& root) { refusal["answer"] = Json(root.value()); });
+  return json_response(409, refusal);
+}
+
 Result<HttpResponse> Session::put_answer(const std::string& run, const std::string& scan,
-                                         const std::string& body, const ModelOfName& models) {
+                                         const std::string& body, const std::string& match,
+                                         const ModelOfName& models) {
   if (auto refused = refuse_name("run", run)) return std::move(*refused);
   Result<Answer> answer = read_answer(std::as_bytes(std::span(body)), "answer");
   if (!answer) return answer.error();
   const std::lock_guard change(changing_);
   const auto found = scans_.find(scan);
   if (found == scans_.end()) return error_response(404, fmt::format("no scan '{}'", scan));
+  if (auto stale = refuse_stale_answer(run, scan, match)) return std::move(*stale);
   Json document = Json::parse(body);
   document["scenes"][0]["scene"] = found->second.listed.name;
   const std::string text = document.dump(1) + "\n", file = answer_file(run, scan);
   if (!has_room(file, text.size())) return refuse_bytes(text.size());
   if (const Result<void> written = write(file, std::as_bytes(std::span(text))); !written)
     return written.error();
+  std::string version = version_of(text);
   {
     const std::lock_guard lock(reading_);
+    answer->version = version;
     runs_[run][scan] = std::move(*answer);
   }
   if (found->second.is_marked) {  // its models are listed
@@ -487,7 +534,7 @@ Result<HttpResponse> Session::put_answer(const std::string& run, const std::stri
     if (*refused) return **refused;
     if (const Result<void> listed = write_listings(scans_); !listed) return listed.error();
   }
-  return json_response(200, {{"run", run}, {"scan", scan}});
+  return json_response(200, {{"run", run}, {"scan", scan}, {"version", std::move(version)}});
 }
 
 Result<HttpResponse> Session::delete_run(const std::string& run) {

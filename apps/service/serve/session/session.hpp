@@ -70,13 +70,17 @@ class Session {
   HttpResponse scan(const std::string& name) const;
   /// With its answers and its truth.
   Result<HttpResponse> delete_scan(const std::string& name);
-  /// body  {"truth": entries of a manifest, or null where it is not told}
+  /// body   {"truth": entries of a manifest, or null where it is not told}
+  /// match  the header If-Match: versions of the truth that may be replaced; empty: any. Another
+  ///        one is answered by 409, with the scan as it is.
   Result<HttpResponse> put_truth(const std::string& name, const std::string& body,
-                                 const ModelOfName& models);
+                                 const std::string& match, const ModelOfName& models);
 
-  /// body  what a recognition of this one scan answered
+  /// body   what a recognition of this one scan answered
+  /// match  as of put_truth: of the answer that is there, which comes with 409
   Result<HttpResponse> put_answer(const std::string& run, const std::string& scan,
-                                  const std::string& body, const ModelOfName& models);
+                                  const std::string& body, const std::string& match,
+                                  const ModelOfName& models);
   HttpResponse answer(const std::string& run, const std::string& scan) const;
   Result<HttpResponse> delete_run(const std::string& run);
 
@@ -92,6 +96,7 @@ class Session {
     std::size_t num_found = 0;
     std::optional<double> seconds;
     std::set<std::string> models;  ///< that were found
+    std::string version;           ///< of the file
   };
   struct Fault {
     std::string file, reason;
@@ -125,6 +130,9 @@ class Session {
   Result<std::optional<HttpResponse>> write_models(const Scans& scans, const ModelOfName& models);
   HttpResponse refuse_bytes(std::uint64_t bytes) const;
   nlohmann::ordered_json scan_json(const std::string& name, const Scan& scan) const;
+  /// 409 where the answer that is there is of a version that `match` does not name.
+  std::optional<HttpResponse> refuse_stale_answer(const std::string& run, const std::string& scan,
+                                                  const std::string& match) const;
 
   const std::filesystem::path folder_;
   const std::uint64_t max_bytes_;
