@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "storage/datasets/parse_symmetry.hpp"
 #include "storage/datasets/parse_truth.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/model_name.hpp"
@@ -21,21 +22,6 @@ double positive(const JsonNode& node) {
   const double value = node.number();
   if (!(value > 0)) node.refuse("expected a number above zero");
   return value;
-}
-
-/// What the manifest declares; lengths are in its unit already. Absent when both lists are empty.
-std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
-  Symmetry symmetry{{}, {}, true};
-  bool declared = false;
-  if (model.has("symmetries")) {
-    declared = !model.at("symmetries").elements().empty();
-    symmetry.poses = model.at("symmetries").symmetry_poses();
-  }
-  if (model.has("symmetry_axis")) {
-    declared = true;
-    symmetry.axis = model.at("symmetry_axis").only({"axis", "offset"}).symmetry_axis();
-  }
-  return declared ? std::optional(symmetry) : std::nullopt;
 }
 
 ManifestModel parse_model(const std::string& name, const JsonNode& node,
@@ -84,6 +70,20 @@ class ModelOrder {
 };
 
 }  // namespace
+
+std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
+  Symmetry symmetry{{}, {}, true};
+  bool declared = false;
+  if (model.has("symmetries")) {
+    declared = !model.at("symmetries").elements().empty();
+    symmetry.poses = model.at("symmetries").symmetry_poses();
+  }
+  if (model.has("symmetry_axis")) {
+    declared = true;
+    symmetry.axis = model.at("symmetry_axis").only({"axis", "offset"}).symmetry_axis();
+  }
+  return declared ? std::optional(symmetry) : std::nullopt;
+}
 
 TruthInstance parse_truth(const JsonNode& node) {
   node.only({"model", "T_scene_model", "occlusion", "visible_fraction", "clutter", "ignore",

@@ -1,6 +1,7 @@
 // What shows the library, and what comes with it.
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/model_json.hpp"
+#include "apps/service/serve/near_turns.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/words/score_words.hpp"
 
@@ -43,14 +45,22 @@ void ServiceRoutes::view_model(const CallPtr& call, std::string_view rest) {
   const std::size_t slash = rest.rfind('/');  // a name may have some, too
   const std::string name(rest.substr(0, slash));
   const std::string_view view = slash == std::string_view::npos ? "" : rest.substr(slash + 1);
-  if (view != "mesh.ply" && view != "thumbnail.png")
-    return reply(call, error_response(404, "expected mesh.ply or thumbnail.png of a model"));
+  if (view != "mesh.ply" && view != "thumbnail.png" && view != kNearSymmetry) {
+    return reply(
+        call, error_response(404, "expected mesh.ply, thumbnail.png or near-symmetry of a model"));
+  }
   submit_one(call,
-             [this, name, is_mesh = view == "mesh.ply"](
+             [this, name, view = std::string(view)](
                  const LibraryGeneration& generation) -> Result<HttpResponse> {
-               const Model* const model = find_model(generation.recognizer.library(), name);
+               const Library& library = generation.recognizer.library();
+               const Model* const model = find_model(library, name);
                if (!model) return error_response(404, fmt::format("no model '{}'", name));
-               if (is_mesh) return HttpResponse{200, model_mesh(*model), "model/ply", {}};
+               if (view == kNearSymmetry) {
+                 return near_turns_response(
+                     library, static_cast<std::uint32_t>(model - library.models.data()));
+               }
+               if (view == "mesh.ply")
+                 return HttpResponse{200, model_mesh(*model), "model/ply", {}};
                Result<std::string> png = thumbnails_.of(generation, *model);
                if (!png) return png.error();
                return HttpResponse{200, std::move(*png), "image/png", {}};

@@ -49,9 +49,7 @@ Json vector_json(const Eigen::Vector3f& v) { return std::array{v.x(), v.y(), v.z
 Json axes_json(const std::vector<TurnAxis>& axes) {
   Json json = Json::array();
   for (const TurnAxis& axis : axes) {
-    json.push_back({{"direction", vector_json(axis.direction)},
-                    {"point", vector_json(axis.point)},
-                    {"turn_deg", axis.turn > 0 ? Json(kDegreesPerRadian * axis.turn) : Json()}});
+    json.push_back(turn_axis_json({axis.direction, axis.point}, axis.turn));
   }
   return json;
 }
@@ -81,6 +79,12 @@ Json near_declaration_json(const Model& model) {
 }
 
 }  // namespace
+
+Json turn_axis_json(const Symmetry::Axis& axis, float turn) {
+  return {{"direction", vector_json(axis.direction)},
+          {"point", vector_json(axis.point)},
+          {"turn_deg", turn > 0 ? Json(kDegreesPerRadian * turn) : Json()}};
+}
 
 Json model_json(const Model& model) {
   return {

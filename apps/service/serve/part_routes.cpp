@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/model_json.hpp"
+#include "apps/service/serve/near_turns.hpp"
 #include "apps/service/serve/service_routes.hpp"
+#include "storage/datasets/parse_symmetry.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -32,6 +35,22 @@ Result<LengthUnit> parse_unit(const std::string& text) {
   return Error{ErrorCode::usage, fmt::format("unit: expected m or mm, found '{}'", text)};
 }
 
+/// Of {"declaration": as a manifest declares symmetries, or null for what the program finds}. Errors:
+/// bad_data.
+Result<std::optional<Symmetry>> parse_declaration(const std::string& body) {
+  std::optional<Symmetry> symmetry;
+  const Result<void> read =
+      with_json(std::as_bytes(std::span(body)), "declaration", [&](const JsonNode& root) {
+        if (!root.only({"declaration"}).value().contains("declaration"))
+          root.refuse("expected a declaration, or null for none");
+        if (root.has("declaration")) {
+          symmetry = parse_symmetry(root.at("declaration").only({"symmetries", "symmetry_axis"}));
+        }
+      });
+  if (!read) return read.error();
+  return symmetry;
+}
+
 }  // namespace
 
 void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
@@ -52,14 +71,20 @@ void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::view_part(const CallPtr& call, std::string_view rest) {
-  constexpr std::string_view kMesh = "/mesh.ply";
   if (!commissioning_.workshop) return reply(call, read_only_response());
-  if (!rest.ends_with(kMesh))
-    return reply(call, error_response(404, "expected mesh.ply of a part"));
-  rest.remove_suffix(kMesh.size());
-  const auto library = commissioning_.workshop->trained(std::string(rest));
-  if (!library) return reply(call, error_response(404, fmt::format("no trained part '{}'", rest)));
-  reply(call, {200, model_mesh(library->models.front()), "model/ply", {}});
+  const std::size_t slash = rest.rfind('/');
+  const std::string_view name = rest.substr(0, slash);
+  const std::string_view view = slash == std::string_view::npos ? "" : rest.substr(slash + 1);
+  if (view != "mesh.ply" && view != kNearSymmetry) {
+    return reply(call, error_response(404, "expected mesh.ply or near-symmetry of a part"));
+  }
+  const auto library = commissioning_.workshop->trained(std::string(name));
+  if (!library) return reply(call, error_response(404, fmt::format("no trained part '{}'", name)));
+  if (view == "mesh.ply")
+    return reply(call, {200, model_mesh(library->models.front()), "model/ply", {}});
+  submit_one(call, [library](const LibraryGeneration&) -> Result<HttpResponse> {
+    return near_turns_response(*library, 0);
+  });
 }
 
 void ServiceRoutes::bring_part(const CallPtr& call, std::string_view rest) {
@@ -83,7 +108,9 @@ void ServiceRoutes::bring_part(const CallPtr& call, std::string_view rest) {
 
 void ServiceRoutes::declare_part(const CallPtr& call, std::string_view rest) {
   if (!commissioning_.workshop) return reply(call, read_only_response());
-  reply(call, done_response(commissioning_.workshop->declare(std::string(rest))));
+  const Result<std::optional<Symmetry>> symmetry = parse_declaration(call->request.body);
+  if (!symmetry) return reply(call, error_response(symmetry.error()));
+  reply(call, done_response(commissioning_.workshop->declare(std::string(rest), *symmetry)));
 }
 
 void ServiceRoutes::drop_part(const CallPtr& call, std::string_view rest) {

@@ -140,7 +140,11 @@ def check_parts():
     trained = when("GET", "/v1/parts", lambda told: told["parts"][0]["state"] == "trained")["parts"][0]
     expect(200, "GET", part + "/mesh.ply", "/v1/parts/new/mesh.ply")
     expect(404, "GET", part + "/mesh.ply", "/v1/parts/old/mesh.ply")
-    expect(202 if trained["model"]["near_symmetry"]["declaration"] else 400, "PATCH", part, "/v1/parts/new")
+    expect(200, "GET", part + "/near-symmetry", "/v1/parts/new/near-symmetry")
+    expect(404, "GET", part + "/near-symmetry", "/v1/parts/old/near-symmetry")
+    expect(400, "PATCH", part, "/v1/parts/new")
+    declared = {"declaration": trained["model"]["symmetry"]["declaration"]}
+    expect(202, "PATCH", part, "/v1/parts/new", json.dumps(declared))
     when("GET", "/v1/parts", lambda told: told["parts"][0]["state"] == "trained")
     expect(200, "PUT", model, "/v1/models/new")
     expect(409, "PUT", model, "/v1/models/new")
@@ -185,6 +189,9 @@ def check_answers():
         template = "/v1/models/{name}/" + models[0][view].rsplit("/", 1)[1]
         expect(200, "GET", template, models[0][view])
         expect(404, "GET", template, template.replace("{name}", "spoon"))
+    near = "/v1/models/{name}/near-symmetry"
+    expect(200, "GET", near, near.replace("{name}", models[0]["name"]))
+    expect(404, "GET", near, near.replace("{name}", "spoon"))
     examples = json.loads(expect(200, "GET", "/v1/examples"))["examples"]
     expect(200, "GET", "/v1/examples/{number}", examples[0]["url"])
     expect(404, "GET", "/v1/examples/{number}", "/v1/examples/99")

@@ -130,7 +130,23 @@ TEST_F(PartWorkshop, KeepsDraftsAndTheirDeclarations) {
     ASSERT_TRUE(model["near_symmetry"]["declaration"].is_object()) << model;
     EXPECT_FALSE(model["near_symmetry"]["axes"].empty());
     EXPECT_FALSE(declared(port));
-    EXPECT_EQ(ask(port, "PATCH", "/v1/parts/lever").status, 202);
+    const auto declare = [&](const nlohmann::json& declaration) {
+      return ask(port, "PATCH", "/v1/parts/lever", declaration.dump()).status;
+    };
+    EXPECT_EQ(ask(port, "PATCH", "/v1/parts/lever").status, 400);
+    EXPECT_EQ(declare({{"declaration", {{"symmetry", 1}}}}), 400);
+    const nlohmann::json turns = ask(port, "GET", "/v1/parts/lever/near-symmetry").json()["turns"];
+    ASSERT_FALSE(turns.empty());
+    for (const nlohmann::json& turn : turns) {
+      EXPECT_LE(turn["deviation"]["median"], turn["deviation"]["p90"]);
+      EXPECT_LE(turn["deviation"]["p90"], turn["deviation"]["largest"]);
+    }
+    const nlohmann::json motions = turns.back()["motions"];
+    EXPECT_EQ(declare({{"declaration", {{"symmetries", motions}}}}), 202);
+    EXPECT_TRUE(declared(port));
+    EXPECT_EQ(declare({{"declaration", nullptr}}), 202);
+    EXPECT_FALSE(declared(port)) << "it can be taken back";
+    EXPECT_EQ(declare({{"declaration", {{"symmetries", motions}}}}), 202);
     EXPECT_TRUE(declared(port));
   });
   serve({"--allow-training", "drafts"}, [&](int port) { EXPECT_TRUE(declared(port)); });

@@ -81,16 +81,6 @@ Result<void> outcome_of(F&& job) {
   }
 }
 
-/// What a model nearly looks the same by, and the symmetries that it has: a declaration stands for
-/// all. None: it has nothing near.
-std::optional<Symmetry> with_near_ones(const Model& model) {
-  if (model.near_symmetries.empty() && !model.near_axis) return std::nullopt;
-  Symmetry all = model.symmetry;
-  all.poses.insert(all.poses.end(), model.near_symmetries.begin(), model.near_symmetries.end());
-  if (model.near_axis) all.axis = model.near_axis;
-  return all;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
@@ -207,19 +197,14 @@ Result<void> PartWorkshop::bring(const std::string& name, const std::string& fil
   return {};
 }
 
-Result<void> PartWorkshop::declare(const std::string& name) {
-  const std::shared_ptr<const Library> library = trained(name);
-  if (!library) return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
+Result<void> PartWorkshop::declare(const std::string& name,
+                                   const std::optional<Symmetry>& symmetry) {
   const std::lock_guard one_at_a_time(files_mutex_);
-  const std::optional<Symmetry> symmetry = with_near_ones(library->models.front());
-  if (!symmetry) {
-    return Error{ErrorCode::usage,
-                 fmt::format("draft '{}': it has no near symmetry to declare", name)};
-  }
   {
     const std::lock_guard lock(mutex_);
     const auto at = drafts_.find(name);
-    if (at == drafts_.end()) return Error{ErrorCode::usage, fmt::format("no draft '{}'", name)};
+    if (at == drafts_.end() || at->second.state != State::trained)
+      return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
     if (const Result<void> written = write_manifest_of(name, at->second, symmetry); !written)
       return written.error();
     at->second.state = State::waiting;

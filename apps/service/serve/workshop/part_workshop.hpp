@@ -66,9 +66,9 @@ class PartWorkshop {
   /// Errors: usage (the names, too many drafts), cannot_create, io (the disk).
   Result<void> bring(const std::string& name, const std::string& file, LengthUnit unit,
                      std::string_view bytes);
-  /// Train a draft again, with what it nearly looks the same by declared as its symmetry.
-  /// Errors: usage (no such draft, not trained, nothing to declare), cannot_create, io.
-  Result<void> declare(const std::string& name);
+  /// Train a draft again, with a symmetry that is declared, in the library's unit; none: with what
+  /// the program finds. Errors: usage (no such draft, not trained), cannot_create, io.
+  Result<void> declare(const std::string& name, const std::optional<Symmetry>& symmetry);
   /// Forget a draft, and stop its training. Errors: usage (no such draft).
   Result<void> drop(const std::string& name);
 

@@ -1,0 +1,126 @@
+#include "apps/service/serve/near_turns.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "apps/results/detections_json.hpp"
+#include "apps/service/serve/model_json.hpp"
+#include "kernels/symmetry/angles.hpp"
+#include "kernels/symmetry/measure_deviation.hpp"
+#include "kernels/symmetry/turn_axis.hpp"
+
+namespace trivet::apps::service {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kTurnsAboutAxis = 8;    // that stand for any turn
+constexpr float kSameTurn = 0.02F;    // [rad]
+constexpr float kSameShift = 0.005F;  // [diameters]
+
+/// How far a motion takes samples off the surface, and where the farthest comes to lie.
+struct Deviation {
+  Pose motion = Pose::Identity();
+  float median = 0, p90 = 0, largest = 0;
+  Eigen::Vector3f place{0, 0, 0};
+};
+
+/// There and back: what the moved surface has too much, and what it lacks.
+Deviation deviation_by(const Model& model, const Pose& motion) {
+  const std::size_t n = model.samples.size();
+  std::vector<float> distances(2 * n);
+  const std::array<Pose, 2> ways{motion, motion.inverse()};
+  for (std::size_t way = 0; way < ways.size(); ++way) {
+    kernels::measure_deviation(model.samples, model.sample_normals, model.sample_spacing, ways[way],
+                               std::span(distances).subspan(way * n, n));
+  }
+  Deviation deviation{.motion = motion};
+  const auto farthest =
+      static_cast<std::size_t>(std::ranges::max_element(distances) - distances.begin());
+  deviation.largest = distances[farthest];
+  const Eigen::Vector3f sample = model.samples[farthest % n];
+  // What the moved surface lacks is where the surface is.
+  deviation.place = farthest < n ? Eigen::Vector3f(motion * sample) : sample;
+  std::ranges::sort(distances);
+  deviation.median = distances[n];
+  deviation.p90 = distances[2 * n * 9 / 10];
+  return deviation;
+}
+
+/// Any turn about the near axis, by the worst of some.
+Deviation deviation_about(const Model& model, const Symmetry::Axis& axis) {
+  Deviation worst;
+  for (int k = 1; k <= kTurnsAboutAxis; ++k) {
+    const float angle = kernels::kGoldenAngle * static_cast<float>(k);
+    const Deviation deviation = deviation_by(model, kernels::turn_about(axis, angle));
+    if (deviation.largest > worst.largest) worst = deviation;
+  }
+  return worst;
+}
+
+bool are_same(const Pose& a, const Pose& b, float diameter) {
+  const Pose between = a * b.inverse();
+  return Eigen::AngleAxisf(Eigen::Matrix3f(between.linear())).angle() < kSameTurn &&
+         between.translation().norm() < kSameShift * diameter;
+}
+
+/// All that a near turn is declared by: it, its inverse, and both after each symmetry of the model,
+/// so that what is declared leaves no pose of the same kind out.
+std::vector<Pose> declared_by(const Model& model, const Pose& motion) {
+  std::vector<Pose> all;
+  const auto add = [&](const Pose& pose) {
+    const auto same = [&](const Pose& other) { return are_same(pose, other, model.diameter); };
+    if (std::ranges::none_of(all, same)) all.push_back(pose);
+  };
+  for (const Pose& pose : {motion, motion.inverse()}) {
+    add(pose);
+    for (const Pose& symmetry : model.symmetry.poses) add(pose * symmetry);
+  }
+  return all;
+}
+
+Json turn_json(std::span<const Pose> motions, Json axis, const Deviation& deviation) {
+  Json matrices = Json::array();
+  for (const Pose& motion : motions) matrices.push_back(matrix_json(motion.cast<double>()));
+  const Eigen::Vector3f& place = deviation.place;
+  return {{"motions", std::move(matrices)},
+          {"axis", std::move(axis)},
+          {"measured", matrix_json(deviation.motion.cast<double>())},
+          {"deviation",
+           {{"median", deviation.median}, {"p90", deviation.p90}, {"largest", deviation.largest}}},
+          {"place", std::array{place.x(), place.y(), place.z()}}};
+}
+
+Json near_turns_json(const Model& model) {
+  Json turns = Json::array();
+  if (model.near_axis) {
+    turns.push_back(turn_json({}, turn_axis_json(*model.near_axis, 0),
+                              deviation_about(model, *model.near_axis)));
+  }
+  std::vector<Pose> told;
+  for (const Pose& motion : model.near_symmetries) {
+    const auto same = [&](const Pose& other) { return are_same(motion, other, model.diameter); };
+    if (std::ranges::any_of(told, same)) continue;  // of an earlier one, its inverse
+    const std::vector<Pose> all = declared_by(model, motion);
+    told.insert(told.end(), all.begin(), all.end());
+    const float angle = Eigen::AngleAxisf(Eigen::Matrix3f(motion.linear())).angle();
+    turns.push_back(turn_json(all, turn_axis_json(kernels::axis_of(motion), angle),
+                              deviation_by(model, motion)));
+  }
+  return {{"turns", std::move(turns)}};
+}
+
+}  // namespace
+
+Result<HttpResponse> near_turns_response(const Library& library, std::uint32_t model) {
+  if (const Result<void> good = library.check(model, ModelPart::samples); !good)
+    return good.error();
+  return json_response(200, near_turns_json(library.models[model]));
+}
+
+}  // namespace trivet::apps::service
