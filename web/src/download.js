@@ -7,5 +7,13 @@
 export function downloadsText(link, text, type, scan, end) {
   URL.revokeObjectURL(link.href);
   link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.removeAttribute("aria-disabled");
   link.download = `${scan.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.${end}`;
+}
+
+/** Let a link download nothing until there is a text again. */
+export function withholdsText(link) {
+  URL.revokeObjectURL(link.href);
+  link.removeAttribute("href");
+  link.setAttribute("aria-disabled", "true");
 }

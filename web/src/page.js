@@ -166,6 +166,15 @@ function tellScan(scene) {
  * linked  what the page's address says of how to ask, if that is why it is opened
  */
 function openScan(next, camera, answer = null, linked = null) {
+  takeScan(next, camera);
+  const asked = answer?.query ? settings.shown(new URLSearchParams(answer.query)) : linked;
+  tellIgnored(asked ? settings.restore(asked) : []);
+  showTab("result");
+  return run(answer);
+}
+
+/** Another scan is what the page is about; nothing of it is shown yet. */
+function takeScan(next, camera) {
   scan = next;
   points = null;
   measure?.setScan(null);
@@ -316,12 +325,11 @@ async function showResult(result, signal) {
     found: things.slice(0, detections.length),
     rejected: things.slice(detections.length),
   };
-  const units = { scan: settings.unit, library: library.unit };
-  const aboutPose = (pose) => robotPoseView(robot, pose, units, () => robotPanel.refresh());
+  const about = { scan: settings.unit, library: library.unit, models: library.models };
+  const aboutPose = (pose) => robotPoseView(robot, pose, about, () => robotPanel.refresh());
   lists.found.show(kinds.found, { unit: settings.unit, scoreParts, aboutPose });
   lists.rejected.show(kinds.rejected, { unit: settings.unit, scoreParts });
-  const models = library.models.map(({ name }) => name);
-  robotPanel.show({ scene: scan.name, detections, units, models });
+  robotPanel.show({ scene: scan.name, detections, about });
   byId("found-section").hidden = !detections.length;
   byId("rejected-note").textContent = rejectedNote(rejected.length, told.length);
   showLayer("rejected", isShown("rejected"));

@@ -1,6 +1,16 @@
 /** Frames that are given by users: of the scan as seen from the robot, and of grasps. */
 
 const kLoose = 0.01; // of an entry of a rotation, as written by calibrations
+const kShortestInMm = 10; // a robot that is nearer to its scans was told meters
+const kLongestInM = 50; // one that is farther was told millimeters
+const kNearestGrasp = { share: 0.1, mm: 1 }; // of the diameter, and in mm: what is less was told in m
+const kFarthestGrasp = { share: 10, m: 1 };
+
+/** The name of the scan's own frame, in tables. */
+export const kSceneFrame = "scene";
+
+/** Rows of a frame, one a line; "" of none. */
+export const frameText = (rows) => (rows ? rows.map((row) => row.join(" ")).join("\n") : "");
 
 /** Of two poses given by four rows. */
 export const product = (a, b) =>
@@ -12,7 +22,8 @@ export const scaled = (rows, scale) =>
 
 function checkedFrame(numbers) {
   if (numbers.length !== 16 || !numbers.every(Number.isFinite)) {
-    throw new Error(`expected four rows of four numbers, found ${numbers.length} of 16`);
+    const count = numbers.filter(Number.isFinite).length;
+    throw new Error(`expected four rows of four numbers, found ${count} of 16`);
   }
   const rows = [0, 4, 8, 12].map((first) => numbers.slice(first, first + 4));
   const columns = [0, 1, 2].map((k) => rows.slice(0, 3).map((row) => row[k]));
@@ -31,7 +42,43 @@ function checkedFrame(numbers) {
   return rows;
 }
 
-const numbersIn = (json) => (Array.isArray(json) ? json.flat(2).map(Number) : []);
+// null, texts and truth values of JSON are no numbers, though Number() makes some of them.
+const numbersIn = (json) =>
+  Array.isArray(json) ? json.flat(2).map((value) => (typeof value === "number" ? value : NaN)) : [];
+
+const lengthOf = (rows) => Math.hypot(...rows.slice(0, 3).map((row) => row[3]));
+
+/** The unit that a calibration read in this unit looks like, if that is another one; else null. */
+export function likelierUnit(rows, unit) {
+  const length = lengthOf(rows);
+  if (unit === "mm" && length > 0 && length < kShortestInMm) return "m";
+  return unit === "m" && length > kLongestInM ? "mm" : null;
+}
+
+/**
+ * The first model whose grasps, read in the library's unit, look like those in another one:
+ * { model, length: of the longest, unit: the other }, or null.
+ */
+export function likelierGraspUnit(grasps, { library, models }) {
+  for (const { name, diameter } of models) {
+    const length = Math.max(0, ...Object.values(grasps[name] ?? {}).map(lengthOf));
+    const isNear = length > 0 && length < Math.min(kNearestGrasp.mm, kNearestGrasp.share * diameter);
+    const isFar = length > Math.max(kFarthestGrasp.m, kFarthestGrasp.share * diameter);
+    if (library === "mm" && isNear) return { model: name, length, unit: "m" };
+    if (library === "m" && isFar) return { model: name, length, unit: "mm" };
+  }
+  return null;
+}
+
+/** Errors: a name that files and tables could not have, or that is the scan's own frame's. */
+export function checkedName(name) {
+  if (!/^[A-Za-z][\w-]{0,63}$/.test(name) || name.toLowerCase() === kSceneFrame) {
+    throw new Error(
+      `expected a name of the robot's frame of letters, digits, _ and -, other than ${kSceneFrame}, ` +
+        `found “${name}”`,
+    );
+  }
+}
 
 /**
  * The four rows of a frame.

@@ -21,29 +21,31 @@ function numberTerms(numbers) {
   return terms([row(numbers.slice(0, 3)), row(numbers.slice(3))]);
 }
 
-function poseView({ grasp, numbers }, framed) {
+function poseView({ grasp, numbers }, frameName) {
   const copy = element("button", { type: "button" }, "Copy");
-  copiesOnClick(copy, copiedText(numbers));
-  const what = [grasp && `Grasp ${grasp}`, framed && "in the robot's frame"];
-  const title = what.filter(Boolean).join(", ");
-  return element("div", {}, title && element("p", {}, title), numberTerms(numbers), copy);
+  copiesOnClick(copy, `${copiedText(numbers)}\nframe ${frameName}`);
+  const title = [grasp && `Grasp ${grasp}`, `in frame ${frameName}`].filter(Boolean).join(", ");
+  return element("div", {}, element("p", {}, title), numberTerms(numbers), copy);
 }
+
+/** What of the setup keeps poses from being told. */
+const refusalView = (refusal) => element("p", { className: "problem" }, `No pose is told. ${refusal}`);
 
 /**
  * The pose of a detection for the user's robot, to read and to copy.
  *
- * units     { scan, library }
+ * about     what it is of: see Robot
  * onChange  called when another convention was chosen here
  */
-export function robotPoseView(robot, detection, units, onChange) {
+export function robotPoseView(robot, detection, about, onChange) {
   const select = element("select", {}, conventionOptions());
   select.value = robot.setup.convention;
   const told = element("div", { role: "status" });
   const show = () => {
-    const framed = robot.setup.frame !== null;
-    told.replaceChildren(
-      ...robot.poses(detection, units).map((pose) => poseView(pose, framed)),
-    );
+    const refusal = robot.refusal(about);
+    if (refusal) return told.replaceChildren(refusalView(refusal));
+    const views = robot.poses(detection, about).map((pose) => poseView(pose, robot.frameName));
+    return told.replaceChildren(...views);
   };
   select.onchange = () => {
     robot.change({ convention: select.value });

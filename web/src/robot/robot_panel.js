@@ -1,42 +1,44 @@
 import { copiesOnClick } from "../copy.js";
-import { byId } from "../dom.js";
-import { downloadsText } from "../download.js";
+import { byId, element } from "../dom.js";
+import { downloadsText, withholdsText } from "../download.js";
 import { numbered } from "../words.js";
 import { conventionOptions } from "./convention_options.js";
-import { readFrame, readGrasps } from "./frames.js";
+import { frameText, readFrame, readGrasps } from "./frames.js";
 
-const frameText = (rows) => (rows ? rows.map((row) => row.join(" ")).join("\n") : "");
+const kNoTable = "There is no table while the setup is refused: see above.";
 
 /** What the poses found are told to, and all of them as its table. */
 export class RobotPanel {
   #robot;
   #onChange;
   #form = byId("robot");
-  #answer = null; // { scene: its name, detections, units }
+  #answer = null; // { scene: its name, detections, about: see Robot }
 
   /** onChange  called when poses are told otherwise */
   constructor(robot, onChange) {
     this.#robot = robot;
     this.#onChange = onChange;
-    const { convention, frame } = this.#form.elements;
+    const { convention, frame, "frame-name": frameName } = this.#form.elements;
     convention.append(...conventionOptions());
     convention.onchange = () => this.#change({ convention: convention.value });
-    frame.value = frameText(robot.setup.frame);
-    frame.onchange = () => this.#takeFrame(frame);
+    frame.value = robot.setup.frame;
+    frame.onchange = () => this.#takeFrame();
+    frameName.value = robot.setup.frameName;
+    frameName.onchange = () => this.#change({ frameName: frameName.value.trim() });
     byId("choose-frame").onclick = () => byId("frame-file").click();
     byId("frame-file").onchange = async ({ target }) => {
       frame.value = await target.files[0].text();
       target.value = ""; // so that the same file can be chosen again
-      this.#takeFrame(frame);
+      this.#takeFrame();
     };
     byId("choose-grasps").onclick = () => byId("grasps-file").click();
     byId("grasps-file").onchange = ({ target }) => this.#takeGrasps(target);
-    byId("forget-grasps").onclick = () => this.#change({ grasps: {} });
+    byId("forget-grasps").onclick = () => this.#change({ grasps: {}, graspsFault: "" });
     this.#form.onsubmit = (event) => event.preventDefault();
     this.refresh();
   }
 
-  /** Offer the table of an answer; null: of none. units  { scan, library } */
+  /** Offer the table of an answer, { scene: its name, detections, about: see Robot }; null: of none. */
   show(answer) {
     this.#answer = answer;
     byId("robot-box").hidden = !answer?.detections.length;
@@ -45,15 +47,25 @@ export class RobotPanel {
 
   /** Show the setup as it is. */
   refresh() {
-    const { convention, grasps } = this.#robot.setup;
+    const { convention, grasps, graspsFault } = this.#robot.setup;
+    const { frameFault } = this.#robot;
     this.#form.elements.convention.value = convention;
-    this.#tellGrasps(grasps);
+    this.#form.elements.frame.setAttribute("aria-invalid", frameFault !== "");
+    byId("frame-note").textContent = frameFault;
+    this.#tellGrasps(grasps, graspsFault);
     if (!this.#answer?.detections.length) return;
-    const { scene, detections, units } = this.#answer;
-    const table = this.#robot.table(scene, detections, units);
+    const { scene, detections, about } = this.#answer;
+    const refusal = this.#robot.refusal(about);
+    byId("robot-now").textContent = refusal ? "no poses: see why" : `in frame ${this.#robot.frameName}`;
+    this.#ask(frameFault || graspsFault ? null : this.#robot.doubt(about));
+    byId("robot-refusal").textContent = frameFault || graspsFault ? kNoTable : refusal;
     byId("copy-robot").textContent = "Copy table";
+    byId("copy-robot").disabled = refusal !== "";
+    if (refusal) return withholdsText(byId("download-robot"));
+    const table = this.#robot.table(scene, detections, about);
     copiesOnClick(byId("copy-robot"), table);
-    downloadsText(byId("download-robot"), table, "text/csv", scene, `${convention}.csv`);
+    const end = `${this.#robot.frameName}.${convention}.csv`;
+    return downloadsText(byId("download-robot"), table, "text/csv", scene, end);
   }
 
   #change(some) {
@@ -62,36 +74,58 @@ export class RobotPanel {
     this.#onChange();
   }
 
-  #takeFrame(field) {
-    let fault = "";
+  /** Take what the field says; what is no frame is refused, and stays there to be mended. */
+  #takeFrame() {
+    const field = this.#form.elements.frame;
     try {
-      this.#change({ frame: field.value.trim() ? readFrame(field.value) : null });
-      field.value = frameText(this.#robot.setup.frame);
-    } catch (error) {
-      fault = `The calibration is not taken: ${error.message}.`;
+      if (field.value.trim()) field.value = frameText(readFrame(field.value));
+    } catch {
+      // The robot says why.
     }
-    field.setAttribute("aria-invalid", fault !== "");
-    byId("frame-note").textContent = fault;
+    this.#change({ frame: field.value });
   }
 
   async #takeGrasps(chooser) {
     const [file] = chooser.files;
+    const text = await file.text();
+    chooser.value = ""; // so that the same file can be chosen again
     try {
-      this.#change({ grasps: readGrasps(await file.text()) });
+      this.#change({ grasps: readGrasps(text), graspsFault: "" });
     } catch (error) {
-      byId("grasps-note").textContent = `${file.name}: ${error.message}.`;
+      this.#change({ graspsFault: `The grasps are not taken: ${file.name}: ${error.message}.` });
     }
-    chooser.value = "";
   }
 
-  #tellGrasps(grasps) {
+  /** Ask about lengths that look like those of another unit; null: there are none. */
+  #ask(doubt) {
+    const settle = (act) => () => {
+      act();
+      this.#form.elements.frame.value = this.#robot.setup.frame;
+      this.#change({});
+    };
+    const button = (label, act) =>
+      element("button", { type: "button", onclick: settle(act) }, label);
+    byId("robot-doubt").replaceChildren(
+      ...(doubt
+        ? [
+            button(`They are in ${doubt.likelier}: convert them to ${doubt.unit}`, doubt.convert),
+            button(`They are in ${doubt.unit}, as they are`, doubt.accept),
+          ]
+        : []),
+    );
+  }
+
+  #tellGrasps(grasps, fault) {
     const models = Object.keys(grasps);
     const count = Object.values(grasps).reduce((sum, own) => sum + Object.keys(own).length, 0);
-    const unknown = models.filter((model) => !this.#answer?.models.includes(model));
-    byId("forget-grasps").hidden = !count;
-    byId("grasps-note").textContent = count
-      ? `${numbered(count, "grasp", "grasps")} of ${numbered(models.length, "model", "models")}` +
-        (this.#answer && unknown.length ? `; not in the library: ${unknown.join(", ")}` : "")
-      : "None: poses are those of the models' own frames.";
+    const known = this.#answer?.about.models.map(({ name }) => name);
+    const unknown = models.filter((model) => !known?.includes(model));
+    byId("forget-grasps").hidden = !count && !fault;
+    byId("grasps-note").className = fault ? "problem" : "";
+    byId("grasps-note").textContent = fault ||
+      (count
+        ? `${numbered(count, "grasp", "grasps")} of ${numbered(models.length, "model", "models")}` +
+          (known && unknown.length ? `; not in the library: ${unknown.join(", ")}` : "")
+        : "None: poses are those of the models' own frames.");
   }
 }
