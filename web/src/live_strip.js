@@ -10,21 +10,27 @@ const kMost = 100;
 export class LiveStrip {
   #list = byId("live-scans");
   #follow = byId("follow");
+  #epoch = ""; // of the numbers
   #last = 0; // number that was seen
-  #shown = 0; // number in the view
+  #shown = null; // the one in the view
 
-  /** onOpen(scan, answer): show a scan with its kept answer */
-  constructor(onOpen) {
+  /**
+   * onOpen(scan, answer)     show a scan with its kept answer
+   * onFailed(scan, reason)   show that it has none
+   */
+  constructor({ onOpen, onFailed }) {
     this.onOpen = onOpen;
+    this.onFailed = onFailed;
     this.#follow.onclick = () => this.toggle();
     moveByArrows(this.#list, "button");
   }
 
   /** Watch, if the service does. What came before is listed. */
   async start() {
-    const { watched, scans } = await service.fetchLive(0);
+    const { watched, epoch, scans } = await service.fetchLive(0);
     byId("live").hidden = !watched;
     if (!watched) return;
+    this.#epoch = epoch;
     this.#add(scans);
     setTimeout(() => this.#poll(), kPollMs);
   }
@@ -41,18 +47,32 @@ export class LiveStrip {
   #setFollowing(follows) {
     this.#follow.setAttribute("aria-pressed", follows);
     const newest = this.#list.lastElementChild?.scan;
-    if (follows && newest && newest.number !== this.#shown) this.#open(newest);
+    if (follows && newest && newest !== this.#shown) this.#open(newest);
   }
 
   async #poll() {
     try {
-      const { scans } = await service.fetchLive(this.#last);
-      this.#add(scans);
-      if (scans.length && this.#isFollowing) this.#open(scans.at(-1));
+      const { epoch, scans } = await service.fetchLive(this.#last);
+      if (epoch === this.#epoch) this.#take(scans);
+      else await this.#beginAnew(epoch);
     } catch {
-      // The service is away for a while: what it has is asked for again.
+      // The service is away for a while, which the page tells: what it has is asked for again.
     }
     setTimeout(() => this.#poll(), kPollMs);
+  }
+
+  #take(scans) {
+    this.#add(scans);
+    if (scans.length && this.#isFollowing) this.#open(scans.at(-1));
+  }
+
+  /** Another service counts anew, and knows nothing of what is listed. */
+  async #beginAnew(epoch) {
+    this.#last = 0;
+    const { scans } = await service.fetchLive(0);
+    this.#epoch = epoch;
+    this.#list.replaceChildren();
+    this.#take(scans);
   }
 
   #add(scans) {
@@ -71,6 +91,7 @@ export class LiveStrip {
       "button",
       {
         type: "button",
+        className: scan.error ? "failed" : "",
         title: `${scan.name}, ${came}: ${told}`,
         "aria-label": `${scan.name}: ${told}`,
         onclick: () => {
@@ -87,7 +108,7 @@ export class LiveStrip {
   }
 
   async #open(scan) {
-    this.#shown = scan.number;
+    this.#shown = scan;
     for (const item of this.#list.children) {
       const button = item.firstElementChild;
       if (item.scan === scan) button.setAttribute("aria-current", "true");
@@ -96,8 +117,12 @@ export class LiveStrip {
     byId("live-now").textContent = scan.error
       ? `${scan.name}: ${scan.error}`
       : `${scan.name}: ${numbered(scan.detections, "model", "models")} found`;
-    if (scan.error) return;
-    const answer = await service.fetchAnswer(scan.answer);
-    if (this.#shown === scan.number) this.onOpen(scanOfExample(scan), answer);
+    if (scan.error) return this.onFailed(scanOfExample(scan), scan.error);
+    try {
+      const answer = await service.fetchAnswer(scan.answer);
+      if (this.#shown === scan) this.onOpen(scanOfExample(scan), answer);
+    } catch (error) {
+      if (this.#shown === scan) this.onFailed(scanOfExample(scan), error.message);
+    }
   }
 }

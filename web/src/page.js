@@ -15,6 +15,7 @@ import { Measure } from "./measure/measure.js";
 import { listenForFiles } from "./open_files.js";
 import { PartsPanel } from "./parts_panel.js";
 import { PoseList } from "./pose_list.js";
+import { Pulse } from "./pulse.js";
 import { worthTelling } from "./rejected.js";
 import { robotPoseView } from "./robot/pose_view.js";
 import { Robot } from "./robot/robot.js";
@@ -72,7 +73,10 @@ const partsPanel = new PartsPanel({
   },
   onPublished: () => loadLibrary(),
 });
-const liveStrip = new LiveStrip((kept, answer) => openScan(kept, null, answer));
+const liveStrip = new LiveStrip({
+  onOpen: (kept, answer) => openScan(kept, null, answer),
+  onFailed: (failed, reason) => showFailed(failed, reason),
+});
 const session = new SessionTab({
   open: (kept, answer) => openScan(kept, null, answer),
   parameters: (other) => settings.parameters(other),
@@ -185,10 +189,19 @@ function takeScan(next, camera) {
   byId("examples-box").open = false;
   byId("recognize").disabled = false;
   settings.adopt(scan, camera);
-  const asked = answer?.query ? settings.shown(new URLSearchParams(answer.query)) : linked;
-  tellIgnored(asked ? settings.restore(asked) : []);
+}
+
+/** A scan that came to nothing elsewhere is a result, too: nothing of another one stays. */
+function showFailed(failed, reason) {
+  running?.abort();
+  takeScan(failed, null);
   showTab("result");
-  return run(answer);
+  clearResult();
+  showTools();
+  setBusy(false);
+  tellScan();
+  say("Not recognized");
+  showProblem(reason, tryAgain(() => run()));
 }
 
 async function openFiles(files) {
@@ -651,6 +664,7 @@ function followLink(examples) {
 }
 
 async function start() {
+  new Pulse().start();
   try {
     await partsPanel.start();
     await loadLibrary();

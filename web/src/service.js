@@ -40,7 +40,14 @@ export async function ask(target, options = {}) {
   );
 }
 
-export const getJson = async (target) => (await ask(target)).json();
+export const getJson = async (target, options) => (await ask(target, options)).json();
+
+/** Within which what needs no work is answered. */
+export const kQuickMs = 1200;
+const quickly = () => ({ signal: AbortSignal.timeout(kQuickMs) });
+
+/** Whether the service answers. Errors: it does not. */
+export const askWhetherAlive = () => ask("/v2/health/live", quickly());
 
 /**
  * { library, generation, unit,
@@ -53,10 +60,10 @@ export const fetchLibrary = () => getJson("/v1/models");
 export const fetchExamples = async () => (await getJson("/v1/examples")).examples;
 
 /**
- * { watched, scans: [{ number, name, query, time, seconds, detections, error, url, answer: its
- *   address }] }, those of numbers above `after`
+ * { watched, epoch: another one where numbers begin anew, scans: [{ number, name, query, time,
+ *   seconds, detections, error, url, answer: its address }] }, those of numbers above `after`
  */
-export const fetchLive = (after) => getJson(`/v1/live?after=${after}`);
+export const fetchLive = (after) => getJson(`/v1/live?after=${after}`, quickly());
 
 /** An answer that the service keeps at an address. */
 export const fetchAnswer = getJson;

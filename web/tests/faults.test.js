@@ -1,4 +1,6 @@
 /** What goes wrong is said, and the page goes on. */
+import { kRestMs } from "../src/pulse.js";
+import { kQuickMs } from "../src/service.js";
 import {
   atRest,
   chooseFiles,
@@ -50,6 +52,36 @@ test.describe("a service that is gone", () => {
       page.getByRole("button", { name: "Try again" }).click(),
     );
     await expect(foundRows(page)).toHaveCount(scene.detections.length);
+  });
+});
+
+test.describe("a service that falls silent", () => {
+  test.use({ allowed: /net::ERR_|status of 503/ });
+
+  test("is said to within two seconds, and no more once it answers", async ({ page }) => {
+    expect(kRestMs + kQuickMs).toBeLessThan(2000);
+    await openPage(page);
+    const banner = page.locator("#away");
+    await expect(banner).toBeHidden();
+    const kHealth = "**/v2/health/live";
+    for (const silence of [() => {}, (route) => route.abort()]) {
+      await page.route(kHealth, silence);
+      await expect(banner).toBeVisible({ timeout: 20_000 });
+      await expect(banner).toContainText("The service does not answer");
+      const [again] = await Promise.all([
+        page.waitForRequest(kHealth),
+        banner.getByRole("button", { name: "Try again" }).click(),
+      ]);
+      expect(again.method()).toBe("GET");
+      await expect(banner).toBeVisible();
+      await page.unroute(kHealth);
+      await expect(banner).toBeHidden();
+    }
+    // Whoever refuses is there.
+    await page.route(kHealth, (route) => route.fulfill({ status: 503, json: {} }));
+    await page.waitForResponse(kHealth);
+    await page.waitForResponse(kHealth);
+    await expect(banner).toBeHidden();
   });
 });
 
