@@ -1,9 +1,10 @@
 /** What the service refused, or that it did not answer, as a sentence for the user. */
 export class ServiceError extends Error {
-  /** status  of HTTP; 0: there was no answer */
-  constructor(message, status) {
+  /** status  of HTTP, 0: there was no answer; told  what else the answer says, if it is JSON */
+  constructor(message, status, told = {}) {
     super(message);
     this.status = status;
+    this.told = told;
   }
 
   /** Whether the same request may be answered another time. */
@@ -28,8 +29,10 @@ export async function ask(target, options = {}) {
   }
   if (response.ok) return response;
   let reason = response.statusText;
+  let told = {};
   try {
-    reason = (await response.json()).error ?? reason;
+    told = await response.json();
+    reason = told.error ?? reason;
   } catch {
     // Not of the service's own: a proxy's page, say. The status has to do.
   }
@@ -37,6 +40,7 @@ export async function ask(target, options = {}) {
   throw new ServiceError(
     `${kHints[response.status] ?? ""}${reason}${wait ? `. Try again in ${wait} s` : ""}.`,
     response.status,
+    told,
   );
 }
 

@@ -187,6 +187,51 @@ test("what is found is marked by keys and buttons, and becomes the truth", async
   await expect(right).toHaveCount(0);
 });
 
+test.describe("two tabs that mark one scan", () => {
+  test.use({ allowed: /status of 409/ });
+
+  test("lose no mark of each other, and tell that there is another", async ({
+    page,
+    context,
+    request,
+  }) => {
+    await keepScans(page, request);
+    await runAll(page, "A");
+    const other = await context.newPage();
+    await openPage(other);
+    await other.keyboard.press("e");
+    for (const tab of [page, other]) {
+      await scanRows(tab).first().click();
+      await expect(foundRows(tab).first()).toBeVisible();
+    }
+    const count = await foundRows(page).count();
+    expect(count).toBeGreaterThan(1);
+    const marks = async () => {
+      const { scenes } = await (await request.get("/v1/session/runs/A/scan_0")).json();
+      return scenes[0].detections.map(({ right }) => right ?? null);
+    };
+    const press = (tab, name, k) => tab.getByRole("button", { name, exact: true }).nth(k).click();
+
+    await press(page, "Wrong", 0);
+    await expect.poll(marks).toEqual([false, ...Array(count - 1).fill(null)]);
+    await press(other, "Right", 1);
+    await expect.poll(marks).toEqual([false, true, ...Array(count - 2).fill(null)]);
+    await expect(other.locator("#verdicts-note")).toContainText("marked elsewhere meanwhile");
+    await expect(other.getByRole("button", { name: "Wrong" }).first()).toHaveAttribute(
+      "aria-pressed",
+      "true",
+    );
+    // The truth, too: the first tab tells it, the second one changes it without having seen it.
+    await page.locator("#all-right").click();
+    await expect(page.locator("#verdicts-note")).toContainText(`${count - 1} right, 1 wrong`);
+    await press(other, "Wrong", 1);
+    await expect(other.locator("#verdicts-note")).toContainText(`${count - 2} right, 2 wrong`);
+    expect(await marks()).toEqual([false, false, ...Array(count - 2).fill(true)]);
+    expect((await indexOf(request)).scans[0].truth).toHaveLength(count - 2);
+    await other.close();
+  });
+});
+
 test.describe("what goes wrong", () => {
   test.use({ allowed: /507/ });
 

@@ -7,11 +7,17 @@ const pathOf = (...names) => [kSession, ...names.map(encodeURIComponent)].join("
 export const kArchive = pathOf("archive");
 export const scanUrl = (name) => pathOf("scans", name);
 
-const sendJson = async (path, value, signal) =>
-  (await ask(path, { method: "PUT", body: JSON.stringify(value), signal })).json();
+/**
+ * version  of what is to be replaced; none: whatever is there
+ * Errors: ServiceError of status 409, which tells what is there, where that has another version.
+ */
+const sendJson = async (path, value, { signal, version } = {}) => {
+  const headers = version ? { "If-Match": version } : {};
+  return (await ask(path, { method: "PUT", body: JSON.stringify(value), headers, signal })).json();
+};
 
 /**
- * { kept, unit, bytes: { used, allowed }, scans: [{ name, bytes, query, truth: poses, or null }],
+ * { kept, unit, bytes: { used, allowed }, scans: [{ name, bytes, query, truth: poses, or null, version }],
  *   runs: [{ name, answers: [{ scan, found, seconds }] }], faults: [{ file, reason }] };
  * where the service keeps none, kept alone is there, and false
  */
@@ -20,10 +26,19 @@ export const fetchSession = () => getJson(kSession);
 export const putScan = (name, parameters, body) =>
   ask(`${scanUrl(name)}?${parameters}`, { method: "PUT", body });
 export const deleteScan = (name) => ask(scanUrl(name), { method: "DELETE" });
-/** truth  [{ model, T_scene_model }]; returns the scan as the index has it */
-export const putTruth = (name, truth) => sendJson(`${scanUrl(name)}/truth`, { truth });
+/**
+ * truth    [{ model, T_scene_model }]
+ * version  of the scan as it was; returns the scan as the index has it then
+ */
+export const putTruth = (name, truth, version) =>
+  sendJson(`${scanUrl(name)}/truth`, { truth }, { version });
 
-export const fetchAnswer = (run, scan) => getJson(pathOf("runs", run, scan));
-export const putAnswer = (run, scan, answer, signal) =>
-  sendJson(pathOf("runs", run, scan), answer, signal);
+/** { answer, version } */
+export async function fetchAnswer(run, scan) {
+  const response = await ask(pathOf("runs", run, scan));
+  return { answer: await response.json(), version: response.headers.get("ETag") };
+}
+/** options  { signal, version: of the answer as it was }; returns { run, scan, version } */
+export const putAnswer = (run, scan, answer, options) =>
+  sendJson(pathOf("runs", run, scan), answer, options);
 export const deleteRun = (run) => ask(pathOf("runs", run), { method: "DELETE" });

@@ -17,10 +17,16 @@ function freeName(file, taken) {
   return name;
 }
 
+/** Whether two lists are of the same detections, however they are marked. */
+const hasSame = (some, others) => {
+  const posed = (all) => JSON.stringify(all.map(({ model, T_scene_model }) => [model, T_scene_model]));
+  return posed(some) === posed(others);
+};
+
 /** The scans that the service keeps, what runs found in them, and what of that is right. */
 export class Session {
   #index;
-  #answers = new Map(); // parsed, by run and scan
+  #answers = new Map(); // { answer, version }, by run and scan
 
   constructor(index) {
     this.#index = index;
@@ -102,14 +108,18 @@ export class Session {
   }
 
   async answer(run, scan) {
+    return (await this.#kept(run, scan)).answer;
+  }
+
+  async #kept(run, scan) {
     const key = `${run}/${scan}`;
     if (!this.#answers.has(key)) this.#answers.set(key, await client.fetchAnswer(run, scan));
     return this.#answers.get(key);
   }
 
   async keepAnswer(run, scan, answer, signal) {
-    await client.putAnswer(run, scan, answer, signal);
-    this.#answers.set(`${run}/${scan}`, answer);
+    const { version } = await client.putAnswer(run, scan, answer, { signal });
+    this.#answers.set(`${run}/${scan}`, { answer, version });
     await this.refresh();
   }
 
@@ -145,30 +155,71 @@ export class Session {
   }
 
   /**
-   * Mark detections of a kept answer, and tell the truth once all of them are marked.
+   * Mark detections of a kept answer, and tell the truth once all of them are marked. Where somebody
+   * else marked the scan meanwhile, these marks are put over those.
    *
    * marks  { index: true, false, or null for not marked }
+   * Returns whether somebody else did. Errors: those of the service; the answer is another one now.
    */
   async mark(run, scan, marks, modelOf) {
-    const answer = await this.answer(run, scan);
-    const { detections } = answer.scenes[0];
-    const old = this.scan(scan).truth;
-    const verdicts = this.verdicts(scan, detections, modelOf);
-    // What these detections say replaces what the truth says of the same places.
-    const places = new Set(matchDetections(old ?? [], detections, modelOf).map(([i]) => i));
-    for (const [index, right] of Object.entries(marks)) {
-      verdicts[index] = right;
-      if (right === null) delete detections[index].right;
-      else detections[index].right = right;
-    }
-    const truth = [
-      ...(old ?? []).filter((_, i) => !places.has(i)),
-      ...detections
-        .filter((_, i) => verdicts[i])
-        .map(({ model, T_scene_model }) => ({ model, T_scene_model })),
-    ];
-    await client.putAnswer(run, scan, answer);
-    if (old || verdicts.every((verdict) => verdict !== null)) await client.putTruth(scan, truth);
+    const isStaleAnswer = await this.#markAnswer(run, scan, marks);
+    if (isStaleAnswer) await this.refresh(); // the truth may be another one, too
+    const isStaleTruth = await this.#tellTruth(run, scan, marks, modelOf);
     await this.refresh();
+    return isStaleAnswer || isStaleTruth;
+  }
+
+  /** Put marks into a kept answer, whichever is there. Returns whether that was another one. */
+  async #markAnswer(run, scan, marks) {
+    const key = `${run}/${scan}`;
+    const { detections: seen } = (await this.answer(run, scan)).scenes[0];
+    for (let isStale = false; ; isStale = true) {
+      const { answer, version } = await this.#kept(run, scan);
+      const marked = structuredClone(answer);
+      if (!hasSame(marked.scenes[0].detections, seen)) {
+        throw new Error("This scan was run again meanwhile, and nothing is marked: open it anew.");
+      }
+      for (const [index, right] of Object.entries(marks)) {
+        const detection = marked.scenes[0].detections[index];
+        if (right === null) delete detection.right;
+        else detection.right = right;
+      }
+      try {
+        const put = await client.putAnswer(run, scan, marked, { version });
+        this.#answers.set(key, { answer: marked, version: put.version });
+        return isStale;
+      } catch (error) {
+        if (error.status !== 409 || !error.told.answer) throw error;
+        this.#answers.set(key, { answer: error.told.answer, version: error.told.version });
+      }
+    }
+  }
+
+  /**
+   * Tell the truth of a scan, once all detections of a kept answer are marked. What they say replaces
+   * what the truth says of the same places. Returns whether it was another one than this one knew.
+   */
+  async #tellTruth(run, scan, marks, modelOf) {
+    const { detections } = (await this.answer(run, scan)).scenes[0];
+    for (let isStale = false; ; isStale = true) {
+      const { truth: old, version } = this.scan(scan);
+      const verdicts = this.verdicts(scan, detections, modelOf);
+      for (const [index, right] of Object.entries(marks)) verdicts[index] = right;
+      if (!old && !verdicts.every((verdict) => verdict !== null)) return isStale;
+      const places = new Set(matchDetections(old ?? [], detections, modelOf).map(([i]) => i));
+      const truth = [
+        ...(old ?? []).filter((_, i) => !places.has(i)),
+        ...detections
+          .filter((_, i) => verdicts[i])
+          .map(({ model, T_scene_model }) => ({ model, T_scene_model })),
+      ];
+      try {
+        await client.putTruth(scan, truth, version);
+        return isStale;
+      } catch (error) {
+        if (error.status !== 409 || !error.told.scan) throw error;
+        Object.assign(this.scan(scan), error.told.scan);
+      }
+    }
   }
 }

@@ -6,6 +6,8 @@ import { measuresOf } from "./measures.js";
 import { SessionPanel } from "./panel.js";
 import { Session } from "./session.js";
 
+const kMerged = " It was marked elsewhere meanwhile: both are kept, and yours where they differ.";
+
 /** What the page shows of the session that the service keeps, if it keeps one. */
 export class SessionTab {
   #session = null;
@@ -104,14 +106,19 @@ export class SessionTab {
       const { scan, run, detections } = kept;
       const truth = this.#session.scan(scan).truth ?? [];
       const names = [...detections, ...truth].map(({ model }) => model);
+      let isStale;
       try {
-        await this.#session.mark(run, scan, marks, await this.#modelOf(names));
+        isStale = await this.#session.mark(run, scan, marks, await this.#modelOf(names));
       } catch (error) {
         byId("verdicts-note").textContent = error.message;
         return;
       }
       this.#panel.show();
-      if (this.#kept === kept) await this.show();
+      if (this.#kept !== kept) return;
+      const { detections: marked } = (await this.#session.answer(run, scan)).scenes[0];
+      kept.detections.splice(0, kept.detections.length, ...marked);
+      await this.show();
+      if (isStale) byId("verdicts-note").textContent += kMerged;
     });
   }
 }
