@@ -1,30 +1,16 @@
 import { copyButton } from "./copy.js";
 import { byId, element, moveByArrows } from "./dom.js";
-import { lengthWords, nearSymmetryWords, numbered, symmetryWords } from "./words.js";
+import { declarationWith, nearTurnsView } from "./near_turns.js";
+import { fetchNearTurnsOfModel } from "./service.js";
+import { lengthWords, numbered, symmetryWords } from "./words.js";
 
-const kDigits = 7; // of the numbers of a declaration, which were floats
+const kAdvice =
+  "Where a scan does not show what tells these poses apart, a detection is ambiguous and its score " +
+  "lower. If it does not matter to you which one it is, put the declaration of a turn into the " +
+  "model’s entry of the manifest that you train from, and none is asked for.";
 
-/** Advice on a model that nearly looks the same in other poses; null where there are none. */
-function adviceOnNear({ near_symmetry: near }) {
-  if (!near.declaration) return null;
-  const rounded = (_, value) =>
-    typeof value === "number" ? Number(value.toPrecision(kDigits)) : value;
-  const text = JSON.stringify(near.declaration, rounded).slice(1, -1); // entries, not an object
-  return element(
-    "details",
-    { className: "near" },
-    element("summary", {}, nearSymmetryWords(near)),
-    element(
-      "p",
-      { className: "dim" },
-      "Where a scan does not show what tells these poses apart, a detection is ambiguous and its " +
-        "score lower. If it does not matter to you which one it is, declare it: put this into the " +
-        "model’s entry of the manifest that you train from, and none is asked for.",
-    ),
-    element("pre", { tabIndex: 0 }, text),
-    element("p", { className: "buttons" }, copyButton("Copy declaration", text)),
-  );
-}
+/** The entries of a manifest that declare a near turn beside what is known already. */
+const entriesWith = (model, turn) => JSON.stringify(declarationWith(model, turn)).slice(1, -1);
 
 /** The models of the library: a list to filter; a click shows one in the view. */
 export class LibraryPanel {
@@ -33,7 +19,7 @@ export class LibraryPanel {
   #rows = [];
 
   /**
-   * onShow(model)            is called when the user picks one
+   * onShow(model, turn)      is called when the user picks one, or one of its near turns
    * onRename(name, to), onRemove(name)  where the service lets models change
    */
   constructor({ onShow, onRename, onRemove }) {
@@ -61,7 +47,13 @@ export class LibraryPanel {
           `${lengthWords(model.diameter, unit)} across, ${symmetryWords(model.symmetry)}`,
         ),
       );
-      const item = element("li", {}, button, adviceOnNear(model), mayChange && this.#changes(model));
+      const near = nearTurnsView(model, kAdvice, {
+        fetchTurns: () => fetchNearTurnsOfModel(model.name),
+        unit,
+        onShow: (turn) => this.onShow(model, turn),
+        actionOf: (turn) => copyButton("Copy declaration", entriesWith(model, turn)),
+      });
+      const item = element("li", {}, button, near, mayChange && this.#changes(model));
       return { model, button, item };
     });
     this.#list.replaceChildren(...this.#rows.map(({ item }) => item));

@@ -62,14 +62,14 @@ const robot = new Robot();
 const robotPanel = new RobotPanel(robot, () => lists.found.refresh());
 const partMeshes = new Meshes();
 const libraryPanel = new LibraryPanel({
-  onShow: (model) => showModel(model),
+  onShow: (model, turn) => showModel(model, meshes, turn),
   onRename: (name, to) => changeLibrary(() => service.renameModel(name, to)),
   onRemove: (name) => changeLibrary(() => service.removeModel(name)),
 });
 const partsPanel = new PartsPanel({
-  onShow: ({ model }) => {
+  onShow: ({ model }, turn) => {
     partMeshes.setModels([model]);
-    showModel(model, partMeshes);
+    showModel(model, partMeshes, turn);
   },
   onPublished: () => loadLibrary(),
 });
@@ -544,8 +544,8 @@ async function changeLibrary(change) {
   }
 }
 
-/** source  of its mesh */
-async function showModel(model, source = meshes) {
+/** source  of its mesh; turn  a near one, which is drawn over it: see fetchNearTurnsOfModel */
+async function showModel(model, source = meshes, turn = null) {
   try {
     const geometry = await source.get(model.name);
     if (byId("models").hidden) return;
@@ -553,11 +553,18 @@ async function showModel(model, source = meshes) {
       ...model.symmetry.axes,
       ...model.near_symmetry.axes.map((axis) => ({ ...axis, near: true })),
     ];
-    view?.showModel(geometry, kAloneColor, axes);
+    const turned = turn && {
+      matrix: new Matrix4().set(...turn.measured.flat()),
+      place: new Vector3(...turn.place),
+    };
+    const shownAxes = turn ? [{ ...turn.axis, near: true }] : axes;
+    view?.showModel(geometry, kAloneColor, shownAxes, turned);
     libraryPanel.mark(model);
     showTools(true);
     byId("welcome").hidden = true;
-    byId("view-title").textContent = model.name;
+    byId("view-title").textContent = turn
+      ? `${model.name}, turned: ${lengthWords(turn.deviation.largest, library.unit)} off at the ball`
+      : model.name;
   } catch (error) {
     byId("models-count").textContent = error.message;
   }

@@ -1,10 +1,14 @@
 import { byId, element } from "./dom.js";
+import { declarationWith, deviationWords, nearTurnsView, nearTurnWords } from "./near_turns.js";
 import { kPartFormats } from "./scan.js";
 import * as service from "./service.js";
-import { countWords, lengthWords, nearSymmetryWords, numbered, secondsWords, symmetryWords } from "./words.js";
+import { countWords, lengthWords, numbered, secondsWords, symmetryWords } from "./words.js";
 
 const kPollMs = 700;
 const kMostName = 128;
+const kAboutNear =
+  "Where a scan does not show what tells these poses apart, a detection is ambiguous and its score " +
+  "lower. Declare a turn only if it does not matter to you by how much it is off.";
 
 /** The name of a model for a file: as `trivet train` names it. */
 export function modelNameOf(file) {
@@ -29,12 +33,10 @@ function factsWords({ facts, model }, unit) {
   const surface = facts.triangles
     ? numbered(facts.triangles, "triangle", "triangles")
     : `a cloud of ${countWords(facts.vertices)} points`;
-  const near = model.near_symmetry;
   return [
     `${lengthWords(model.diameter, unit)} across`,
     surface,
     model.symmetry.declared ? `${symmetryWords(model.symmetry)}, as declared` : symmetryWords(model.symmetry),
-    near.declaration && nearSymmetryWords(near),
   ]
     .filter(Boolean)
     .join(", ");
@@ -50,12 +52,14 @@ export class PartsPanel {
   #parts = [];
   #models = []; // of the library
   #limit = 0; // of a file [byte]
+  #before = new Map(); // what was declared before each declaration, by part
 
   /** Whether the service trains parts. */
   allowed = false;
 
   /**
-   * handlers  onShow(part): draw a trained part; onPublished(): the library changed
+   * handlers  onShow(part, turn): draw a trained part, and what a near turn of it makes of it;
+   *   onPublished(): the library changed
    */
   constructor({ onShow, onPublished }) {
     this.onShow = onShow;
@@ -149,13 +153,13 @@ export class PartsPanel {
       isTrained && element("p", {}, `${factsWords(part, this.#unit)}.`),
       isTrained && old &&
         element("p", { className: "warning" }, `The library has a ${name}, ${lengthWords(old.diameter, this.#unit)} across: this replaces it.`),
+      isTrained && this.#near(part),
       isTrained && facts.warnings.map((words) => element("p", { className: "warning" }, words)),
       element(
         "p",
         { className: "buttons" },
         isTrained && button("Show", "show", () => this.onShow(part)),
-        isTrained && model.near_symmetry.declaration &&
-          button("Declare near symmetry", "declare", () => this.#act(() => service.declarePart(name))),
+        isTrained && model.symmetry.declared && button("Undo declaration", "undo", () => this.#undo(name)),
         isTrained &&
           button(old ? "Replace" : "Publish", "publish", () => this.#act(() => this.#publish(part, old)), "primary"),
         button(isTrained || state === "failed" ? "Discard" : "Stop", "drop", () =>
@@ -163,6 +167,37 @@ export class PartsPanel {
         ),
       ),
     );
+  }
+
+  /** What a part nearly looks the same by, to be declared turn by turn. */
+  #near(part) {
+    const { name, model } = part;
+    const declare = (turn) => {
+      const words =
+        `Declare that ${name} looks the same turned by ${nearTurnWords(turn)}?\n` +
+        `It is then ${deviationWords(turn, this.#unit)}. Poses that differ by this turn count as ` +
+        "one, and a detection may be any of them.";
+      if (!confirm(words)) return;
+      const { declared, declaration } = model.symmetry;
+      this.#before.set(name, [...(this.#before.get(name) ?? []), declared ? declaration : null]);
+      this.#declare(name, declarationWith(model, turn));
+    };
+    return nearTurnsView(model, kAboutNear, {
+      fetchTurns: () => service.fetchNearTurnsOfPart(name),
+      unit: this.#unit,
+      onShow: (turn) => this.onShow(part, turn),
+      actionOf: (turn) =>
+        element("button", { type: "button", onclick: () => declare(turn) }, "Declare this turn"),
+    });
+  }
+
+  #declare(name, declaration) {
+    return this.#act(() => service.declarePart(name, declaration));
+  }
+
+  /** Take back what was declared last, as far as this page knows; else all of it. */
+  #undo(name) {
+    return this.#declare(name, this.#before.get(name)?.pop() ?? null);
   }
 
   /** old  the model that it replaces, if there is one */

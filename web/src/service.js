@@ -19,6 +19,12 @@ const kHints = {
   504: "The service took too long: ",
 };
 
+/**
+ * All that the page asks of the service goes through here.
+ *
+ * options  of fetch()
+ * Errors: ServiceError; AbortError, where the page itself stopped it.
+ */
 export async function ask(target, options = {}) {
   let response;
   try {
@@ -103,7 +109,16 @@ const modelPath = (name) => `/v1/models/${encodeURIComponent(name)}`;
 /** unit  of the file's coordinates */
 export const bringPart = (name, file, unit) =>
   change("PUT", partPath(name), { file: file.name, unit }, file);
-export const declarePart = (name) => change("PATCH", partPath(name));
+/** declaration  as a manifest has it; null: what the service finds */
+export const declarePart = (name, declaration) =>
+  change("PATCH", partPath(name), {}, JSON.stringify({ declaration }));
+/**
+ * [{ motions, axis: { direction, point, turn_deg: null of any turn }, deviation: { median, p90,
+ *   largest }, place: of the largest }] by what a part, or model, nearly looks the same
+ */
+const nearTurns = async (path) => (await getJson(`${path}/near-symmetry`)).turns;
+export const fetchNearTurnsOfPart = (name) => nearTurns(partPath(name));
+export const fetchNearTurnsOfModel = (name) => nearTurns(modelPath(name));
 export const dropPart = (name) => change("DELETE", partPath(name));
 export const publishPart = (name) => change("PUT", modelPath(name));
 export const renameModel = (name, to) => change("PATCH", modelPath(name), { name: to });

@@ -96,7 +96,9 @@ export function orientationOf(rows) {
   };
 }
 
-const fixed = (digits) => (value) => value.toFixed(digits).replace("-", "−");
-export const turnWords = ({ angle, axis }) =>
-  `${angle.toFixed(1)}° about ${axis.map(fixed(2)).join(", ")}`;
+// Rounded first: there is no negative zero.
+const fixed = (digits) => (value) =>
+  (Number(value.toFixed(digits)) || 0).toFixed(digits).replace("-", "−");
+export const axisWords = (axis) => axis.map(fixed(2)).join(", ");
+export const turnWords = ({ angle, axis }) => `${angle.toFixed(1)}° about ${axisWords(axis)}`;
 export const quaternionWords = ({ quaternion }) => quaternion.map(fixed(4)).join(", ");

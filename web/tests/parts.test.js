@@ -65,6 +65,39 @@ test("a part of a name that the library has is published as its replacement", as
   await expect(page.locator("#library-facts")).toContainText("2 models");
 });
 
+test("near symmetries are declared turn by turn, by how far off each is, and undone", async ({
+  page,
+}) => {
+  await openPage(page);
+  // Nearly square: a quarter turn lays sides of 30 mm where those of 29 mm are.
+  await bring(page, boxFile("block.stl", 60, 58, 20));
+  const block = part(page, "block");
+  await expect(block).toContainText("looks the same in 4 poses");
+  await block.getByText("looks nearly the same in").click();
+  const turns = block.locator(".near li");
+  await expect(turns.first()).toBeVisible();
+  const quarter = turns.filter({ hasText: /(89|90)\.\d° about 0.00, 0.00, −?1.00/ }).first();
+  await expect(quarter).toContainText(/up to (0\.9\d|1(\.\d+)?) mm off itself/);
+  await quarter.getByRole("button", { name: "Show this turn" }).click();
+  await expect(page.locator("#view-title")).toContainText(/block, turned: [01.]+\d* mm off at the ball/);
+
+  const words = [];
+  page.on("dialog", (dialog) => words.push(dialog.message()));
+  await quarter.getByRole("button", { name: "Declare this turn" }).click();
+  // With the quarter turns, the half turns between them.
+  await expect(block).toContainText("looks the same in 8 poses, as declared");
+  await expect(block.locator(".near")).toHaveCount(0);
+  expect(words).toHaveLength(1);
+  expect(words[0]).toMatch(/Declare that block looks the same turned by .*up to .* mm off itself/s);
+  await block.getByRole("button", { name: "Undo declaration" }).click();
+  await expect(block).toContainText("looks the same in 4 poses");
+  await expect(block).not.toContainText("as declared");
+  await block.getByText("looks nearly the same in").click();
+  await expect(quarter).toBeVisible();
+  await block.getByRole("button", { name: "Discard" }).click();
+  await expect(block).toHaveCount(0);
+});
+
 test("a damaged file is refused with its reason, and another one trained", async ({ page }) => {
   await openPage(page);
   const whole = boxFile("cut.stl", 60, 40, 20);

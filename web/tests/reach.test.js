@@ -124,35 +124,63 @@ for (const colorScheme of ["light", "dark"]) {
   });
 }
 
-test("what nearly looks the same is told, with what declares it", async ({ page }) => {
-  const declaration = {
-    symmetries: [
-      [
-        [-1, 0, 0, 0],
-        [0, -1, 0, 0],
-        [0, 0, 1, 0],
-        [0, 0, 0, 1],
-      ],
-    ],
-    symmetry_axis: { axis: [0, 0, 1], offset: [0.25, 0, 0] },
-  };
+test("what nearly looks the same is told turn by turn, with what declares each", async ({ page }) => {
+  const turn = (rows, largest, motions = [rows]) => ({
+    motions,
+    axis: { direction: [0, 0, 1], point: [0.25, 0, 0], turn_deg: motions.length ? 180 : null },
+    measured: rows,
+    deviation: { median: 0.0001, p90: largest / 2, largest },
+    place: [0, 0, 0],
+  });
+  const about = (x, y) => [[x, 0, 0, 0], [0, y, 0, 0], [0, 0, x * y, 0], [0, 0, 0, 1]]; // prettier-ignore
+  const symmetry = { poses: 1, axis: false, axes: [], declared: false };
+  symmetry.declaration = { symmetries: [about(1, -1)] };
   await page.route("**/v1/models", async (route) => {
     const response = await route.fetch();
     const library = await response.json();
     for (const model of library.models) {
-      model.near_symmetry = { poses: 0, axis: false, declaration: null };
+      model.near_symmetry = { poses: 0, axis: false, axes: [], declaration: null };
     }
-    library.models[0].near_symmetry = { poses: 1, axis: false, declaration };
+    Object.assign(library.models[0], {
+      symmetry,
+      near_symmetry: { poses: 2, axis: true, axes: [], declaration: { symmetries: [] } },
+    });
+    library.unit = "m";
     await route.fulfill({ response, json: library });
   });
+  await page.route("**/v1/models/*/near-symmetry", (route) =>
+    route.fulfill({ json: { turns: [turn(about(-1, -1), 0.0073), turn(about(-1, 1), 0.026, [])] } }),
+  );
   await openPage(page);
   await page.keyboard.press("m");
-  await expect(page.locator(".near")).toHaveCount(1);
-  await page.getByText("looks nearly the same in 2 poses").click();
-  await expect(page.getByText("declare it")).toBeVisible();
-  const text = await page.locator(".near pre").textContent();
-  expect(JSON.parse(`{${text}}`)).toEqual(declaration);
-  await expect(page.getByRole("button", { name: "Copy declaration" })).toBeVisible();
+  await expect(page.locator("#model-list .near")).toHaveCount(1);
+  await page.getByText("nearly turns freely").click();
+  const turns = page.locator("#model-list .near li");
+  await expect(turns).toHaveCount(2);
+  await expect(turns.first()).toContainText("Turned by 180.0° about 0.00, 0.00, 1.00");
+  await expect(turns.first()).toContainText(
+    "up to 7.3 mm off itself; a tenth of the surface by more than 3.65 mm, half of it by more than 0.1 mm",
+  );
+  await expect(turns.last()).toContainText("any angle about 0.00, 0.00, 1.00");
+  const copied = await page.evaluate(() => {
+    const texts = [];
+    Object.defineProperty(navigator, "clipboard", {
+      value: { writeText: async (text) => texts.push(text) },
+    });
+    window.copied = texts;
+    return texts;
+  });
+  expect(copied).toEqual([]);
+  for (const one of [turns.first(), turns.last()]) {
+    await one.getByRole("button", { name: "Copy declaration" }).click();
+  }
+  const told = await page.evaluate(() => window.copied.map((text) => JSON.parse(`{${text}}`)));
+  expect(told).toEqual([
+    { symmetries: [about(1, -1), about(-1, -1)] },
+    { symmetries: [about(1, -1)], symmetry_axis: { axis: [0, 0, 1], offset: [0.25, 0, 0] } },
+  ]);
+  await turns.first().getByRole("button", { name: "Show this turn" }).click();
+  await expect(page.locator("#view-title")).toContainText("turned: 7.3 mm off at the ball");
 });
 
 test("a bar tells how long things are where the view looks", async ({ page }) => {

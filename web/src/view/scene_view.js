@@ -30,6 +30,7 @@ import { SeenParts } from "./seen_parts.js";
 import { Sensor } from "./sensor.js";
 import { planesOf } from "./slab.js";
 import { makeTurnAxes } from "./turn_axes.js";
+import { makeTurned } from "./turned_model.js";
 
 const kFieldOfView = 40; // [degrees]
 const kMostPixels = 5e6; // of a picture: beyond it high resolutions cost more than they show
@@ -47,6 +48,9 @@ const foundMaterial = () => new MeshLambertMaterial({ flatShading: true, side: D
 
 /** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
 const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispose());
+/** But that of the model itself, which stays for the next time. */
+const freeGeometries = (model) =>
+  model.traverse(({ geometry }) => geometry !== model.geometry && geometry?.dispose());
 
 /**
  * The 3-D view: one scan with posed models, or one model by itself.
@@ -156,6 +160,7 @@ export class SceneView {
       scan: color("--scan"),
       selected: color("--selected"),
       rejected: color("--rejected"),
+      doubt: color("--doubt"),
     };
     this.#solid.background = color("--view");
     this.#inkPoints();
@@ -380,8 +385,13 @@ export class SceneView {
     this.#pilot.flyTo(thing.center, this.#pilot.back, (room * thing.radius) / Math.sin(half));
   }
 
-  /** Show one model by itself, until closeModel(). axes  of its symmetries: see makeTurnAxes */
-  showModel(geometry, color, axes = []) {
+  /**
+   * Show one model by itself, until closeModel().
+   *
+   * axes    of its symmetries: see makeTurnAxes
+   * turned  what is drawn over it, if anything: see makeTurned
+   */
+  showModel(geometry, color, axes = [], turned = null) {
     this.closeModel(false);
     this.#pilot.keepPlace();
     const material = new MeshLambertMaterial({
@@ -394,6 +404,7 @@ export class SceneView {
     this.#model = { mesh, frame: frameOf(geometry.attributes.position.array, null) };
     mesh.matrix.copy(this.#model.frame.toWorld);
     mesh.add(makeTurnAxes(axes, this.#model.frame.radius, this.colors.selected));
+    if (turned) mesh.add(makeTurned(geometry, turned, this.#model.frame.radius, this.colors.doubt));
     this.#solid.add(mesh);
     this.#arrange();
     this.fit(false);
@@ -408,6 +419,7 @@ export class SceneView {
     if (this.#model) {
       this.#model.mesh.removeFromParent();
       freeMaterials(this.#model.mesh);
+      freeGeometries(this.#model.mesh);
       this.#model = null;
     }
     if (!back) return;

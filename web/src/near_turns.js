@@ -1,0 +1,86 @@
+/** By what a model nearly looks the same, turn by turn: how far each takes it off itself. */
+import { element } from "./dom.js";
+import { axisWords, lengthWords, nearSymmetryWords, orientationOf, turnWords } from "./words.js";
+
+const kDigits = 7; // of the numbers of a declaration, which were floats
+
+/** "180.0° about 0.00, 0.00, 1.00", or any turn about it. */
+export function nearTurnWords({ motions, axis }) {
+  if (motions.length) return turnWords(orientationOf(motions[0]));
+  return `any angle about ${axisWords(axis.direction)}`;
+}
+
+/** How far a turn takes the model off itself. unit  of the library */
+export function deviationWords({ deviation: { median, p90, largest } }, unit) {
+  const words = (length) => lengthWords(length, unit);
+  return (
+    `up to ${words(largest)} off itself; a tenth of the surface by more than ${words(p90)}, ` +
+    `half of it by more than ${words(median)}`
+  );
+}
+
+const roundedNumbers = (json) =>
+  JSON.parse(JSON.stringify(json), (_, value) =>
+    typeof value === "number" ? Number(value.toPrecision(kDigits)) : value,
+  );
+
+/** What a model is declared to look the same by, and one near turn more; as a manifest has it. */
+export function declarationWith({ symmetry }, { motions, axis }) {
+  const declared = symmetry.declaration ?? { symmetries: [] };
+  const { direction, point } = axis;
+  return roundedNumbers(
+    motions.length
+      ? { ...declared, symmetries: [...declared.symmetries, ...motions] }
+      : { ...declared, symmetry_axis: { axis: direction, offset: point } },
+  );
+}
+
+function turnRow(turn, { unit, onShow, actionOf }) {
+  return element(
+    "li",
+    {},
+    element("p", {}, `Turned by ${nearTurnWords(turn)}`),
+    element("p", { className: "dim" }, `${deviationWords(turn, unit)}.`),
+    element(
+      "p",
+      { className: "buttons" },
+      element("button", { type: "button", onclick: () => onShow(turn) }, "Show this turn"),
+      actionOf(turn),
+    ),
+  );
+}
+
+/**
+ * A list that opens; null where nothing is near.
+ *
+ * model    { near_symmetry, … }
+ * words    on what the list is good for
+ * handlers { fetchTurns(): promises them, unit: of the library, onShow(turn): draw it,
+ *   actionOf(turn): an element that declares it }
+ */
+export function nearTurnsView({ near_symmetry: near }, words, handlers) {
+  if (!near.declaration) return null;
+  const list = element("ul", {});
+  const status = element("p", { className: "dim", role: "status" });
+  const fill = async () => {
+    status.textContent = "Measuring how far off each turn is …";
+    try {
+      const turns = await handlers.fetchTurns();
+      list.replaceChildren(...turns.map((turn) => turnRow(turn, handlers)));
+      status.textContent = "";
+    } catch (error) {
+      status.textContent = error.message;
+    }
+  };
+  return element(
+    "details",
+    {
+      className: "near",
+      ontoggle: ({ target }) => target.open && !list.childElementCount && fill(),
+    },
+    element("summary", {}, nearSymmetryWords(near)),
+    element("p", { className: "dim" }, words),
+    status,
+    list,
+  );
+}

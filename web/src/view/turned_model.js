@@ -1,0 +1,34 @@
+import { DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, SphereGeometry } from "three";
+
+const kBall = 0.035; // radius, in the model's radii
+const kOpacity = 0.45;
+
+/**
+ * A model as a turn lays it over itself, and a ball where it is farthest off.
+ *
+ * geometry  of the model
+ * turned    { matrix: of the turn, place: of the largest deviation } in the model's frame
+ * radius    of the model
+ */
+export function makeTurned(geometry, { matrix, place }, radius, color) {
+  const copy = new Mesh(
+    geometry,
+    new MeshLambertMaterial({
+      color,
+      flatShading: true,
+      side: DoubleSide,
+      transparent: true,
+      opacity: kOpacity,
+      depthWrite: false,
+    }),
+  );
+  copy.matrixAutoUpdate = false;
+  copy.matrix.copy(matrix);
+  const ball = new Mesh(
+    new SphereGeometry(kBall * radius, 16, 12),
+    new MeshBasicMaterial({ color, depthTest: false, transparent: true }),
+  );
+  ball.renderOrder = 1; // over all else, since it may lie within
+  ball.position.copy(place);
+  return new Group().add(copy, ball);
+}
