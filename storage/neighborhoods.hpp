@@ -6,6 +6,7 @@
 #include <span>
 
 #include "storage/columns.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 
@@ -18,7 +19,8 @@ struct NeighborhoodsView {
   std::span<const std::uint32_t> row(std::size_t i) const noexcept {
     return indices.subspan(offsets[i], offsets[i + 1] - offsets[i]);
   }
-  NeighborhoodsView rows(std::size_t first, std::size_t count) const noexcept {
+  NeighborhoodsView rows(std::size_t first, std::size_t count) const {
+    TRIVET_REQUIRE(first <= size() && count <= size() - first, "rows within the table");
     return {offsets.subspan(first, count + 1), indices};
   }
 };

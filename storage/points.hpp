@@ -6,6 +6,7 @@
 #include <span>
 
 #include "storage/columns.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 
@@ -16,7 +17,8 @@ struct PointsView {
   std::size_t size() const noexcept { return x.size(); }
   bool empty() const noexcept { return x.empty(); }
   Eigen::Vector3f operator[](std::size_t i) const noexcept { return {x[i], y[i], z[i]}; }
-  PointsView slice(std::size_t first, std::size_t count) const noexcept {
+  PointsView slice(std::size_t first, std::size_t count) const {
+    TRIVET_REQUIRE(first <= size() && count <= size() - first, "a slice within the points");
     return {x.subspan(first, count), y.subspan(first, count), z.subspan(first, count)};
   }
 };
@@ -32,7 +34,8 @@ struct PointsSpan {
     z[i] = v.z();
   }
   operator PointsView() const noexcept { return {x, y, z}; }  // NOLINT: reading is always allowed
-  PointsSpan slice(std::size_t first, std::size_t count) const noexcept {
+  PointsSpan slice(std::size_t first, std::size_t count) const {
+    TRIVET_REQUIRE(first <= size() && count <= size() - first, "a slice within the points");
     return {x.subspan(first, count), y.subspan(first, count), z.subspan(first, count)};
   }
 };

@@ -1,11 +1,12 @@
 /// A value or the reason why there is none, with the names of std::expected (absent in C++20).
 #pragma once
 
-#include <cassert>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
+
+#include "storage/precondition.hpp"
 
 namespace trivet {
 
@@ -47,14 +48,14 @@ class [[nodiscard]] Result {
   const T* operator->() const { return &value(); }
 
   const Error& error() const {
-    assert(!has_value() && "error() asked of a result that holds a value");
+    TRIVET_REQUIRE(!has_value(), "a result that holds an error where its error is asked for");
     return *std::get_if<1>(&content_);
   }
 
  private:
   template <class Self>
   static auto& get(Self& self) {
-    assert(self.has_value() && "value() asked of a result that holds an error");
+    TRIVET_REQUIRE(self.has_value(), "a result that holds a value where its value is asked for");
     return *std::get_if<0>(&self.content_);
   }
   std::variant<T, Error> content_;
@@ -70,7 +71,7 @@ class [[nodiscard]] Result<void> {
   bool has_value() const noexcept { return !error_.has_value(); }
   explicit operator bool() const noexcept { return has_value(); }
   const Error& error() const {
-    assert(error_ && "error() asked of a result that holds no error");
+    TRIVET_REQUIRE(error_.has_value(), "a result that holds an error where its error is asked for");
     return *error_;
   }
 

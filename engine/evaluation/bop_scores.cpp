@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -15,6 +14,7 @@
 #include "engine/evaluation/object_view.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/verification/pose_errors.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {
@@ -495,8 +495,8 @@ Result<std::map<std::string, std::size_t>> index_models(const Manifest& manifest
 Result<BopScores> bop_scores(const Manifest& manifest, std::span<const EvaluationMesh> meshes,
                              std::span<const std::optional<SceneResult>> results,
                              const BopOptions& options) {
-  assert(results.size() == manifest.scenes.size() && "one result, or none, for each scene");
-  assert(options.vsd_delta_mm > 0);
+  TRIVET_REQUIRE(results.size() == manifest.scenes.size(), "one result, or none, for each scene");
+  TRIVET_REQUIRE(options.vsd_delta_mm > 0, "a tolerance above zero");
   std::vector<const EvaluationMesh*> used;
   const Result<std::map<std::string, std::size_t>> models = index_models(manifest, meshes, used);
   if (!models) return models.error();

@@ -1,7 +1,6 @@
 #include "engine/evaluation/degrade_scene.hpp"
 
 #include <Eigen/Geometry>
-#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "kernels/surfaces/subsample_voxel_grid.hpp"
 #include "storage/file_pose.hpp"
 #include "storage/formats/keep_points.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {
@@ -120,7 +120,7 @@ Points subsample(PointsView points, Subsampler subsampler, float cell) {
 
 Result<void> degrade_scene(Cloud& cloud, const DegradeOptions& options, float diameter,
                            std::uint64_t seed) {
-  assert(diameter > 0 && "what noise and cells are counted in");
+  TRIVET_REQUIRE(diameter > 0, "what noise and cells are counted in");
   if (!degrades(options)) return {};
   float resolution = 0;
   if (options.noise > 0 || options.ray_noise > 0) {

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <map>
 #include <numeric>
 
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/evaluation/pose_error.hpp"
 #include "kernels/common/quantile.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {
@@ -207,7 +207,7 @@ double Tally::precision() const noexcept {
 Result<Evaluation> evaluate(const Manifest& manifest, std::span<const EvaluationMesh> meshes,
                             std::span<const std::optional<SceneResult>> results, float min_score,
                             bool require_pose) {
-  assert(results.size() == manifest.scenes.size() && "one result, or none, for each scene");
+  TRIVET_REQUIRE(results.size() == manifest.scenes.size(), "one result, or none, for each scene");
   const Result<std::vector<std::string>> scored = scored_with_mesh(manifest, meshes);
   if (!scored) return scored.error();
   Judge judge(*scored, meshes, min_score, require_pose);

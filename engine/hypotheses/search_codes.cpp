@@ -1,10 +1,10 @@
 #include "engine/hypotheses/search_codes.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 #include "engine/common/by_group.hpp"
 #include "engine/common/parallel.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -19,7 +19,7 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
                            std::span<const std::uint8_t> queries, std::size_t probes,
                            std::size_t num_neighbors, const std::function<void()>& after_part) {
   using kernels::CodeNeighbor;
-  assert(index.size() > 0);
+  TRIVET_REQUIRE(index.size() > 0, "an index that holds codes");
   const std::size_t stride = index.stride, n = queries.size() / stride;
   const std::size_t num_lists = index.num_lists(), visited = std::min(probes, num_lists);
   const auto query = [&](std::size_t q) { return queries.subspan(q * stride, stride); };

@@ -1,7 +1,6 @@
 #include "engine/simulation/make_parts.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "engine/common/parallel.hpp"
@@ -10,6 +9,7 @@
 #include "kernels/meshing/decimate_mesh.hpp"
 #include "kernels/simulation/mesh_solid.hpp"
 #include "kernels/surfaces/diameter.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {
@@ -63,7 +63,7 @@ const Family& find_family(const std::string& name) {
     known = engine::parts::household_families();
     found = std::ranges::find(known, name, &Family::name);
   }
-  assert(found != known.end() && "a family of known_families()");
+  TRIVET_REQUIRE(found != known.end(), "a family of known_families()");
   return *found;
 }
 

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -10,6 +9,7 @@
 #include "kernels/simulation/descend.hpp"
 #include "kernels/simulation/pile.hpp"
 #include "kernels/surfaces/diameter.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -192,7 +192,7 @@ double largest_of(std::span<const Body> bodies, std::span<const std::uint32_t> o
 }  // namespace
 
 Body make_body(PointsView vertices, const Triangles& triangles) {
-  assert(!vertices.empty() && !triangles.empty() && "a surface");
+  TRIVET_REQUIRE(!vertices.empty() && !triangles.empty(), "a surface");
   const Vector3d origin = vertices[0].cast<double>();
   double area = 0, volume = 0;
   Vector3d area_moment(0, 0, 0), volume_moment(0, 0, 0), open(0, 0, 0);

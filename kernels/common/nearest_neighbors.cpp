@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cfloat>
 #include <cmath>
 #include <flann/flann.hpp>
 #include <limits>
 #include <optional>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -151,8 +152,8 @@ Result<void> NearestNeighbors::k_nearest(std::span<const float> queries, std::si
                                          std::span<std::uint32_t> indices,
                                          std::span<float> squared_distances) const {
   const std::size_t num_queries = queries.size() / dimension();
-  assert(indices.size() == num_queries * k && "k indices per query");
-  assert(squared_distances.size() == num_queries * k && "k distances per query");
+  TRIVET_REQUIRE(indices.size() == num_queries * k, "k indices per query");
+  TRIVET_REQUIRE(squared_distances.size() == num_queries * k, "k distances per query");
   if (k == 0) return {};
   try {
     for (std::size_t i = 0; i < num_queries; ++i) {
@@ -168,13 +169,13 @@ Result<void> NearestNeighbors::k_nearest(std::span<const float> queries, std::si
 Result<void> NearestNeighbors::k_nearest(PointsView queries, std::size_t k,
                                          std::span<std::uint32_t> indices,
                                          std::span<float> squared_distances) const {
-  assert(dimension() == 3 && "points have three coordinates");
+  TRIVET_REQUIRE(dimension() == 3, "points have three coordinates");
   return k_nearest(interleave(queries), k, indices, squared_distances);
 }
 
 Result<void> NearestNeighbors::count_within(std::span<const float> queries, float radius,
                                             std::span<std::uint32_t> counts) const {
-  assert(counts.size() == queries.size() / dimension() && "one count per query");
+  TRIVET_REQUIRE(counts.size() == queries.size() / dimension(), "one count per query");
   try {
     for (std::size_t i = 0; i < counts.size(); ++i) {
       WithinSet found(radius, {});
@@ -190,13 +191,13 @@ Result<void> NearestNeighbors::count_within(std::span<const float> queries, floa
 Result<void> NearestNeighbors::fill_within(std::span<const float> queries, float radius,
                                            std::span<const std::uint32_t> offsets,
                                            std::span<std::uint32_t> indices) const {
-  assert(offsets.size() == queries.size() / dimension() + 1 && "one row per query");
+  TRIVET_REQUIRE(offsets.size() == queries.size() / dimension() + 1, "one row per query");
   try {
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
       const auto row = indices.subspan(offsets[i], offsets[i + 1] - offsets[i]);
       WithinSet found(radius, row);
       index_->search(queries, i, found);
-      assert(found.count() == row.size() && "rows hold what was counted");
+      TRIVET_REQUIRE(found.count() == row.size(), "rows hold what was counted");
       std::ranges::sort(row);
     }
     return {};

@@ -2,7 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cassert>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -18,7 +19,8 @@ constexpr Eigen::Index kBlock = 256;  // vectors that are widened to double at a
 
 PcaBasis find_components(std::span<const float> vectors, std::size_t dimension,
                          std::size_t max_components, double energy) {
-  assert(dimension > 0 && !vectors.empty() && vectors.size() % dimension == 0);
+  TRIVET_REQUIRE(dimension > 0 && !vectors.empty() && vectors.size() % dimension == 0,
+                 "whole vectors");
   const auto d = static_cast<Eigen::Index>(dimension);
   const Rows rows(vectors.data(), static_cast<Eigen::Index>(vectors.size() / dimension), d);
   VectorXd mean = VectorXd::Zero(d);

@@ -2,8 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
@@ -62,7 +63,7 @@ PoseDistance pose_distance(const Pose& a, const Pose& b, const Symmetry& symmetr
 
 Pose mean_pose(std::span<const Pose> poses, std::span<const float> weights,
                const Eigen::Vector3f& model_center) {
-  assert(!poses.empty() && poses.size() == weights.size() && "one weight per pose");
+  TRIVET_REQUIRE(!poses.empty() && poses.size() == weights.size(), "one weight per pose");
   Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double sum = 0;

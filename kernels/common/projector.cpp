@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
+#include "storage/precondition.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
@@ -83,7 +83,7 @@ Projector::Projector(const PcaBasis& basis)
       stride_(filled_up(basis.dimension, kLanes)),
       mean_(basis.mean),
       components_(filled_up(basis.size(), kComponents) * stride_) {
-  assert(basis.dimension <= kMostNumbers && "vectors are longer than expected");
+  TRIVET_REQUIRE(basis.dimension <= kMostNumbers, "vectors are longer than expected");
   for (std::size_t c = 0; c < num_components_; ++c) {
     for (std::size_t i = 0; i < basis.dimension; ++i)
       components_[c * stride_ + i] =
@@ -91,11 +91,11 @@ Projector::Projector(const PcaBasis& basis)
   }
 }
 
-void Projector::project(std::span<const float> vectors, std::span<float> out) const noexcept {
+void Projector::project(std::span<const float> vectors, std::span<float> out) const {
   const std::size_t d = dimension(), k = num_components_;
   if (d == 0 || k == 0) return;
   const std::size_t n = vectors.size() / d;
-  assert(vectors.size() * k == out.size() * d);
+  TRIVET_REQUIRE(vectors.size() * k == out.size() * d, "one projection a vector");
   alignas(64) std::array<std::int16_t, kVectorsInCache * kMostNumbers> some;
   std::array<float, kMostNumbers> less;
   std::array<float, kVectorsInCache> units;

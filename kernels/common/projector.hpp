@@ -30,9 +30,9 @@ class Projector {
   ///
   /// vectors  n of dimension() finite numbers
   /// out      n of size() numbers
-  /// No allocation, lock or throw. Vectors are independent: any split into chunks gives the same
+  /// No allocation or lock. Vectors are independent: any split into chunks gives the same
   /// bits, on any processor.
-  void project(std::span<const float> vectors, std::span<float> out) const noexcept;
+  void project(std::span<const float> vectors, std::span<float> out) const;
 
  private:
   std::size_t num_components_ = 0;

@@ -2,13 +2,14 @@
 
 #include <array>
 #include <bit>
-#include <cassert>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
 void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std::uint64_t max_key,
                 RadixScratch& scratch) {
-  assert(keys.size() == values.size() && "one value per key");
+  TRIVET_REQUIRE(keys.size() == values.size(), "one value per key");
   // 2^11 counters stay in the first-level cache beside the keys that stream past.
   constexpr int kMaxDigitBits = 11;
   const std::size_t n = keys.size();

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "storage/precondition.hpp"
+
 namespace trivet::kernels {
 namespace {
 
@@ -182,7 +184,7 @@ Error no_points() {
 
 Result<RayScene> RayScene::from_spheres(PointsView centers, float radius) {
   if (centers.empty()) return no_points();
-  assert(radius > 0 && "a sphere without a radius stops no ray");
+  TRIVET_REQUIRE(radius > 0, "a sphere without a radius stops no ray");
   auto state = std::make_unique<State>();
   if (!state->scene) return embree_error("creating a scene");
 
@@ -198,7 +200,7 @@ Result<RayScene> RayScene::from_spheres(PointsView centers, float radius) {
 
 Result<RayScene> RayScene::from_discs(PointsView points, NormalsView normals, float radius) {
   if (points.empty()) return no_points();
-  assert(radius > 0 && "a disc without a radius stops no ray");
+  TRIVET_REQUIRE(radius > 0, "a disc without a radius stops no ray");
   auto state = std::make_unique<State>();
   if (!state->scene) return embree_error("creating a scene");
 

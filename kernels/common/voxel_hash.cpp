@@ -1,8 +1,9 @@
 #include "kernels/common/voxel_hash.hpp"
 
 #include <bit>
-#include <cassert>
 #include <limits>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
@@ -125,15 +126,15 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
 }
 
 void count_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
-                            std::span<std::uint32_t> out) noexcept {
-  assert(out.size() == queries.size() && "one count per query");
+                            std::span<std::uint32_t> out) {
+  TRIVET_REQUIRE(out.size() == queries.size(), "one count per query");
   for (std::size_t i = 0; i < queries.size(); ++i) out[i] = grid.count_within(queries[i], radius);
 }
 
 void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
                            std::span<const std::uint32_t> offsets,
-                           std::span<std::uint32_t> indices) noexcept {
-  assert(offsets.size() == queries.size() + 1 && "one row per query");
+                           std::span<std::uint32_t> indices) {
+  TRIVET_REQUIRE(offsets.size() == queries.size() + 1, "one row per query");
   const PointsView sorted = grid.sorted_;
   const float limit = radius * radius;
   for (std::size_t q = 0; q < queries.size(); ++q) {
@@ -149,7 +150,7 @@ void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radi
         next += VoxelHash::squared_distance(sorted, i, query) <= limit ? 1 : 0;
       }
     });
-    assert(next == end && "rows hold what was counted");
+    TRIVET_REQUIRE(next == end, "rows hold what was counted");
   }
 }
 

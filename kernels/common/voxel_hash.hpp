@@ -175,7 +175,7 @@ class VoxelHash {
 
   friend void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
                                     std::span<const std::uint32_t> offsets,
-                                    std::span<std::uint32_t> indices) noexcept;
+                                    std::span<std::uint32_t> indices);
 
   VoxelLattice lattice_;
   std::uint64_t rows_in_layer_ = 1;  // counts[1]
@@ -193,18 +193,18 @@ class VoxelHash {
 /// queries  m positions
 /// radius   unit of the points; its sphere is included, and so is a query that is itself a point
 /// out      m counts
-/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
+/// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 void count_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
-                            std::span<std::uint32_t> out) noexcept;
+                            std::span<std::uint32_t> out);
 
 /// Write the neighbors of each query, in the order of VoxelHash.
 ///
 /// offsets  m + 1, the exclusive sums of the counts (see Neighborhoods); offsets[0] need not be 0
 /// indices  the whole column: row i goes to indices[offsets[i] .. offsets[i + 1])
 /// Pre: queries and radius are those that were counted.
-/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
+/// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
                            std::span<const std::uint32_t> offsets,
-                           std::span<std::uint32_t> indices) noexcept;
+                           std::span<std::uint32_t> indices);
 
 }  // namespace trivet::kernels

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <limits>
 
+#include "storage/precondition.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
@@ -39,7 +39,7 @@ bool VoxelLattice::fits_64_bits() const noexcept {
 }
 
 VoxelLattice fit_lattice(PointsView points, double cell) {
-  assert(cell > 0 && std::isfinite(cell) && "a voxel has an extent");
+  TRIVET_REQUIRE(cell > 0 && std::isfinite(cell), "a voxel has an extent");
   VoxelLattice lattice{.cell = cell, .inverse_cell = 1 / cell};
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::array<float, 3> low, high;

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,6 +12,7 @@
 
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/meshing/delaunay.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -462,7 +462,7 @@ void Front::fill_holes() {
 
 Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, float max_radius,
                                    NormalsSpan normals) {
-  assert(normals.size() == points.size() && "one normal a point");
+  TRIVET_REQUIRE(normals.size() == points.size(), "one normal a point");
   const std::size_t n = delaunay.places.size();
   if (n < 3) return {};
   Faces faces(delaunay, max_radius);
@@ -497,7 +497,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
 
 Result<Triangles> triangulate_cloud(PointsView points, const Delaunay& delaunay,
                                     NormalsView normals, const TriangulateOptions& options) {
-  assert(normals.size() == points.size() && "one normal a point");
+  TRIVET_REQUIRE(normals.size() == points.size(), "one normal a point");
   Triangles triangles;
   if (delaunay.places.size() < 3) return triangles;
   Faces faces(delaunay, options.max_radius);

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -12,6 +11,7 @@
 #include "kernels/common/median.hpp"
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -464,7 +464,7 @@ Triangles Growth::grow() {
 
 Result<Triangles> triangulate_greedy(PointsView points, NormalsView normals,
                                      const GreedyOptions& options) {
-  assert(points.size() == normals.size() && "one normal a point");
+  TRIVET_REQUIRE(points.size() == normals.size(), "one normal a point");
   Growth growth(points, normals, options);
   if (const Result<void> measured = growth.measure(); !measured) return measured.error();
   return growth.grow();

@@ -2,9 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <numbers>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -109,8 +110,9 @@ void visit_triangles(const PixelGrid& grid, const Judge& judge, Visit&& visit) {
 Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
                            const Eigen::Vector3f& viewpoint, std::span<const float> noise,
                            const GridTriangulationOptions& options, GridTriangulationStats* stats) {
-  assert(grid.point_index.size() == std::size_t{grid.width} * grid.height && "one entry a pixel");
-  assert(noise.size() == points.size() && "one value a point");
+  TRIVET_REQUIRE(grid.point_index.size() == std::size_t{grid.width} * grid.height,
+                 "one entry a pixel");
+  TRIVET_REQUIRE(noise.size() == points.size(), "one value a point");
   const Judge judge(points, viewpoint, noise, options);
 
   // All triangles are wound as most of them face the sensor. One that then faces away is seen from

@@ -1,10 +1,10 @@
 #include "kernels/pair_features/pair_feature.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "kernels/common/fast_angle.hpp"
+#include "storage/precondition.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
@@ -67,9 +67,9 @@ void compute_columns(const ReferenceFrame& reference, std::size_t n, const float
 }  // namespace
 
 void compute_pair_features(const ReferenceFrame& reference, PointsView points, NormalsView normals,
-                           const PairFeaturesSpan& out) noexcept {
-  assert(normals.size() == points.size() && out.distance.size() == points.size() &&
-         "one normal and one feature per point");
+                           const PairFeaturesSpan& out) {
+  TRIVET_REQUIRE(normals.size() == points.size() && out.distance.size() == points.size(),
+                 "one normal and one feature per point");
   compute_columns(reference, points.size(), points.x.data(), points.y.data(), points.z.data(),
                   normals.x.data(), normals.y.data(), normals.z.data(), out.distance.data(),
                   out.angle_n1_d.data(), out.angle_n2_d.data(), out.angle_n1_n2.data(),
@@ -78,10 +78,9 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
 
 TRIVET_SIMD_CLONES
 void quantize_pair_features(const PpfQuantization& quantization, const PairFeaturesSpan& features,
-                            std::span<std::uint32_t> cells,
-                            std::span<std::uint16_t> rotations) noexcept {
+                            std::span<std::uint32_t> cells, std::span<std::uint16_t> rotations) {
   const std::size_t n = features.distance.size();
-  assert(cells.size() == n && rotations.size() == n && "one cell and one rotation per pair");
+  TRIVET_REQUIRE(cells.size() == n && rotations.size() == n, "one cell and one rotation per pair");
   const float per_distance = 1.0F / quantization.distance_step;
   const std::int32_t num_angles = static_cast<std::int32_t>(quantization.num_angle_bins);
   const float per_angle = static_cast<float>(num_angles) / kPi;

@@ -45,7 +45,7 @@ struct PairFeaturesSpan {
 /// Angles by atan2(|a x b|, a . b): acos of a dot product loses precision near 0 and pi.
 /// A pair of coincident points gives distance 0 and angles 0. No allocation; pairs are independent.
 void compute_pair_features(const ReferenceFrame& reference, PointsView points, NormalsView normals,
-                           const PairFeaturesSpan& out) noexcept;
+                           const PairFeaturesSpan& out);
 
 /// Angles as fractions of a full turn: differences wrap by themselves in 16-bit arithmetic.
 inline std::uint16_t quantize_rotation(float angle_rad) noexcept {
@@ -60,7 +60,6 @@ inline constexpr std::uint32_t kNoCell = 0xFFFFFFFFU;
 /// significant, so that tables of equal step and different size share keys. kNoCell for coincident
 /// points or too far ones.
 void quantize_pair_features(const PpfQuantization& quantization, const PairFeaturesSpan& features,
-                            std::span<std::uint32_t> cells,
-                            std::span<std::uint16_t> rotations) noexcept;
+                            std::span<std::uint32_t> cells, std::span<std::uint16_t> rotations);
 
 }  // namespace trivet::kernels

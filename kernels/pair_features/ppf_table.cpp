@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kernels/common/voxel_hash.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
@@ -81,8 +82,8 @@ void choose_references(PointsView points, const Symmetry& symmetry, float margin
 
 void spread_references(PointsView points, NormalsView normals, float distance,
                        std::span<std::uint8_t> is_reference) {
-  assert(normals.size() == points.size() && is_reference.size() == points.size() &&
-         "one normal and one mark per point");
+  TRIVET_REQUIRE(normals.size() == points.size() && is_reference.size() == points.size(),
+                 "one normal and one mark per point");
   if (!(distance > 0)) return;
   constexpr float kLikeCosine = 0.7071F;
   const VoxelHash grid(points, distance);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "kernels/common/median.hpp"
 #include "kernels/common/plane_fit.hpp"
+#include "storage/precondition.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
@@ -138,9 +138,10 @@ TRIVET_SIMD_CLONES
 void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
                            const Eigen::Vector3f& viewpoint, const GridNormalOptions& options,
                            std::size_t first_row, std::size_t num_rows, NormalsSpan normals,
-                           std::span<float> residuals) noexcept {
-  assert(options.window >= 1 && options.window <= GridNormalOptions::kMaxWindow);
-  assert(first_row + num_rows <= pixels.height && "rows of the image");
+                           std::span<float> residuals) {
+  TRIVET_REQUIRE(options.window >= 1 && options.window <= GridNormalOptions::kMaxWindow,
+                 "a window within the margins");
+  TRIVET_REQUIRE(first_row + num_rows <= pixels.height, "rows of the image");
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const float gate_factor = options.gate * static_cast<float>(options.window);
   const float min_points = static_cast<float>(std::max(options.min_points, 3U));

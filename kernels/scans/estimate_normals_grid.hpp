@@ -51,13 +51,13 @@ void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out);
 /// of the nearer horizontal and the nearer vertical neighbor the farther one, at most 3 times the
 /// other. So the gate widens with range and slant, while a step in depth of more than the gate
 /// never blends into a normal; smaller steps do. NaN in both outputs: fewer than min_points, no
-/// neighboring pixel, points on a line, too oblique. No allocation, lock or throw. Rows are
+/// neighboring pixel, points on a line, too oblique. No allocation or lock. Rows are
 /// independent: any split into chunks gives the same bits. Cost: O((2 w + 1)^2) a pixel. Source:
 /// Hoppe et al., SIGGRAPH 1992, tangent plane estimation, on a gated window of pixels.
 void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
                            const Eigen::Vector3f& viewpoint, const GridNormalOptions& options,
                            std::size_t first_row, std::size_t num_rows, NormalsSpan normals,
-                           std::span<float> residuals = {}) noexcept;
+                           std::span<float> residuals = {});
 
 /// Estimate the noise of a scan across its surfaces: one standard deviation, unit of the points.
 ///

@@ -1,8 +1,9 @@
 #include "kernels/scans/find_planes.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <cassert>
 #include <cmath>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -57,8 +58,8 @@ Plane refit(const Plane& plane, PointsView points, NormalsView normals,
 
 std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span<const float> areas,
                                const PlaneOptions& options) {
-  assert(normals.size() == points.size() && areas.size() == points.size() &&
-         "columns of one table");
+  TRIVET_REQUIRE(normals.size() == points.size() && areas.size() == points.size(),
+                 "columns of one table");
   const float min_cosine = std::cos(options.max_angle_rad);
   std::vector<std::uint8_t> taken(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) taken[i] = !std::isfinite(normals.x[i]);
@@ -97,8 +98,8 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
 }
 
 void label_planes(PointsView points, NormalsView normals, std::span<const Plane> planes,
-                  float tolerance, float max_angle_rad, std::span<std::uint8_t> labels) noexcept {
-  assert(labels.size() == points.size() && "one label per point");
+                  float tolerance, float max_angle_rad, std::span<std::uint8_t> labels) {
+  TRIVET_REQUIRE(labels.size() == points.size(), "one label per point");
   const float min_cosine = std::cos(max_angle_rad);
   for (std::size_t i = 0; i < points.size(); ++i) {
     labels[i] = first_plane(planes, [&](const Plane& plane) {
@@ -108,8 +109,8 @@ void label_planes(PointsView points, NormalsView normals, std::span<const Plane>
 }
 
 void label_planes(PointsView points, std::span<const Plane> planes, float tolerance,
-                  std::span<std::uint8_t> labels) noexcept {
-  assert(labels.size() == points.size() && "one label per point");
+                  std::span<std::uint8_t> labels) {
+  TRIVET_REQUIRE(labels.size() == points.size(), "one label per point");
   for (std::size_t i = 0; i < points.size(); ++i) {
     labels[i] = first_plane(
         planes, [&](const Plane& plane) { return lies_near(plane, points[i], tolerance); });

@@ -36,9 +36,9 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
 
 /// Number each point by the first plane it lies on, from 1; 0 for none.
 void label_planes(PointsView points, NormalsView normals, std::span<const Plane> planes,
-                  float tolerance, float max_angle_rad, std::span<std::uint8_t> labels) noexcept;
+                  float tolerance, float max_angle_rad, std::span<std::uint8_t> labels);
 /// The same by position alone.
 void label_planes(PointsView points, std::span<const Plane> planes, float tolerance,
-                  std::span<std::uint8_t> labels) noexcept;
+                  std::span<std::uint8_t> labels);
 
 }  // namespace trivet::kernels

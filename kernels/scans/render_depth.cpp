@@ -1,16 +1,17 @@
 #include "kernels/scans/render_depth.hpp"
 
-#include <cassert>
 #include <limits>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
 void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t width,
                   std::uint32_t first_row, std::span<float> depth,
-                  std::span<std::uint32_t> instances, NormalsSpan normals) noexcept {
-  assert(width > 0 && depth.size() % width == 0 && "whole rows");
-  assert(instances.size() == depth.size() && "one instance per depth");
-  assert((normals.size() == 0 || normals.size() == depth.size()) && "one normal per depth");
+                  std::span<std::uint32_t> instances, NormalsSpan normals) {
+  TRIVET_REQUIRE(width > 0 && depth.size() % width == 0, "whole rows");
+  TRIVET_REQUIRE(instances.size() == depth.size(), "one instance per depth");
+  TRIVET_REQUIRE(normals.size() == 0 || normals.size() == depth.size(), "one normal per depth");
   const Eigen::Vector3f nowhere =
       Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < depth.size(); ++i) {

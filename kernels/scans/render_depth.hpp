@@ -24,6 +24,6 @@ namespace trivet::kernels {
 /// Rows are independent: any split into chunks of rows gives the same bits. No allocation.
 void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t width,
                   std::uint32_t first_row, std::span<float> depth,
-                  std::span<std::uint32_t> instances, NormalsSpan normals = {}) noexcept;
+                  std::span<std::uint32_t> instances, NormalsSpan normals = {});
 
 }  // namespace trivet::kernels

@@ -1,8 +1,7 @@
 #include "kernels/simulation/add_noise.hpp"
 
-#include <cassert>
-
 #include "kernels/common/counter_random.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -13,8 +12,8 @@ constexpr std::uint64_t kGaussian = 0x6A75, kRay = 0x7261, kShot = 0x7368;
 }  // namespace
 
 void add_gaussian_noise(PointsView points, float sigma, std::uint64_t seed, std::size_t first,
-                        PointsSpan out) noexcept {
-  assert(out.size() == points.size() && "one result a point");
+                        PointsSpan out) {
+  TRIVET_REQUIRE(out.size() == points.size(), "one result a point");
   for (std::size_t i = 0; i < points.size(); ++i) {
     CounterRandom random(seed, kGaussian, first + i);
     const auto disturbed = [&](float value) {
@@ -26,8 +25,8 @@ void add_gaussian_noise(PointsView points, float sigma, std::uint64_t seed, std:
 }
 
 void add_ray_noise(PointsView points, const Eigen::Vector3f& viewpoint, float sigma,
-                   std::uint64_t seed, std::size_t first, PointsSpan out) noexcept {
-  assert(out.size() == points.size() && "one result a point");
+                   std::uint64_t seed, std::size_t first, PointsSpan out) {
+  TRIVET_REQUIRE(out.size() == points.size(), "one result a point");
   for (std::size_t i = 0; i < points.size(); ++i) {
     CounterRandom random(seed, kRay, first + i);
     const Eigen::Vector3d point = points[i].cast<double>();
@@ -39,8 +38,8 @@ void add_ray_noise(PointsView points, const Eigen::Vector3f& viewpoint, float si
 }
 
 void add_shot_noise(PointsView points, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                    double share, std::uint64_t seed, std::size_t first, PointsSpan out) noexcept {
-  assert(out.size() == points.size() && "one result a point");
+                    double share, std::uint64_t seed, std::size_t first, PointsSpan out) {
+  TRIVET_REQUIRE(out.size() == points.size(), "one result a point");
   for (std::size_t i = 0; i < points.size(); ++i) {
     CounterRandom random(seed, kShot, first + i);
     const bool moves = random.uniform() < share;

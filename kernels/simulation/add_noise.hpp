@@ -17,23 +17,23 @@ namespace trivet::kernels {
 // first    index of points[0] in the whole cloud: rows are independent, and any split into chunks
 //          gives the same bits
 // out      n positions; may be the points themselves
-// No allocation, lock or throw.
+// No allocation or lock.
 
 /// Add normal noise of standard deviation `sigma` [unit of the points] to x, y and z each.
 /// Source: Drost et al., CVPR 2010, section 5 (sigma as a share of the diameter); Guo et al., IJCV
 /// 2013 (in mesh resolutions).
 void add_gaussian_noise(PointsView points, float sigma, std::uint64_t seed, std::size_t first,
-                        PointsSpan out) noexcept;
+                        PointsSpan out);
 
 /// Add normal noise of standard deviation `sigma` to the distance from the viewpoint, as a range
 /// sensor does. A point at the viewpoint stays where it is.
 void add_ray_noise(PointsView points, const Eigen::Vector3f& viewpoint, float sigma,
-                   std::uint64_t seed, std::size_t first, PointsSpan out) noexcept;
+                   std::uint64_t seed, std::size_t first, PointsSpan out);
 
 /// Move each point with the probability `share` to a place that is uniform in the box from `low` to
 /// `high`, in use that of the cloud. The others keep their bits.
 /// Source: the shot noise of Guo et al., IJCV 2013.
 void add_shot_noise(PointsView points, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                    double share, std::uint64_t seed, std::size_t first, PointsSpan out) noexcept;
+                    double share, std::uint64_t seed, std::size_t first, PointsSpan out);
 
 }  // namespace trivet::kernels

@@ -3,9 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <vector>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -67,7 +68,7 @@ double relax(Held& held, double friction, Velocity& velocity) {
 
 Motion descend(std::span<const Contact> contacts, const Vector3d& center, double gyration,
                double fall, double friction) {
-  assert(gyration > 0 && fall > 0 && "a body of some extent that wants to fall");
+  TRIVET_REQUIRE(gyration > 0 && fall > 0, "a body of some extent that wants to fall");
   std::vector<Held> held;
   held.reserve(contacts.size());
   for (const Contact& contact : contacts) {

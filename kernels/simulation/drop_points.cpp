@@ -1,11 +1,11 @@
 #include "kernels/simulation/drop_points.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "kernels/common/counter_random.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -25,16 +25,15 @@ void keep_at_random(double share, std::uint64_t seed, std::size_t first,
     if (CounterRandom(seed, kThinning, first + i).uniform() >= share) keep[i] = 0;
 }
 
-void drop_half_space(PointsView points, const HalfSpace& gone,
-                     std::span<std::uint8_t> keep) noexcept {
-  assert(keep.size() == points.size() && "one mark a point");
+void drop_half_space(PointsView points, const HalfSpace& gone, std::span<std::uint8_t> keep) {
+  TRIVET_REQUIRE(keep.size() == points.size(), "one mark a point");
   for (std::size_t i = 0; i < points.size(); ++i)
     if (along(gone.direction, points, i) > gone.offset) keep[i] = 0;
 }
 
 HalfSpace cut_share(PointsView points, const Eigen::Vector3f& direction, double share,
-                    std::span<float> scratch) noexcept {
-  assert(scratch.size() == points.size() && "one number a point");
+                    std::span<float> scratch) {
+  TRIVET_REQUIRE(scratch.size() == points.size(), "one number a point");
   const std::size_t n = points.size();
   const auto num_gone =
       static_cast<std::size_t>(std::floor(std::clamp(share, 0.0, 1.0) * static_cast<double>(n)));

@@ -17,7 +17,7 @@ namespace trivet::kernels {
 /// smaller share keeps, a larger one with the same seed keeps too.
 ///
 /// first   index of keep[0] in the whole cloud: any split into chunks gives the same bits
-/// No allocation, lock or throw.
+/// No allocation or lock.
 void keep_at_random(double share, std::uint64_t seed, std::size_t first,
                     std::span<std::uint8_t> keep) noexcept;
 
@@ -31,9 +31,8 @@ struct HalfSpace {
 ///
 /// points   n positions; one that is not finite stays
 /// keep     n marks
-/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
-void drop_half_space(PointsView points, const HalfSpace& gone,
-                     std::span<std::uint8_t> keep) noexcept;
+/// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
+void drop_half_space(PointsView points, const HalfSpace& gone, std::span<std::uint8_t> keep);
 
 /// The half-space that holds a share of the points, those that lie farthest along a direction.
 ///
@@ -41,8 +40,8 @@ void drop_half_space(PointsView points, const HalfSpace& gone,
 /// share     0..1; the half-space holds its floor(share n) points, fewer only where several lie
 ///           equally far at its border
 /// scratch   n numbers
-/// Cost: O(n). No allocation, lock or throw.
+/// Cost: O(n). No allocation or lock.
 HalfSpace cut_share(PointsView points, const Eigen::Vector3f& direction, double share,
-                    std::span<float> scratch) noexcept;
+                    std::span<float> scratch);
 
 }  // namespace trivet::kernels

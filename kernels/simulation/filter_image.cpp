@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
@@ -32,8 +33,8 @@ void smooth_image(const ValueImage& in, std::uint32_t first_row, Along along, st
 }
 
 void median_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t radius,
-                  std::span<float> out) noexcept {
-  assert(radius <= kMaxMedianRadius && "a small square");
+                  std::span<float> out) {
+  TRIVET_REQUIRE(radius <= kMaxMedianRadius, "a small square");
   constexpr std::size_t kMaxSide = 2 * kMaxMedianRadius + 1;
   std::array<float, kMaxSide * kMaxSide> values;
   const auto width = static_cast<int>(in.width), height = static_cast<int>(in.height()),

@@ -30,7 +30,7 @@ void smooth_image(const ValueImage& in, std::uint32_t first_row, Along along, st
 /// Take the median of the measured pixels of a square of side 2 radius + 1; of an even number, the
 /// lower. radius <= kMaxMedianRadius. Pixels without measurement stay so.
 void median_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t radius,
-                  std::span<float> out) noexcept;
+                  std::span<float> out);
 inline constexpr std::uint32_t kMaxMedianRadius = 3;
 
 enum class Fill { least, most };

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstdlib>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -73,9 +74,10 @@ Cluster winner(const Votes& votes, float reach) noexcept {
 }  // namespace
 
 void match_windows(std::span<const float> dots, std::uint32_t width, std::uint32_t first_row,
-                   const WindowMatching& options, std::span<float> disparities) noexcept {
-  assert(width > 0 && dots.size() % width == 0 && disparities.size() % width == 0 && "whole rows");
-  assert(options.half_window >= 1 && options.half_window <= kMaxHalfWindow && "a window");
+                   const WindowMatching& options, std::span<float> disparities) {
+  TRIVET_REQUIRE(width > 0 && dots.size() % width == 0 && disparities.size() % width == 0,
+                 "whole rows");
+  TRIVET_REQUIRE(options.half_window >= 1 && options.half_window <= kMaxHalfWindow, "a window");
   const auto columns = static_cast<int>(width), rows = static_cast<int>(dots.size() / width),
              half = static_cast<int>(options.half_window);
   Votes votes;

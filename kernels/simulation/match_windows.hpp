@@ -38,6 +38,6 @@ inline constexpr std::uint32_t kMaxHalfWindow = 7;
 /// 47, 2002. Windows that need a share of valid dots which agree: Gschwandtner et al., "BlenSor",
 /// ISVC 2011.
 void match_windows(std::span<const float> dots, std::uint32_t width, std::uint32_t first_row,
-                   const WindowMatching& options, std::span<float> disparities) noexcept;
+                   const WindowMatching& options, std::span<float> disparities);
 
 }  // namespace trivet::kernels

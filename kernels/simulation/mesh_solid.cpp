@@ -3,11 +3,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -283,7 +284,7 @@ void add_quadrangle(const Solid& solid, const std::array<std::uint32_t, 4>& q, M
 
 Mesh mesh_solid(const Solid& solid, float cell) {
   if (solid.bounds().isEmpty()) return {};
-  assert(solid.bounds().sizes().allFinite() && "a lattice needs bounds");
+  TRIVET_REQUIRE(solid.bounds().sizes().allFinite(), "a lattice needs bounds");
   const Lattice lattice(solid.bounds(), cell);
   Blocks values(lattice, solid);
   make_well_composed(lattice, values);

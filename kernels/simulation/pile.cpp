@@ -3,8 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -172,7 +173,7 @@ Pile::Pile(double half_side, double cell, const Vector2d& walls)
       cell_(cell),
       walls_(walls),
       side_(static_cast<std::ptrdiff_t>(std::ceil(2 * half_side / cell)) + 1) {
-  assert(half_side > 0 && cell > 0 && "a grid of some extent");
+  TRIVET_REQUIRE(half_side > 0 && cell > 0, "a grid of some extent");
   top_.assign(static_cast<std::size_t>(side_ * side_), -1.0);
   offsets_.assign(top_.size() + 1, 0);
 }

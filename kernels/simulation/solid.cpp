@@ -1,11 +1,12 @@
 #include "kernels/simulation/solid.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -324,7 +325,7 @@ Solid turned(std::span<const Vector2f> profile) {
                      bounds);
     out = out ? *out & edge : edge;
   }
-  assert(out && "a profile has an edge off the axis");
+  TRIVET_REQUIRE(out, "a profile has an edge off the axis");
   return *out;
 }
 

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
 #include "kernels/common/counter_random.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -21,7 +21,7 @@ bool agree(const PointMatches& matches, std::uint32_t i, std::uint32_t j, float 
 }  // namespace
 
 Pose fit_pose(const PointMatches& matches, std::span<const std::uint32_t> chosen) {
-  assert(chosen.size() >= 3);
+  TRIVET_REQUIRE(chosen.size() >= 3, "three matches or more");
   const auto n = static_cast<Eigen::Index>(chosen.size());
   Eigen::Matrix3Xd from(3, n), to(3, n);
   for (Eigen::Index k = 0; k < n; ++k) {

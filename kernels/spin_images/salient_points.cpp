@@ -2,9 +2,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <vector>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kHarris = 0.04;
 
 void rate_by_iss(const VoxelHash& grid, PointsView points, float radius,
                  std::span<float> saliency) {
-  assert(saliency.size() == points.size());
+  TRIVET_REQUIRE(saliency.size() == points.size(), "one saliency a point");
   std::vector<float> weights(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
     weights[i] = 1 / static_cast<float>(std::max(1U, grid.count_within(points[i], radius)));
@@ -46,7 +47,8 @@ void rate_by_iss(const VoxelHash& grid, PointsView points, float radius,
 
 void rate_by_harris(const VoxelHash& grid, PointsView points, NormalsView normals, float radius,
                     std::span<float> saliency) {
-  assert(saliency.size() == points.size() && normals.size() == points.size());
+  TRIVET_REQUIRE(saliency.size() == points.size() && normals.size() == points.size(),
+                 "one saliency and one normal a point");
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -80,7 +82,7 @@ void rate_by_harris(const VoxelHash& grid, PointsView points, NormalsView normal
 
 void find_salient_points(const VoxelHash& grid, PointsView points, std::span<const float> saliency,
                          float radius, Column<std::uint32_t>& indices) {
-  assert(saliency.size() == points.size());
+  TRIVET_REQUIRE(saliency.size() == points.size(), "one saliency a point");
   indices.clear();
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (!(saliency[i] > 0)) continue;

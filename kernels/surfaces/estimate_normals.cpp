@@ -1,9 +1,9 @@
 #include "kernels/surfaces/estimate_normals.hpp"
 
-#include <cassert>
 #include <limits>
 
 #include "kernels/common/plane_fit.hpp"
+#include "storage/precondition.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
@@ -34,9 +34,10 @@ PlaneSums sum_row(PointsView points, std::span<const std::uint32_t> row) {
 }  // namespace
 
 void estimate_normals(PointsView points, NeighborhoodsView neighbors, NormalsSpan normals,
-                      std::span<float> residuals) noexcept {
-  assert(normals.size() == neighbors.size() && "one normal per neighborhood");
-  assert((residuals.empty() || residuals.size() == normals.size()) && "one residual per normal");
+                      std::span<float> residuals) {
+  TRIVET_REQUIRE(normals.size() == neighbors.size(), "one normal per neighborhood");
+  TRIVET_REQUIRE(residuals.empty() || residuals.size() == normals.size(),
+                 "one residual per normal");
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < neighbors.size(); ++i) {
     const PlaneFit plane = fit_plane(sum_row(points, neighbors.row(i)));
@@ -50,9 +51,8 @@ void estimate_normals(PointsView points, NeighborhoodsView neighbors, NormalsSpa
 }
 
 TRIVET_SIMD_CLONES
-void orient_normals(PointsView points, const Eigen::Vector3f& viewpoint,
-                    NormalsSpan normals) noexcept {
-  assert(normals.size() == points.size() && "one normal per point");
+void orient_normals(PointsView points, const Eigen::Vector3f& viewpoint, NormalsSpan normals) {
+  TRIVET_REQUIRE(normals.size() == points.size(), "one normal per point");
   const float vx = viewpoint.x(), vy = viewpoint.y(), vz = viewpoint.z();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float towards = normals.x[i] * (vx - points.x[i]) + normals.y[i] * (vy - points.y[i]) +

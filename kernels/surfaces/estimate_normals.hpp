@@ -19,17 +19,16 @@ namespace trivet::kernels {
 /// residuals  m root mean square distances to the plane, unit of the points, NaN where the normal
 ///            is; or empty if not wanted
 /// Pre: normals.size() == neighbors.size(). Outputs must not alias points.
-/// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
+/// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 /// Source: Hoppe et al., SIGGRAPH 1992, tangent plane estimation; about the mean, not the query.
 void estimate_normals(PointsView points, NeighborhoodsView neighbors, NormalsSpan normals,
-                      std::span<float> residuals = {}) noexcept;
+                      std::span<float> residuals = {});
 
 /// Turn normals to the side of their surface that a sensor sees.
 ///
 /// points     n positions
 /// viewpoint  where the sensor stood, same frame and unit
 /// normals    n unit vectors, turned in place where normal . (viewpoint - point) < 0
-void orient_normals(PointsView points, const Eigen::Vector3f& viewpoint,
-                    NormalsSpan normals) noexcept;
+void orient_normals(PointsView points, const Eigen::Vector3f& viewpoint, NormalsSpan normals);
 
 }  // namespace trivet::kernels

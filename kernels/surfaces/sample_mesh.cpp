@@ -2,8 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -41,8 +42,8 @@ double fraction(double x) { return x - std::floor(x); }
 
 }  // namespace
 
-double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums) noexcept {
-  assert(sums.size() == triangles.size() && "one sum per triangle");
+double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums) {
+  TRIVET_REQUIRE(sums.size() == triangles.size(), "one sum per triangle");
   double sum = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     sum += 0.5 * scaled_normal(vertices, triangles, t).norm();
@@ -53,11 +54,12 @@ double sum_areas(PointsView vertices, const Triangles& triangles, std::span<doub
 
 void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
                  std::uint64_t seed, std::size_t first, std::size_t num_samples, PointsSpan points,
-                 NormalsSpan normals) noexcept {
-  assert(area_sums.size() == triangles.size() && "one sum per triangle");
-  assert(!area_sums.empty() && area_sums.back() > 0 && "a surface without area has no samples");
-  assert(normals.size() == points.size() && "one normal per point");
-  assert(first + points.size() <= num_samples && "samples beyond the last");
+                 NormalsSpan normals) {
+  TRIVET_REQUIRE(area_sums.size() == triangles.size(), "one sum per triangle");
+  TRIVET_REQUIRE(!area_sums.empty() && area_sums.back() > 0,
+                 "a surface without area has no samples");
+  TRIVET_REQUIRE(normals.size() == points.size(), "one normal per point");
+  TRIVET_REQUIRE(first + points.size() <= num_samples, "samples beyond the last");
 
   // The two numbers of the R2 sequence: 1/g and 1/g^2 with g^3 = g + 1.
   constexpr double kStepU = 0.75487766624669276;

@@ -16,7 +16,7 @@ namespace trivet::kernels {
 /// sums       m running sums [m^2]: sums[t] is the area of triangles 0..t; equal to the one before
 ///            where a triangle has no area
 /// Returns the whole area [m^2], 0 for an empty mesh.
-double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums) noexcept;
+double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums);
 
 /// Write the samples first .. first + points.size() of a set of num_samples over the whole surface.
 ///
@@ -33,6 +33,6 @@ double sum_areas(PointsView vertices, const Triangles& triangles, std::span<doub
 /// ("A low-distortion map between triangle and square", 2019).
 void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
                  std::uint64_t seed, std::size_t first, std::size_t num_samples, PointsSpan points,
-                 NormalsSpan normals) noexcept;
+                 NormalsSpan normals);
 
 }  // namespace trivet::kernels

@@ -1,14 +1,14 @@
 #include "kernels/surfaces/solid_angles.hpp"
 
-#include <cassert>
 #include <cmath>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 
 SolidAngles sum_solid_angles(PointsView vertices, const Triangles& triangles,
-                             const Eigen::Vector3d& eye, std::size_t first,
-                             std::size_t count) noexcept {
-  assert(first + count <= triangles.size() && "triangles beyond the last");
+                             const Eigen::Vector3d& eye, std::size_t first, std::size_t count) {
+  TRIVET_REQUIRE(first + count <= triangles.size(), "triangles beyond the last");
   const auto corner = [&](std::uint32_t vertex) -> Eigen::Vector3d {
     return vertices[vertex].cast<double>() - eye;
   };

@@ -23,7 +23,6 @@ struct SolidAngles {
 /// Source: van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed.
 /// Eng. 30, 1983, eq. 8.
 SolidAngles sum_solid_angles(PointsView vertices, const Triangles& triangles,
-                             const Eigen::Vector3d& eye, std::size_t first,
-                             std::size_t count) noexcept;
+                             const Eigen::Vector3d& eye, std::size_t first, std::size_t count);
 
 }  // namespace trivet::kernels

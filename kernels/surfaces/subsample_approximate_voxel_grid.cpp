@@ -2,9 +2,10 @@
 
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <cstdint>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -33,7 +34,7 @@ void send_out(const RunningSum& entry, Points& out) {
 }  // namespace
 
 void subsample_approximate_voxel_grid(PointsView points, float cell, Points& out) {
-  assert(cell > 0 && "a voxel has an extent");
+  TRIVET_REQUIRE(cell > 0, "a voxel has an extent");
   const double inverse_cell = 1.0 / cell;
   std::array<RunningSum, std::size_t{1} << kTableBits> table;
   out.resize(0);

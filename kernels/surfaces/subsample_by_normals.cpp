@@ -1,9 +1,10 @@
 #include "kernels/surfaces/subsample_by_normals.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -27,7 +28,7 @@ void group_by_normal(PointsView points, NormalsView normals, std::span<const std
 
 void subsample_by_normals(PointsView points, NormalsView normals, float cell, float max_angle_rad,
                           Points& out_points, Normals& out_normals, SubsampleScratch& scratch) {
-  assert(normals.size() == points.size() && "one normal per point");
+  TRIVET_REQUIRE(normals.size() == points.size(), "one normal per point");
   // From pi on every direction agrees, whatever rounding does to a dot product near -1.
   const float min_cosine = max_angle_rad < std::numbers::pi_v<float> ? std::cos(max_angle_rad) : -2;
   Voxels& voxels = scratch.voxels;

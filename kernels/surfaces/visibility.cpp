@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "storage/precondition.hpp"
 #include "storage/simd.hpp"
 
 namespace trivet::kernels {
@@ -133,8 +134,9 @@ std::size_t nearest_view(const Eigen::Vector3f& direction) noexcept {
 }
 
 void compute_views(const RayScene& scene, PointsView points, NormalsView normals, float offset,
-                   const ViewMask& wanted, std::span<ViewMask> masks) noexcept {
-  assert(normals.size() == points.size() && masks.size() == points.size() && "one each a point");
+                   const ViewMask& wanted, std::span<ViewMask> masks) {
+  TRIVET_REQUIRE(normals.size() == points.size() && masks.size() == points.size(),
+                 "one each a point");
   Cosines cosines;
   for (std::size_t i = 0; i < points.size(); ++i) {
     dot_views(normals[i], cosines);
@@ -143,8 +145,9 @@ void compute_views(const RayScene& scene, PointsView points, NormalsView normals
 }
 
 void orient_outward(const RayScene& scene, PointsView points, NormalsSpan normals, float offset,
-                    std::span<ViewMask> masks) noexcept {
-  assert(normals.size() == points.size() && masks.size() == points.size() && "one each a point");
+                    std::span<ViewMask> masks) {
+  TRIVET_REQUIRE(normals.size() == points.size() && masks.size() == points.size(),
+                 "one each a point");
   const NormalsView given = normals;
   Cosines cosines;
   for (std::size_t i = 0; i < points.size(); ++i) {

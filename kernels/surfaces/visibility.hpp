@@ -54,7 +54,7 @@ inline constexpr ViewMask kAllViews{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::
 ///          point towards the camera meets nothing. NaN normals give an empty mask.
 /// Rows are independent: any split into chunks gives the same bits. No allocation.
 void compute_views(const RayScene& scene, PointsView points, NormalsView normals, float offset,
-                   const ViewMask& wanted, std::span<ViewMask> masks) noexcept;
+                   const ViewMask& wanted, std::span<ViewMask> masks);
 
 /// Turn each normal to the outside, which is the side with more free views, and give its views.
 ///
@@ -63,6 +63,6 @@ void compute_views(const RayScene& scene, PointsView points, NormalsView normals
 /// one; otherwise it is kept: both sides of an open sheet are outside. An empty mask says that no
 /// view reaches either side: the point is inside the object, drop it.
 void orient_outward(const RayScene& scene, PointsView points, NormalsSpan normals, float offset,
-                    std::span<ViewMask> masks) noexcept;
+                    std::span<ViewMask> masks);
 
 }  // namespace trivet::kernels

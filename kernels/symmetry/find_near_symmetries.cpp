@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "kernels/surfaces/visibility.hpp"
 #include "kernels/symmetry/angles.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -310,7 +310,7 @@ class NearSearch {
 
 NearSymmetries find_near_symmetries(const ModelSamples& samples, const SampledSurface& surface,
                                     const TurnScreen& screen, const Symmetry& symmetry) {
-  assert(samples.points.size() == surface.size() && "the surface is that of the samples");
+  TRIVET_REQUIRE(samples.points.size() == surface.size(), "the surface is that of the samples");
   if (surface.size() < kMinSurface) return {};
   return NearSearch(samples, surface, screen, symmetry).run();
 }

@@ -1,10 +1,11 @@
 #include "kernels/verification/adapt_score.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <vector>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -180,7 +181,7 @@ ScoreAdaptation part_of_the_way(const ScoreAdaptation& adaptation, float share) 
 
 ScoreAdaptation fit_adaptation(const ScoreModel& model, std::span<const ScoreParts> parts,
                                std::span<const std::uint8_t> right) {
-  assert(parts.size() == right.size() && "one outcome a row");
+  TRIVET_REQUIRE(parts.size() == right.size(), "one outcome a row");
   AdaptationFit fit(model, parts, right);
   const ScoreAdaptation unbounded = fit.minimize(0);
   if (largest_raise(model, unbounded) <= kMaxRaise) return unbounded;

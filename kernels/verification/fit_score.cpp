@@ -1,10 +1,11 @@
 #include "kernels/verification/fit_score.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -76,7 +77,7 @@ double fit_along(FitCoordinate& c, std::span<const std::uint8_t> right, double r
 
 ScoreModel fit_score(std::span<const ScoreParts> parts, std::span<const std::uint8_t> right,
                      double ridge) {
-  assert(parts.size() == right.size() && !parts.empty() && ridge > 0 && "one outcome a row");
+  TRIVET_REQUIRE(parts.size() == right.size() && !parts.empty() && ridge > 0, "one outcome a row");
   ScoreModel model;
   for (std::size_t part = 0; part < kCorrelationPart; ++part)
     model.knots[part] = knots_of(parts, part);

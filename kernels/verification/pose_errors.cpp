@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "storage/precondition.hpp"
+
 namespace trivet::kernels {
 namespace {
 
@@ -99,9 +101,8 @@ double mspd(PointsView vertices, const Camera& camera, const Isometry3d& estimat
   });
 }
 
-void depths_to_distances(const Camera& camera, std::uint32_t width,
-                         std::span<float> depths) noexcept {
-  assert(width > 0 && depths.size() % width == 0 && "whole rows");
+void depths_to_distances(const Camera& camera, std::uint32_t width, std::span<float> depths) {
+  TRIVET_REQUIRE(width > 0 && depths.size() % width == 0, "whole rows");
   for (std::size_t i = 0; i < depths.size(); ++i) {
     const double x = (static_cast<double>(i % width) - camera.cx) / camera.fx;
     const double y = (static_cast<double>(i / width) - camera.cy) / camera.fy;
@@ -110,9 +111,8 @@ void depths_to_distances(const Camera& camera, std::uint32_t width,
 }
 
 void vsd(const DistanceMap& measured, const DistanceMap& estimate, const DistanceMap& truth,
-         double delta, double diameter, std::span<const double> taus,
-         std::span<double> errors) noexcept {
-  assert(errors.size() == taus.size() && diameter > 0 && "one error a tolerance");
+         double delta, double diameter, std::span<const double> taus, std::span<double> errors) {
+  TRIVET_REQUIRE(errors.size() == taus.size() && diameter > 0, "one error a tolerance");
   std::size_t in_truth = 0, in_estimate = 0, in_both = 0;
   for_surface(truth, [&](std::uint32_t u, std::uint32_t v, float distance) {
     if (is_visible(distance, measured.at(u, v), delta)) ++in_truth;

@@ -60,8 +60,7 @@ inline bool is_visible(float surface, float measured, double delta) noexcept {
 /// Turn depths along the optical axis into distances along the rays, in place.
 ///
 /// camera  of the window (camera_of_window) that the rows of `width` pixels are
-void depths_to_distances(const Camera& camera, std::uint32_t width,
-                         std::span<float> depths) noexcept;
+void depths_to_distances(const Camera& camera, std::uint32_t width, std::span<float> depths);
 
 /// Visible surface discrepancy, for several tolerances at once.
 ///
@@ -77,7 +76,6 @@ void depths_to_distances(const Camera& camera, std::uint32_t width,
 /// A surface is visible where nothing was measured, or nothing more than delta in front of it; that
 /// of the estimate also where the truth is. No allocation.
 void vsd(const DistanceMap& measured, const DistanceMap& estimate, const DistanceMap& truth,
-         double delta, double diameter, std::span<const double> taus,
-         std::span<double> errors) noexcept;
+         double delta, double diameter, std::span<const double> taus, std::span<double> errors);
 
 }  // namespace trivet::kernels

@@ -1,9 +1,10 @@
 #include "storage/formats/keep_points.hpp"
 
-#include <cassert>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {
@@ -20,7 +21,7 @@ void move_up(std::span<const std::uint32_t> index, std::size_t num_kept, Points&
 }  // namespace
 
 void keep_points(std::span<const std::uint8_t> keep, Cloud& cloud) {
-  assert(keep.size() == cloud.points.size() && "one mark a point");
+  TRIVET_REQUIRE(keep.size() == cloud.points.size(), "one mark a point");
   std::size_t num_kept = 0;
   std::vector<std::uint32_t> index(keep.size(), kDropped);
   for (std::size_t i = 0; i < keep.size(); ++i) {

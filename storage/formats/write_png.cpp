@@ -5,12 +5,12 @@
 
 #include <array>
 #include <bit>
-#include <cassert>
 #include <csetjmp>
 #include <cstring>
 #include <new>
 
 #include "storage/file.hpp"
+#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {
@@ -80,7 +80,7 @@ Result<std::vector<std::byte>> encode(const Rows& rows) {
 Result<void> write_gray(const std::filesystem::path& file, std::span<const std::byte> pixels,
                         int bits, std::uint32_t width) {
   const std::size_t stride = std::size_t{width} * static_cast<std::size_t>(bits) / 8;
-  assert(stride > 0 && pixels.size() % stride == 0 && "whole rows");
+  TRIVET_REQUIRE(stride > 0 && pixels.size() % stride == 0, "whole rows");
   const auto bytes =
       encode({width, static_cast<std::uint32_t>(pixels.size() / stride), bits, PNG_COLOR_TYPE_GRAY,
               reinterpret_cast<const png_byte*>(pixels.data()), stride});
@@ -91,8 +91,8 @@ Result<void> write_gray(const std::filesystem::path& file, std::span<const std::
 }  // namespace
 
 Result<std::vector<std::byte>> encode_png(const Picture& picture) {
-  assert(picture.rgb.size() == std::size_t{3} * picture.width * picture.height &&
-         "three bytes a pixel");
+  TRIVET_REQUIRE(picture.rgb.size() == std::size_t{3} * picture.width * picture.height,
+                 "three bytes a pixel");
   return encode({picture.width, picture.height, 8, PNG_COLOR_TYPE_RGB, picture.rgb.data(),
                  std::size_t{3} * picture.width});
 }
