@@ -6,6 +6,7 @@
 #include "engine/common/parallel.hpp"
 #include "kernels/pair_features/scene_pairs.hpp"
 #include "kernels/pair_features/vote.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -49,8 +50,9 @@ PpfQuantization shared_quantization(const Library& library, std::span<const std:
     const PpfQuantization& own = library.models[m].ppf.quantization;
     if (own.num_distance_bins > quantization.num_distance_bins) quantization = own;
   }
-  quantization.num_distance_bins = static_cast<std::uint32_t>(
-      std::ceil(radius * static_cast<float>(quantization.num_distance_bins)));
+  quantization.num_distance_bins =
+      whole_number(std::ceil(radius * static_cast<float>(quantization.num_distance_bins)), 0U,
+                   quantization.num_distance_bins);
   return quantization;
 }
 

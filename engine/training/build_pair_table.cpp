@@ -11,6 +11,7 @@
 #include "engine/common/parallel.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/pair_features/ppf_table.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -19,6 +20,7 @@ constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
 constexpr std::size_t kPairGrain = 16;  // references a task; each pairs with all points
 constexpr std::size_t kTableChunks =
     8;  // fixed, so that the table does not depend on the number of threads
+constexpr std::uint32_t kMostDistances = 1U << 20;
 constexpr std::size_t kMaxPpfPoints = 65536;  // what a 16-bit reference can name
 
 struct TableStorage {
@@ -130,7 +132,8 @@ Result<PairTable> build_pair_table(const SurveyedModel& model, const Symmetry& s
       references_first(symmetry, step, options.reference_spacing * step, surface);
   const std::vector<ViewMask> views = views_of_points(model, surface);
   const PpfQuantization quantization{
-      step, static_cast<std::uint32_t>(std::ceil(model.diameter / step)), options.num_angle_bins};
+      step, whole_number(std::ceil(model.diameter / step), 1U, kMostDistances),
+      options.num_angle_bins};
   const auto table = std::make_shared<const TableStorage>(
       fill_table({surface.points, surface.normals, views}, quantization, num_references));
   if (table->entries.empty()) {

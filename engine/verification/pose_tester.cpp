@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/scans/estimate_normals_grid.hpp"
+#include "storage/whole_number.hpp"
+
 namespace trivet::engine {
 namespace {
 
@@ -44,7 +47,9 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
 
 kernels::MeasurementErrors PoseTester::errors_of(const Pose& pose) const {
   // In correlated noise, half a patch of the windows that they are measured in errs alike.
-  const int window = 2 * static_cast<int>(std::lround(scene_.window)) + 1;
+  const int window = 2 * whole_number(std::round(scene_.window), 0,
+                                      static_cast<int>(kernels::GridNormalOptions::kMaxWindow)) +
+                     1;
   const bool correlated = scene_.sensor.correlated_noise.height > kCorrelated * scene_.sensor.noise;
   return {error_at(pose), correlated ? static_cast<int>(kernels::kPatch / 2) * window : 3,
           scene_.sensor.correlation};

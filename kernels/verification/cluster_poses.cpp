@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "kernels/common/pose_math.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -50,9 +51,11 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
   for (const std::uint32_t i : order) {
     const Eigen::Vector3f center = hypotheses[i].T_scene_model * model_center;
     const Eigen::Array3f scaled = (center / options.max_translation).array().floor();
-    const auto cx = static_cast<std::int64_t>(scaled.x()),
-               cy = static_cast<std::int64_t>(scaled.y()),
-               cz = static_cast<std::int64_t>(scaled.z());
+    const auto cell = [](float coordinate) {
+      constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
+      return whole_number(coordinate, -kFarthest, kFarthest);
+    };
+    const std::int64_t cx = cell(scaled.x()), cy = cell(scaled.y()), cz = cell(scaled.z());
 
     // The strongest fitting cluster has the lowest number, whatever cell it is found in.
     std::uint32_t best = static_cast<std::uint32_t>(clusters.size());

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "kernels/symmetry/turn_axis.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
 constexpr float kStep = 4 * kDegree;  // the hole of a flange is seen at some 5 degrees
 constexpr float kFinest = 0.5F * kDegree;
-constexpr std::size_t kFewest = 4;
+constexpr std::size_t kFewest = 4, kMost = 360;
 constexpr double kAsWell = 0.1;
 
 }  // namespace
@@ -29,7 +30,7 @@ TurnComparison compare_turns(std::span<const RangeImage> images, const RayScene&
                          errors, options, scratch)
         .log_ratio;
   };
-  const auto n = std::max(kFewest, static_cast<std::size_t>(std::lround(period / kStep)));
+  const auto n = whole_number(std::round(period / kStep), kFewest, kMost);
   const float step = period / static_cast<float>(n);
   std::vector<float> angles(n);
   std::vector<double> logs(n, 0);

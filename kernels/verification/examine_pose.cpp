@@ -7,6 +7,7 @@
 
 #include "kernels/common/slope_fit.hpp"
 #include "kernels/verification/ray_crop.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -33,6 +34,8 @@ constexpr float kShallow = 6;
 // Where neighbors err alike, depth is wrong by a few tolerances in places: what lies so much
 // farther than a whole one behind the model is looked through for sure.
 constexpr float kSoftness = 1.5F;
+
+constexpr int kMostReach = 4096;  // pixels; of a surface next to the camera there were no end
 
 enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 
@@ -144,8 +147,8 @@ class Examiner {
   /// Average the residuals over windows, and fit planes to them.
   void smooth(Sums& sums) {
     sum_up();
-    const int half = std::max(
-        1, static_cast<int>(std::lround(options_.window / static_cast<float>(crop_.stride))));
+    const int half =
+        whole_number(std::round(options_.window / static_cast<float>(crop_.stride)), 1, kMostReach);
     const double tolerance = static_cast<double>(options_.verify.tolerance);
     for (int j = 0; j < crop_.height; ++j) {
       for (int i = 0; i < crop_.width; ++i) {
@@ -292,7 +295,7 @@ class Examiner {
   /// meets the model, and the next one.
   int reach(float z) const noexcept {
     return crop_.stride - 1 +
-           std::max({3, edge_ + 1, static_cast<int>(0.03F * diameter_ * g_.fx / z)});
+           std::max({3, edge_ + 1, whole_number(0.03F * diameter_ * g_.fx / z, 0, kMostReach)});
   }
 
   /// Add what lies beyond a place of the outline; returns whether that is free.

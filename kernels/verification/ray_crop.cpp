@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "storage/whole_number.hpp"
+
 namespace trivet::kernels {
 namespace {
 
@@ -19,14 +21,19 @@ PixelBox PixelBox::joined(const PixelBox& other) const noexcept {
 
 RayCrop::RayCrop(const PixelBox& box, int margin) noexcept {
   const float wide = box.u1 - box.u0, high = box.v1 - box.v0;
-  stride = std::max(1, static_cast<int>(std::ceil(std::max(wide, high) / kMaxSide)));
+  // The camera is just outside the ball: its cone may be of any width.
+  constexpr int kMostPixels = 1 << 24;
+  stride = whole_number(std::ceil(std::max(wide, high) / kMaxSide), 1, kMostPixels);
   const auto rays = [&](float length) {
-    return static_cast<int>(std::ceil(length / static_cast<float>(stride))) + 2 * margin;
+    return whole_number(std::ceil(length / static_cast<float>(stride)), 0, kMaxSide) + 2 * margin;
+  };
+  const auto middle = [](float from, float to) {
+    return whole_number(std::floor(0.5F * (from + to)), -kMostPixels, kMostPixels);
   };
   width = rays(wide);
   height = rays(high);
-  u0 = static_cast<int>(std::floor(0.5F * (box.u0 + box.u1))) - stride * (width / 2);
-  v0 = static_cast<int>(std::floor(0.5F * (box.v0 + box.v1))) - stride * (height / 2);
+  u0 = middle(box.u0, box.u1) - stride * (width / 2);
+  v0 = middle(box.v0, box.v1) - stride * (height / 2);
 }
 
 float ball_diameter(const ModelSamples& samples) noexcept {

@@ -8,6 +8,7 @@
 
 #include "kernels/verification/posed_samples.hpp"
 #include "storage/simd.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::kernels {
 
@@ -233,9 +234,8 @@ OutlineGrid grid_around(const Eigen::Vector3f& center, float diameter, float spa
                         const ImageGeometry& geometry) noexcept {
   OutlineGrid grid;
   grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / center.z());
-  grid.side = std::min(
-      kOutlineSide,
-      static_cast<int>(std::ceil(2 * diameter * geometry.fx / (center.z() * grid.cell))) + 8);
+  const float needed = std::ceil(2 * diameter * geometry.fx / (center.z() * grid.cell));
+  grid.side = std::min(kOutlineSide, whole_number(needed, 0, kOutlineSide) + 8);
   const float half = grid.cell * static_cast<float>(grid.side) / 2;
   grid.u0 = geometry.fx * center.x() / center.z() + geometry.cx - half;
   grid.v0 = geometry.fy * center.y() / center.z() + geometry.cy - half;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -14,6 +15,7 @@
 #include "storage/files/json_file.hpp"
 #include "storage/files/scalar.hpp"
 #include "storage/result.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::formats {
 
@@ -43,7 +45,7 @@ class GltfAccessor {
   /// Normalized integers as fractions of the largest one (glTF 2.0, 3.11).
   double value(std::size_t element, std::size_t component) const noexcept;
   std::uint32_t index(std::size_t element) const noexcept {
-    return static_cast<std::uint32_t>(value(element, 0));
+    return whole_number(value(element, 0), 0U, std::numeric_limits<std::uint32_t>::max());
   }
 
  private:
