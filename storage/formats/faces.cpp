@@ -9,9 +9,9 @@
 namespace trivet::formats {
 namespace {
 
-/// Corners looked at for all faces of a file, some seconds' worth: faces of 20,000 corners, every
-/// other one reflex, are split with a tenth of it.
-constexpr std::uint64_t kMostSteps = 2'000'000'000;
+/// Corners looked at for each corner of a file's faces, and for any file. Faces of 200,000 corners,
+/// every other one reflex, are split with two thirds of it.
+constexpr std::uint64_t kStepsPerCorner = 1000, kFewSteps = 1'000'000;
 
 }  // namespace
 
@@ -26,7 +26,8 @@ void Faces::add(std::uint32_t vertex) {
 
 Result<void> Faces::put_into(Cloud& cloud, const Input& input) && {
   SplitScratch scratch;
-  std::uint64_t steps = kMostSteps;
+  std::uint64_t steps = kFewSteps;
+  for (const Polygon& polygon : polygons_) steps += kStepsPerCorner * (polygon.num_triangles + 2);
   std::vector<std::uint32_t> corners;
   std::vector<CornerTriangle> split;
   for (const auto& [first, count] : polygons_) {
@@ -34,9 +35,10 @@ Result<void> Faces::put_into(Cloud& cloud, const Input& input) && {
     for (std::size_t t = first; t < first + count; ++t) corners.push_back(triangles_.c[t]);
     split.resize(count);
     if (!split_polygon(cloud.points, corners, scratch, steps, split)) {
-      return input.refuse(fmt::format(
-          "concave faces of up to {} corners take too long to split; triangulate the mesh first",
-          corners.size()));
+      return input.refuse(
+          fmt::format("concave faces, one of {} corners, need more than {} steps a corner to be "
+                      "split; triangulate the mesh first",
+                      corners.size(), kStepsPerCorner));
     }
     for (std::size_t t = 0; t < count; ++t) {
       triangles_.a[first + t] = corners[split[t].a];

@@ -2,9 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
+
+#include "storage/precondition.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -63,11 +64,12 @@ void fan(std::span<CornerTriangle> out) {
 class EarClipper {
  public:
   EarClipper(SplitScratch& scratch, std::uint64_t& steps)
-      : corners_(scratch.corners), waiting_(scratch.waiting), steps_(steps) {
+      : corners_(scratch.corners), waiting_(scratch.waiting), grid_(scratch.grid), steps_(steps) {
     double largest = 0;
     for (const Corner& c : corners_) largest = std::max({largest, std::abs(c.x), std::abs(c.y)});
     rounding_ = 4 * largest * std::numeric_limits<float>::epsilon();
     for (std::uint32_t i = 0; i < corners_.size(); ++i) judge(i);
+    grid_.fill(std::span<const Corner>(corners_));
   }
 
   /// False when the steps did not suffice.
@@ -76,7 +78,7 @@ class EarClipper {
     for (const Demand demand : {Demand::ear, Demand::rounded_ear, Demand::convex, Demand::none}) {
       if (!clip_while(demand, out)) return false;
     }
-    assert(cut_ == out.size() && "the last demand is met by every corner");
+    TRIVET_REQUIRE(cut_ == out.size(), "the last demand is met by every corner");
     return true;
   }
 
@@ -160,22 +162,26 @@ class EarClipper {
     const double ab = reach(a, b), bc = reach(b, c), ca = reach(c, a);
     const double low_x = std::min({a.x, b.x, c.x}), high_x = std::max({a.x, b.x, c.x});
     const double low_y = std::min({a.y, b.y, c.y}), high_y = std::max({a.y, b.y, c.y});
-    for (std::uint32_t i = c.next; i != b.previous; i = corners_[i].next) {
-      if (steps_ == 0) return false;
-      --steps_;
-      const Corner& p = corners_[i];
-      if (!p.is_reflex || p.x < low_x || p.x > high_x || p.y < low_y || p.y > high_y) continue;
-      if (same_place(p, a) || same_place(p, b) || same_place(p, c)) continue;
+    const auto lies_outside = [&](const Corner& p) {
+      if (p.is_cut || !p.is_reflex) return true;
+      if (p.x < low_x || p.x > high_x || p.y < low_y || p.y > high_y) return true;
+      if (same_place(p, a) || same_place(p, b) || same_place(p, c)) return true;
       const double pab = area_of(a, b, p), pbc = area_of(b, c, p), pca = area_of(c, a, p);
       const bool inside =
           margin > 0 ? pab > ab && pbc > bc && pca > ca : pab >= 0 && pbc >= 0 && pca >= 0;
-      if (inside) return false;
-    }
-    return true;
+      return !inside;
+    };
+    return grid_.visit({a.x, a.y}, {b.x, b.y}, {c.x, c.y}, [&](auto run) {
+      const std::uint64_t looked_at = std::min<std::uint64_t>(steps_, run.size() + 1);
+      steps_ -= looked_at;
+      return looked_at > run.size() &&
+             std::ranges::all_of(run, [&](std::uint32_t i) { return lies_outside(corners_[i]); });
+    });
   }
 
   std::vector<Corner>& corners_;
   std::vector<std::uint32_t>& waiting_;
+  CornerGrid& grid_;
   std::uint64_t& steps_;
   double rounding_ = 0;
   std::size_t cut_ = 0;
@@ -185,7 +191,7 @@ class EarClipper {
 
 bool split_polygon(PointsView points, std::span<const std::uint32_t> corners, SplitScratch& scratch,
                    std::uint64_t& steps, std::span<CornerTriangle> out) {
-  assert(corners.size() >= 3 && out.size() == corners.size() - 2 && "n - 2 triangles");
+  TRIVET_REQUIRE(corners.size() >= 3 && out.size() == corners.size() - 2, "n - 2 triangles");
   const double area = lay_out(points, corners, scratch.corners);
   fan(out);
   const double of_fan = covered_area(scratch.corners, out);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -292,6 +293,47 @@ TEST(SplitPolygon, TakesNoMoreStepsThanTheSquareOfTheCorners) {
     EXPECT_FALSE(split_polygon(points, corners, scratch, few, triangles));
     EXPECT_EQ(few, 0U);
     EXPECT_EQ(triangles[5].a, 0U) << "the fan";
+  }
+}
+
+std::uint64_t steps_for(const Outline2d& outline) {
+  const Points points = place(outline, Pose::Identity());
+  std::vector<std::uint32_t> corners(points.size());
+  std::iota(corners.begin(), corners.end(), 0U);
+  std::vector<CornerTriangle> triangles(corners.size() - 2);
+  SplitScratch scratch;
+  constexpr std::uint64_t kMany = 1'000'000'000;
+  std::uint64_t steps = kMany;
+  EXPECT_TRUE(split_polygon(points, corners, scratch, steps, triangles));
+  return kMany - steps;
+}
+
+Outline2d zigzag_ring(int corners) {
+  Outline2d outline;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners, radius = 1 + 0.5 * (i % 2);
+    outline.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return outline;
+}
+
+// 2^1.5 is 2.83; the square would be 4.
+TEST(SplitPolygon, TakesFarFewerStepsThanTheSquareForOutlinesOfParts) {
+  for (const auto& outline :
+       {std::function<Outline2d(int)>(zigzag_ring),
+        std::function<Outline2d(int)>([](int n) { return spiral(n / 2); }),
+        std::function<Outline2d(int)>([](int n) {
+          test::Random random;
+          return star(random, n);
+        }),
+        std::function<Outline2d(int)>([](int n) { return test::gear_outline(n / 4); })}) {
+    std::uint64_t before = steps_for(outline(4000));
+    for (const int n : {8000, 16000}) {
+      const std::uint64_t steps = steps_for(outline(n));
+      EXPECT_LE(steps, 3 * before) << n;
+      before = steps;
+    }
+    EXPECT_LE(before, 1000U * 16000U) << "what readers allow";
   }
 }
 
