@@ -73,6 +73,8 @@ struct Cloud {
   std::optional<Camera> camera;              ///< only from depth images; camera frame = scene frame
   std::optional<Eigen::Vector3f> viewpoint;  ///< where the sensor stood, if the file says
   std::size_t num_invalid = 0;               ///< points dropped because a coordinate was not finite
+  /// Of a model, dropped: vertices that no face with an area uses, and the faces that use them.
+  std::size_t num_unused = 0, num_without_area = 0;
 };
 
 }  // namespace trivet

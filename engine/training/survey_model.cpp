@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/common/check_extent.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/common/scaled.hpp"
 #include "engine/training/orient_by_samples.hpp"
@@ -159,6 +160,8 @@ Error bad_surface(const ModelSource& source, const std::string& found) {
 Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source,
                                    std::size_t num_samples, StageTimes& times) {
   Points vertices = scaled_points(cloud.points, source.scale);
+  const Result<void> checked = check_extent(vertices, source.file.string());
+  if (!checked) return checked.error();
   Triangles triangles = cloud.triangles;
   float diameter = 0;
   {
@@ -201,7 +204,9 @@ Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source
                       .all_views = {},
                       .areas = std::move(areas),
                       .rays = std::move(*rays),
-                      .ray_offset = ray_offset};
+                      .ray_offset = ray_offset,
+                      .num_unused = cloud.num_unused,
+                      .num_without_area = cloud.num_without_area};
   {
     const StageTimer timer(times, "visibility");
     SpreadPoints& all = model.all_samples;

@@ -38,8 +38,9 @@ struct SurveyedModel {
   std::vector<ViewMask> all_views;  ///< of all samples
   std::vector<double> areas;        ///< running sums over the triangles; none without a surface
   kernels::RayScene rays;
-  float ray_offset = 0;        ///< how far from the surface rays start
-  std::size_t num_turned = 0;  ///< of all samples: whose faces look inwards
+  float ray_offset = 0;                              ///< how far from the surface rays start
+  std::size_t num_turned = 0;                        ///< of all samples: whose faces look inwards
+  std::size_t num_unused = 0, num_without_area = 0;  ///< of the cloud, dropped when it was read
 
   bool has_faces() const noexcept { return !areas.empty(); }
   bool faces_look_outward() const noexcept { return has_faces() && num_turned == 0; }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "kernels/surfaces/visibility.hpp"
+#include "storage/counted.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -58,6 +59,14 @@ std::string length_text(double length, LengthUnit unit) {
 
 std::vector<std::string> warn_of_model(const SurveyedModel& model) {
   std::vector<std::string> warnings;
+  if (model.num_unused > 0) {
+    warnings.push_back(
+        fmt::format("{} on no face left out", counted(model.num_unused, "vertex", "vertices")));
+  }
+  if (model.num_without_area > 0) {
+    warnings.push_back(
+        fmt::format("{} without area left out", counted(model.num_without_area, "triangle")));
+  }
   if (const double seen = most_seen_at_once(model.sample_views); seen > kMostSeenAtOnce) {
     warnings.push_back(
         fmt::format("one view sees {:.0f} % of it, as of a scene or a scan from one "

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "storage/formats/keep_points.hpp"
+#include "storage/formats/used_vertices.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -21,6 +22,20 @@ void drop_invalid(Cloud& cloud) {
     cloud.num_invalid += is_finite[i] == 0;
   }
   if (cloud.num_invalid > 0) keep_points(is_finite, cloud);
+}
+
+/// Of a model, what lies on no face counts neither into its size nor its symmetry. Points that only
+/// faces without area hold, as some programs write clouds, are a cloud.
+void drop_unused(Cloud& cloud) {
+  const UsedVertices used = find_used_vertices(cloud.points, cloud.triangles);
+  if (used.num_unused == 0) return;
+  cloud.num_without_area = used.num_without_area;
+  if (used.num_unused == cloud.points.size()) {
+    cloud.triangles = {};
+    return;
+  }
+  cloud.num_unused = used.num_unused;
+  keep_points(used.marks, cloud);
 }
 
 Result<void> check_range(const Cloud& cloud, const Input& input) {
@@ -65,6 +80,7 @@ Result<Cloud> finish(Cloud cloud, const Input& input) {
     return input.refuse(
         fmt::format("expected at least one point, found {} of which none is finite", num_read));
   }
+  if (input.options.keep_origin && !cloud.triangles.empty()) drop_unused(cloud);
   if (auto checked = check_range(cloud, input); !checked) return checked.error();
   for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
     if (!cloud.normals[i].allFinite()) cloud.normals.set(i, Eigen::Vector3f::Zero());

@@ -9,7 +9,9 @@
 
 namespace trivet::formats {
 
-/// Drop points that are not finite, with their triangles and pixels; zero normals that are not.
+/// Drop points that are not finite, with their triangles and pixels; zero normals that are not. Of
+/// models with faces (ReadOptions::keep_origin), drop vertices that no face with an area uses, and
+/// the faces that use them.
 ///
 /// Errors: bad_data when no point is left, a coordinate is beyond 1e7, or the cloud is so small
 /// beside its distance from the origin that float cannot tell its points apart.

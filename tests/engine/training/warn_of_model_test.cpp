@@ -34,6 +34,16 @@ TEST(WarnOfModel, SaysNothingOfAWholePart) {
   EXPECT_EQ(warnings_of(test::cloud_of(test::lever())), "");
 }
 
+TEST(WarnOfModel, TellsWhatWasLeftOutWhenItWasRead) {
+  Cloud cloud = test::cloud_of(test::bracket());
+  cloud.num_unused = 1;
+  EXPECT_NE(warnings_of(cloud).find("1 vertex on no face left out"), std::string::npos);
+  cloud.num_unused = 30;
+  cloud.num_without_area = 2;
+  EXPECT_NE(warnings_of(cloud).find("30 vertices on no face left out"), std::string::npos);
+  EXPECT_NE(warnings_of(cloud).find("2 triangles without area left out"), std::string::npos);
+}
+
 TEST(WarnOfModel, TellsOfASurfaceThatIsOpenOrOfOneSide) {
   const Cloud whole = test::cloud_of(test::bracket());
   const Cloud open = part_of(whole, [&](std::size_t t) {  // without the faces that look up
