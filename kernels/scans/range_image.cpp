@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "storage/whole_number.hpp"
+
 namespace trivet::kernels {
 
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
@@ -32,7 +34,8 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
   camera.cx = (su - camera.fx * sx) / n;
   camera.fy = (n * syv - sy * sv) / det_y;
   camera.cy = (sv - camera.fy * sy) / n;
-  if (!(camera.fx > 0) || !(camera.fy > 0)) return std::nullopt;
+  const auto is_usable = [](double f) { return f > 0 && f <= kLargestFocalLength; };
+  if (!is_usable(camera.fx) || !is_usable(camera.fy)) return std::nullopt;
 
   double within = 0;
   each([&](double u, double v, double x, double y) {
@@ -52,10 +55,11 @@ constexpr std::uint32_t kMaxSide = 2048;  // pixels
 std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch,
                            std::uint32_t width, std::uint32_t height, std::vector<bool>& seen) {
   seen.assign(std::size_t{width} * height, false);
+  constexpr std::size_t kNone = 2 * std::size_t{kMaxSide};  // past the last row and column
   std::size_t occupied = 0;
   for (std::size_t i = 0; i < tangents.size(); ++i) {
-    const auto u = static_cast<std::size_t>((tangents.x[i] - low.x()) / pitch);
-    const auto v = static_cast<std::size_t>((tangents.y[i] - low.y()) / pitch);
+    const auto u = whole_number((tangents.x[i] - low.x()) / pitch, std::size_t{0}, kNone);
+    const auto v = whole_number((tangents.y[i] - low.y()) / pitch, std::size_t{0}, kNone);
     if (u >= width || v >= height || seen[v * width + u]) continue;
     seen[v * width + u] = true;
     ++occupied;
@@ -63,19 +67,44 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
   return occupied;
 }
 
+/// Number of places that points lie at. What is nearer than a fraction of the finest pixel is one
+/// place: clouds that hold all points twice, or once more by another writer, tell no more by that.
+std::size_t count_places(PointsView tangents, const Eigen::Vector2f& low, float finest) {
+  constexpr float kParts = 16;
+  constexpr auto kMost = std::uint64_t{1} << 31U;
+  std::vector<std::uint64_t> places(tangents.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const float u = (tangents.x[i] - low.x()) / finest, v = (tangents.y[i] - low.y()) / finest;
+    places[i] = whole_number(kParts * u, std::uint64_t{0}, kMost) << 32U |
+                whole_number(kParts * v, std::uint64_t{0}, kMost);
+  }
+  std::sort(places.begin(), places.end());
+  return static_cast<std::size_t>(std::unique(places.begin(), places.end()) - places.begin());
+}
+
 /// The pitch at which about half of the points share their pixel with another, by bisection.
 float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent,
                    float finest) {
-  float fine = finest, coarse = extent.maxCoeff() / 4;
   std::vector<bool> seen;
+  const auto occupied_at = [&](float pitch) {
+    const auto width = whole_number(extent.x() / pitch, 0U, kMaxSide) + 1;
+    const auto height = whole_number(extent.y() / pitch, 0U, kMaxSide) + 1;
+    return count_occupied(tangents, low, pitch, width, height, seen);
+  };
+
+  // Few points lie at one place by chance.
+  std::size_t num_points = tangents.size();
+  if (4 * occupied_at(finest) < 3 * num_points) {
+    const std::size_t num_places = count_places(tangents, low, finest);
+    if (4 * num_places < 3 * num_points) num_points = num_places;
+  }
+
+  float fine = finest, coarse = extent.maxCoeff() / 4;
   for (int step = 0; step < 14 && coarse > 1.02F * fine; ++step) {
     const float pitch = std::sqrt(fine * coarse);
-    const auto width = static_cast<std::uint32_t>(extent.x() / pitch) + 1;
-    const auto height = static_cast<std::uint32_t>(extent.y() / pitch) + 1;
-    const std::size_t occupied = count_occupied(tangents, low, pitch, width, height, seen);
-    (2 * occupied > tangents.size() ? fine : coarse) = pitch;
+    (2 * occupied_at(pitch) > num_points ? fine : coarse) = pitch;
   }
-  return coarse;
+  return std::max(coarse, finest);
 }
 
 }  // namespace
@@ -118,11 +147,12 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   const Eigen::Array2f extent = t_high - t_low;
   if (tangents.size() < 3 || !(extent.maxCoeff() > 0)) return std::nullopt;
 
-  const float finest = extent.maxCoeff() / static_cast<float>(kMaxSide - 4);
+  const float finest = std::max(extent.maxCoeff() / static_cast<float>(kMaxSide - 4),
+                                static_cast<float>(1 / kLargestFocalLength));
   const float pitch = pixel_size > 0 ? std::max(finest, pixel_size / towards.norm())
                                      : shared_pitch(tangents, t_low, extent, finest);
-  geometry.width = static_cast<std::uint32_t>(extent.x() / pitch) + 3;
-  geometry.height = static_cast<std::uint32_t>(extent.y() / pitch) + 3;
+  geometry.width = whole_number(extent.x() / pitch, 0U, kMaxSide) + 3;
+  geometry.height = whole_number(extent.y() / pitch, 0U, kMaxSide) + 3;
   geometry.fx = geometry.fy = 1.0F / pitch;
   geometry.cx = 1.0F - t_low.x() / pitch;
   geometry.cy = 1.0F - t_low.y() / pitch;

@@ -12,6 +12,9 @@
 
 namespace trivet::kernels {
 
+/// The longest focal length [pixel]: floats tell no finer directions apart.
+inline constexpr double kLargestFocalLength = 1e7;
+
 /// Pinhole geometry of an image. Camera axes as in OpenCV: x right, y down, z forward.
 struct ImageGeometry {
   Pose T_camera_scene = Pose::Identity();
@@ -54,7 +57,7 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
 /// pixel_size  what a pixel covers at the middle of the points [scene unit]; 0: as fine as leaves
 ///             about two points on each occupied pixel, so that surfaces have few holes (right when
 ///             the points are what was seen from there; of a whole surface, points behind one
-///             another share pixels)
+///             another share pixels). Points that many others coincide with count once
 /// Neither side exceeds 2048 pixels. Points more than 75 degrees off the axis fall outside.
 /// Nothing for fewer than 3 points or points all in one place or direction.
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,

@@ -136,6 +136,43 @@ TEST(ChooseCamera, LeavesTwoPointsAPixelAndFewHoles) {
   }
 }
 
+TEST(ChooseCamera, CountsPointsInOnePlaceOnce) {
+  Random random;
+  const Points points = random.surface(20'000);
+  const auto once = choose_camera(points, {0, 0, 4});
+  ASSERT_TRUE(once);
+  for (const float jitter : {0.0F, 1e-6F}) {
+    for (const int copies : {2, 3, 7}) {
+      Points many;
+      for (int k = 0; k < copies; ++k) {
+        for (std::size_t i = 0; i < points.size(); ++i)
+          many.push_back(points[i] + Vector3f(0, jitter * static_cast<float>(k), 0));
+      }
+      const auto camera = choose_camera(many, {0, 0, 4});
+      ASSERT_TRUE(camera);
+      EXPECT_NEAR(camera->fx, once->fx, (jitter > 0 ? 0.25F : 0.001F) * once->fx)
+          << copies << " copies, " << jitter << " apart";
+    }
+  }
+}
+
+TEST(ChooseCamera, TellsNoDirectionsApartThatFloatsDoNot) {
+  Points line;  // of sight, but for what rounding leaves
+  for (int i = 0; i < 1000; ++i)
+    line.push_back(Vector3f(0.1F, 0.2F, 0.7F) * (1 + 0.001F * static_cast<float>(i)));
+  if (const auto camera = choose_camera(line, {0, 0, 0}); camera) {
+    EXPECT_LE(camera->fx, kLargestFocalLength);
+  }
+  PixelGrid grid{100, 100, Column<std::int32_t>(10'000)};
+  Points narrow(10'000);
+  for (std::int32_t i = 0; i < 10'000; ++i) {
+    grid.point_index[static_cast<std::size_t>(i)] = i;
+    narrow.set(static_cast<std::size_t>(i),
+               {1e-8F * static_cast<float>(i % 100), 1e-8F * static_cast<float>(i / 100), 1});
+  }
+  EXPECT_FALSE(fit_camera(grid, narrow)) << "a focal length of 1e8 pixels";
+}
+
 TEST(ChooseCamera, TakesTheGivenPixelUnlessTheImageGrowsTooLarge) {
   Random random;
   const Points points = random.surface(20'000);
