@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "engine/common/check_extent.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/find_view.hpp"
 #include "kernels/common/median.hpp"
@@ -14,7 +16,11 @@
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
+#include "storage/counted.hpp"
 #include "storage/file_pose.hpp"
+#include "storage/formats/keep_points.hpp"
+#include "storage/formats/used_vertices.hpp"
+#include "storage/whole_number.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -23,6 +29,10 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 8;          // image rows a task
 constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
 constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched in
+constexpr std::size_t kFewestPoints = 50;
+constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // of a closed surface
+constexpr std::size_t kMostPairs = 16;  // with a point in its voxel; 2 or 3 of one surface
+constexpr double kMostPixels = 256;     // of a side of a closed surface, for each point
 
 /// Half-width of the window that the scene's noise is measured in, in pixels or spacings.
 constexpr std::uint32_t kNoiseWindow = 2;
@@ -101,6 +111,7 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   if (!camera && cloud.grid && viewpoint.isZero())
     camera = kernels::fit_camera(*cloud.grid, points);
   if (camera && cloud.grid) {
+    if (std::max(camera->fx, camera->fy) > kernels::kLargestFocalLength) return std::nullopt;
     SensorView view;
     view.grid = *cloud.grid;
     view.geometry.fx = static_cast<float>(camera->fx);
@@ -128,8 +139,9 @@ PixelSamples sample_pixels(const kernels::RangeImage& image) {
   const kernels::ImageGeometry& geometry = image.geometry;
   std::size_t measured = 0;
   for (const float d : image.depth) measured += d > 0;
-  const auto stride = static_cast<std::size_t>(
-      std::max(1.0, std::floor(std::sqrt(static_cast<double>(measured) / kPlaneSamples))));
+  const std::size_t stride =
+      whole_number(std::sqrt(static_cast<double>(measured) / kPlaneSamples), std::size_t{1},
+                   std::size_t{geometry.width} + geometry.height);
   PixelSamples samples;
   for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
     for (std::size_t u = stride / 2; u < geometry.width; u += stride) {
@@ -180,9 +192,11 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   scene.planes =
       kernels::find_planes(samples.points, samples.normals, samples.areas, plane_options);
   label_pixels(scene.planes, scene.plane_tolerance, image);
+  constexpr std::size_t kMaxWindow = kernels::GridNormalOptions::kMaxWindow;
   if (options.correlated_noise)
     scene.sensor.correlated_noise = kernels::measure_correlated_noise(
-        image, scene.planes, 2 * static_cast<std::size_t>(std::lround(scene.window)) + 1);
+        image, scene.planes,
+        2 * whole_number(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1);
 
   // The image held planes in the camera's frame, the scene holds them in its own.
   const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
@@ -218,15 +232,16 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                                   const PrepareOptions& options, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       in_cloud_frame(*scene.view.viewpoint, cloud.offset) * static_cast<float>(input.scale);
-  const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
-  if (!view) {
+  const auto cannot_be_seen = [&] {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} "
                              "points that no camera "
                              "there can see; give the sensor's position with --viewpoint",
                              input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
                              cloud.points.size())};
-  }
+  };
+  const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
+  if (!view) return cannot_be_seen();
   if (!view->scattered) scene.view.kind = SceneKind::image;
   const kernels::ImageGeometry& geometry = view->geometry;
 
@@ -235,6 +250,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
     footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
   }
   scene.spacing = kernels::median(std::span(footprints));
+  if (!(scene.spacing > 0)) return cannot_be_seen();  // most points lie behind the sensor
 
   kernels::PixelPoints pixels;
   kernels::arrange_pixels(view->grid, scene.points, pixels);
@@ -253,7 +269,8 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   Column<float> scratch;
   scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
-  const auto window = static_cast<std::uint32_t>(std::lround(scene.window));
+  const auto window =
+      whole_number(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
   if (window != kNoiseWindow) estimate(window);
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
@@ -276,56 +293,101 @@ Normals vertex_normals(PointsView points, const Triangles& triangles) {
   return normals;
 }
 
+/// Where surfaces lie on one another, keep one of those that look the same way: as many points as
+/// there are layers would be neighbors of each. Returns whether that was so; the points then are
+/// about `cell` apart.
+bool keep_one_layer(float cell, Points& points, Normals& outward) {
+  if (points.empty()) return false;
+  kernels::SubsampleScratch scratch;
+  kernels::group_by_voxel(points, kernels::fit_lattice(points, cell), scratch.voxels,
+                          scratch.grouping);
+  std::size_t num_pairs = 0;  // of points that share a voxel
+  for (std::size_t v = 0; v < scratch.voxels.size(); ++v) {
+    const std::size_t count = scratch.voxels.points_of(v).size();
+    num_pairs += count * count;
+  }
+  if (num_pairs <= kMostPairs * points.size()) return false;
+  for (std::size_t i = 0; i < outward.size(); ++i) {
+    const float length = outward[i].norm();  // of a vertex without faces 0, which gives NaN
+    outward.set(i, outward[i] / length);
+  }
+  Points kept;
+  Normals kept_outward;
+  kernels::subsample_by_normals(points, outward, cell, kNormalClusterRad, kept, kept_outward,
+                                scratch);
+  points = std::move(kept);
+  outward = std::move(kept_outward);
+  return true;
+}
+
 /// Points with outward directions all over a closed mesh: its vertices where they are dense enough
-/// to be a scan, else samples of its faces, as a CAD mesh has vertices at its corners only.
+/// to be a scan, else samples of its faces, as a CAD mesh has vertices at its corners only. Few or
+/// none of a mesh without area.
 Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   std::vector<double> area_sums(triangles.size());
   const double area = kernels::sum_areas(scene.points, triangles, area_sums);
   const auto [low, high] = bounds(scene.points);
-  const double widest_spacing = 0.01 * static_cast<double>((high - low).norm());
-  const auto num_needed = static_cast<std::size_t>(area / (widest_spacing * widest_spacing));
+  const double extent = static_cast<double>((high - low).norm());
+  const double widest_spacing = 0.01 * extent;
+  const std::size_t num_needed =
+      whole_number(area / (widest_spacing * widest_spacing), std::size_t{0}, kMostSamples / 2);
   const bool shares_vertices =
       scene.points.size() <= triangles.size();  // else points would lie on one another
+  Normals normals;
+  float cell = 0;  // as far apart as points of a single layer are
   if (shares_vertices && scene.points.size() >= num_needed) {
-    scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(scene.points.size())));
-    return vertex_normals(scene.points, triangles);
+    // What has next to no area beside its extent has not so many pixels more than points.
+    const auto n = static_cast<double>(scene.points.size());
+    scene.spacing =
+        static_cast<float>(std::max(std::sqrt(area / n), extent / std::sqrt(kMostPixels * n)));
+    cell = scene.spacing;
+    normals = vertex_normals(scene.points, triangles);
+  } else {
+    const std::size_t n = 2 * num_needed;
+    Points points(n);
+    normals.resize(n);
+    for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
+      kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n,
+                           points.span().slice(first, count), normals.span().slice(first, count));
+    });
+    scene.points = std::move(points);
+    scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
+    cell = static_cast<float>(widest_spacing / std::numbers::sqrt2);
   }
-  const std::size_t n = 2 * num_needed;
-  Points points(n);
-  Normals normals(n);
-  for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-    kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n,
-                         points.span().slice(first, count), normals.span().slice(first, count));
-  });
-  scene.points = std::move(points);
-  scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
+  if (keep_one_layer(cell, scene.points, normals)) scene.spacing = cell;
   return normals;
 }
 
 /// Normals of the planes through the points within a radius, of open sign, and what these leave.
 void fit_normals(const Points& points, float radius, NormalsSpan normals,
                  std::span<float> residuals) {
-  const std::size_t n = points.size();
   const kernels::VoxelHash grid(points, radius);
-  Neighborhoods rows;
-  rows.offsets.assign(n + 1, 0);
-  for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
-    kernels::count_radius_neighbors(grid, points.view().slice(first, count), radius,
-                                    std::span(rows.offsets).subspan(first, count));
-  });
-  rows.indices.resize(counts_to_offsets(rows.offsets));
-  for_chunks(n, 512, [&](std::size_t first, std::size_t count) {
-    const NeighborhoodsView view = rows.view().rows(first, count);
-    kernels::fill_radius_neighbors(grid, points.view().slice(first, count), radius, view.offsets,
-                                   rows.indices);
-    kernels::estimate_normals(points, view, normals.slice(first, count),
+  for_chunks(points.size(), 512, [&](std::size_t first, std::size_t count) {
+    const PointsView queries = points.view().slice(first, count);
+    Neighborhoods rows;  // of this chunk alone, as all at once would be large
+    rows.offsets.assign(count + 1, 0);
+    kernels::count_radius_neighbors(grid, queries, radius, std::span(rows.offsets).first(count));
+    rows.indices.resize(counts_to_offsets(rows.offsets));
+    kernels::fill_radius_neighbors(grid, queries, radius, rows.offsets, rows.indices);
+    kernels::estimate_normals(points, rows, normals.slice(first, count),
                               residuals.subspan(first, count));
   });
 }
 
-void prepare_closed_scene(const Cloud& cloud, const PrepareOptions& options, PreparedScene& scene) {
-  const Normals outward = cover_surface(cloud.triangles, scene);
+/// Prepare what is seen from all around.
+///
+/// triangles  of scene.points
+Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& input,
+                                  const PrepareOptions& options, PreparedScene& scene) {
+  const Normals outward = cover_surface(triangles, scene);
   const std::size_t n = scene.points.size();
+  if (n < kFewestPoints) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format("{}: expected a closed surface, found {} with next to no area; give a "
+                    "scan, or a mesh of what is to be searched",
+                    input.file.string(), counted(triangles.size(), "triangle", "triangles"))};
+  }
   scene.normals.resize(n);
   Column<float> residuals(n);
   const auto estimate = [&](float window) {
@@ -359,6 +421,26 @@ void prepare_closed_scene(const Cloud& cloud, const PrepareOptions& options, Pre
       close_holes(3 * scene.spacing, scene.images.back());
     }
   }
+  if (scene.images.empty()) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format("{}: expected a closed surface that can be seen from some side, found "
+                    "{} that cannot",
+                    input.file.string(), counted(triangles.size(), "triangle", "triangles"))};
+  }
+  return {};
+}
+
+/// The faces of a closed scene; what lies on none is left out of its points.
+Triangles take_surface(const Cloud& cloud, PreparedScene& scene) {
+  const UsedVertices used = find_used_vertices(scene.points, cloud.triangles);
+  if (used.num_unused == 0 || used.num_unused == scene.points.size()) return cloud.triangles;
+  Cloud surface;
+  surface.points = std::move(scene.points);
+  surface.triangles = cloud.triangles;
+  keep_points(used.marks, surface);
+  scene.points = std::move(surface.points);
+  return std::move(surface.triangles);
 }
 
 }  // namespace
@@ -381,17 +463,17 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
   if (!view) return view.error();
   scene.view = *view;
   const bool closed = scene.view.kind == SceneKind::surface;
-  if (!closed && cloud.points.size() < 50) {
+  if (!closed && cloud.points.size() < kFewestPoints) {
     return Error{ErrorCode::bad_data,
-                 fmt::format("{}: expected a scan of at least 50 points, found {}",
-                             input.file.string(), cloud.points.size())};
+                 fmt::format("{}: expected a scan of at least {} points, found {}",
+                             input.file.string(), kFewestPoints, cloud.points.size())};
   }
-  if (closed) {
-    prepare_closed_scene(cloud, options, scene);
-  } else if (const Result<void> prepared = prepare_sensor_scene(cloud, input, options, scene);
-             !prepared) {
-    return prepared.error();
-  }
+  if (const Result<void> checked = check_extent(scene.points, input.file.string()); !checked)
+    return checked.error();
+  const Result<void> prepared =
+      closed ? prepare_closed_scene(take_surface(cloud, scene), input, options, scene)
+             : prepare_sensor_scene(cloud, input, options, scene);
+  if (!prepared) return prepared.error();
   return scene;
 }
 
@@ -456,9 +538,9 @@ SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
     level.normals.push_back(sample.normals[i]);
   }
 
-  const auto wanted = static_cast<std::size_t>(
-      std::ceil(options.reference_share * static_cast<float>(level.points.size())));
-  const std::size_t num_references = std::min<std::size_t>(wanted, options.max_references);
+  const std::size_t num_references =
+      whole_number(std::ceil(options.reference_share * static_cast<float>(level.points.size())),
+                   std::size_t{0}, std::size_t{options.max_references});
   for (std::size_t k = 0; k < num_references; ++k) {
     level.references.push_back(
         static_cast<std::uint32_t>(k * level.points.size() / num_references));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/common/check_extent.hpp"
 #include "engine/common/check_range.hpp"
 #include "engine/common/find_viewpoint.hpp"
 #include "engine/common/parallel.hpp"
@@ -163,6 +164,8 @@ Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
     return Error{ErrorCode::bad_data, fmt::format("{}: expected at least 3 points, found {}", name,
                                                   cloud.points.size())};
   }
+  if (const Result<void> checked = engine::check_extent(cloud.points, name); !checked)
+    return checked.error();
   const Result<Eigen::Vector3f> place = engine::find_viewpoint(cloud, options.viewpoint, name);
   const bool is_seen =
       *method == SurfaceMethod::grid || (*method == SurfaceMethod::greedy && cloud.normals.empty());

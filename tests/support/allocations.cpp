@@ -6,10 +6,11 @@
 
 namespace {
 
-thread_local std::size_t count = 0;
+thread_local std::size_t count = 0, num_bytes = 0;
 
 void* allocate_or_null(std::size_t size, std::size_t alignment) noexcept {
   ++count;
+  num_bytes += size;
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   return std::aligned_alloc(alignment, whole > 0 ? whole : alignment);
 }
@@ -27,6 +28,7 @@ std::size_t bytes(std::align_val_t alignment) { return static_cast<std::size_t>(
 
 namespace trivet::test {
 std::size_t num_allocations() noexcept { return count; }
+std::size_t num_allocated_bytes() noexcept { return num_bytes; }
 }  // namespace trivet::test
 
 // All forms, so that the runtimes of sanitizers put none of their own between them.

@@ -1,4 +1,4 @@
-/// Count heap allocations of the running thread, to prove that a loop makes none.
+/// Count heap allocations of the running thread, to prove that a loop makes none, or few.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,17 @@ namespace trivet::test {
 
 /// Calls of operator new, in all its forms, by this thread so far.
 std::size_t num_allocations() noexcept;
+
+/// The bytes that they asked for.
+std::size_t num_allocated_bytes() noexcept;
+
+/// The bytes that a callable asks for, freed or not: a measure of its work, whatever the clock says.
+template <class Body>
+std::size_t bytes_in(Body&& body) {
+  const std::size_t before = num_allocated_bytes();
+  body();
+  return num_allocated_bytes() - before;
+}
 
 /// How many allocations a callable makes.
 template <class Body>

@@ -8,6 +8,7 @@
 #include "apps/service/gzip.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
+#include "support/degenerate_geometry.hpp"
 #include "support/geometry_files.hpp"
 
 namespace trivet {
@@ -375,6 +376,29 @@ TEST_F(ServeHostile, UnpacksNoBombs) {
     for (std::thread& client : clients) client.join();
 #ifndef __SANITIZE_ADDRESS__
     EXPECT_LT(peak_memory() - before, 50'000U) << "kB";
+#endif
+    expect_answers(port);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+// 16 bytes once ended the service: "v 1 2 3\nf 1 1 1\n".
+TEST_F(ServeHostile, AnswersMeshesThatAreHardlyASurface) {
+  const test::Outcome outcome = serve({}, [&](int port) {
+    const std::string target = "/v1/recognize?format=obj&unit=mm";
+    const auto expect_answered = [&](const std::string& what, const Cloud& mesh) {
+      const Answer answer = ask(port, "POST", target, test::obj_file(mesh));
+      if (answer.status != 200) expect_refused(what, answer, {400});
+    };
+    expect_refused("16 bytes", ask(port, "POST", target, "v 1 2 3\nf 1 1 1\n"), {400}, "body.obj");
+    for (const test::DegenerateMesh& mesh : test::degenerate_meshes()) {
+      const std::size_t n = mesh.cloud.points.size();
+      if (n == 1 || n == 3 || n == 12) expect_answered(mesh.name, mesh.cloud);
+    }
+    expect_answered("layers", test::layered_tetrahedron(100));
+    expect_answered("shifted layers", test::shifted_tetrahedra(100));
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_LT(peak_memory(), 1'000'000U) << "kB";
 #endif
     expect_answers(port);
   });

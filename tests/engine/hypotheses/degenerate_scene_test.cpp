@@ -1,0 +1,158 @@
+// Whatever a client sends as a scene is prepared, or refused by name, within bounds.
+#include <gtest/gtest.h>
+
+#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/progress.hpp"
+#include "support/allocations.hpp"
+#include "support/degenerate_geometry.hpp"
+#include "support/random.hpp"
+#include "support/rendered_scene.hpp"
+
+namespace trivet {
+namespace {
+
+/// In one thread, whose allocations are counted.
+Result<engine::PreparedScene> prepare_alone(const Cloud& cloud, const SceneInput& input,
+                                            std::size_t* bytes = nullptr) {
+  const ThreadLimit alone(1);
+  StageTimes times;
+  std::optional<Result<engine::PreparedScene>> scene;
+  const std::size_t used =
+      test::bytes_in([&] { scene = engine::prepare_scene(cloud, input, times); });
+  if (bytes) *bytes = used;
+  return *std::move(scene);
+}
+
+void expect_usable(const Result<engine::PreparedScene>& scene, const std::string& name) {
+  if (!scene) {
+    EXPECT_EQ(scene.error().code, ErrorCode::bad_data) << name;
+    EXPECT_TRUE(scene.error().message.starts_with("a.ply: expected")) << scene.error().message;
+    return;
+  }
+  EXPECT_GE(scene->points.size(), 50U) << name;
+  EXPECT_FALSE(scene->images.empty()) << name;
+  EXPECT_TRUE(scene->spacing > 0 && std::isfinite(scene->spacing)) << name << scene->spacing;
+  EXPECT_TRUE(std::isfinite(scene->window)) << name;
+  for (const kernels::RangeImage& image : scene->images) {
+    EXPECT_LE(image.geometry.fx, kernels::kLargestFocalLength) << name;
+    EXPECT_EQ(image.depth.size(), std::size_t{image.geometry.width} * image.geometry.height);
+  }
+}
+
+constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+
+TEST(DegenerateScene, IsPreparedOrRefusedWhateverItsVertices) {
+  for (const test::DegenerateMesh& mesh : test::degenerate_meshes()) {
+    for (const bool closed : {true, false}) {
+      SceneInput input{.file = "a.ply", .closed_surface = closed};
+      if (!closed) input.viewpoint = Eigen::Vector3d(0, 0, 0);
+      std::size_t bytes = 0;
+      expect_usable(prepare_alone(mesh.cloud, input, &bytes), mesh.name);
+      EXPECT_LT(bytes, 64 * kMebibyte) << mesh.name;
+    }
+  }
+}
+
+TEST(DegenerateScene, IsPreparedOrRefusedWhateverItsPoints) {
+  for (const test::DegenerateMesh& mesh : test::degenerate_meshes()) {
+    Cloud cloud;  // as many points as a scan has, in few places
+    for (std::size_t i = 0; i < 600; ++i)
+      cloud.points.push_back(mesh.cloud.points[i % mesh.cloud.points.size()]);
+    for (const Eigen::Vector3d& viewpoint :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, 1e10)}) {
+      const SceneInput input{.file = "a.ply", .viewpoint = viewpoint};
+      std::size_t bytes = 0;
+      expect_usable(prepare_alone(cloud, input, &bytes), mesh.name);
+      EXPECT_LT(bytes, 1024 * kMebibyte) << mesh.name;
+    }
+  }
+}
+
+/// Pairs of points that are looked at where normals are fitted to windows of this radius [spacings].
+std::size_t num_neighbors(const engine::PreparedScene& scene, float radius) {
+  const kernels::VoxelHash grid(scene.points, radius * scene.spacing);
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; i < scene.points.size(); ++i)
+    pairs += grid.count_within(scene.points[i], radius * scene.spacing);
+  return pairs;
+}
+
+// Faces that lie on one another were sampled once for each, and every sample had as many neighbors
+// as there were faces.
+TEST(DegenerateScene, OfManyLayersIsNoMoreWorkThanItsFile) {
+  for (const auto& make : {test::layered_tetrahedron, test::shifted_tetrahedra}) {
+    std::size_t most_points = 0, most_pairs = 0;
+    std::vector<std::size_t> all_bytes;
+    for (const std::size_t layers : {8U, 16U, 32U, 64U, 4096U}) {
+      std::size_t bytes = 0;
+      const Result<engine::PreparedScene> scene =
+          prepare_alone(make(layers), {.file = "a.ply", .closed_surface = true}, &bytes);
+      ASSERT_TRUE(scene) << scene.error().message;
+      most_points = std::max(most_points, scene->points.size());
+      most_pairs = std::max(most_pairs, num_neighbors(*scene, 2));
+      if (layers <= 64) all_bytes.push_back(bytes);
+      EXPECT_GT(scene->points.size(), 1000U) << layers;
+    }
+    EXPECT_LT(most_points, 300'000U);
+    EXPECT_LT(most_pairs, 200 * most_points);
+    for (std::size_t k = 0; k + 1 < all_bytes.size(); ++k)
+      EXPECT_LE(all_bytes[k + 1], all_bytes[k] * 5 / 2) << k;
+  }
+}
+
+TEST(DegenerateScene, OfOneLayerHasAllItsSamples) {
+  const Result<engine::PreparedScene> once =
+      prepare_alone(test::layered_tetrahedron(1), {.file = "a.ply", .closed_surface = true});
+  ASSERT_TRUE(once) << once.error().message;
+  EXPECT_NEAR(once->spacing, 0.00707F * Eigen::Vector3f(200, 200, 150).norm(), 0.01F);
+}
+
+TEST(DegenerateScene, MeasuresNothingByVerticesOfNoFace) {
+  const test::Shape bracket = test::bracket();
+  Cloud cloud = test::cloud_of(bracket);
+  const SceneInput input{.file = "a.ply", .closed_surface = true};
+  const Result<engine::PreparedScene> before = prepare_alone(cloud, input);
+  cloud.points.push_back({100, 0, 0});
+  const Result<engine::PreparedScene> after = prepare_alone(cloud, input);
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(after->spacing, before->spacing);
+  EXPECT_EQ(after->points.size(), before->points.size());
+}
+
+// Scans of both halves of a sensor's exposure, or joined with themselves, hold all points twice.
+TEST(DegenerateScene, OfAllPointsTwiceIsAsOfAllPointsOnce) {
+  static const test::Shape bracket = test::bracket();
+  Cloud scan =
+      test::render_scan({{&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0, 0.9F})}});
+  Cloud once;
+  once.points = scan.points;
+  const SceneInput input{.file = "a.ply", .viewpoint = Eigen::Vector3d(0, 0, 0)};
+  const Result<engine::PreparedScene> single = prepare_alone(once, input);
+  ASSERT_TRUE(single);
+  test::Random random;
+  for (const float jitter : {0.0F, 1e-6F}) {
+    for (const int copies : {2, 3}) {
+      Cloud many;
+      for (int k = 0; k < copies; ++k) {
+        for (std::size_t i = 0; i < once.points.size(); ++i) {
+          const float shift = k == 0 || jitter == 0 ? 0 : random.normal(jitter);
+          many.points.push_back(once.points[i] + Eigen::Vector3f::Constant(shift));
+        }
+      }
+      const Result<engine::PreparedScene> scene = prepare_alone(many, input);
+      ASSERT_TRUE(scene);
+      const float tolerance = jitter > 0 ? 0.25F : 0.01F;
+      EXPECT_NEAR(scene->images[0].geometry.fx, single->images[0].geometry.fx,
+                  tolerance * single->images[0].geometry.fx)
+          << copies << " copies, jitter " << jitter;
+      const auto num_known = [](const engine::PreparedScene& prepared) {
+        return static_cast<double>(std::ranges::count_if(prepared.normals.view().x,
+                                                         [](float x) { return std::isfinite(x); }));
+      };
+      EXPECT_GE(num_known(*scene), 0.9 * num_known(*single)) << copies << ", " << jitter;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace trivet
