@@ -1,6 +1,7 @@
 // A scan in the body of a request, in any format.
 #include "fuzz/targets.hpp"
 #include "storage/read_cloud.hpp"
+#include "support/degenerate_geometry.hpp"
 #include "support/geometry_files.hpp"
 
 namespace trivet::fuzz {
@@ -39,6 +40,8 @@ std::vector<std::string> read_scan_seeds() {
         seeds.push_back(static_cast<char>('0' + f) + file.bytes);
     }
   }
+  for (const test::DegenerateMesh& mesh : test::degenerate_meshes())
+    seeds.push_back('2' + test::obj_file(mesh.cloud));
   return seeds;
 }
 

@@ -25,6 +25,8 @@ void parse_inference(std::string_view input);
 void split_form(std::string_view input);
 /// A digit for the format, then the body.
 void read_scan(std::string_view input);
+/// A digit for the format, a letter for what else is said, then the body.
+void recognize_scene(std::string_view input);
 /// A letter for the coding, then the packed body.
 void unpack(std::string_view input);
 /// Parameters, or the JSON of a form's options.
@@ -40,6 +42,7 @@ std::vector<std::string> parse_target_seeds();
 std::vector<std::string> parse_inference_seeds();
 std::vector<std::string> split_form_seeds();
 std::vector<std::string> read_scan_seeds();
+std::vector<std::string> recognize_scene_seeds();
 std::vector<std::string> parse_query_seeds();
 std::vector<std::string> unpack_seeds();
 
@@ -48,6 +51,7 @@ inline constexpr std::array kTargets{
     Target{"parse_inference", parse_inference, parse_inference_seeds},
     Target{"split_form", split_form, split_form_seeds},
     Target{"read_scan", read_scan, read_scan_seeds},
+    Target{"recognize_scene", recognize_scene, recognize_scene_seeds},
     Target{"parse_query", parse_query, parse_query_seeds},
     Target{"unpack", unpack, unpack_seeds},
 };
