@@ -23,7 +23,7 @@ for file; do
       expect "$loaded" 'GNU_RELRO' 'tables that are read-only once it is loaded (-z relro)'
       expect "$loaded" 'FLAGS.*(BIND_NOW|NOW)' 'tables that are complete at the start (-z now)'
       expect "$symbols" '__stack_chk_fail' 'a protected stack'
-      expect "$symbols" '__[a-z]+_chk' 'checked functions of the C library (_FORTIFY_SOURCE)'
+      expect "$symbols" '__[a-z]+_chk(@|$)' 'checked functions of the C library (_FORTIFY_SOURCE)'
       expect "$symbols" '__glibcxx_assert_fail' 'checked containers (_GLIBCXX_ASSERTIONS)'
       printf '%s\n' "$loaded" | grep -q 'GNU_STACK.*RWE' && fail 'expected a stack that is not executed'
       ;;
