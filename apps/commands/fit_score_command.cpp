@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
-#include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "kernels/verification/fit_score.hpp"
 #include "storage/counted.hpp"
 #include "storage/file.hpp"
+#include "storage/files/text.hpp"
 #include "storage/library.hpp"
 #include "storage/manifest.hpp"
 
@@ -104,30 +106,32 @@ std::string csv_of(const Outcomes& outcomes) {
 
 /// Add what csv_of() wrote.
 Result<void> read_outcomes(const std::string& file, Outcomes& outcomes) {
-  Result<std::string> text = read_text_file(file, kMaxOutcomesBytes);
+  const Result<std::string> text = read_text_file(file, kMaxOutcomesBytes);
   if (!text) return text.error();
-  std::istringstream lines(*std::move(text));
-  std::string line;
-  std::getline(lines, line);
-  if (line != csv_header()) {
+  formats::TextCursor cursor(*text, ",");
+  if (cursor.rest_of_line() != csv_header()) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected outcomes of this version, of columns \"{}\", found "
                              "\"{:.100}\"",
-                             file, csv_header(), line)};
+                             file, csv_header(), cursor.rest_of_line())};
   }
-  for (std::size_t number = 2; std::getline(lines, line); ++number) {
-    std::istringstream fields(line);
-    int right = -1;
+  while (cursor.next_line() && cursor.remaining() > 0) {
+    const std::string_view line = cursor.rest_of_line();
+    const std::optional<std::int64_t> right = parse_integer(cursor.word());
     kernels::ScoreParts parts{};
-    fields >> right;
-    for (float& part : parts) fields.ignore(1, ',') >> part;
-    if (!fields || (right != 0 && right != 1) || fields.peek() != EOF) {
+    bool is_whole = right == 0 || right == 1;
+    for (float& part : parts) {
+      const std::optional<double> value = parse_number(cursor.word());
+      is_whole = is_whole && value;
+      part = to_float(value.value_or(0));
+    }
+    if (!is_whole || !cursor.word().empty()) {
       return Error{ErrorCode::bad_data,
                    fmt::format("{}: line {}: expected 0 or 1 and {} numbers, found \"{:.100}\"",
-                               file, number, parts.size(), line)};
+                               file, cursor.line(), parts.size(), line)};
     }
     outcomes.parts.push_back(parts);
-    outcomes.right.push_back(static_cast<std::uint8_t>(right));
+    outcomes.right.push_back(static_cast<std::uint8_t>(*right));
   }
   return {};
 }

@@ -181,7 +181,7 @@ std::string man_page(const CommandHelp& program, const std::string& name) {
       std::ranges::find(program.commands, program.name + ' ' + name, &CommandHelp::name);
   const CommandHelp& command = found == program.commands.end() ? program : *found;
   std::string title = page_name(command);
-  std::ranges::transform(title, title.begin(), [](unsigned char c) { return std::toupper(c); });
+  for (char& c : title) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
   std::string out =
       fmt::format(".TH {} 1 \"\" \"Trivet {}\" \"Trivet\"\n", escaped(title), TRIVET_VERSION);
   out += ".SH NAME\n" + escaped(page_name(command)) + " \\- " +

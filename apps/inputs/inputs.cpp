@@ -13,6 +13,7 @@
 #include "storage/datasets/read_bop.hpp"
 #include "storage/file.hpp"
 #include "storage/files/gunzip.hpp"
+#include "storage/files/text.hpp"
 #include "storage/model_name.hpp"
 #include "storage/read_cloud.hpp"
 
@@ -22,10 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool has_extension(const fs::path& file, std::string_view extension) {
-  std::string own = file.extension().string();
-  std::transform(own.begin(), own.end(), own.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return own == extension;
+  return formats::lower_case(file.extension().string()) == extension;
 }
 
 /// What a folder without geometry holds, and what to give instead of it.

@@ -18,6 +18,7 @@
 #include "apps/results/json_output.hpp"
 #include "apps/words/reported_part.hpp"
 #include "engine/camera_check.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps::mpi {
 namespace {
@@ -73,7 +74,7 @@ std::optional<CameraCheck> parse_check(const Json& json) {
 
 std::string outcome_bytes(std::size_t index, const SceneOutcome& outcome) {
   const Json all{{"index", index}, {"scene", outcome.scene}, {"check", check_json(outcome.check)}};
-  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(all);
 }
 
 /// The scenes that this rank gets, one after the other, each by all its threads.
@@ -126,7 +127,7 @@ Result<void> recognize(const SceneCommand& arguments, const Ranks& ranks, const 
         return std::to_string(next++);
       },
       [&](const std::string& bytes) {
-        const Json json = Json::parse(bytes);
+        const Json json = parse_json<Json>(bytes);
         const auto index = json.at("index").get<std::size_t>();
         outcomes.emplace(index, SceneOutcome{json.at("scene"), parse_check(json.at("check"))});
         progress(outcomes.size(), num_scenes, request.scenes.sources[index].file.string());

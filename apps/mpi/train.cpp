@@ -10,6 +10,7 @@
 #include "apps/mpi/commands.hpp"
 #include "apps/program/train_request.hpp"
 #include "engine/training_run.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps::mpi {
 namespace {
@@ -19,7 +20,7 @@ using Json = nlohmann::ordered_json;
 // Messages name models: each rank finds the sources by itself, from the same command line.
 
 std::string job_bytes(const TrainingJob& job, const std::vector<ModelSource>& sources) {
-  return Json{{"model", sources[job.source].name}, {"check_only", job.check_only}}.dump();
+  return json_text(Json{{"model", sources[job.source].name}, {"check_only", job.check_only}});
 }
 
 std::string outcome_bytes(const JobOutcome& outcome, const std::vector<ModelSource>& sources) {
@@ -32,7 +33,7 @@ std::string outcome_bytes(const JobOutcome& outcome, const std::vector<ModelSour
                  {"fault", std::move(fault)},
                  {"stages", std::move(stages)},
                  {"warnings", outcome.warnings}};
-  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(all);
 }
 
 /// Where each model is in a list.
@@ -45,12 +46,12 @@ Places places_of(const std::vector<ModelSource>& sources) {
 }
 
 TrainingJob parse_job(const std::string& bytes, const Places& places) {
-  const Json json = Json::parse(bytes);
+  const Json json = parse_json<Json>(bytes);
   return {places.at(json.at("model").get<std::string>()), json.at("check_only").get<bool>()};
 }
 
 JobOutcome parse_outcome(const std::string& bytes, const Places& places) {
-  const Json json = Json::parse(bytes);
+  const Json json = parse_json<Json>(bytes);
   JobOutcome outcome;
   outcome.source = places.at(json.at("model").get<std::string>());
   if (const Json& fault = json.at("fault"); !fault.is_null()) {

@@ -10,6 +10,9 @@
 #include <optional>
 #include <string>
 
+#include "storage/files/json_text.hpp"
+#include "storage/valid_text.hpp"
+
 namespace trivet::apps {
 namespace {
 
@@ -45,7 +48,7 @@ std::string progress_json(const std::string& verb, std::size_t done, std::size_t
                                     {"total", total},
                                     {"item", item},
                                     {"seconds", std::round(1000 * seconds) / 1000}};
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(line);
 }
 
 /// At once, and whole. There is nobody to tell that it failed.
@@ -54,16 +57,22 @@ void tell(const std::string& text) { std::fwrite(text.data(), 1, text.size(), st
 }  // namespace
 
 void Console::line(std::string_view text) const {
-  if (!quiet) tell(fmt::format("{}\n", text));
+  if (!quiet) tell(printable_lines(fmt::format("{}\n", text)));
 }
 
 void Console::wrote_report(const std::filesystem::path& folder) const {
   line((folder / "index.html").string());
 }
 
-void Console::warning(std::string_view text) const { tell(fmt::format("warning: {}\n", text)); }
+void Console::warning(std::string_view text) const {
+  tell(printable_lines(fmt::format("warning: {}\n", text)));
+}
 
-void Console::error(std::string_view text) const { tell(fmt::format("error: {}\n", text)); }
+void Console::error(std::string_view text) const {
+  tell(printable_lines(fmt::format("error: {}\n", text)));
+}
+
+void Console::complaint(std::string_view text) const { tell(printable_lines(text)); }
 
 Progress Console::progress(std::string_view verb, std::stop_token stop, bool brief) const {
   Progress progress;
@@ -91,7 +100,7 @@ Progress Console::progress(std::string_view verb, std::stop_token stop, bool bri
     if (!is_due) return;
     told.last = Clock::now();
     const std::string rest =
-        fmt::format("{}{}{}", item.empty() ? "" : " ", item, pace(told, done, total));
+        fmt::format("{}{}{}", item.empty() ? "" : " ", printable(item), pace(told, done, total));
     if (!terminal) {
       tell(fmt::format("{} {}/{}{}\n", verb, done, total, rest));
       return;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "storage/valid_text.hpp"
+
 namespace trivet::apps {
 namespace {
 
@@ -88,7 +90,8 @@ std::string html_page(std::string_view title, std::string_view content) {
       escape_html(title), kStyle, content);
 }
 
-std::string escape_html(std::string_view text) {
+std::string escape_html(std::string_view bytes) {
+  const std::string text = printable_lines(bytes);
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {

@@ -13,8 +13,8 @@ namespace trivet::apps {
 /// Everything before and after the page's content. `title` is plain text.
 std::string html_page(std::string_view title, std::string_view content);
 
-/// Text as it may stand between tags and in quoted attributes.
-std::string escape_html(std::string_view text);
+/// Text, as printable_lines() tells it, as it may stand between tags and in quoted attributes.
+std::string escape_html(std::string_view bytes);
 
 /// "97.2 %".
 std::string percent(double share);

@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -19,6 +18,7 @@
 #include "apps/words/rejection_words.hpp"
 #include "apps/words/score_words.hpp"
 #include "apps/words/view_words.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -455,7 +455,7 @@ class Painter {
   Result<void> add(const std::string& layer, const std::string& kind, const Picture& picture,
                    const std::string& labels, std::vector<ViewLayer>& layers) {
     std::string what = layer;
-    what[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(what[0])));
+    what.replace(0, 1, formats::lower_case(what.substr(0, 1)));
     const Result<std::string> image = store_.add(picture, fmt::format("{}_{}{}", name_, what, kind),
                                                  fmt::format("{}: {}", scene_, what));
     if (!image) return image.error();

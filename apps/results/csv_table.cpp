@@ -5,8 +5,10 @@
 #include <cmath>
 #include <iterator>
 #include <span>
+#include <string>
 
 #include "storage/file.hpp"
+#include "storage/valid_text.hpp"
 
 namespace trivet::apps {
 
@@ -16,8 +18,9 @@ CsvTable& CsvTable::row() {
   return *this;
 }
 
-CsvTable& CsvTable::text(std::string_view value) {
+CsvTable& CsvTable::text(std::string_view bytes) {
   separate();
+  const std::string value = valid_utf8(bytes);
   if (value.find_first_of(",\"\r\n") == std::string_view::npos) {
     text_ += value;
     return *this;

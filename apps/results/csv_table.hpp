@@ -17,7 +17,7 @@ class CsvTable {
   explicit CsvTable(std::string_view header) : text_(header) {}
 
   CsvTable& row();
-  CsvTable& text(std::string_view value);
+  CsvTable& text(std::string_view bytes);  ///< as valid_utf8() tells it
   /// To seven digits; one that is not finite is empty.
   CsvTable& number(double value);
   CsvTable& number(const std::optional<double>& value);

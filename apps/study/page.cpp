@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <thread>
@@ -13,14 +12,14 @@
 #include "apps/study/headline.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/file.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::study {
 namespace {
 
 std::string anchor(const Experiment& experiment) {
   std::string out;
-  for (const char c : experiment.name)
-    out += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  for (const char c : experiment.name) out += formats::is_alphanumeric(c) ? c : '_';
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps::study {
 namespace {
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 std::string key_of(const Json& json) {
-  const std::string text = json.dump();
+  const std::string text = json_text(json);
   return xxh3_hex(std::as_bytes(std::span(text)));
 }
 

@@ -6,6 +6,7 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "storage/counted.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -118,7 +119,7 @@ Json model_json(const Model& model) {
 }
 
 Json parameters_json(const std::string& parameters) {
-  Json json = Json::parse(parameters, nullptr, false);
+  Json json = parse_json<Json>(parameters);
   return json.is_discarded() ? Json(parameters) : json;
 }
 

@@ -14,6 +14,7 @@
 #include "apps/words/place_text.hpp"
 #include "apps/words/view_words.hpp"
 #include "storage/counted.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps {
 
@@ -24,7 +25,7 @@ namespace {
 /// A sentence of web/src/advice.json, with values in place of {names}.
 template <class... Values>
 std::string advice(const char* name, const Values&... values) {
-  static const nlohmann::json words = nlohmann::json::parse(embedded_advice()[0].second);
+  static const nlohmann::json words = parse_json(embedded_advice()[0].second);
   return fmt::format(fmt::runtime(words.at(name).get<std::string>()), values...);
 }
 

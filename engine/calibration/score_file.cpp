@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "engine/calibration/score_json.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet {
 namespace {
@@ -49,8 +50,8 @@ std::string score_text(const FittedScore& score) {
   return fmt::format(
       "{{\n  \"format\": \"{}\",\n  \"version\": {},\n  \"origin\": {},\n"
       "  \"bias\": {{\"{}\": {:.5g}, \"{}\": {:.5g}}},\n  \"parts\": {{{}\n  }}\n}}\n",
-      kScoreFormat, kScoreVersion, nlohmann::json(score.origin).dump(), kErrors[0], model.bias[0],
-      kErrors[1], model.bias[1], parts);
+      kScoreFormat, kScoreVersion, json_text(nlohmann::json(score.origin)), kErrors[0],
+      model.bias[0], kErrors[1], model.bias[1], parts);
 }
 
 Result<FittedScore> parse_score(std::span<const std::byte> bytes, const std::string& name) {

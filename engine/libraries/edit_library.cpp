@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/libraries/assemble_library.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet {
 namespace {
@@ -41,15 +42,14 @@ Result<void> write_again(const OpenedForChange& opened, std::vector<ModelCopy> m
 
 /// Those of a JSON object that differ from another's; all, where one of them is none.
 std::string parameters_beside(const std::string& own, const std::string& other) {
-  const auto a = nlohmann::json::parse(own, nullptr, false),
-             b = nlohmann::json::parse(other, nullptr, false);
+  const auto a = parse_json(own), b = parse_json(other);
   if (!a.is_object() || !b.is_object()) return own;
   nlohmann::json differing = nlohmann::json::object();
   for (const auto& [key, value] : a.items())
     if (!b.contains(key) || b.at(key) != value) differing[key] = value;
   for (const auto& [key, value] : b.items())
     if (!a.contains(key)) differing[key] = nullptr;
-  return differing.dump();
+  return json_text(differing);
 }
 
 /// Whether two models were trained from the same; what is not known differs.

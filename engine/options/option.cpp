@@ -4,10 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "engine/options/declare_option.hpp"
+#include "storage/files/numbers.hpp"
 
 namespace trivet {
 namespace {
@@ -54,10 +55,10 @@ Error wrong(std::string_view expected, std::string_view found) {
   return {ErrorCode::usage, fmt::format("expected {}, found {}", expected, found)};
 }
 
-bool parse_number(std::string_view text, double& number) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc{} && end == text.data() + text.size() && !std::isnan(number);
+bool read_number(std::string_view text, double& number) {
+  const std::optional<double> read = parse_number(text);
+  number = read.value_or(std::nan(""));
+  return !std::isnan(number);
 }
 
 bool is_chosen(std::span<const Choice> choices, std::string_view name) {
@@ -79,7 +80,7 @@ Error named(const OptionInfo& info, const Error& error) {
 namespace engine {
 
 double decimal_of(float field) {
-  return std::isfinite(field) ? std::stod(fmt::format("{}", field)) : static_cast<double>(field);
+  return parse_number(fmt::format("{}", field)).value_or(static_cast<double>(field));
 }
 
 }  // namespace engine
@@ -137,14 +138,14 @@ Result<OptionValue> parse_option(const OptionInfo& info, std::string_view text) 
     case OptionKind::number:
     case OptionKind::count:
       if (info.automatic && text == "auto") return OptionValue(std::string(text));
-      if (parse_number(text, number)) return OptionValue(number);
+      if (read_number(text, number)) return OptionValue(number);
       break;
     case OptionKind::choice:
       return OptionValue(std::string(text));
     case OptionKind::numbers: {
       std::vector<double> numbers;
       for (const std::string_view part : split(text)) {
-        if (!parse_number(part, numbers.emplace_back())) return wrong(kind_text(info), text);
+        if (!read_number(part, numbers.emplace_back())) return wrong(kind_text(info), text);
       }
       return OptionValue(std::move(numbers));
     }

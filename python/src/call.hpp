@@ -7,6 +7,7 @@
 #include <future>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -19,6 +20,9 @@ namespace py = pybind11;
 
 /// The exception of its kind: trivet.errors.
 [[noreturn]] void raise(const Error& error);
+
+/// The name of a file, which is any bytes, as os.fsdecode() has it.
+py::str path_text(const std::string& file);
 
 template <class T>
 T unwrap(Result<T> result) {

@@ -14,6 +14,7 @@
 #include "python/src/call.hpp"
 #include "python/src/library.hpp"
 #include "python/src/recognize.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::python {
 namespace {
@@ -42,10 +43,9 @@ std::string evaluate_manifest(const OpenLibrary& library, const std::string& fil
     if (!evaluation) return evaluation.error();
     const Result<BopScores> bop = bop_scores(*manifest, *meshes, results);
     if (!bop) return bop.error();
-    return apps::evaluation_json(*manifest, *evaluation,
-                                 {options.min_score, options.require_pose, options.doubtful_score},
-                                 *bop, results)
-        .dump();
+    return json_text(apps::evaluation_json(
+        *manifest, *evaluation, {options.min_score, options.require_pose, options.doubtful_score},
+        *bop, results));
   };
   const Result<std::string> document = interruptibly(judge, stop);
   reports.rethrow();

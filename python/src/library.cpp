@@ -154,7 +154,8 @@ void add_library(py::module_& module) {
            py::arg("memory_mb") = MemoryBound::kDefault >> 20U, py::arg("verify") = false)
       .def(py::pickle(
           [](const OpenLibrary& self) {
-            return py::make_tuple(self.file, self.opening.calibration, self.opening.memory_mb);
+            return py::make_tuple(py::bytes(self.file), self.opening.calibration,
+                                  self.opening.memory_mb);
           },
           [](const py::tuple& how) {
             return open(how[0].cast<std::string>(), how[1].cast<std::string>(),
@@ -168,7 +169,7 @@ void add_library(py::module_& module) {
            })
       .def("__iter__", [](const OpenLibrary& self) { return py::iter(py::cast(names_of(self))); })
       .def_property_readonly("names", &names_of)
-      .def_property_readonly("file", [](const OpenLibrary& self) { return self.file; })
+      .def_property_readonly("file", [](const OpenLibrary& self) { return path_text(self.file); })
       .def_property_readonly(
           "unit", [](const OpenLibrary& self) { return unit_name(self.library().header.unit); })
       .def_property_readonly("producer",

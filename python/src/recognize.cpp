@@ -17,6 +17,7 @@
 #include "python/src/library.hpp"
 #include "python/src/options.hpp"
 #include "python/src/scene.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::python {
 namespace {
@@ -64,9 +65,9 @@ Recognized recognize_scene(const OpenLibrary& library, const Scene& scene,
 }
 
 std::string json_of(const Recognized& self) {
-  return apps::scene_json(self.scene.input.file.string(), self.result, self.recognizer->score(),
-                          self.options)
-      .dump(2);
+  return json_text(apps::scene_json(self.scene.input.file.string(), self.result,
+                                    self.recognizer->score(), self.options),
+                   2);
 }
 
 py::array_t<double> alternatives_of(const DetectionHandle& self) {
@@ -233,8 +234,8 @@ void add_recognize(py::module_& module) {
                              [](const std::shared_ptr<Recognized>& self) {
                                return parts_of<RejectedPose>(self, self->result.rejected);
                              })
-      .def_property_readonly("name",
-                             [](const Recognized& self) { return self.scene.input.file.string(); })
+      .def_property_readonly(
+          "name", [](const Recognized& self) { return path_text(self.scene.input.file.string()); })
       .def_property_readonly("seconds",
                              [](const Recognized& self) { return self.result.stats.total_seconds; })
       .def("json", &json_of)

@@ -71,8 +71,9 @@ Scene scene_of_depths(const py::object& depth, const py::object& camera, double 
   return {std::make_shared<const Cloud>(unwrap(cloud)), std::move(input)};
 }
 
-Scene scene_of_file(const std::string& file, const py::object& camera, double depth_scale,
+Scene scene_of_file(const py::object& path, const py::object& camera, double depth_scale,
                     const py::object& viewpoint, bool closed_surface, const py::object& unit) {
+  const auto file = py::module_::import("os").attr("fsencode")(path).cast<std::string>();
   SceneInput input = input_of(file, viewpoint, closed_surface, unit);
   if (!camera.is_none()) input.camera = camera_from(camera, depth_scale);
   Result<Cloud> cloud = [&] {
@@ -198,7 +199,8 @@ void add_scene(py::module_& module) {
                   py::arg("viewpoint") = py::none(), py::arg("closed_surface") = false,
                   py::arg("unit") = py::none())
       .def("__len__", [](const Scene& scene) { return scene.cloud->points.size(); })
-      .def_property_readonly("name", [](const Scene& scene) { return scene.input.file.string(); })
+      .def_property_readonly(
+          "name", [](const Scene& scene) { return path_text(scene.input.file.string()); })
       .def_property_readonly("num_invalid",
                              [](const Scene& scene) { return scene.cloud->num_invalid; })
       .def_property_readonly("offset",

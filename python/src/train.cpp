@@ -15,6 +15,7 @@
 #include "python/src/call.hpp"
 #include "python/src/options.hpp"
 #include "python/src/scene.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::python {
 namespace {
@@ -48,7 +49,7 @@ std::string train(const std::vector<std::string>& models, const std::string& out
       },
       stop);
   reports.rethrow();
-  return apps::train_json(unwrap(report), output, request.unit).dump();
+  return json_text(apps::train_json(unwrap(report), output, request.unit));
 }
 
 }  // namespace

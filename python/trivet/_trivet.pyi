@@ -1,6 +1,7 @@
 """The extension module. Arrays of models lie in the mapped file and are read only."""
 
-from typing import Any, Callable, Iterator, Optional, Sequence
+from os import PathLike
+from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,7 +39,7 @@ class Scene:
         """Of a depth image (height, width); camera: (fx, fy, cx, cy) or (3, 3) [pixel]."""
     @staticmethod
     def read(
-        file: str,
+        file: Union[str, bytes, PathLike[str]],
         *,
         camera: Optional[ArrayLike] = ...,
         depth_scale: float = ...,
@@ -119,7 +120,7 @@ class Model:
 
 class Library:
     def __init__(
-        self, file: str, *, calibration: str = ..., memory_mb: int = ..., verify: bool = ...
+        self, file: Union[str, bytes], *, calibration: Union[str, bytes] = ..., memory_mb: int = ..., verify: bool = ...
     ) -> None: ...
     def __len__(self) -> int: ...
     def __getitem__(self, arg0: str) -> Model: ...
@@ -247,8 +248,8 @@ def _recognize(
     options: dict[str, Any],
 ) -> _Recognized: ...
 def _train(
-    models: list[str],
-    output: str,
+    models: list[bytes],
+    output: bytes,
     unit: Optional[str],
     prune: bool,
     keep_going: bool,
@@ -258,13 +259,13 @@ def _train(
 ) -> str: ...
 def _evaluate(
     library: Library,
-    file: str,
+    file: bytes,
     preset: str,
     progress: Optional[Callable[[int, int, str], None]],
     options: dict[str, Any],
 ) -> str: ...
 def _write_mesh(
-    file: str,
+    file: bytes,
     vertices: ArrayLike,
     triangles: Optional[ArrayLike],
     normals: Optional[ArrayLike],

@@ -44,4 +44,4 @@ def evaluate(
     truth. `options` and `preset` are those of Library.recognize; progress is called with (done,
     total, name of the scene). Errors: UsageError, DataError, MissingInputError."""
     return Evaluation(json.loads(
-        _trivet._evaluate(library, os.fspath(manifest), preset, progress, options)))
+        _trivet._evaluate(library, os.fsencode(manifest), preset, progress, options)))

@@ -39,7 +39,7 @@ class Library(_trivet.Library):
         memory_mb: int = 768,
         verify: bool = False,
     ) -> None:
-        super().__init__(os.fspath(file), calibration=os.fspath(calibration or ""),
+        super().__init__(os.fsencode(file), calibration=os.fsencode(calibration or ""),
                          memory_mb=memory_mb, verify=verify)
 
     def __repr__(self) -> str:

@@ -27,7 +27,7 @@ def as_scene(
     if isinstance(thing, Scene):
         return thing
     if is_path(thing):
-        return Scene.read(os.fspath(thing), camera=camera, depth_scale=depth_scale,
+        return Scene.read(thing, camera=camera, depth_scale=depth_scale,
                           viewpoint=viewpoint, closed_surface=closed_surface, unit=unit)
     if camera is not None:
         return Scene.from_depth(thing, camera, depth_scale=depth_scale, unit=unit, name=name)
@@ -63,4 +63,4 @@ def write_ply(file: PathLike, geometry: Any) -> None:
     """Write points or a mesh as binary PLY; the file appears whole or not at all.
     Errors: CannotCreateError, InputOutputError, DataError."""
     made = as_mesh(geometry)
-    _trivet._write_mesh(os.fspath(file), made.vertices, made.triangles, made.normals)
+    _trivet._write_mesh(os.fsencode(file), made.vertices, made.triangles, made.normals)

@@ -39,19 +39,19 @@ class TrainReport:
                 f"{self.seconds:.1f} s>")
 
 
-def arguments_of(models: Models, folder: Path) -> list[str]:
+def arguments_of(models: Models, folder: Path) -> list[bytes]:
     """As the command line names them; arrays become files of the folder."""
     if isinstance(models, (str, os.PathLike)):
-        return [os.fspath(models)]
+        return [os.fsencode(models)]
     if not isinstance(models, Mapping):
-        return [os.fspath(model) for model in models]
+        return [os.fsencode(model) for model in models]
     arguments = []
     for number, (name, model) in enumerate(models.items()):
         if not is_path(model):
             file = folder / f"{number}.ply"
             write_ply(file, model)
             model = file
-        arguments.append(f"{name}={os.fspath(model)}")
+        arguments.append(os.fsencode(f"{name}=") + os.fsencode(model))
     return arguments
 
 
@@ -83,7 +83,7 @@ def train(
     """
     with tempfile.TemporaryDirectory(prefix="trivet-") as folder:
         document = json.loads(
-            _trivet._train(arguments_of(models, Path(folder)), os.fspath(output), unit, prune,
+            _trivet._train(arguments_of(models, Path(folder)), os.fsencode(output), unit, prune,
                            keep_going, preset, progress, options))
     return TrainReport(document["library"], document["unit"], document["seconds"],
                        document["unchanged"], document["models"], document["faults"])

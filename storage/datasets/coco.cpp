@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet {
 namespace {
@@ -78,7 +79,7 @@ Result<void> write_coco_results(const std::filesystem::path& file,
                                 std::span<const CocoResult> results) {
   std::string text = "[";
   for (const CocoResult& result : results)
-    text += fmt::format("{}\n  {}", text == "[" ? "" : ",", result_json(result).dump());
+    text += fmt::format("{}\n  {}", text == "[" ? "" : ",", json_text(result_json(result)));
   return publish(file, text + "\n]\n");
 }
 
@@ -99,7 +100,7 @@ Result<void> write_coco_truth(const std::filesystem::path& file, std::span<const
           instance_json(document["annotations"].size() + 1, image, instance));
     }
   }
-  return publish(file, document.dump() + "\n");
+  return publish(file, json_text(document) + "\n");
 }
 
 }  // namespace trivet

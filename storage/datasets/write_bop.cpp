@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet {
 namespace {
@@ -80,7 +81,7 @@ Result<void> publish_text(const fs::path& file, std::string_view text) {
 template <class Items, class Json>
 Result<void> publish_by_id(const fs::path& file, const Items& items, Json&& json) {
   std::map<int, std::string> lines;
-  for (const auto& item : items) lines.emplace(item.id, json(item).dump());
+  for (const auto& item : items) lines.emplace(item.id, json_text(json(item)));
   std::string text = "{";
   for (const auto& [id, line] : lines)
     text += fmt::format("{}\n  \"{}\": {}", text == "{" ? "" : ",", id, line);
@@ -90,7 +91,7 @@ Result<void> publish_by_id(const fs::path& file, const Items& items, Json&& json
 Result<void> publish_list(const fs::path& file, const std::vector<ordered_json>& items) {
   std::string text = "[";
   for (const ordered_json& item : items)
-    text += fmt::format("{}\n  {}", text == "[" ? "" : ",", item.dump());
+    text += fmt::format("{}\n  {}", text == "[" ? "" : ",", json_text(item));
   return publish_text(file, text + "\n]\n");
 }
 
@@ -115,7 +116,7 @@ Result<void> write_bop_camera(const fs::path& file, const Camera& camera, std::u
       {"cx", camera.cx}, {"cy", camera.cy}, {"depth_scale", camera.depth_scale},
       {"fx", camera.fx}, {"fy", camera.fy}, {"height", height},
       {"width", width}};
-  return publish_text(file, document.dump(2) + "\n");
+  return publish_text(file, json_text(document, 2) + "\n");
 }
 
 Result<void> write_bop_scene(const fs::path& folder, std::span<const BopImage> images) {

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet {
@@ -67,7 +68,7 @@ Result<void> write_manifest(const std::filesystem::path& file, const Manifest& m
   ordered_json document{{"unit", unit_name(manifest.unit)}, {"models", std::move(models)}};
   if (!manifest.models_scored.empty()) document["models_scored"] = manifest.models_scored;
   document["scenes"] = std::move(scenes);
-  const std::string text = document.dump(1) + "\n";
+  const std::string text = json_text(document, 1) + "\n";
   return publish_file(file, std::as_bytes(std::span(text)));
 }
 

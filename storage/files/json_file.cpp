@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <new>
 
@@ -14,6 +13,8 @@
 #include "storage/files/json_text.hpp"
 #include "storage/files/looks_like.hpp"
 #include "storage/files/nearest_name.hpp"
+#include "storage/files/numbers.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet {
 namespace {
@@ -222,9 +223,7 @@ namespace {
 /// A camera model whose projection is linear, by the names that BOP's data sets give it.
 bool is_pinhole(std::string_view name) {
   name.remove_prefix(name.rfind('.') + 1);  // CameraModelType.PINHOLE
-  std::string lower(name);
-  std::ranges::transform(lower, lower.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = formats::lower_case(name);
   return lower.starts_with("pinhole") || lower == "linear";
 }
 
@@ -293,7 +292,10 @@ Result<void> with_json(std::span<const std::byte> bytes, const std::string& name
   };
   try {
     const auto* const first = reinterpret_cast<const char*>(bytes.data());
-    const auto document = nlohmann::json::parse(first, first + bytes.size(), on_event);
+    const nlohmann::json document = [&] {
+      const PlainLocale plain;
+      return nlohmann::json::parse(first, first + bytes.size(), on_event);
+    }();
     walk(JsonNode(document, ""));
     return {};
   } catch (const JsonFault& fault) {

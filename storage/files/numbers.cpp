@@ -48,4 +48,11 @@ std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcep
   return static_cast<std::uint32_t>(value);
 }
 
+PlainLocale::PlainLocale() noexcept {
+  static const locale_t kPlain = ::newlocale(LC_ALL_MASK, "C", nullptr);  // always there
+  before_ = ::uselocale(kPlain);
+}
+
+PlainLocale::~PlainLocale() { ::uselocale(before_); }
+
 }  // namespace trivet

@@ -1,6 +1,8 @@
 /// Numbers from text: the one way in which they are read, whatever the locale of the process.
 #pragma once
 
+#include <locale.h>  // locale_t is of POSIX
+
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -17,5 +19,18 @@ float to_float(double value) noexcept;
 
 /// A value as an index below `bound`; none when it is negative, broken or too large.
 std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept;
+
+/// While it lives, the C library writes and reads numbers in this thread as the C locale has it:
+/// for code of others that asks the locale.
+class PlainLocale {
+ public:
+  PlainLocale() noexcept;
+  PlainLocale(const PlainLocale&) = delete;
+  PlainLocale& operator=(const PlainLocale&) = delete;
+  ~PlainLocale();
+
+ private:
+  locale_t before_;
+};
 
 }  // namespace trivet

@@ -37,6 +37,11 @@ class TextCursor {
   std::array<bool, 256> separates_{};
 };
 
+/// A letter of ASCII or a digit.
+constexpr bool is_alphanumeric(char c) noexcept {
+  return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
+
 /// The text with its ASCII capitals in lower case.
 std::string lower_case(std::string_view text);
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 namespace trivet {
@@ -49,16 +51,20 @@ std::string escaped(char32_t c) {
   if (c == '\n') return "\\n";
   if (c == '\r') return "\\r";
   if (c == '\t') return "\\t";
-  const auto code = static_cast<std::uint32_t>(c);
-  return c < 0x80 ? fmt::format("\\x{:02X}", code) : fmt::format("\\u{:04X}", code);
+  return fmt::format("\\u{:04X}", static_cast<std::uint32_t>(c));
 }
 
-/// `keeps` says which characters stay as they are.
+/// `keeps` says which characters stay as they are, beside those of plain ASCII.
 template <class Keeps>
 std::string rewritten(std::string_view text, Keeps keeps) {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {
+    const auto plain = static_cast<std::size_t>(
+        std::ranges::find_if_not(text, [](char c) { return c >= ' ' && c <= '~'; }) - text.begin());
+    out += text.substr(0, plain);
+    text.remove_prefix(plain);
+    if (text.empty()) break;
     const Character c = first_of(text);
     if (!c.code_point) {
       out += "\xEF\xBF\xBD";
@@ -92,7 +98,7 @@ std::string printable(std::string_view bytes) {
 }
 
 std::string printable_lines(std::string_view bytes) {
-  return rewritten(bytes, [](char32_t c) { return c == '\n' || !is_control(c); });
+  return rewritten(bytes, [](char32_t c) { return c == '\n' || c == '\t' || !is_control(c); });
 }
 
 }  // namespace trivet

@@ -1,7 +1,6 @@
 #include "storage/formats/intensity.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "storage/files/text.hpp"
@@ -11,11 +10,7 @@ namespace trivet::formats {
 bool names_intensity(std::string_view name) {
   constexpr std::array<std::string_view, 5> kNames{"intensity", "scalar_intensity", "reflectance",
                                                    "reflectivity", "remission"};
-  std::string lower(name);
-  std::ranges::transform(lower, lower.begin(), [](char c) {
-    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  });
-  return std::ranges::find(kNames, lower) != kNames.end();
+  return std::ranges::find(kNames, lower_case(name)) != kNames.end();
 }
 
 double brightness(double red, double green, double blue) {

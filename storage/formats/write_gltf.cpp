@@ -8,6 +8,7 @@
 
 #include "storage/file.hpp"
 #include "storage/files/append.hpp"
+#include "storage/files/json_text.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
@@ -105,7 +106,7 @@ std::string encode_glb(const Cloud& cloud, LengthUnit unit) {
                       {"bufferViews", buffer.views()},
                       {"accessors", buffer.accessors()}};
   std::string chunks;
-  append_chunk(chunks, "JSON", document.dump(), ' ');
+  append_chunk(chunks, "JSON", json_text(document), ' ');
   append_chunk(chunks, {"BIN\0", 4}, buffer.bytes(), '\0');
   std::string out = "glTF";
   append(out, std::uint32_t{2});

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
+#include "storage/files/text.hpp"
 #include "storage/read_cloud.hpp"
 
 namespace trivet {
 namespace {
 
+using formats::is_alphanumeric;
+
 constexpr std::size_t kLongest = 128;
 
-bool is_alphanumeric(char c) noexcept {
-  return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
 bool is_allowed(char c) noexcept { return is_alphanumeric(c) || c == '.' || c == '_' || c == '-'; }
 
 }  // namespace

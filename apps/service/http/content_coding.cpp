@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cstdlib>
 #include <map>
 #include <new>
 #include <span>
 
 #include "storage/files/inflater.hpp"
+#include "storage/files/numbers.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -53,10 +53,10 @@ Result<std::string> inflate_all(ContentCoding coding, std::string_view packed,
 
 std::string trimmed(std::string_view text) {
   std::string out;
-  for (const unsigned char c : text) {
-    if (std::isspace(c) == 0) out += static_cast<char>(std::tolower(c));
+  for (const char c : text) {
+    if (c != ' ' && c != '\t') out += c;
   }
-  return out;
+  return formats::lower_case(out);
 }
 
 /// How much each coding of an Accept-Encoding is liked, 0 to 1.
@@ -68,7 +68,7 @@ std::map<std::string, double, std::less<>> likings(std::string_view accept_encod
     const std::size_t semicolon = std::min(one.find(";q="), one.size());
     const bool has_weight = semicolon < one.size();
     out[one.substr(0, semicolon)] =
-        has_weight ? std::strtod(one.c_str() + semicolon + 3, nullptr) : 1;
+        has_weight ? parse_number(one.substr(semicolon + 3)).value_or(0) : 1;
   }
   return out;
 }

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
+
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -14,9 +15,7 @@ constexpr std::size_t kMaxParts = 1000, kMaxHeaderBytes = 4096;
 
 bool begins_with(std::string_view text, std::string_view front) {  // whatever the case
   return text.size() >= front.size() &&
-         std::equal(front.begin(), front.end(), text.begin(), [](unsigned char a, unsigned char b) {
-           return std::tolower(a) == std::tolower(b);
-         });
+         formats::lower_case(text.substr(0, front.size())) == formats::lower_case(front);
 }
 
 /// The value of `key="value"` or `key=value` among parameters that semicolons separate.

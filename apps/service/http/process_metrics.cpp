@@ -6,9 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
+
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -25,23 +26,23 @@ std::optional<ProcessState> read_state() {
   std::ifstream file("/proc/self/stat");
   std::string text;
   if (!std::getline(file, text) || text.rfind(')') == std::string::npos) return std::nullopt;
-  std::istringstream fields(text.substr(text.rfind(')') + 1));
+  formats::TextCursor fields(std::string_view(text).substr(text.rfind(')') + 1));
   // proc(5): the name is the second field; the start is the 22nd, then come the sizes.
   constexpr int kNumBetween = 22 - 3;
-  std::string skipped;
-  for (int i = 0; i < kNumBetween; ++i) fields >> skipped;
-  double start_ticks = 0, virtual_bytes = 0, resident_pages = 0;
-  if (!(fields >> start_ticks >> virtual_bytes >> resident_pages)) return std::nullopt;
-  return ProcessState{start_ticks / static_cast<double>(::sysconf(_SC_CLK_TCK)), virtual_bytes,
-                      resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE))};
+  for (int i = 0; i < kNumBetween; ++i) fields.word();
+  const std::optional<double> start_ticks = parse_number(fields.word()),
+                              virtual_bytes = parse_number(fields.word()),
+                              resident_pages = parse_number(fields.word());
+  if (!start_ticks || !virtual_bytes || !resident_pages) return std::nullopt;
+  return ProcessState{*start_ticks / static_cast<double>(::sysconf(_SC_CLK_TCK)), *virtual_bytes,
+                      *resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE))};
 }
 
 /// When the system was started, in seconds of Unix time.
 std::optional<double> boot_seconds() {
   std::ifstream file("/proc/stat");
   for (std::string word; file >> word;) {
-    double seconds = 0;
-    if (word == "btime" && file >> seconds) return seconds;
+    if (word == "btime" && file >> word) return parse_number(word);
   }
   return std::nullopt;
 }

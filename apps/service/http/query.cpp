@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <sstream>
+
+#include "storage/files/text.hpp"
+#include "storage/valid_text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -27,13 +29,16 @@ Result<std::string> decode(std::string_view text) {
     out += static_cast<char>(value);
     i += 2;
   }
+  if (!is_utf8(out)) {
+    return Error{ErrorCode::usage, fmt::format("expected UTF-8 in the target, found '{}'", text)};
+  }
   return out;
 }
 
 std::string encode(std::string_view text, std::string_view also_plain = "") {
   std::string out;
   for (const char c : text) {
-    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+    const bool is_plain = formats::is_alphanumeric(c) ||
                           std::string_view("-._~").find(c) != std::string_view::npos ||
                           also_plain.find(c) != std::string_view::npos;
     out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
@@ -52,10 +57,7 @@ std::optional<std::string> Target::parameter(std::string_view name) const {
 
 Result<std::string> origin_form(std::string_view target) {
   for (const std::string_view scheme : {"http://", "https://"}) {
-    const bool is_it = target.size() >= scheme.size() &&
-                       std::equal(scheme.begin(), scheme.end(), target.begin(),
-                                  [](char a, unsigned char b) { return a == std::tolower(b); });
-    if (!is_it) continue;
+    if (formats::lower_case(target.substr(0, scheme.size())) != scheme) continue;
     const std::string_view rest = target.substr(scheme.size());
     const std::size_t end = std::min(rest.find_first_of("/?"), rest.size());
     if (end == 0) {

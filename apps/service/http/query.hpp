@@ -28,7 +28,8 @@ Result<std::string> origin_form(std::string_view target);
 /// A text of digits only; none: it is something else, or too large.
 std::optional<std::size_t> whole_number(std::string_view text);
 
-/// Split and decode (RFC 3986, 2.1; plus signs stay). Errors: usage (a broken escape).
+/// Split and decode (RFC 3986, 2.1; plus signs stay). Errors: usage (a broken
+/// escape; what is no UTF-8).
 Result<Target> parse_target(std::string_view target);
 /// The reverse.
 std::string write_target(const Target& target);

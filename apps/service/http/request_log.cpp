@@ -13,6 +13,8 @@
 #include <climits>
 #include <string>
 
+#include "storage/files/json_text.hpp"
+
 namespace trivet::apps::service {
 namespace {
 
@@ -87,7 +89,7 @@ void RequestLog::write(std::string_view level, std::string_view message,
   using Json = nlohmann::ordered_json;
   Json json{{"msg", message}};
   json.update(fields);
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace).substr(1);
+  const std::string text = json_text(json).substr(1);
   if (text.size() > kMaxText) return state_->sink->count_dropped();
   state_->logger->log(spdlog::level::from_str(std::string(level)), spdlog::string_view_t(text));
 }

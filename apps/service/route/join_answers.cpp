@@ -8,6 +8,7 @@
 
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/route/merge_answers.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -16,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 /// What a refusal says.
 std::string reason_of(const HttpResponse& refusal) {
-  const Json body = Json::parse(refusal.body, nullptr, false);
+  const Json body = parse_json<Json>(refusal.body);
   const bool is_told = body.is_object() && body.contains("error") && body["error"].is_string();
   return fmt::format("{}{}", refusal.status,
                      is_told ? ": " + body["error"].get<std::string>() : "");

@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "apps/service/http/query.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps::service {
@@ -44,9 +45,8 @@ Result<ShardAddress> parse_shard(const std::string& text) {
   std::string host = text.substr(0, std::min(colon, text.size()));
   const std::string port = colon == std::string::npos ? "" : text.substr(colon + 1);
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  const bool is_number = !port.empty() && port.size() <= 5 &&
-                         std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; });
-  if (host.empty() || !is_number || std::stoi(port) < 1 || std::stoi(port) > 65535) {
+  const std::size_t number = whole_number(port).value_or(0);
+  if (host.empty() || number < 1 || number > 65535) {
     return Error{ErrorCode::usage,
                  fmt::format("shards: expected host:port, as 10.0.0.1:8080, found '{}'", text)};
   }

@@ -10,6 +10,7 @@
 
 #include "apps/service/serve/recognize_query.hpp"
 #include "engine/presets.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps::service {
 
@@ -119,7 +120,7 @@ void add_versions(Json& paths) {
 /// The document with what follows from something else: the parameters of a recognition from its
 /// options, and the paths with versions from those without.
 std::string write_document() {
-  Json document = Json::parse(embedded_api().front().second);
+  Json document = parse_json<Json>(embedded_api().front().second);
   add_versions(document["paths"]);
   Json& parameters = document["components"]["parameters"];
   Json& of_recognize = document["paths"]["/v1/recognize"]["post"]["parameters"];
@@ -132,7 +133,7 @@ std::string write_document() {
   add(preset_parameter(), std::string(kUsualPreset));
   parameters[preset_parameter().name]["x-presets"] = presets_json();
   for (const auto& option : options_of<RecognizeOptions>()) add(option.info, option.get({}));
-  return document.dump();
+  return json_text(document);
 }
 
 }  // namespace

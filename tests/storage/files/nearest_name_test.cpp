@@ -35,7 +35,7 @@ TEST(NearestName, IsWhatWasProbablyMeant) {
 TEST(NearestName, IsNamedWhereANameIsUnknown) {
   EXPECT_EQ(unknown_name("scal", kKnown), "found 'scal'; did you mean 'scale'?");
   EXPECT_EQ(unknown_name("\x1B[2J", kKnown),
-            "expected one of file, scale, symmetries, symmetry_axis, fx, found '\\x1B[2J'");
+            "expected one of file, scale, symmetries, symmetry_axis, fx, found '\\u001B[2J'");
 }
 
 }  // namespace

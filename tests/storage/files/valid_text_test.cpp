@@ -46,9 +46,9 @@ std::vector<BytesCase> bytes_cases() {
       {"cut off in three", "x\xE6\xAD", "x" + r, "x" + r},
       {"cut off by another", "\xE6\xAD\x41", r + "A", r + "A"},
       {"cut off by a lead byte", "\xE6\xC3\xA4", r + "\xC3\xA4", r + "\xC3\xA4"},
-      {"C0", "\0\a\b\x1B[2J\x1F"s, "\0\a\b\x1B[2J\x1F"s, R"(\x00\x07\x08\x1B[2J\x1F)"},
+      {"C0", "\0\a\b\x1B[2J\x1F"s, "\0\a\b\x1B[2J\x1F"s, R"(\u0000\u0007\u0008\u001B[2J\u001F)"},
       {"lines", "a\r\n\tb", "a\r\n\tb", R"(a\r\n\tb)"},
-      {"DEL", "\x7F", "\x7F", R"(\x7F)"},
+      {"DEL", "\x7F", "\x7F", R"(\u007F)"},
       {"C1", "\xC2\x80\xC2\x9B\x31m\xC2\x9F\xC2\xA0", "\xC2\x80\xC2\x9B\x31m\xC2\x9F\xC2\xA0",
        "\\u0080\\u009B1m\\u009F\xC2\xA0"},
       {"breaks", "\xE2\x80\xA8\xE2\x80\xA9", "\xE2\x80\xA8\xE2\x80\xA9", R"(\u2028\u2029)"},
@@ -64,7 +64,7 @@ TEST(ValidText, TurnsAnyBytesIntoTextAsTheUnicodeStandardRecommends) {
     EXPECT_EQ(printable(c.bytes), c.printable) << c.what;
     EXPECT_EQ(is_utf8(c.bytes), c.valid == c.bytes) << c.what;
   }
-  EXPECT_EQ(printable_lines("a\r\n\x1B b\n\xFF"), "a\\r\n\\x1B b\n" + kReplaced);
+  EXPECT_EQ(printable_lines("a\r\n\x1B\tb\n\xFF"), "a\\r\n\\u001B\tb\n" + kReplaced);
 }
 
 /// Bytes that often meet the borders of UTF-8.

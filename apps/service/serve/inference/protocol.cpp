@@ -13,6 +13,7 @@
 
 #include "apps/service/http/json_parameters.hpp"
 #include "apps/service/serve/inference/metadata.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -288,7 +289,7 @@ InferenceResponse write_inference(const InferenceRequest& request, const SceneRe
   if (!request.id.empty()) json["id"] = request.id;
   json["outputs"] = std::move(outputs);
   // Models are named by files, which need not be UTF-8.
-  InferenceResponse response{json.dump(-1, ' ', false, Json::error_handler_t::replace), 0};
+  InferenceResponse response{json_text(json), 0};
   response.header_size = response.body.size();
   response.body += bytes;
   return response;

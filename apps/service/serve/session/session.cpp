@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
 
 #include "apps/results/detections_json.hpp"
@@ -15,6 +14,7 @@
 #include "storage/datasets/parse_truth.hpp"
 #include "storage/file.hpp"
 #include "storage/files/json_file.hpp"
+#include "storage/files/json_text.hpp"
 #include "storage/model_name.hpp"
 
 namespace trivet::apps::service {
@@ -516,9 +516,9 @@ Result<HttpResponse> Session::put_answer(const std::string& run, const std::stri
   const auto found = scans_.find(scan);
   if (found == scans_.end()) return error_response(404, fmt::format("no scan '{}'", scan));
   if (auto stale = refuse_stale_answer(run, scan, match)) return std::move(*stale);
-  Json document = Json::parse(body);
+  Json document = parse_json<Json>(body);
   document["scenes"][0]["scene"] = found->second.listed.name;
-  const std::string text = document.dump(1) + "\n", file = answer_file(run, scan);
+  const std::string text = json_text(document, 1) + "\n", file = answer_file(run, scan);
   if (!has_room(file, text.size())) return refuse_bytes(text.size());
   if (const Result<void> written = write(file, std::as_bytes(std::span(text))); !written)
     return written.error();
