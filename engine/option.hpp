@@ -119,6 +119,14 @@ const Option<Options>* find_option(std::string_view name) {
   return nullptr;
 }
 
+/// Their names, in their order.
+template <class Options>
+std::vector<std::string_view> option_names() {
+  std::vector<std::string_view> names;
+  for (const Option<Options>& option : options_of<Options>()) names.push_back(option.info.name);
+  return names;
+}
+
 /// Set an option to what a text says. Errors: usage (name, range and value).
 template <class Options>
 Result<void> set_option(const Option<Options>& option, std::string_view text, Options& options) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/recognize_options.hpp"
 #include "engine/train_options.hpp"
@@ -58,9 +59,10 @@ inline const std::map<std::string, RecognizeOptions, std::less<>>& recognize_pre
 /// change wherever it stands.
 ///
 /// names_where   what tells all names, for the error
+/// more          further names that the caller knows, for the error
 /// Errors: usage (a name that is none or stands twice; name, range and value).
 Result<RecognizeOptions> parse_recognize_options(
     std::span<const std::pair<std::string_view, std::string_view>> texts,
-    std::string_view names_where);
+    std::string_view names_where, std::vector<std::string_view> more = {});
 
 }  // namespace trivet

@@ -5,20 +5,22 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <csignal>
 #include <exception>
-#include <iostream>
 #include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "apps/help/exit_codes.hpp"
 #include "apps/options/add_options.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/progress.hpp"
+#include "storage/files/nearest_name.hpp"
+#include "storage/files/numbers.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -37,7 +39,7 @@ std::string command_line(std::span<char* const> arguments) {
     if (!line.empty()) line += ' ';
     const bool plain =
         !argument.empty() && std::all_of(argument.begin(), argument.end(), [](char c) {
-          return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+          return formats::is_alphanumeric(c) ||
                  std::string_view("_-./:,=+@%").find(c) != std::string_view::npos;
         });
     if (plain) {
@@ -49,6 +51,27 @@ std::string command_line(std::span<char* const> arguments) {
     line += '\'';
   }
   return line;
+}
+
+/// What an option or a command that is not there was probably meant to be, as a line; or nothing.
+std::string did_you_mean(const CLI::App& program) {
+  std::vector<std::string> names;
+  const CLI::App* command = &program;
+  for (auto below = command->get_subcommands(); command; below = command->get_subcommands()) {
+    for (const CLI::Option* const option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    if (below.empty()) break;
+    command = below.front();
+  }
+  for (const CLI::App* const below : command->get_subcommands({}))
+    names.push_back(below->get_name());
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  for (const std::string& extra : program.remaining(true)) {
+    const std::string_view nearest = nearest_name(extra.substr(0, extra.find('=')), known);
+    if (!nearest.empty()) return fmt::format("did you mean {}?\n", nearest);
+  }
+  return "";
 }
 
 }  // namespace
@@ -92,11 +115,12 @@ void add_common_options(CLI::App& app, Context& context) {
 int run_app(CLI::App& app, Context& context, int argc, char** argv) {
   context.command = command_line({argv, static_cast<std::size_t>(argc)});
   try {
+    const PlainLocale plain;
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     std::ostringstream help, complaint;
     const bool asked = app.exit(error, help, complaint) == 0;
-    std::cerr << complaint.str();
+    context.console.complaint(complaint.str() + did_you_mean(app));
     return asked ? end_code(write_output(help.str()), context.console) : 2;
   }
 

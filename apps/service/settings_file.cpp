@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "storage/file.hpp"
+#include "storage/files/nearest_name.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -55,8 +56,7 @@ class SettingsReader {
     if (setting == settings_.end()) {
       std::vector<std::string_view> names;
       for (const Setting& one : settings_) names.push_back(one.name);
-      faults_.push_back(
-          fmt::format("{}expected one of {}, found '{}'", where, fmt::join(names, ", "), name));
+      faults_.push_back(where + unknown_name(name, names));
     } else if (const toml::array* const list = node.as_array(); list && setting->is_list) {
       for (const toml::node& one : *list) set_value(where, *setting, one);
     } else {

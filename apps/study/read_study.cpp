@@ -11,6 +11,7 @@
 #include "apps/study/study.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "storage/file.hpp"
+#include "storage/files/nearest_name.hpp"
 
 namespace trivet::apps::study {
 namespace {
@@ -36,8 +37,7 @@ class Reader {
   void allow(const toml::table& table, std::initializer_list<std::string_view> keys) {
     for (const auto& [key, node] : table) {
       if (std::ranges::find(keys, key.str()) == keys.end()) {
-        fault(key.source(),
-              fmt::format("expected one of {}, found '{}'", fmt::join(keys, ", "), key.str()));
+        fault(key.source(), unknown_name(key.str(), keys));
       }
     }
   }
@@ -164,9 +164,11 @@ class Reader {
       for (const Setting& known : all_settings()) {
         if (known.name.starts_with(stage)) alike.push_back(known.name);
       }
-      fault(node, fmt::format("found setting '{}'; expected {}", name,
-                              alike.empty() ? "one of scan., degrade., train. or recognize."
-                                            : fmt::format("one of {}", fmt::join(alike, ", "))));
+      fault(node, alike.empty()
+                      ? fmt::format("found setting '{}'; expected one of scan., degrade., "
+                                    "train. or recognize.",
+                                    name)
+                      : unknown_name(name, alike));
       return;
     }
     StudySettings scratch;

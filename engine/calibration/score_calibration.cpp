@@ -9,6 +9,7 @@
 #include "engine/calibration/score_json.hpp"
 #include "engine/default_score.hpp"
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
 
 namespace trivet {
 namespace {
@@ -75,7 +76,7 @@ Result<void> write_calibration(const std::filesystem::path& file,
                                          {{"scans", calibration.num_scans},
                                           {"right", calibration.num_right},
                                           {"wrong", calibration.num_wrong}}}};
-  const std::string text = document.dump(2) + '\n';
+  const std::string text = json_text(document, 2) + '\n';
   return publish_file(file, std::as_bytes(std::span(text)));
 }
 
@@ -83,8 +84,9 @@ Result<ScoreCalibration> read_calibration(const std::filesystem::path& file) {
   ScoreCalibration calibration;
   const Result<void> done = with_json(file, [&](const JsonNode& root) {
     check_origin(root);
+    root.only({"format", "version", "score", "name", "shift", "weights", "made_from"});
     calibration.adaptation = parse_adaptation(root);
-    const JsonNode from = root.at("made_from");
+    const JsonNode from = root.at("made_from").only({"scans", "right", "wrong"});
     calibration.num_scans = count(from.at("scans"));
     calibration.num_right = count(from.at("right"));
     calibration.num_wrong = count(from.at("wrong"));

@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
+
+#include "storage/files/nearest_name.hpp"
+#include "storage/valid_text.hpp"
 
 namespace trivet {
 
 Result<RecognizeOptions> parse_recognize_options(
     std::span<const std::pair<std::string_view, std::string_view>> texts,
-    std::string_view names_where) {
+    std::string_view names_where, std::vector<std::string_view> more) {
   constexpr OptionInfo kPreset = preset_option("", "");
   RecognizeOptions options;
   std::set<std::string_view> names;
@@ -24,8 +29,14 @@ Result<RecognizeOptions> parse_recognize_options(
     if (name == kPreset.name) continue;
     const auto* const option = find_option<RecognizeOptions>(name);
     if (!option) {
-      return Error{ErrorCode::usage, fmt::format("expected a parameter that {} names, found '{}'",
-                                                 names_where, name)};
+      std::ranges::move(option_names<RecognizeOptions>(), std::back_inserter(more));
+      more.push_back(kPreset.name);
+      const std::string_view nearest = nearest_name(name, more);
+      return Error{
+          ErrorCode::usage,
+          fmt::format("expected a parameter that {} names, found '{}'{}", names_where,
+                      printable(name),
+                      nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest))};
     }
     if (const Result<void> set = set_option(*option, text, options); !set) return set.error();
   }

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "engine/training/standard_basis.hpp"
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
+#include "storage/files/nearest_name.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -33,16 +37,13 @@ Json declared_json(const std::optional<Symmetry>& declared) {
 
 /// Formats are told by it where the bytes do not tell them.
 std::string extension_of(const ModelSource& source) {
-  std::string extension = source.file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return formats::lower_case(source.file.extension().string());
 }
 
 /// As the command line would say it.
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
-  if (!value.is_array()) return value.dump();
+  if (!value.is_array()) return json_text(value);
   std::string text;
   for (const Json& item : value) {
     if (!text.empty()) text += ',';
@@ -67,7 +68,7 @@ std::string fingerprint_of(const ModelSource& source, const std::string& source_
                  {"scale", source.scale},
                  {"symmetry", declared_json(source.symmetry)},
                  {"parameters", parameters_json(options)}};
-  const std::string text = all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = json_text(all);
   return xxh3_hex(std::as_bytes(std::span(text)));
 }
 
@@ -81,15 +82,19 @@ std::string parameters_json(const TrainOptions& options) {
     std::visit([&](const auto& value) { json[std::string(option.info.name)] = value; },
                option.get(options));
   }
-  return json.dump();
+  return json_text(json);
 }
 
 Result<TrainOptions> parse_parameters(const std::string& json) {
   const auto bad = [&](const std::string& what) {
     return Error{ErrorCode::bad_data, fmt::format("parameters of training: {}", what)};
   };
-  const Json all = Json::parse(json, nullptr, false);
+  const Json all = parse_json<Json>(json);
   if (!all.is_object()) return bad("expected a JSON object");
+  const std::vector<std::string_view> names = option_names<TrainOptions>();
+  for (const auto& [name, value] : all.items()) {
+    if (!find_option<TrainOptions>(name)) return bad(unknown_name(name, names));
+  }
   TrainOptions options;
   for (const Option<TrainOptions>& option : options_of<TrainOptions>()) {
     const auto found = all.find(std::string(option.info.name));

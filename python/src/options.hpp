@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "engine/option.hpp"
 #include "python/src/call.hpp"
+#include "storage/files/nearest_name.hpp"
 
 namespace trivet::python {
 
@@ -31,13 +34,13 @@ void set_options(const py::dict& keywords, Options& options) {
     std::ranges::replace(name, '_', '-');
     const Option<Options>* const option = find_option<Options>(name);
     if (!option || option->info.place == OptionPlace::service_only) {
-      std::string known;
+      std::vector<std::string> keywords_known;
       for (const Option<Options>& one : options_of<Options>()) {
-        if (one.info.place == OptionPlace::service_only) continue;
-        known += (known.empty() ? "" : ", ") + keyword_of(one.info.name);
+        if (one.info.place != OptionPlace::service_only)
+          keywords_known.push_back(keyword_of(one.info.name));
       }
-      raise({ErrorCode::usage,
-             fmt::format("{}: expected one of {}", py::cast<std::string>(key), known)});
+      const std::vector<std::string_view> known(keywords_known.begin(), keywords_known.end());
+      raise({ErrorCode::usage, unknown_name(py::cast<std::string>(key), known)});
     }
     const OptionValue value = value_of(option->info, given);
     const Result<void> valid = check_option(option->info, value);

@@ -264,7 +264,7 @@ class TestErrors:
         (tmp_path / "bad.h5").write_bytes(b"no library")
         with pytest.raises(trivet.DataError, match="bad.h5"):
             trivet.Library(tmp_path / "bad.h5")
-        with pytest.raises(trivet.UsageError, match="min_scor: expected one of .*min_score"):
+        with pytest.raises(trivet.UsageError, match="found 'min_scor'; did you mean 'min_score'"):
             library.recognize(np.zeros((10, 3)), min_scor=0.5)
         with pytest.raises(trivet.UsageError, match="min-score"):
             library.recognize(np.zeros((10, 3)), min_score=2)

@@ -313,7 +313,7 @@ TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
       {"--deadline-ms", "soon"});
   EXPECT_EQ(bad.exit_code, 2);
   for (const char* const fault :
-       {"serve.toml:3: expected one of", "found 'max-waitings'", "serve.toml:4: port",
+       {"serve.toml:3: found 'max-waitings'; did you mean 'max-waiting'?", "serve.toml:4: port",
         "serve.toml:5: parallel", "serve.toml:6: log", "absent.json: no such file",
         "absent.h5: no such file", "--deadline-ms",
         "max-body-mb: expected at most max-waiting-mb"}) {
