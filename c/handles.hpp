@@ -13,6 +13,7 @@
 
 #include "c/trivet.h"
 #include "engine/recognize.hpp"
+#include "storage/valid_text.hpp"
 
 struct trivet_library {
   trivet::Recognizer recognizer;
@@ -54,6 +55,7 @@ constexpr trivet_status status_of(ErrorCode code) noexcept {
     case ErrorCode::cannot_create:
       return TRIVET_CANNOT_CREATE;
     case ErrorCode::io:
+    case ErrorCode::no_space:
       return TRIVET_IO;
     case ErrorCode::resumable:
       return TRIVET_STOPPED;
@@ -75,7 +77,8 @@ trivet_status hand_out(T** out, trivet_error* error, Make&& make) noexcept {
   *out = nullptr;
   try {
     Result<std::unique_ptr<T>> made = make();
-    if (!made) return tell(status_of(made.error().code), made.error().message, error);
+    if (!made)
+      return tell(status_of(made.error().code), printable_lines(made.error().message), error);
     *out = made->release();
     return tell(TRIVET_OK, "", error);
   } catch (const std::bad_alloc&) {

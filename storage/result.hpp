@@ -20,6 +20,7 @@ enum class ErrorCode {
   resumable,      ///< stopped before the end; running again continues
   internal,       ///< a bug
   changed,        ///< others changed a file while it was used
+  no_space,       ///< what is written has no room: a full disk, a quota, a limit on files
 };
 
 /// A sentence that names the file, the place, what was expected, what was found and what to do.

@@ -23,11 +23,12 @@ inline constexpr std::array<ExitCode, 8> kExitCodes{{
     {ErrorCode::changed, 69, "A file was changed by others while it was used."},
     {ErrorCode::internal, 70, "A fault of the program."},
     {ErrorCode::cannot_create, 73, "A file or a folder cannot be made."},
-    {ErrorCode::io, 74, "Reading or writing failed, or memory ran out."},
+    {ErrorCode::io, 74, "Reading or writing failed, or disk or memory ran out."},
     {ErrorCode::resumable, 75, "It was stopped before its end."},
 }};
 
 inline int exit_code(ErrorCode error) {
+  if (error == ErrorCode::no_space) error = ErrorCode::io;
   return std::ranges::find(kExitCodes, error, &ExitCode::error)->number;
 }
 

@@ -4,15 +4,19 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
+#include <string>
+
+#include "storage/files/errno_text.hpp"
+#include "storage/valid_text.hpp"
 
 namespace trivet::apps {
 
-Result<void> write_output(std::string_view text) {
+Result<void> write_output(std::string_view any) {
+  const std::string text = printable_lines(any);
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
     return {};
-  return Error{ErrorCode::io,
-               fmt::format("standard output: cannot be written: {}", std::strerror(errno))};
+  return Error{write_error(errno, ErrorCode::io),
+               fmt::format("standard output: cannot be written: {}", errno_text())};
 }
 
 }  // namespace trivet::apps

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "storage/valid_text.hpp"
+
 namespace trivet::python {
 
 void raise(const Error& error) {
@@ -16,6 +18,7 @@ void raise(const Error& error) {
       case ErrorCode::cannot_create:
         return "CannotCreateError";
       case ErrorCode::io:
+      case ErrorCode::no_space:
         return "InputOutputError";
       case ErrorCode::resumable:
         return "Stopped";
@@ -27,8 +30,13 @@ void raise(const Error& error) {
     return "InternalError";
   }();
   const py::object kind = py::module_::import("trivet.errors").attr(name);
-  PyErr_SetObject(kind.ptr(), kind(error.message).ptr());
+  PyErr_SetObject(kind.ptr(), kind(printable_lines(error.message)).ptr());
   throw py::error_already_set();
+}
+
+py::str path_text(const std::string& file) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeFSDefaultAndSize(file.data(), static_cast<py::ssize_t>(file.size())));
 }
 
 bool is_main_thread() {
@@ -43,7 +51,7 @@ Progress Reports::to(std::stop_token stop) {
     const py::gil_scoped_acquire held;
     if (raised_) return;
     try {
-      callback_(done, total, item);
+      callback_(done, total, valid_utf8(item));
     } catch (py::error_already_set& raised) {
       raised_.emplace(std::move(raised));
       stop_.request_stop();

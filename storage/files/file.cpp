@@ -21,7 +21,7 @@ namespace trivet {
 namespace {
 
 Error cannot_create(const std::filesystem::path& file) {
-  return {ErrorCode::cannot_create,
+  return {write_error(errno, ErrorCode::cannot_create),
           fmt::format("{}: cannot be created: {}", file.string(), errno_text())};
 }
 
@@ -142,8 +142,9 @@ void PendingFile::start_writing_back() const noexcept {
 Result<void> PendingFile::publish(Outlasts end) {
   if (end == Outlasts::process) start_writing_back();
   if (end == Outlasts::power_failure && ::fsync(descriptor_) != 0) {
-    Error error{ErrorCode::io, fmt::format("{}: cannot be brought to the disk: {}",
-                                           target_.string(), errno_text())};
+    Error error{
+        write_error(errno, ErrorCode::io),
+        fmt::format("{}: cannot be brought to the disk: {}", target_.string(), errno_text())};
     give_up();
     return error;
   }
@@ -198,8 +199,9 @@ Result<void> publish_file(const std::filesystem::path& file, std::span<const std
   auto pending = PendingFile::create(file);
   if (!pending) return pending.error();
   if (!write_all(pending->descriptor(), bytes)) {
-    return Error{ErrorCode::io, fmt::format("{}: writing {} bytes failed: {}", file.string(),
-                                            bytes.size(), errno_text())};
+    return Error{
+        write_error(errno, ErrorCode::io),
+        fmt::format("{}: writing {} bytes failed: {}", file.string(), bytes.size(), errno_text())};
   }
   return pending->publish();
 }
@@ -208,7 +210,8 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!error) return {};
-  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", folder.string(), error.message())};
+  return Error{write_error(error.value(), ErrorCode::cannot_create),
+               fmt::format("{}: {}", folder.string(), error.message())};
 }
 
 std::string Xxh3::hex() const { return fmt::format("{:016x}{:016x}", high, low); }

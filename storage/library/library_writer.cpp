@@ -91,7 +91,7 @@ struct LibraryWriter::State {
 Error LibraryWriter::State::fail(const std::string& what) {
   std::error_code unknown;
   const fs::space_info space = fs::space(file.path(), unknown);
-  Error error{ErrorCode::io,
+  Error error{ErrorCode::no_space,
               fmt::format("{}: cannot write {}; {} bytes are free on the disk; free some, or raise "
                           "the limit on the size of files",
                           target.string(), what, unknown ? 0 : space.available)};

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <random>
 #include <span>
+
+#include "storage/files/json_text.hpp"
+#include "storage/files/numbers.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -15,8 +17,8 @@ namespace {
 constexpr double kMaxDeadlineMs = 3.6e6;
 
 bool is_plain(const std::string& id) {
-  return !id.empty() && id.size() <= 128 && std::ranges::all_of(id, [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  return !id.empty() && id.size() <= 128 && std::ranges::all_of(id, [](char c) {
+    return formats::is_alphanumeric(c) || c == '-' || c == '_' || c == '.';
   });
 }
 
@@ -34,6 +36,8 @@ unsigned status_of(ErrorCode code) {
       return 500;
     case ErrorCode::changed:
       return 503;
+    case ErrorCode::no_space:
+      return 507;
   }
   return 500;
 }
@@ -41,8 +45,7 @@ unsigned status_of(ErrorCode code) {
 }  // namespace
 
 HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json) {
-  using Json = nlohmann::ordered_json;
-  return {status, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
+  return {status, json_text(json) + "\n"};
 }
 
 HttpResponse error_response(unsigned status, const std::string& reason) {
@@ -118,9 +121,8 @@ Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& req
                                                           std::chrono::milliseconds otherwise) {
   std::chrono::milliseconds deadline = otherwise;
   if (const std::string asked = request.header("x-deadline-ms"); !asked.empty()) {
-    char* end = nullptr;
-    const double value = std::strtod(asked.c_str(), &end);
-    if (*end != '\0' || !(value > 0) || value > kMaxDeadlineMs) {
+    const double value = parse_number(asked).value_or(0);
+    if (!(value > 0) || value > kMaxDeadlineMs) {
       return Error{ErrorCode::usage,
                    fmt::format("X-Deadline-Ms: expected above 0 to {:.0f}, found '{}'",
                                kMaxDeadlineMs, asked)};

@@ -18,7 +18,7 @@ inline constexpr const char* kBytes = "application/octet-stream";
 HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json);
 /// {"error": reason}; bytes of the reason that are no UTF-8 are replaced.
 HttpResponse error_response(unsigned status, const std::string& reason);
-/// 400 for what the client can mend, else 500.
+/// 400 for what the client can mend, 507 where the disk is full, else 500.
 HttpResponse error_response(const Error& error);
 /// 503 with Retry-After, 504, or 499.
 HttpResponse refusal_response(Refusal refusal);

@@ -120,8 +120,10 @@ void ServiceRoutes::drop_part(const CallPtr& call, std::string_view rest) {
 
 PartWorkshop::Done ServiceRoutes::tell_generation(const CallPtr& call) {
   return [this, call](const Result<void>& done) {
-    reply(call, done ? json_response(200, {{"generation", service_.generation()->number}})
-                     : error_response(409, done.error().message));
+    if (done)
+      return reply(call, json_response(200, {{"generation", service_.generation()->number}}));
+    const bool is_full = done.error().code == ErrorCode::no_space;
+    reply(call, is_full ? error_response(done.error()) : error_response(409, done.error().message));
   };
 }
 
