@@ -15,7 +15,7 @@ template <class Settings>
 struct DaemonWork {
   Result<void> (*run)(const Settings& settings, const Context& context);
   /// Opens what the settings name, and says what it found, a line each; none: they name nothing.
-  Result<std::string> (*check)(const Settings& settings) = nullptr;
+  Result<std::string> (*check)(const Settings& settings, const Context& context) = nullptr;
 };
 
 /// Settings  of a kind that has settings_of and faults_of
@@ -31,7 +31,7 @@ void add_daemon(CLI::App& app, Context& context, const std::string& name, const 
       if (const Result<void> good = read_settings(settings, *arguments); !good) return good.error();
       if (!arguments->check_config) return work.run(settings, context);
       if (work.check) {
-        const Result<std::string> found = work.check(settings);
+        const Result<std::string> found = work.check(settings, context);
         if (!found) return found.error();
         context.console.line(*found);
       }

@@ -24,7 +24,6 @@
 #include "apps/service/serve/session/session.hpp"
 #include "engine/method.hpp"
 #include "engine/recognition_service.hpp"
-#include "engine/training/provenance.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -67,15 +66,9 @@ void wait(const std::stop_token& stop, LibrarySlot& slot, RequestLog& log,
   });
 }
 
-/// None where none are asked for.
-Result<std::vector<Example>> examples_of(const ServeSettings& settings) {
-  if (settings.examples.empty()) return std::vector<Example>();
-  return list_examples(settings.examples);
-}
-
-/// Null where none is asked for. What is damaged there is told.
-Result<std::unique_ptr<Session>> session_of(const ServeSettings& settings, const Context& context) {
-  if (settings.session.empty()) return std::unique_ptr<Session>();
+/// What is damaged in a session is told.
+Result<std::unique_ptr<Session>> open_session(const ServeSettings& settings,
+                                              const Context& context) {
   Result<std::unique_ptr<Session>> session =
       Session::open(settings.session, std::uint64_t{settings.session_mb} << 20);
   if (!session) return session;
@@ -88,15 +81,72 @@ Result<std::unique_ptr<Session>> session_of(const ServeSettings& settings, const
   return session;
 }
 
-/// What a service with these settings would read before it answers, and all of the library.
-Result<std::string> check(const ServeSettings& settings) {
-  OpenOptions opening = settings.opening;
-  opening.verify = true;
-  const Result<Recognizer> recognizer = open_recognizer(settings.library, opening);
-  if (!recognizer) return recognizer.error();
-  const Result<std::vector<Example>> examples = examples_of(settings);
-  if (!examples) return examples.error();
-  const Library& library = recognizer->library();
+/// All that a service opens before it listens. A check of the settings opens the same, so that what
+/// it calls good starts. Nothing is trained yet.
+struct OpenedService {
+  explicit OpenedService(const ServeSettings& settings)
+      : daemon(settings.listen, settings.max_waiting_mb) {}
+
+  Daemon daemon;
+  Metrics metrics;
+  std::vector<Example> examples;  // none where none are asked for, as all that follows
+  std::unique_ptr<Session> session;
+  std::optional<RecognitionService> service;
+  std::optional<LibrarySlot> slot;
+  std::unique_ptr<PartWorkshop> workshop;
+  std::unique_ptr<LiveScans> live;
+};
+
+/// files   of the library; to be checked whole where its options say so
+/// Errors: of the first that is wrong, with the sentences of all.
+Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& settings,
+                                                    const LibraryFiles& files,
+                                                    const Context& context) {
+  auto opened = std::make_unique<OpenedService>(settings);
+  std::vector<Error> faults;
+  const auto take = [&](auto result, auto& into) {
+    if (result) {
+      into = *std::move(result);
+    } else if (std::ranges::find(faults, result.error().message, &Error::message) == faults.end()) {
+      faults.push_back(result.error());
+    }
+  };
+  if (!settings.examples.empty()) take(list_examples(settings.examples), opened->examples);
+  if (!settings.session.empty()) take(open_session(settings, context), opened->session);
+
+  std::shared_ptr<const LibraryGeneration> first;
+  take(load_generation(files, 1), first);
+  if (first) {
+    opened->service.emplace(settings.service(), std::move(first));
+    opened->slot.emplace(settings.files(), *opened->service, opened->metrics, opened->daemon.log());
+  }
+  if (!settings.workshop.folder.empty()) {
+    const auto reload = [&slot = opened->slot](LibrarySlot::Done done) {
+      slot->reload(std::move(done));
+    };
+    take(PartWorkshop::open(settings.workshop, settings.library, reload, opened->daemon.log()),
+         opened->workshop);
+  }
+  if (!settings.live.folder.empty() && opened->service) {
+    take(LiveScans::watch(settings.live, *opened->service, opened->metrics, opened->daemon.log()),
+         opened->live);
+  } else if (!settings.live.folder.empty()) {
+    Parameters ignored;
+    take(LiveScans::check(settings.live), ignored);
+  }
+  if (faults.empty()) return opened;
+  std::vector<std::string_view> sentences;
+  for (const Error& fault : faults) sentences.emplace_back(fault.message);
+  return Error{faults.front().code, fmt::format("{}", fmt::join(sentences, "\nerror: "))};
+}
+
+/// Open all that a service with these settings opens, with all of the library checked.
+Result<std::string> check(const ServeSettings& settings, const Context& context) {
+  LibraryFiles files = settings.files();
+  files.options.verify = true;
+  const auto opened = open_service(settings, files, context);
+  if (!opened) return opened.error();
+  const Library& library = (*opened)->service->generation()->recognizer.library();
   std::vector<std::string_view> methods;
   if (std::ranges::any_of(library.models, [](const Model& model) { return model.has_pairs(); })) {
     methods.push_back(name_of(Source::ppf));
@@ -105,63 +155,43 @@ Result<std::string> check(const ServeSettings& settings) {
   std::string found = fmt::format("{}: {} model{} [{}], for method {}", settings.library,
                                   library.models.size(), library.models.size() == 1 ? "" : "s",
                                   unit_name(library.header.unit), fmt::join(methods, " and "));
-  if (!settings.workshop.folder.empty()) {
-    const auto options = engine::parse_parameters(library.header.parameters);
-    if (!options) return options.error();
+  if (!settings.workshop.folder.empty())
     found += fmt::format("\nparts are trained in {}", settings.workshop.folder);
-  }
+  if (!settings.session.empty()) found += fmt::format("\nscans are kept in {}", settings.session);
+  if (!settings.live.folder.empty())
+    found += fmt::format("\nscans are taken from {}", settings.live.folder);
   if (!settings.examples.empty())
-    found += fmt::format("\n{}: examples: {}", settings.examples, examples->size());
+    found += fmt::format("\n{}: examples: {}", settings.examples, (*opened)->examples.size());
   return found;
 }
 
 Result<void> serve(const ServeSettings& settings, const Context& context) {
   std::signal(SIGHUP, [](int) { reload_asked = true; });
   MemoryTrim memory;
-  Result<std::vector<Example>> examples = examples_of(settings);
-  if (!examples) return examples.error();
-  const Result<std::unique_ptr<Session>> session = session_of(settings, context);
-  if (!session) return session.error();
-  Daemon daemon(settings.listen, settings.max_waiting_mb);
-  Result<std::shared_ptr<const LibraryGeneration>> first = load_generation(settings.files(), 1);
-  if (!first) return first.error();
-
-  Metrics metrics;
-  RecognitionService service(settings.service(), *first);
-  first = std::shared_ptr<const LibraryGeneration>();
-  std::optional<LibrarySlot> slot(std::in_place, settings.files(), service, metrics, daemon.log());
-  std::unique_ptr<PartWorkshop> workshop;
-  if (!settings.workshop.folder.empty()) {
-    auto opened = PartWorkshop::open(
-        settings.workshop, settings.library,
-        [&](LibrarySlot::Done done) { slot->reload(std::move(done)); }, daemon.log());
-    if (!opened) return opened.error();
-    workshop = *std::move(opened);
-  }
-  std::unique_ptr<LiveScans> live;
-  if (!settings.live.folder.empty()) {
-    auto watched = LiveScans::watch(settings.live, service, metrics, daemon.log());
-    if (!watched) return watched.error();
-    live = *std::move(watched);
-  }
+  auto made = open_service(settings, settings.files(), context);
+  if (!made) return made.error();
+  OpenedService& opened = **made;
+  Daemon& daemon = opened.daemon;
+  if (opened.workshop) opened.workshop->start();
   ServiceRoutes routes(
-      service, metrics, daemon.log(),
+      *opened.service, opened.metrics, daemon.log(),
       {milliseconds(settings.listen.deadline_ms), settings.service().max_waiting_bytes},
-      std::move(*examples), [&](LibrarySlot::Done done) { slot->reload(std::move(done)); },
-      {workshop.get(), live.get(), session->get()});
+      std::move(opened.examples),
+      [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
+      {opened.workshop.get(), opened.live.get(), opened.session.get()});
   routes.set_num_connections([&] { return daemon.num_connections(); });
   if (const Result<void> started = daemon.start(routes); !started) return started.error();
   routes.set_ready(true);
   context.console.line(fmt::format("serving {} on {}", settings.library, daemon.url()));
   notify_systemd("READY=1");
-  wait(context.stop, *slot, daemon.log(), service, memory);
+  wait(context.stop, *opened.slot, daemon.log(), *opened.service, memory);
 
   notify_systemd("STOPPING=1");
   daemon.drain([&] { routes.set_ready(false); },
-               [&](ServiceClock::time_point deadline) { return service.drain(deadline); });
-  live.reset();
-  workshop.reset();
-  slot.reset();  // a library that is being read is answered for, too
+               [&](ServiceClock::time_point deadline) { return opened.service->drain(deadline); });
+  opened.live.reset();
+  opened.workshop.reset();
+  opened.slot.reset();  // a library that is being read is answered for, too
   daemon.tell_end();
   return {};
 }

@@ -67,7 +67,7 @@ SettingFaults faults_of(const ListenSettings& settings, std::string_view bound,
                         std::uint32_t max_arriving_mb) {
   const ListenSettings& s = settings;
   SettingFaults faults;
-  if (const Result<void> good = check_address(s.address); !good)
+  if (const Result<void> good = check_address(s.address, s.port); !good)
     faults.push_back(good.error().message);
   if (s.max_body_mb > max_arriving_mb) {
     faults.push_back(

@@ -18,7 +18,6 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <cctype>
 #include <cerrno>
 #include <ctime>
 #include <future>
@@ -27,7 +26,9 @@
 #include <type_traits>
 
 #include "apps/service/http/content_coding.hpp"
+#include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/query.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -43,9 +44,7 @@ constexpr std::size_t kMinPackedBytes = 16 << 10;    ///< less is sent as soon a
 constexpr std::uint64_t kStreamedBytes = 256 << 10;  ///< of a stream that are in memory
 
 std::string lower(beast::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
+  return formats::lower_case({text.data(), text.size()});
 }
 
 /// Counts while it lives.
@@ -63,9 +62,7 @@ class Share {
 };
 
 HttpResponse refusal(unsigned status, const std::string& reason) {
-  std::string text;
-  for (const char c : reason) text += c == '"' || c == '\\' ? '\'' : c;
-  return {status, fmt::format("{{\"error\":\"{}\"}}\n", text)};
+  return error_response(status, reason);
 }
 
 HttpResponse too_large(const HttpLimits& limits) {
@@ -475,17 +472,27 @@ std::string HttpRequest::header(std::string_view name) const {
   return "";
 }
 
-Result<void> check_address(const std::string& address) {
+Result<void> check_address(const std::string& address, std::uint16_t port) {
   error_code error;
-  asio::ip::make_address(address, error);
-  if (!error) return {};
+  const asio::ip::address parsed = asio::ip::make_address(address, error);
+  if (error) {
+    return Error{ErrorCode::usage,
+                 fmt::format("address: expected an IP address as 127.0.0.1, found '{}'", address)};
+  }
+  asio::io_context context;
+  tcp::socket socket(context);
+  socket.open(tcp::endpoint(parsed, port).protocol(), error);
+  if (!error) socket.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) socket.bind({parsed, port}, error);
+  if (!error || error == asio::error::address_in_use) return {};
   return Error{ErrorCode::usage,
-               fmt::format("address: expected an IP address as 127.0.0.1, found '{}'", address)};
+               fmt::format("address: {}:{}: expected one that can be listened on here, found: {}",
+                           address, port, error.message())};
 }
 
 Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t port,
                                      const HttpLimits& limits, HttpHandler handler) {
-  if (const Result<void> good = check_address(address); !good) return good.error();
+  if (const Result<void> good = check_address(address, port); !good) return good.error();
   auto state = std::make_unique<State>(limits, std::move(handler));
   error_code error;
   const tcp::endpoint endpoint(asio::ip::make_address(address), port);

@@ -66,8 +66,9 @@ struct HttpHandler {
   std::function<std::optional<HttpResponse>(std::string_view target, std::size_t body_bytes)> admit;
 };
 
-/// Errors: usage (not an IP address).
-Result<void> check_address(const std::string& address);
+/// Whether a service could listen there, were nobody else there. Errors: usage (not an IP address, or
+/// not of this machine; a port that is not for this user).
+Result<void> check_address(const std::string& address, std::uint16_t port);
 
 /// Listens and serves on a thread of its own until it is destroyed.
 class HttpServer {

@@ -12,6 +12,7 @@
 
 #include "apps/service/serve/recognition_job.hpp"
 #include "storage/file.hpp"
+#include "storage/files/json_text.hpp"
 #include "storage/valid_text.hpp"
 
 namespace trivet::apps::service {
@@ -48,23 +49,29 @@ std::string reason_of_no_answer(const ServiceOutcome& outcome) {
 
 }  // namespace
 
-Result<std::unique_ptr<LiveScans>> LiveScans::watch(const LiveSettings& settings,
-                                                    RecognitionService& service, Metrics& metrics,
-                                                    RequestLog& log) {
+Result<Parameters> LiveScans::check(const LiveSettings& settings) {
   const Result<Target> target = parse_target("/?" + settings.query);
-  if (!target) return target.error();
+  const auto refuse = [&](const Error& error) {
+    return Error{error.code, fmt::format("watch-query '{}': {}", settings.query, error.message)};
+  };
+  if (!target) return refuse(target.error());
   const Result<RecognizeQuery> query = parse_recognize_query(target->parameters);
-  if (!query) {
-    return Error{query.error().code,
-                 fmt::format("watch-query '{}': {}", settings.query, query.error().message)};
-  }
+  if (!query) return refuse(query.error());
   std::error_code error;
   if (!fs::is_directory(settings.folder, error)) {
     return Error{ErrorCode::missing_input,
                  fmt::format("{}: expected a folder to watch, found none", settings.folder)};
   }
+  return target->parameters;
+}
+
+Result<std::unique_ptr<LiveScans>> LiveScans::watch(const LiveSettings& settings,
+                                                    RecognitionService& service, Metrics& metrics,
+                                                    RequestLog& log) {
+  Result<Parameters> parameters = check(settings);
+  if (!parameters) return parameters.error();
   return std::unique_ptr<LiveScans>(
-      new LiveScans(settings, target->parameters, service, metrics, log));
+      new LiveScans(settings, *std::move(parameters), service, metrics, log));
 }
 
 LiveScans::LiveScans(const LiveSettings& settings, Parameters parameters,
@@ -151,8 +158,8 @@ std::optional<LiveScans::Scan> LiveScans::try_recognize(const Arrival& arrival,
   if (const auto* const answer = std::get_if<ServiceAnswer>(&outcome)) {
     scan.seconds = answer->work_seconds;
     scan.num_detections = recognition->results.front().detections.size();
-    scan.answer =
-        std::make_shared<const std::string>(recognition_json(*recognition, *answer, name).dump());
+    scan.answer = std::make_shared<const std::string>(
+        json_text(recognition_json(*recognition, *answer, name)));
   } else {
     scan.error = valid_utf8(reason_of_no_answer(outcome));
   }

@@ -34,7 +34,10 @@ struct LiveSettings {
 /// kept. Any member may be called from any thread.
 class LiveScans {
  public:
-  /// Errors: usage (the query), missing_input (the folder).
+  /// The parameters of the query, where the folder can be watched. Errors: usage (the query),
+  /// missing_input (the folder).
+  static Result<Parameters> check(const LiveSettings& settings);
+  /// Errors: as of check().
   ///
   /// service, metrics, log  outlive it
   static Result<std::unique_ptr<LiveScans>> watch(const LiveSettings& settings,

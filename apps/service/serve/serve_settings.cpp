@@ -75,6 +75,8 @@ SettingFaults faults_of(const ServeSettings& settings) {
   if (!settings.opening.calibration.empty())
     check_file("calibration", settings.opening.calibration);
   if (!settings.examples.empty()) check_file("examples", settings.examples);
+  if (!settings.live.query.empty() && settings.live.folder.empty())
+    faults.emplace_back("watch-query: expected a folder to --watch, found none");
   return faults;
 }
 

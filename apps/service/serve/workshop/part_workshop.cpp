@@ -15,6 +15,7 @@
 #include "engine/training/provenance.hpp"
 #include "storage/file.hpp"
 #include "storage/files/json_file.hpp"
+#include "storage/files/json_text.hpp"
 #include "storage/manifest.hpp"
 #include "storage/model_name.hpp"
 
@@ -86,6 +87,7 @@ Result<void> outcome_of(F&& job) {
 Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
                                                          fs::path library, Reload reload,
                                                          RequestLog& log) {
+  if (const Result<void> made = make_folder(settings.folder); !made) return made.error();
   const Result<Library> opened = open_library(library);
   if (!opened) return opened.error();
   const Result<TrainOptions> options = engine::parse_parameters(opened->header.parameters);
@@ -94,7 +96,6 @@ Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settin
                  fmt::format("{}: {}; train all its models again with this version",
                              library.string(), options.error().message)};
   }
-  if (const Result<void> made = make_folder(settings.folder); !made) return made.error();
   std::unique_ptr<PartWorkshop> workshop(new PartWorkshop(std::move(settings), std::move(library),
                                                           std::move(reload), log,
                                                           opened->header.unit, flags_of(*options)));
@@ -109,8 +110,11 @@ PartWorkshop::PartWorkshop(WorkshopSettings settings, fs::path library, Reload r
       reload_(std::move(reload)),
       log_(log),
       unit_(unit),
-      options_(std::move(options)),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      options_(std::move(options)) {}
+
+void PartWorkshop::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
 
 PartWorkshop::~PartWorkshop() {
   thread_.request_stop();
@@ -275,7 +279,7 @@ Result<void> PartWorkshop::train_and_read(const std::string& name, const std::st
   if (const Result<void> done = run_child(program, limits, stop); !done) return done.error();
   const Result<std::string> facts = read_text_file(folder / kFacts, kMostFacts);
   if (!facts) return facts.error();
-  const auto json = nlohmann::ordered_json::parse(*facts, nullptr, false);
+  const auto json = parse_json<nlohmann::ordered_json>(*facts);
   if (json.is_object() && json.contains("models") && json["models"].size() == 1)
     out.facts = json["models"][0];
   Result<Library> library = open_library(folder / kLibrary);

@@ -45,8 +45,8 @@ class PartWorkshop {
   /// Reads the library anew, then calls back.
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
 
-  /// Takes over the drafts of the folder. Errors: cannot_create, bad_data (the library's parameters
-  /// are not of this version).
+  /// Takes over the drafts of the folder; nothing is done with them before start(). Errors:
+  /// cannot_create, bad_data (the library's parameters are not of this version).
   ///
   /// library  file that drafts are published into; log outlives the workshop
   static Result<std::unique_ptr<PartWorkshop>> open(WorkshopSettings settings,
@@ -55,6 +55,8 @@ class PartWorkshop {
   PartWorkshop(const PartWorkshop&) = delete;
   PartWorkshop& operator=(const PartWorkshop&) = delete;
   ~PartWorkshop();  ///< training is stopped; what waits is answered with an error
+
+  void start();  ///< once: work on what is asked for, and on the drafts
 
   const WorkshopSettings& settings() const noexcept { return settings_; }
 
