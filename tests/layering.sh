@@ -22,6 +22,17 @@ for library in flann embree3; do
   [ "$headers" -le 1 ] || fail "$library belongs behind one file, found in $headers"
 done
 
+# only FILES PATTERN REASON: what no other source of the product may say
+only() {
+  if grep -rnE "$2" storage kernels engine c apps python --include='*.hpp' --include='*.cpp' | grep -vE "^($1):"; then fail "$3"; fi
+}
+only 'storage/files/numbers.[ch]pp' '\b(sto(f|d|ld)|strto(f|d|ld)|atof|v?sscanf)\(|setlocale|std::locale|imbue' \
+  'numbers are read by storage/files/numbers.hpp, whatever the locale'
+only - 'std::(is(alnum|alpha|digit|space|upper|lower|punct)|to(upper|lower))\b' \
+  'letters are told by storage/files/text.hpp, whatever the locale'
+only 'storage/files/json_text.cpp' '\.dump\(' 'JSON is written by storage/files/json_text.hpp, whatever bytes it holds'
+only 'storage/files/json_(text.hpp|file.cpp)' '[jJ]son::parse\(' 'JSON is read by storage/files/json_text.hpp, whatever the locale'
+
 # folders LAYER FOLDER...: a folder includes only itself, the layer's own headers, which include no folder, and folders
 # before it.
 folders() {

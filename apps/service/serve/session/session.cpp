@@ -227,7 +227,7 @@ nlohmann::ordered_json Session::scan_json(const std::string& name, const Scan& s
     truth.push_back(
         {{"model", instance.model}, {"T_scene_model", matrix_json(instance.file_pose())}});
   }
-  std::string version = version_of(truth.dump());
+  std::string version = version_of(json_text(truth));
   return {{"name", name},
           {"bytes", files_.at(scan.listed.name)},
           {"query", reading_query(scan.listed, unit_)},
