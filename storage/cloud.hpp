@@ -14,11 +14,30 @@ namespace trivet {
 /// The largest coordinate that is read, in any unit: the Earth in millimeters.
 inline constexpr double kMaxCoordinate = 1e10;
 
+/// How a lens bends the image of a pinhole: the model of Brown and Conrady, as OpenCV, ROS
+/// (plumb_bob, rational_polynomial) and RealSense (brown_conrady) have it, in their order.
+struct LensDistortion {
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;  ///< radial and tangential
+  double k4 = 0, k5 = 0, k6 = 0;                  ///< of the radial denominator
+
+  bool operator==(const LensDistortion&) const = default;
+  bool none() const noexcept { return *this == LensDistortion{}; }
+};
+
+/// What the values of a depth image measure.
+enum class DepthKind : std::uint8_t {
+  z,    ///< along the camera's z axis
+  ray,  ///< from the camera to the point, along the ray
+};
+
 /// Pinhole camera, OpenCV axes (x right, y down, z forward): u = fx x / z + cx, v = fy y / z + cy
-/// [pixel].
+/// [pixel]; and how its depth images differ from that.
 struct Camera {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double depth_scale = 1;  ///< raw depth value times depth_scale is a length in the scene's unit
+  DepthKind depth = DepthKind::z;
+  LensDistortion distortion{};          ///< of the image as it was taken; undone when it is read
+  std::uint32_t width = 0, height = 0;  ///< of its images; 0: not told
   bool operator==(const Camera&) const = default;
 };
 
@@ -70,7 +89,9 @@ struct Cloud {
   Column<float> intensity;
   Triangles triangles;  ///< empty for a plain cloud; every index < points.size()
   std::optional<PixelGrid> grid;
-  std::optional<Camera> camera;              ///< only from depth images; camera frame = scene frame
+  /// Only from depth images, whose distortion and rays are undone: the points lie as fx, fy, cx and
+  /// cy say. Camera frame = scene frame.
+  std::optional<Camera> camera;
   std::optional<Eigen::Vector3f> viewpoint;  ///< where the sensor stood, if the file says
   std::size_t num_invalid = 0;               ///< points dropped because a coordinate was not finite
   /// Of a model, dropped: vertices that no face with an area uses, and the faces that use them.

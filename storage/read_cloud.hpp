@@ -79,12 +79,16 @@ Result<void> write_ply(const std::filesystem::path& file, const Cloud& cloud);
 /// Source: glTF 2.0 specification. Errors: usage (larger than 2 GiB), cannot_create, io.
 Result<void> write_glb(const std::filesystem::path& file, const Cloud& cloud, LengthUnit unit);
 
-/// Read the camera of depth images, in one of three forms, each with "depth_scale" (1 if absent):
-/// {"fx", "fy", "cx", "cy"}, or {"cam_K": [9 numbers]} or {"cam_model": a pinhole camera} as in BOP,
-/// or a BOP scene_camera.json, of which the entry `image_id` is taken. BOP's depth_scale gives
-/// millimeters.
+/// Read the camera of depth images: JSON in the forms of parse_camera (formats/camera_json.hpp), as
+/// {"fx", "fy", "cx", "cy", "depth_scale"}; text of the 9 numbers of its matrix by rows or of the four
+/// numbers fx fy cx cy; or a BOP scene_camera.json, of which the entry `image_id` is taken. BOP's
+/// depth_scale gives millimeters.
 /// Errors: missing_input, bad_data.
 Result<Camera> read_camera(const std::filesystem::path& file, std::optional<int> image_id = {});
+
+/// The same of bytes that came otherwise; `name` stands for the file in messages.
+Result<Camera> read_camera(std::span<const std::byte> bytes, const std::string& name,
+                           std::optional<int> image_id = {});
 
 /// The id of an image in BOP's scene_camera.json: the number that is its file's name (000003.png).
 std::optional<int> image_id_of(const std::filesystem::path& image);

@@ -1,8 +1,11 @@
 #include "python/src/scene.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,16 +30,43 @@ bool take(const py::array& array, ArrayView& view) {
   return true;
 }
 
-/// fx, fy, cx, cy, or a 3 x 3 matrix. Raises UsageError.
-Camera camera_from(const py::handle& numbers, double depth_scale) {
-  const py::array_t<double> values =
-      py::array_t<double>::ensure(py::reinterpret_borrow<py::object>(numbers));
+/// What read_camera takes as text: numbers, or what a camera file holds.
+std::string camera_text(const py::handle& given) {
+  if (py::isinstance<py::dict>(given)) {
+    const py::cpp_function to_list([](const py::object& value) { return value.attr("tolist")(); });
+    return py::module_::import("json")
+        .attr("dumps")(given, py::arg("default") = to_list)
+        .cast<std::string>();
+  }
+  using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  const Rows values = Rows::ensure(py::reinterpret_borrow<py::object>(given));
   if (!values) PyErr_Clear();
-  if (values && values.ndim() == 1 && values.size() == 4)
-    return {values.at(0), values.at(1), values.at(2), values.at(3), depth_scale};
-  if (values && values.ndim() == 2 && values.shape(0) == 3 && values.shape(1) == 3)
-    return {values.at(0, 0), values.at(1, 1), values.at(0, 2), values.at(1, 2), depth_scale};
-  raise({ErrorCode::usage, "camera: expected (fx, fy, cx, cy) or a (3, 3) matrix"});
+  const bool four = values && values.ndim() == 1 && values.size() == 4;
+  const bool matrix = values && values.ndim() == 2 && values.shape(0) == 3 && values.shape(1) == 3;
+  if (!four && !matrix) {
+    raise({ErrorCode::usage,
+           "camera: expected (fx, fy, cx, cy), a (3, 3) matrix, a dictionary as of a camera file, "
+           "or the name of one"});
+  }
+  return fmt::format(
+      "{}", fmt::join(std::span(values.data(), static_cast<std::size_t>(values.size())), " "));
+}
+
+/// Raises UsageError and DataError.
+Camera camera_from(const py::handle& given, double depth_scale) {
+  const bool is_file = py::isinstance<py::str>(given) || py::hasattr(given, "__fspath__");
+  Camera camera;
+  if (is_file) {
+    camera =
+        unwrap(read_camera(py::module_::import("os").attr("fspath")(given).cast<std::string>()));
+  } else {
+    const std::string text = camera_text(given);
+    camera = unwrap(read_camera(std::as_bytes(std::span(text)), "camera"));
+  }
+  if (camera.depth_scale != 1 && depth_scale != 1)
+    raise({ErrorCode::usage, "depth_scale: expected it once, found it in the camera, too"});
+  camera.depth_scale *= depth_scale;
+  return camera;
 }
 
 SceneInput input_of(const std::string& name, const py::object& viewpoint, bool closed_surface,

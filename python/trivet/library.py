@@ -70,7 +70,8 @@ class Library(_trivet.Library):
         scene:          points (n, 3), an organized cloud (height, width, 3), a depth image (height,
                         width) with its camera, a file, a Scene, a Mesh, or a cloud or mesh of
                         trimesh or Open3D
-        camera:         (fx, fy, cx, cy) or a (3, 3) matrix [pixel], OpenCV's axes
+        camera:         (fx, fy, cx, cy) or a (3, 3) matrix [pixel], OpenCV's axes; a camera file, or
+                        a dictionary as it holds: with "distortion", "depth", "width", "height"
         depth_scale:    what a depth is multiplied by to be a length (0.001: millimeters to meters)
         viewpoint:      where the sensor stood, 3 numbers; None: as the file says, else the origin
         closed_surface: a whole surface that no sensor saw

@@ -7,6 +7,7 @@
 #include "storage/datasets/parse_symmetry.hpp"
 #include "storage/datasets/parse_truth.hpp"
 #include "storage/files/json_file.hpp"
+#include "storage/formats/camera_json.hpp"
 #include "storage/model_name.hpp"
 
 namespace trivet {
@@ -41,7 +42,7 @@ ManifestScene parse_scene(const JsonNode& node, const std::filesystem::path& fol
   ManifestScene scene;
   scene.name = node.at("file").string();
   scene.file = folder / scene.name;
-  if (node.has("camera")) scene.camera = node.at("camera").camera();
+  if (node.has("camera")) scene.camera = parse_camera(node.at("camera"));
   if (node.has("viewpoint")) scene.viewpoint = node.at("viewpoint").vector3();
   scene.closed_surface = !scene.camera && !scene.viewpoint;
   if (node.has("truth")) {

@@ -13,6 +13,7 @@
 
 #include "storage/files/json_file.hpp"
 #include "storage/files/numbers.hpp"
+#include "storage/formats/camera_json.hpp"
 
 namespace trivet {
 namespace {
@@ -276,7 +277,7 @@ class SceneReader {
       for (const auto& [key, node] : root.members()) {
         const int image_id = parse_id(key, node);
         if (images && !images->contains(image_id)) continue;
-        scenes[image_id].camera = node.camera();
+        scenes[image_id].camera = parse_camera(node);
       }
       if (!images) return;
       for (const auto& [image_id, targets] : *images) {

@@ -66,7 +66,7 @@ ordered_json instances_json(const BopImage& image, ordered_json (*part)(const Bo
   return out;
 }
 
-ordered_json camera_json(const BopImage& image) {
+ordered_json image_camera_json(const BopImage& image) {
   const Camera& camera = image.camera;
   return {{"cam_K", {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}},
           {"depth_scale", camera.depth_scale}};
@@ -126,7 +126,7 @@ Result<void> write_bop_scene(const fs::path& folder, std::span<const BopImage> i
     return Error{ErrorCode::cannot_create,
                  fmt::format("{}: cannot be created: {}", folder.string(), error.message())};
   }
-  Result<void> done = publish_by_id(folder / "scene_camera.json", images, camera_json);
+  Result<void> done = publish_by_id(folder / "scene_camera.json", images, image_camera_json);
   if (!done) return done;
   done = publish_by_id(folder / "scene_gt.json", images,
                        [](const BopImage& image) { return instances_json(image, pose_json); });

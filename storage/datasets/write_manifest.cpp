@@ -2,6 +2,7 @@
 
 #include "storage/file.hpp"
 #include "storage/files/json_text.hpp"
+#include "storage/formats/camera_json.hpp"
 #include "storage/manifest.hpp"
 
 namespace trivet {
@@ -38,13 +39,7 @@ ordered_json model_json(const ManifestModel& model, const std::filesystem::path&
 
 ordered_json scene_json(const ManifestScene& scene, const std::filesystem::path& folder) {
   ordered_json out{{"file", scene.file.lexically_proximate(folder).generic_string()}};
-  if (const auto& camera = scene.camera) {
-    out["camera"] = {{"fx", camera->fx},
-                     {"fy", camera->fy},
-                     {"cx", camera->cx},
-                     {"cy", camera->cy},
-                     {"depth_scale", camera->depth_scale}};
-  }
+  if (scene.camera) out["camera"] = camera_json(*scene.camera);
   if (scene.viewpoint) out["viewpoint"] = vector_json(*scene.viewpoint);
   out["truth"] = ordered_json::array();
   for (const TruthInstance& truth : scene.truth) {

@@ -218,57 +218,6 @@ std::vector<Pose> JsonNode::symmetry_poses() const {
   return poses;
 }
 
-namespace {
-
-/// A camera model whose projection is linear, by the names that BOP's data sets give it.
-bool is_pinhole(std::string_view name) {
-  name.remove_prefix(name.rfind('.') + 1);  // CameraModelType.PINHOLE
-  const std::string lower = formats::lower_case(name);
-  return lower.starts_with("pinhole") || lower == "linear";
-}
-
-/// {"projection_model_type", "projection_params": [fx, fy, cx, cy, and zeros]}, as BOP has it since
-/// 2024.
-Camera camera_of_model(const JsonNode& model) {
-  const JsonNode type = model.at("projection_model_type"), list = model.at("projection_params");
-  if (!is_pinhole(type.string()))
-    type.refuse(
-        fmt::format("expected a pinhole camera, found \"{}\"; rectify its images", type.string()));
-  const std::vector<double> parameters = list.flat_numbers();
-  if (parameters.size() < 4)
-    list.refuse(fmt::format("expected fx, fy, cx, cy instead of {} numbers", parameters.size()));
-  if (std::any_of(parameters.begin() + 4, parameters.end(), [](double d) { return d != 0; }))
-    list.refuse("expected no distortion, found some; rectify the images");
-  return {parameters[0], parameters[1], parameters[2], parameters[3]};
-}
-
-}  // namespace
-
-Camera JsonNode::camera() const {
-  Camera camera;
-  if (has("cam_model")) {
-    camera = camera_of_model(at("cam_model"));
-  } else if (has("cam_K")) {
-    const auto k = at("cam_K").elements();
-    if (k.size() != 9)
-      at("cam_K").refuse(fmt::format("expected 9 numbers instead of {}", k.size()));
-    camera.fx = k[0].number();
-    camera.cx = k[2].number();
-    camera.fy = k[4].number();
-    camera.cy = k[5].number();
-  } else {
-    camera.fx = at("fx").number();
-    camera.fy = at("fy").number();
-    camera.cx = at("cx").number();
-    camera.cy = at("cy").number();
-  }
-  if (has("depth_scale")) camera.depth_scale = at("depth_scale").number();
-  if (!(camera.fx > 0 && camera.fy > 0 && camera.depth_scale > 0)) {
-    refuse("expected fx, fy and depth_scale above zero");
-  }
-  return camera;
-}
-
 Result<void> with_json(const std::filesystem::path& file,
                        const std::function<void(const JsonNode& root)>& walk,
                        const OnJsonKey& on_key) {

@@ -62,9 +62,6 @@ class JsonNode {
   /// {"axis": three coordinates, "offset": three, 0 if absent}: a line that the object turns about.
   Symmetry::Axis symmetry_axis() const;
   std::vector<Pose> symmetry_poses() const;  ///< an array of poses, without the identity
-  /// {"fx", "fy", "cx", "cy"}, {"cam_K": 9 numbers} or {"cam_model": a pinhole camera}, and
-  /// "depth_scale" (1 if absent).
-  Camera camera() const;
 
   /// "PATH: what, found ...": the value itself, unless `found` says what.
   [[noreturn]] void refuse(std::string_view what) const;

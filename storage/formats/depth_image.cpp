@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 
 namespace trivet::formats {
 namespace {
 
 bool usable(const Camera& camera) {
   const auto good = [](double value) { return std::isfinite(value) && value > 0; };
+  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = camera.distortion;
   return good(camera.fx) && good(camera.fy) && good(camera.depth_scale) &&
-         std::isfinite(camera.cx) && std::isfinite(camera.cy);
+         std::isfinite(camera.cx) && std::isfinite(camera.cy) &&
+         std::isfinite(k1 + k2 + p1 + p2 + k3 + k4 + k5 + k6);
 }
 
 }  // namespace
@@ -22,7 +25,7 @@ Result<void> check_pixels(const Input& input, std::uint64_t width, std::uint64_t
   return input.refuse(fmt::format("expected 1 to {} pixels, found {} x {}", limit, width, height));
 }
 
-Result<Camera> depth_camera(const Input& input) {
+Result<Camera> depth_camera(const Input& input, std::uint64_t width, std::uint64_t height) {
   if (!input.options.camera) {
     return input.refuse(
         "a depth image needs its camera: give fx, fy, cx, cy and depth_scale with "
@@ -32,7 +35,16 @@ Result<Camera> depth_camera(const Input& input) {
     return input.refuse(
         "expected a camera of finite numbers with fx, fy and depth_scale above zero");
   }
-  return *input.options.camera;
+  const Camera& camera = *input.options.camera;
+  if ((camera.width > 0 && camera.width != width) ||
+      (camera.height > 0 && camera.height != height)) {
+    const auto told = [](std::uint32_t size) { return size > 0 ? std::to_string(size) : "any"; };
+    return input.refuse(
+        fmt::format("expected an image of {} x {} pixels, as its camera's, found {} x {}; give the "
+                    "camera of this size",
+                    told(camera.width), told(camera.height), width, height));
+  }
+  return camera;
 }
 
 Error refuse_negative(const Input& input) {

@@ -99,7 +99,7 @@ Result<Cloud> read_depth_png(const Input& input) {
   const auto header = read_header(input);
   if (!header) return header.error();
   if (auto checked = check_header(input, *header); !checked) return checked.error();
-  const auto camera = depth_camera(input);
+  const auto camera = depth_camera(input, header->width, header->height);
   if (!camera) return camera.error();
 
   std::vector<std::uint16_t> depths(std::size_t{header->width} * header->height);

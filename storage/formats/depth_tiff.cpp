@@ -205,7 +205,7 @@ Result<Cloud> read_depth_tiff(const Input& input) {
   if (source.guesses_lengths)
     return input.refuse(
         "the lengths of its strips are absent or wrong; it is truncated or damaged");
-  const auto camera = depth_camera(input);
+  const auto camera = depth_camera(input, header->width, header->height);
   if (!camera) return camera.error();
 
   std::vector<std::byte> depths(header->row_bytes() * header->height);

@@ -187,7 +187,7 @@ Result<Cloud> take_depths(const Input& input, const ArrayView& depths) {
   }
   const std::size_t height = depths.shape[0], width = depths.shape[1];
   if (auto checked = check_pixels(input, width, height); !checked) return checked.error();
-  const Result<Camera> camera = depth_camera(input);
+  const Result<Camera> camera = depth_camera(input, width, height);
   if (!camera) return camera.error();
   Result<Cloud> cloud = with_numbers(depths, [&](auto number) {
     return back_project(input, static_cast<std::uint32_t>(width),

@@ -88,7 +88,7 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
 Result<Cloud> read_depths(const Input& input, const NpyHeader& header) {
   const std::uint64_t height = header.shape[0], width = header.shape[1];
   if (auto checked = check_pixels(input, width, height); !checked) return checked.error();
-  const auto camera = depth_camera(input);
+  const auto camera = depth_camera(input, width, height);
   if (!camera) return camera.error();
   const Table table(input, header, 1);
   return back_project(input, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),

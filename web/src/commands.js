@@ -1,5 +1,5 @@
 /** The request as others would write it: as a command, for curl, as a call in Python. */
-import { kCameraKeys } from "./scan.js";
+import { kCameraKeys, kImageParameters } from "./scan.js";
 import { kindOf } from "./options/parameter.js";
 
 const kContentTypes = {
@@ -39,10 +39,16 @@ export function curlCommand(scan, parameters, origin) {
   ].join(" \\\n  ");
 }
 
-/** The camera as numbers by their keys. */
-function cameraOf(text) {
-  const numbers = text.split(",").map((number) => Number(number || 1));
-  return Object.fromEntries(kCameraKeys.map((key, k) => [key, numbers[k] ?? 1]));
+/** The camera of a request as a camera file has it. */
+function cameraOf(parameters) {
+  const numbersOf = (name) => parameters.get(name)?.split(",").map((number) => Number(number || 1));
+  const numbers = numbersOf("camera");
+  const camera = Object.fromEntries(kCameraKeys.map((key, k) => [key, numbers[k] ?? 1]));
+  if (parameters.has("depth")) camera.depth = parameters.get("depth");
+  if (parameters.has("distortion")) camera.distortion = numbersOf("distortion");
+  const size = numbersOf("image-size");
+  if (size) [camera.width, camera.height] = size;
+  return camera;
 }
 
 /** The parameters that are no matter of the service alone: [name, value]. */
@@ -54,9 +60,10 @@ export function trivetCommand(scan, parameters, library, described) {
   const lines = [`trivet recognize ${quoted(fileName(library))} ${quoted(fileName(scan.name, scan.format))}`];
   let before = "";
   for (const [name, value] of elsewhere(parameters)) {
+    if (kImageParameters.includes(name)) continue; // of the camera
     if (name === "camera") {
       const file = "scan_camera.json";
-      before = `echo ${quoted(JSON.stringify(cameraOf(value)))} > ${file}\n`;
+      before = `echo ${quoted(JSON.stringify(cameraOf(parameters)))} > ${file}\n`;
       lines.push(`--camera ${file}`);
     } else if (kindOf(described.get(name)) === "boolean") lines.push(`--${name}`);
     else lines.push(`--${name}${value.startsWith("-") ? "=" : " "}${quoted(value)}`);
@@ -78,9 +85,13 @@ const kPython = {
 export function pythonCall(scan, parameters, library, described) {
   const words = [];
   for (const [name, value] of elsewhere(parameters)) {
+    if (kImageParameters.includes(name)) continue; // of the camera
     if (name === "camera") {
-      const { depth_scale, ...camera } = cameraOf(value);
-      words.push(`camera=(${Object.values(camera).join(", ")})`, `depth_scale=${depth_scale}`);
+      const { depth_scale, ...camera } = cameraOf(parameters);
+      const isPinhole = !kImageParameters.some((image) => parameters.has(image));
+      const numbers = `(${Object.values(camera).join(", ")})`;
+      words.push(`camera=${isPinhole ? numbers : JSON.stringify(camera)}`);
+      words.push(`depth_scale=${depth_scale}`);
       continue;
     }
     words.push(`${name.replaceAll("-", "_")}=${kPython[kindOf(described.get(name))](value)}`);

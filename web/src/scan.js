@@ -14,6 +14,8 @@ export const isDepthImage = ({ format }) => kDepthFormats.includes(format);
 export const mayBeDepthImage = (scan) => isDepthImage(scan) || scan.format === "npy";
 
 export const kCameraKeys = ["fx", "fy", "cx", "cy", "depth_scale"];
+/** What is told of a camera's images, as parameters of a request. */
+export const kImageParameters = ["depth", "distortion", "image-size"];
 
 /** Of what is within, where the file is packed by gzip. */
 function extension(name) {
@@ -41,7 +43,26 @@ async function readCamera(file) {
         `missing: ${missing.join(", ")}.`,
     );
   }
-  return Object.fromEntries(kCameraKeys.map((key) => [key, String(camera[key])]));
+  return {
+    ...Object.fromEntries(kCameraKeys.map((key) => [key, String(camera[key])])),
+    image: readImage(file.name, camera),
+  };
+}
+
+/** Whatever a camera says must be sent: a distortion that is left out would be a wrong pose. */
+function readImage(name, { depth, distortion, width, height, ...camera }) {
+  const unknown = Object.keys(camera).filter((key) => !kCameraKeys.includes(key) && key[0] !== "_");
+  if (unknown.length) {
+    throw new Error(
+      `${name}: ${unknown.join(", ")}: the page reads ${kCameraKeys.join(", ")}, depth, ` +
+        "distortion, width and height; trivet recognize --camera reads other programs' files.",
+    );
+  }
+  const image = {};
+  if (depth && depth !== "z") image.depth = String(depth);
+  if (distortion?.some((number) => number !== 0)) image.distortion = distortion.join(",");
+  if (width && height) image["image-size"] = `${width},${height}`;
+  return image;
 }
 
 /**

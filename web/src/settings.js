@@ -2,7 +2,13 @@ import { byId } from "./dom.js";
 import { ChoiceField, NumberField } from "./options/fields.js";
 import { Options } from "./options/options.js";
 import { faultOf, isNumber, usualOf } from "./options/parameter.js";
-import { kCameraKeys, isDepthImage, isExample, mayBeDepthImage } from "./scan.js";
+import {
+  kCameraKeys,
+  kImageParameters,
+  isDepthImage,
+  isExample,
+  mayBeDepthImage,
+} from "./scan.js";
 import { keep, recall } from "./storage.js";
 import { numbered } from "./words.js";
 
@@ -14,7 +20,7 @@ const field = (name) => form.elements[name];
 const kOfScan = ["unit", "viewpoint", ...kCameraKeys];
 const kOwn = { method: ChoiceField, "min-score": NumberField }; // beside the options, always sent
 // What the form asks for by other fields, or the page by itself.
-const kReading = ["camera", "viewpoint", "unit"];
+const kReading = ["camera", ...kImageParameters, "viewpoint", "unit"];
 const kElsewhere = ["format", ...kReading, "rejected", "claims", ...Object.keys(kOwn)];
 
 const triple = (text) => text.trim().split(/[\s,;]+/);
@@ -27,15 +33,20 @@ function remembered() {
   }
 }
 
-function remember(names) {
-  const values = remembered();
+function remember(names, more = {}) {
+  const values = { ...remembered(), ...more };
   for (const name of names) values[name] = field(name).value;
   keep(kRemembered, JSON.stringify(values));
 }
 
+/** Of the parameters of a request, those of the camera's images. */
+const pick = (query) =>
+  Object.fromEntries([...query].filter(([name]) => kImageParameters.includes(name)));
+
 /** What to ask for, and how the scan is to be read: the form, and what follows from it. */
 export class Settings {
   #query = null; // of an example
+  #image = {}; // what is told of the camera's images, by parameter
 
   #onChange = () => {};
 
@@ -84,6 +95,7 @@ export class Settings {
     const known = scan.query ? Object.fromEntries(scan.query) : remembered();
     const numbers = scan.query?.get("camera")?.split(",") ?? [];
     this.#query = scan.query;
+    this.#image = scan.query ? pick(scan.query) : (known.image ?? {});
     for (const name of kOfScan) field(name).value = known[name] ?? "";
     if (!field("unit").value) field("unit").value = this.libraryUnit;
     numbers.forEach((number, k) => (field(kCameraKeys[k]).value = number));
@@ -102,7 +114,8 @@ export class Settings {
 
   setCamera(camera) {
     for (const name of kCameraKeys) field(name).value = camera[name];
-    remember(kCameraKeys);
+    this.#image = camera.image ?? {};
+    remember(kCameraKeys, { image: this.#image });
   }
 
   get minScore() {
@@ -156,6 +169,7 @@ export class Settings {
     else parameters.delete("viewpoint");
     if (isDepthImage(scan) || (mayBeDepthImage(scan) && this.#hasCamera)) {
       parameters.set("camera", this.#camera);
+      for (const [name, value] of Object.entries(this.#image)) parameters.set(name, value);
     }
     return parameters;
   }
@@ -195,7 +209,10 @@ export class Settings {
     };
     for (const name of [...Object.keys(kOwn), "unit"]) share(name, field(name).value);
     share("viewpoint", triple(field("viewpoint").value).join(","));
-    if (scan && mayBeDepthImage(scan) && this.#hasCamera) share("camera", this.#camera);
+    if (scan && mayBeDepthImage(scan) && this.#hasCamera) {
+      share("camera", this.#camera);
+      for (const [name, value] of Object.entries(this.#image)) share(name, value);
+    }
     for (const [name, value] of this.options.changed()) parameters.set(name, value);
     return parameters;
   }
@@ -205,6 +222,7 @@ export class Settings {
     this.options.reset();
     for (const name of Object.keys(kOwn)) field(name).value = this.#usual(name);
     const ignored = [];
+    if (parameters.has("camera")) this.#image = {};
     for (const name of new Set(parameters.keys())) {
       const values = parameters.getAll(name);
       const wrong = values.length > 1 ? `${name}: expected once.` : this.#restore(name, values[0]);
@@ -212,7 +230,7 @@ export class Settings {
     }
     if (!this.#query) {
       remember(["unit", "viewpoint"].filter((name) => parameters.has(name)));
-      if (parameters.has("camera")) remember(kCameraKeys);
+      if (parameters.has("camera")) remember(kCameraKeys, { image: this.#image });
     }
     this.#changed();
     return ignored;
@@ -223,7 +241,7 @@ export class Settings {
     const option = this.options.get(name);
     const known = this.described.get(name);
     const isOwn = Object.hasOwn(kOwn, name) || name === "unit";
-    if (!option && !isOwn && !["viewpoint", "camera"].includes(name)) {
+    if (!option && !isOwn && !["viewpoint", "camera", ...kImageParameters].includes(name)) {
       return `${name}: nothing of this name can be set.`;
     }
     const isEmpty = name === "viewpoint" && value === "";
@@ -232,7 +250,8 @@ export class Settings {
     if (option) option.text = value;
     else if (name === "camera") {
       value.split(",").forEach((number, k) => (field(kCameraKeys[k]).value = number));
-    } else field(name).value = value;
+    } else if (kImageParameters.includes(name)) this.#image[name] = value;
+    else field(name).value = value;
     return null;
   }
 

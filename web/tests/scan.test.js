@@ -314,6 +314,22 @@ test("a camera that is dropped by itself is that of the next depth image", async
   expect(scene.detections.length).toBeGreaterThan(0);
 });
 
+test("all that a camera file says is sent, or the file is refused", async ({ page, request }) => {
+  const [scan, camera] = await exampleFiles(request);
+  const saying = (more) => ({
+    ...camera,
+    buffer: Buffer.from(JSON.stringify({ ...JSON.parse(camera.buffer), ...more })),
+  });
+  await openPage(page);
+  const sent = page.waitForRequest(/v1\/recognize/);
+  await recognized(page, () =>
+    chooseFiles(page, [scan, saying({ distortion: [0.001, 0, 0, 0, 0] })]),
+  );
+  expect(new URL((await sent).url()).searchParams.get("distortion")).toBe("0.001,0,0,0,0");
+  await chooseFiles(page, [scan, saying({ k1: 0.001 })]);
+  await expect(page.getByRole("alert")).toContainText("k1");
+});
+
 test("a dropped scan is recognized", async ({ page, request }) => {
   const files = await exampleFiles(request);
   await openPage(page);

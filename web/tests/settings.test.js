@@ -16,7 +16,17 @@ import {
   test,
 } from "./fixtures.js";
 
-const kElsewhere = ["format", "camera", "viewpoint", "unit", "rejected", "claims"];
+const kElsewhere = [
+  "format",
+  "camera",
+  "depth",
+  "distortion",
+  "image-size",
+  "viewpoint",
+  "unit",
+  "rejected",
+  "claims",
+];
 
 /** The parameters that the form is for, as the service describes them. */
 async function describedOptions(request) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "storage/formats/camera_json.hpp"
+
 namespace trivet::apps::service {
 namespace {
 
@@ -26,14 +28,24 @@ std::string text_of(const JsonNode& value) {
 
 }  // namespace
 
+void add_camera(const Camera& c, Parameters& parameters) {
+  parameters.emplace_back("camera",
+                          fmt::format("{},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale));
+  if (c.depth == DepthKind::ray) parameters.emplace_back("depth", "ray");
+  if (const LensDistortion& d = c.distortion; !d.none()) {
+    parameters.emplace_back("distortion", fmt::format("{},{},{},{},{},{},{},{}", d.k1, d.k2, d.p1,
+                                                      d.p2, d.k3, d.k4, d.k5, d.k6));
+  }
+  if (c.width > 0 && c.height > 0)
+    parameters.emplace_back("image-size", fmt::format("{},{}", c.width, c.height));
+}
+
 Parameters parameters_of(const JsonNode& object, std::initializer_list<std::string_view> without) {
   Parameters parameters;
   for (const auto& [name, value] : object.members()) {
     if (std::ranges::find(without, name) != without.end()) continue;
     if (name == "camera" && !value.is_array() && !value.is_string()) {
-      const Camera c = value.camera();
-      parameters.emplace_back(name,
-                              fmt::format("{},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale));
+      add_camera(parse_camera(value), parameters);
     } else {
       parameters.emplace_back(name, text_of(value));
     }

@@ -9,8 +9,11 @@
 
 namespace trivet::apps::service {
 
+/// A camera as the parameters camera, depth, distortion and image-size; what is as usual is left out.
+void add_camera(const Camera& camera, Parameters& parameters);
+
 /// Members of an object as parameters, but for those named: texts, numbers, true and false, lists
-/// of these, and cameras as {"fx", "fy", "cx", "cy", "depth_scale"}. Throws JsonFault.
+/// of these, and cameras as parse_camera takes them. Throws JsonFault.
 Parameters parameters_of(const JsonNode& object,
                          std::initializer_list<std::string_view> without = {});
 

@@ -32,6 +32,7 @@ Result<RecognizeQuery> parse_recognize_query(const Parameters& parameters) {
       return Error{ErrorCode::usage, fmt::format("{}: expected once, found twice", name)};
     if (const Result<void> set = set_option(*option, value, query.scene); !set) return set.error();
   }
+  if (const Result<void> whole = query.scene.complete_camera(); !whole) return whole.error();
   Result<RecognizeOptions> options =
       parse_recognize_options(of_recognition, "/v1/openapi.json", option_names<ServedScene>());
   if (!options) return options.error();

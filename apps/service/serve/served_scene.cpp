@@ -1,6 +1,7 @@
 #include "apps/service/serve/served_scene.hpp"
 
 #include <array>
+#include <vector>
 
 #include "apps/inputs/inputs.hpp"
 #include "storage/read_cloud.hpp"
@@ -33,6 +34,68 @@ Option<ServedScene> camera_option() {
         scene.camera.reset();
         if (!c.empty()) scene.camera = Camera{c[0], c[1], c[2], c[3], c.size() > 4 ? c[4] : 1};
       }};
+}
+
+Option<ServedScene> depth_option() {
+  static constexpr std::array<Choice, 2> kKinds{
+      {{"z", "along the camera's axis"}, {"ray", "from the camera, along the ray"}}};
+  return {
+      {.name = "depth",
+       .group = kGroup,
+       .label = "depth",
+       .help = "What the values of a depth image measure",
+       .kind = OptionKind::choice,
+       .choices = kKinds},
+      [](const ServedScene& scene) {
+        return OptionValue(std::string(kKinds[static_cast<std::size_t>(scene.image.depth)].name));
+      },
+      [](ServedScene& scene, const OptionValue& value) {
+        scene.image.depth = std::get<std::string>(value) == "ray" ? DepthKind::ray : DepthKind::z;
+      }};
+}
+
+Option<ServedScene> distortion_option() {
+  return {{.name = "distortion",
+           .group = kGroup,
+           .label = "distortion",
+           .help = "Of a depth image, as Brown and Conrady: k1, k2, p1, p2, k3, k4, k5, k6, those "
+                   "left out 0; undone when the image is read",
+           .unset_help = "none",
+           .length = 4,
+           .max_length = 8,
+           .kind = OptionKind::numbers},
+          [](const ServedScene& scene) {
+            const LensDistortion& d = scene.image.distortion;
+            if (d.none()) return OptionValue(std::vector<double>{});
+            return OptionValue(std::vector{d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6});
+          },
+          [](ServedScene& scene, const OptionValue& value) {
+            std::vector<double> c = std::get<std::vector<double>>(value);
+            c.resize(8, 0);
+            scene.image.distortion = {c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
+          }};
+}
+
+Option<ServedScene> image_size_option() {
+  return {{.name = "image-size",
+           .group = kGroup,
+           .label = "image size",
+           .help = "Width and height that the camera is of [pixels]; a depth image of another size "
+                   "is refused",
+           .unset_help = "that of the image",
+           .range = {.low = 1, .high = 1e6},
+           .length = 2,
+           .kind = OptionKind::numbers},
+          [](const ServedScene& scene) {
+            if (scene.image.width == 0) return OptionValue(std::vector<double>{});
+            return OptionValue(std::vector<double>{static_cast<double>(scene.image.width),
+                                                   static_cast<double>(scene.image.height)});
+          },
+          [](ServedScene& scene, const OptionValue& value) {
+            const auto& size = std::get<std::vector<double>>(value);
+            scene.image.width = size.empty() ? 0 : static_cast<std::uint32_t>(size[0]);
+            scene.image.height = size.empty() ? 0 : static_cast<std::uint32_t>(size[1]);
+          }};
 }
 
 Option<ServedScene> viewpoint_option() {
@@ -76,7 +139,8 @@ Option<ServedScene> unit_option() {
 
 template <>
 std::span<const Option<ServedScene>> options_of<ServedScene>() {
-  static const std::array kOptions{camera_option(), viewpoint_option(), unit_option()};
+  static const std::array kOptions{camera_option(),     depth_option(),     distortion_option(),
+                                   image_size_option(), viewpoint_option(), unit_option()};
   return kOptions;
 }
 
@@ -95,6 +159,19 @@ SceneInput ServedScene::input(LengthUnit library_unit) const {
   out.viewpoint = viewpoint;
   if (unit) out.scale = unit_scale(*unit, library_unit);
   return out;
+}
+
+Result<void> ServedScene::complete_camera() {
+  if (camera) {
+    camera->depth = image.depth;
+    camera->distortion = image.distortion;
+    camera->width = image.width;
+    camera->height = image.height;
+    return {};
+  }
+  if (image == Camera{}) return {};
+  return Error{ErrorCode::usage,
+               "depth, distortion, image-size: expected the camera beside them, found none"};
 }
 
 Result<Cloud> read_scan(std::span<const std::byte> bytes, const std::string& name,

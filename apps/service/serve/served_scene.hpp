@@ -17,10 +17,14 @@ namespace trivet::apps::service {
 
 struct ServedScene {
   std::optional<Camera> camera{};
+  Camera image{};  ///< what is told of its images: depth, distortion, width and height
   std::optional<Eigen::Vector3d> viewpoint{};  ///< of the sensor, in the scan's frame and unit
   std::optional<LengthUnit> unit{};            ///< absent: the library's
 
   SceneInput input(LengthUnit library_unit) const;
+  /// Put what is told of the images to the camera, once all is set. Errors: usage (no camera, numbers
+  /// that tell nothing).
+  Result<void> complete_camera();
 };
 
 /// Read a scan of at most 16 million points or pixels and 512 MiB unpacked. `name` stands for it in messages and tells

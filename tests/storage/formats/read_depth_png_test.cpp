@@ -1,5 +1,4 @@
-// Depth images and their cameras.
-#include <fmt/format.h>
+// Depth images in PNG files.
 #include <gtest/gtest.h>
 
 #include "storage/read_cloud.hpp"
@@ -76,69 +75,16 @@ TEST_F(ReadDepthPng, RefusesSizesThatLieBeforeDecoding) {
                  "1 to 3 pixels"));
 }
 
-class ReadCamera : public testing::Test {
- protected:
-  Result<Camera> read(const std::string& json, std::optional<int> image_id = {}) {
-    return read_camera(folder_.write("camera.json", json), image_id);
-  }
-  void expect_refused(const std::string& json, const std::string& text,
-                      std::optional<int> image_id = {}) {
-    const auto camera = read(json, image_id);
-    ASSERT_FALSE(camera) << json;
-    EXPECT_EQ(camera.error().code, ErrorCode::bad_data);
-    EXPECT_NE(camera.error().message.find(text), std::string::npos) << camera.error().message;
-  }
-  test::TempDir folder_;
-};
-
-TEST_F(ReadCamera, TakesEachOfTheThreeForms) {
-  const Camera expected{500, 400, 320, 240, 0.1};
-  const std::string bop = R"({"cam_K": [500, 0, 320, 0, 400, 240, 0, 0, 1], "depth_scale": 0.1})";
-  const auto plain =
-      read(R"({"fx": 500, "fy": 400, "cx": 320, "cy": 240, "depth_scale": 0.1, "width": 640})");
-  const auto matrix = read(bop), scene = read(R"({"0": {}, "12": )" + bop + "}", 12);
-  ASSERT_TRUE(plain && matrix && scene);
-  EXPECT_EQ(*plain, expected);
-  EXPECT_EQ(*matrix, expected);
-  EXPECT_EQ(*scene, expected);
-}
-
-TEST_F(ReadCamera, TakesCameraModelsWithoutDistortion) {
-  const Camera expected{500, 400, 320, 240, 0.1};
-  const auto model = [](const char* type, const char* parameters) {
-    return fmt::format(R"({{"cam_model": {{"image_width": 640, "image_height": 480,
-                           "projection_model_type": "{}", "projection_params": {}}},
-                           "depth_scale": 0.1}})",
-                       type, parameters);
-  };
-  for (const char* type :
-       {"CameraModelType.PINHOLE", "PinholePlane", "PinholePlaneCameraModel", "LINEAR"}) {
-    const auto camera = read(model(type, "[500, 400, 320, 240]"));
-    ASSERT_TRUE(camera) << camera.error().message;
-    EXPECT_EQ(*camera, expected);
-  }
-  EXPECT_TRUE(read(model("PinholePlane", "[500, 400, 320, 240, 0, 0]")));
-  EXPECT_TRUE(read("{\"7\": " + model("PinholePlane", "[500, 400, 320, 240]") + "}", 7));
-  expect_refused(model("PinholePlane", "[500, 400, 320, 240, 0.1]"), "distortion");
-  expect_refused(model("PinholePlane", "[500, 320, 240]"), "fx, fy, cx, cy");
-  expect_refused(model("CameraModelType.FISHEYE624", "[500, 320, 240, 0, 0]"),
-                 "cam_model.projection_model_type: expected a pinhole camera, found "
-                 "\"CameraModelType.FISHEYE624\"");
-}
-
-TEST_F(ReadCamera, NamesWhatIsMissingOrWrong) {
-  expect_refused(R"({"fx": 500, "fy": 400, "cx": 320})", "\"cy\"");
-  expect_refused(R"({"fx": 0, "fy": 400, "cx": 320, "cy": 240})", "above zero");
-  expect_refused(R"({"fx": "500", "fy": 400, "cx": 320, "cy": 240})", "fx: expected a number");
-  expect_refused(R"({"fx": 1e999, "fy": 400, "cx": 320, "cy": 240})", "");
-  expect_refused(R"({"cam_K": [500, 0, 320]})", "expected 9 numbers");
-  expect_refused(R"({"12": {}})", "id of an image");
-  expect_refused(R"({"12": {}})", "\"13\"", 13);
-  expect_refused("[1, 2]", "expected an object");
-  expect_refused("{\"fx\": 500,", "byte");
-  expect_refused("", "byte");
-  expect_refused(std::string(100000, '['), "deeper than 32");
-  EXPECT_EQ(read_camera(folder_ / "none.json").error().code, ErrorCode::missing_input);
+TEST_F(ReadDepthPng, RefusesAnImageOfAnotherSizeThanItsCamera) {
+  Camera camera = kCamera;
+  camera.width = 2, camera.height = 2;
+  const std::string image = test::depth_png(2, 2, {1, 2, 3, 4});
+  EXPECT_TRUE(read(image, {.camera = camera}));
+  camera.width = 320, camera.height = 260;
+  EXPECT_TRUE(is_refused(read(image, {.camera = camera}),
+                         "expected an image of 320 x 260 pixels, as its camera's, found 2 x 2"));
+  camera.width = 0;
+  EXPECT_TRUE(is_refused(read(image, {.camera = camera}), "any x 260"));
 }
 
 }  // namespace

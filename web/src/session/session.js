@@ -1,8 +1,9 @@
 import { matchDetections } from "../compare.js";
+import { kImageParameters } from "../scan.js";
 import * as client from "./client.js";
 
 const kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
-const kReading = ["format", "unit", "camera", "viewpoint"];
+const kReading = ["format", "unit", "camera", ...kImageParameters, "viewpoint"];
 
 /** A name that the service takes, and that is not taken: `left_2` after `left`. */
 function freeName(file, taken) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/service/http/json_parameters.hpp"
+
 namespace trivet::apps::service {
 
 std::string reading_query(const ManifestScene& scene, LengthUnit unit) {
@@ -9,8 +11,9 @@ std::string reading_query(const ManifestScene& scene, LengthUnit unit) {
   if (!extension.empty()) extension.erase(0, 1);
   std::string query = fmt::format("format={}&unit={}", extension, unit_name(unit));
   if (scene.camera) {
-    const Camera& c = *scene.camera;
-    query += fmt::format("&camera={},{},{},{},{}", c.fx, c.fy, c.cx, c.cy, c.depth_scale);
+    Parameters parameters;
+    add_camera(*scene.camera, parameters);
+    for (const auto& [name, value] : parameters) query += fmt::format("&{}={}", name, value);
   }
   if (scene.viewpoint) {
     const Eigen::Vector3d& v = *scene.viewpoint;
