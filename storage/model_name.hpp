@@ -9,15 +9,18 @@ namespace trivet {
 
 /// What a model may be called, in words.
 inline constexpr std::string_view kModelNameRule =
-    "a letter or digit, then at most 127 letters, digits, dots, dashes and underscores, without "
-    "'..'";
+    "letters and digits of any script, dots, dashes and underscores, at most 128 bytes of UTF-8, "
+    "with "
+    "a letter or digit first and without '..'";
 
-/// [A-Za-z0-9][A-Za-z0-9._-]{0,127} without "..".
-bool is_model_name(std::string_view name) noexcept;
+/// [A-Za-z0-9._-] and what UTF-8 has beyond ASCII, but for controls, blanks, marks that reorder text,
+/// and what stands for no character; 1 to 128 bytes, the first none of "._-", without "..". Names are
+/// the same where their bytes are: they are not normalized.
+bool is_model_name(std::string_view name);
 
 /// The name of a model from that of its file, without folder and extension. What is no name is made
-/// one: each run of other characters becomes an underscore, each run of dots a dot; what is no
-/// letter or digit goes from both ends, and what is beyond 128; "model" where nothing is left.
+/// one: each run of other characters becomes an underscore, each run of dots a dot; dots, dashes and
+/// underscores go from both ends, and what is beyond 128 bytes; "model" where nothing is left.
 std::string model_name_of(const std::filesystem::path& file);
 
 }  // namespace trivet

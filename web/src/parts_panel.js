@@ -5,7 +5,7 @@ import * as service from "./service.js";
 import { countWords, lengthWords, numbered, secondsWords, symmetryWords } from "./words.js";
 
 const kPollMs = 700;
-const kMostName = 128;
+const kMostName = 128; // bytes of UTF-8
 const kAboutNear =
   "Where a scan does not show what tells these poses apart, a detection is ambiguous and its score " +
   "lower. Declare a turn only if it does not matter to you by how much it is off.";
@@ -13,13 +13,17 @@ const kAboutNear =
 /** The name of a model for a file: as `trivet train` names it. */
 export function modelNameOf(file) {
   const stem = file.replace(/\.gz$/i, "").replace(/\.[^.]*$/, "");
-  const name = stem
-    .replace(/[^A-Za-z0-9._-]+/g, "_")
+  const named = stem
+    .replace(/[^\p{L}\p{M}\p{N}._-]+/gu, "_")
     .replace(/\.{2,}/g, ".")
-    .replace(/^[^A-Za-z0-9]+/, "")
-    .slice(0, kMostName)
-    .replace(/[^A-Za-z0-9]+$/, "");
-  return name || "model";
+    .replace(/^[._-]+/, "");
+  const bytes = new TextEncoder();
+  let name = "";
+  for (const character of named) {
+    if (bytes.encode(name + character).length > kMostName) break;
+    name += character;
+  }
+  return name.replace(/[._-]+$/, "") || "model";
 }
 
 /** What became of a part, in a sentence. */

@@ -75,7 +75,8 @@ std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
 }  // namespace
 
 bool is_session_name(std::string_view name) noexcept {
-  return name.size() <= kMaxNameSize && is_model_name(name);
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
+  return name.size() <= kMaxNameSize && std::ranges::all_of(name, is_ascii) && is_model_name(name);
 }
 
 // The start.
