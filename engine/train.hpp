@@ -25,6 +25,8 @@ struct ModelSource {
   std::filesystem::path file;
   double scale = 1;  ///< multiplies the file's coordinates, giving the library's unit
   std::optional<Symmetry> symmetry;  ///< absent: found by the program
+  /// Nobody gave the name: it was made of the file's. It replaces no model of another file's name.
+  bool named_by_file = false;
 };
 
 /// What training a model took, and gave.
@@ -63,6 +65,8 @@ struct TrainRequest {
   std::filesystem::path file;
   bool prune = false;       ///< models of the file that are not among the sources go
   bool keep_going = false;  ///< models that cannot be trained are left out; else nothing is written
+  std::vector<std::string> left_out =
+      {};  ///< files and folders (NAME/) that are no sources, to tell
 };
 
 /// Where a model of a library came from in a run.
@@ -117,7 +121,8 @@ struct TrainProgress {
 /// or found the disk full is gone on with by the next one. A few models are in flight at a time, so
 /// memory does not grow with the library.
 ///
-/// Errors: usage (unit or parameters are not those of models of the file that were to stay),
+/// Errors: usage (unit or parameters are not those of models of the file that were to stay; a source
+/// that nobody named would replace the model of another file),
 /// cannot_create (another process writes the file), bad_data (of models that cannot be trained,
 /// all together; the file is damaged), io, resumable (stopped: says how far it came). The old file
 /// then stays as it was.

@@ -37,7 +37,8 @@ Result<TrainRequest> request_to_add(const ChangeArguments& arguments, const Cons
   Result<ModelInputs> inputs = collect_models(arguments.names);
   if (!inputs) return inputs.error();
   for (const std::string& note : inputs->notes) console.line(note);
-  const Result<LengthUnit> unit = choose_unit(*inputs, unit_name(library->header.unit));
+  for (const std::string& words : left_out_words(inputs->left_out)) console.warning(words);
+  const Result<LengthUnit> unit = choose_unit(*inputs, {}, library->header.unit);
   if (!unit) return unit.error();
   const Result<TrainOptions> options = engine::parse_parameters(library->header.parameters);
   if (!options) {
@@ -45,8 +46,9 @@ Result<TrainRequest> request_to_add(const ChangeArguments& arguments, const Cons
                  fmt::format("{}: {}; train all its models again with this version", arguments.file,
                              options.error().message)};
   }
-  return TrainRequest{std::move(inputs->sources), *unit, *options, arguments.file, false,
-                      arguments.keep_going};
+  return TrainRequest{
+      std::move(inputs->sources), *unit, *options, arguments.file, false, arguments.keep_going,
+      std::move(inputs->left_out)};
 }
 
 Result<void> add_models(const ChangeArguments& arguments, const Context& context) {
@@ -126,11 +128,12 @@ void add_library_changes(CLI::App& library, Context& context) {
   const auto add_output = [&](CLI::App* command, const char* help) {
     command->add_option("-o,--output", arguments->output, help)->required();
   };
-  CLI::App* const add_command =
-      add("add",
-          "Train models into the library, with the unit and the parameters that it has\n\n"
-          "A model of a name that it has is replaced, if its source is another one.",
-          add_models);
+  CLI::App* const add_command = add(
+      "add",
+      "Train models into the library, with the unit and the parameters that it has\n\n"
+      "A model of a name that it has is replaced, if its source is another one; of another file\n"
+      "only where NAME=FILE says so.",
+      add_models);
   add_command->add_option("MODEL", arguments->names, "Models, as of trivet train")->required();
   add_command->add_flag("--keep-going", arguments->keep_going,
                         "Leave out models that cannot be trained, and write the others");

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <span>
@@ -46,14 +47,39 @@ std::string describe_folder(const fs::path& folder) {
   return "none";
 }
 
-/// The files of a folder that `readable` accepts, by name. Errors: missing_input, bad_data (none).
+/// What stands beside models and scans and is none: pictures, textures, materials, lists, notes.
+bool is_companion(const fs::path& file) {
+  constexpr std::array<std::string_view, 14> kCompanions{".json", ".png",  ".jpg", ".jpeg", ".bmp",
+                                                         ".tif",  ".tiff", ".mtl", ".bin",  ".txt",
+                                                         ".csv",  ".md",   ".pdf", ".toml"};
+  return std::ranges::any_of(
+      kCompanions, [&](std::string_view companion) { return has_extension(file, companion); });
+}
+
+/// The files of a folder that `readable` accepts, by name. What begins with a dot is hidden, as
+/// macOS's "._part.stl" beside part.stl. Errors: missing_input, bad_data (none).
+///
+/// left_out  gets the other files and the folders, whose names then end in a slash
 template <class Readable>
-Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& readable) {
+Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& readable,
+                                          std::vector<std::string>& left_out) {
   std::vector<fs::path> files;
+  std::vector<std::string> others;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file() && readable(entry.path())) files.push_back(entry.path());
+    const fs::path& path = entry.path();
+    std::error_code ignored;
+    if (path.filename().string().starts_with('.')) continue;
+    if (entry.is_directory(ignored)) {
+      others.push_back(path.string() + '/');
+    } else if (entry.is_regular_file(ignored) && readable(path)) {
+      files.push_back(path);
+    } else if (!is_companion(path)) {
+      others.push_back(path.string());
+    }
   }
+  std::sort(others.begin(), others.end());
+  left_out.insert(left_out.end(), others.begin(), others.end());
   if (error)
     return Error{ErrorCode::missing_input, fmt::format("{}: {}", folder.string(), error.message())};
   if (files.empty()) {
@@ -85,7 +111,7 @@ Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSourc
 /// A model of a file that nothing names.
 void add_unnamed(const fs::path& file, ModelInputs& inputs) {
   const std::string name = model_name_of(file);
-  inputs.sources.push_back({name, file, 1, {}});
+  inputs.sources.push_back({name, file, 1, {}, true});
   if (name != cloud_name(file)) {
     inputs.notes.push_back(fmt::format(
         "{}: the model is called {}; NAME=FILE gives it another name", file.string(), name));
@@ -192,7 +218,8 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
       const std::vector<ModelSource> listed = models_of(*manifest);
       inputs.sources.insert(inputs.sources.end(), listed.begin(), listed.end());
     } else if (fs::is_directory(argument)) {
-      const Result<std::vector<fs::path>> files = list_folder(argument, is_cloud_file);
+      const Result<std::vector<fs::path>> files =
+          list_folder(argument, is_cloud_file, inputs.left_out);
       if (!files) return files.error();
       const std::size_t first = inputs.sources.size();
       for (const fs::path& file : *files) add_unnamed(file, inputs);
@@ -210,13 +237,65 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
   return inputs;
 }
 
-Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given) {
+std::vector<std::string> left_out_words(const std::vector<std::string>& left_out) {
+  constexpr std::size_t kMost = 12;
+  struct Names {
+    std::vector<std::string> files, folders;
+  };
+  std::map<std::string, Names> by_folder;
+  for (const std::string& path : left_out) {
+    const bool is_folder = path.ends_with('/');
+    const fs::path name = is_folder ? fs::path(path).parent_path() : fs::path(path);
+    Names& names = by_folder[name.parent_path().string()];
+    (is_folder ? names.folders : names.files).push_back(name.filename().string());
+  }
+  const auto listed = [&](const std::vector<std::string>& names) {
+    const std::span<const std::string> first(names.data(), std::min(names.size(), kMost));
+    const std::string more =
+        names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : std::string();
+    return fmt::format("{}{}", fmt::join(first, ", "), more);
+  };
+  std::vector<std::string> words;
+  for (const auto& [folder, names] : by_folder) {
+    std::string text = folder + ": ";
+    if (!names.files.empty())
+      text += fmt::format("left out, as nothing that can be read: {}", listed(names.files));
+    if (!names.folders.empty()) {
+      text += fmt::format("{}folders in it are not searched: {}", names.files.empty() ? "" : "; ",
+                          listed(names.folders));
+    }
+    words.push_back(std::move(text));
+  }
+  return words;
+}
+
+Result<LengthUnit> choose_unit(const ModelInputs& inputs, const std::string& given,
+                               std::optional<LengthUnit> library) {
   if (inputs.unit && !given.empty() && *inputs.unit != parse_unit(given)) {
     return Error{ErrorCode::usage,
                  fmt::format("--unit: expected '{}' as the models are in, found '{}'",
                              unit_name(*inputs.unit), given)};
   }
-  return inputs.unit.value_or(parse_unit(given));
+  std::optional<LengthUnit> asked = inputs.unit;
+  if (!asked && !given.empty()) asked = parse_unit(given);
+  if (asked && library && *asked != *library) {
+    return Error{
+        ErrorCode::usage,
+        fmt::format("expected models in '{}', which is the unit of the library, found '{}'; "
+                    "write them into another file, or remove this one",
+                    unit_name(*library), unit_name(*asked))};
+  }
+  return asked.value_or(library.value_or(LengthUnit::meter));
+}
+
+Result<LengthUnit> choose_unit_into(const std::string& library_file, const ModelInputs& inputs,
+                                    const std::string& given, bool prune) {
+  const bool is_asked = inputs.unit || !given.empty();
+  const Result<Library> library = open_library(library_file);
+  if (!library || (prune && is_asked)) return choose_unit(inputs, given);
+  const Result<LengthUnit> unit = choose_unit(inputs, given, library->header.unit);
+  if (unit) return unit;
+  return Error{unit.error().code, fmt::format("{}: {}", library_file, unit.error().message)};
 }
 
 namespace {
@@ -281,9 +360,12 @@ Result<SceneInputs> collect_scenes(const SceneArguments& arguments, LengthUnit l
     std::vector<fs::path> files{argument};
     const bool is_folder = fs::is_directory(argument);
     if (is_folder) {
-      Result<std::vector<fs::path>> listed = list_folder(argument, [&](const fs::path& file) {
-        return is_cloud_file(file) || (!arguments.camera.empty() && is_depth_file(file));
-      });
+      Result<std::vector<fs::path>> listed = list_folder(
+          argument,
+          [&](const fs::path& file) {
+            return is_cloud_file(file) || (!arguments.camera.empty() && is_depth_file(file));
+          },
+          inputs.left_out);
       if (!listed) return listed.error();
       files = std::move(*listed);
     }

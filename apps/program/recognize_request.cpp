@@ -113,6 +113,7 @@ Result<RecognitionRequest> make_request(const SceneCommand& arguments, const Con
   if (!arguments.unit.empty()) scene_arguments.unit = parse_unit(arguments.unit);
   Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
+  for (const std::string& words : left_out_words(scenes->left_out)) console.warning(words);
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   if (arguments.json.empty()) options->max_rejected = 1;  // the best one is told of an empty scene

@@ -27,8 +27,8 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
       ->required();
   command
       .add_option("--unit", arguments.unit,
-                  "Unit of the models: m (default) or mm; manifests name their own, BOP data sets "
-                  "are in mm")
+                  "Unit of the models: m or mm; default: the library's, of a new one m; manifests "
+                  "name their own, BOP data sets are in mm")
       ->check(CLI::IsMember({"m", "mm"}));
   command.add_flag("--prune", arguments.prune,
                    "Models of the library that are not named go; else they stay");
@@ -46,14 +46,17 @@ Result<TrainRequest> make_request(const TrainArguments& arguments, const Console
   Result<ModelInputs> inputs = collect_models(arguments.models);
   if (!inputs) return inputs.error();
   for (const std::string& note : inputs->notes) console.line(note);
-  const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
+  for (const std::string& words : left_out_words(inputs->left_out)) console.warning(words);
+  const Result<LengthUnit> unit =
+      choose_unit_into(arguments.output, *inputs, arguments.unit, arguments.prune);
   if (!unit) return unit.error();
   const GivenOption& preset = arguments.preset;
   TrainOptions options =
       train_presets().find(preset.is_given() ? preset.text : kUsualPreset)->second;
   if (const Result<void> set = set_given(arguments.given, options); !set) return set.error();
   return TrainRequest{std::move(inputs->sources), *unit,           options,
-                      arguments.output,           arguments.prune, arguments.keep_going};
+                      arguments.output,           arguments.prune, arguments.keep_going,
+                      std::move(inputs->left_out)};
 }
 
 TrainProgress train_progress(const Console& console, const std::stop_token& stop) {
@@ -73,8 +76,7 @@ Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
     console.line(table);
   console.line(train_line(report, file));
   if (!json.empty()) {
-    if (const Result<void> written = write_json(json, train_json(report, file, request.unit));
-        !written)
+    if (const Result<void> written = write_json(json, train_json(report, request)); !written)
       return written;
   }
   if (report.faults.empty()) return {};

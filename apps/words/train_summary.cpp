@@ -112,19 +112,15 @@ std::string train_line(const TrainReport& report, const std::string& library) {
                      report.seconds);
 }
 
-nlohmann::ordered_json train_json(const TrainReport& report, const std::string& library,
-                                  LengthUnit unit) {
+nlohmann::ordered_json train_json(const TrainReport& report, const TrainRequest& request) {
   Json models = Json::array(), faults = Json::array();
   for (const ModelFacts& model : report.models) models.push_back(model_json(model));
   for (const ModelFault& fault : report.faults)
     faults.push_back({{"name", fault.name}, {"reason", fault.error.message}});
-  return {{"library", library},
-          {"unit", unit_name(unit)},
-          {"seconds", report.seconds},
-          {"unchanged", report.unchanged},
-          {"removed", report.num_removed},
-          {"models", std::move(models)},
-          {"faults", std::move(faults)}};
+  return {{"library", request.file.string()}, {"unit", unit_name(request.unit)},
+          {"seconds", report.seconds},        {"unchanged", report.unchanged},
+          {"removed", report.num_removed},    {"models", std::move(models)},
+          {"faults", std::move(faults)},      {"left_out", request.left_out}};
 }
 
 }  // namespace trivet::apps

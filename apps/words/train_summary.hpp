@@ -16,8 +16,8 @@ std::string train_line(const TrainReport& report, const std::string& library);
 
 /// {"library", "unit", "seconds", "unchanged", "removed", "models": [{"name", "origin", "kind",
 /// "vertices", "triangles", "diameter", "symmetry", "near_symmetry", "point_pairs", "features",
-/// "bytes", "seconds", "stages", "warnings"}], "faults": [{"name", "reason"}]}
-nlohmann::ordered_json train_json(const TrainReport& report, const std::string& library,
-                                  LengthUnit unit);
+/// "bytes", "seconds", "stages", "warnings"}], "faults": [{"name", "reason"}],
+/// "left_out": ["parts/clip.3mf", "parts/sub/"]}
+nlohmann::ordered_json train_json(const TrainReport& report, const TrainRequest& request);
 
 }  // namespace trivet::apps

@@ -126,6 +126,7 @@ struct TrainingRun::State {
 
   Result<void> open_old();
   Result<void> find_staying();
+  Result<void> check_replaced() const;
   Result<void> read_sources(const Progress& progress);
   void plan();
   std::vector<std::size_t> first_jobs() const;
@@ -167,6 +168,26 @@ Result<void> TrainingRun::State::find_staying() {
                            path(), counted(staying.size(), "model"), staying.front().name,
                            staying.size() == 1 ? "is" : "are", staying.size() == 1 ? "was" : "were",
                            differs)};
+}
+
+/// Two files may give one name: "bolt (1).stl" and "bolt [1].stl" are both bolt_1. The later one must
+/// not take the place of the other unless somebody says so.
+Result<void> TrainingRun::State::check_replaced() const {
+  if (!old || request.prune) return {};
+  for (const Model& model : old->models) {
+    const auto source = std::ranges::lower_bound(sources(), model.name, {}, &ModelSource::name);
+    if (source == sources().end() || source->name != model.name || !source->named_by_file) continue;
+    const auto index = static_cast<std::size_t>(source - sources().begin());
+    const bool same = cloud_name(model.source) == cloud_name(source->file) ||
+                      model.fingerprint == fingerprints[index];
+    if (same || model.source.empty()) continue;
+    return Error{ErrorCode::usage,
+                 fmt::format("{}: '{}' is the model of another file, {}, in {}; give this one "
+                             "another name as NAME=FILE, or replace that one by {}={}",
+                             source->file.string(), model.name, model.source, path(), model.name,
+                             source->file.string())};
+  }
+  return {};
 }
 
 Result<void> TrainingRun::State::read_sources(const Progress& progress) {
@@ -328,6 +349,7 @@ Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress
   if (const Result<void> found = state->find_staying(); !found) return found.error();
   state->parts = engine::recover_parts(engine::parts_folder(state->request.file));
   if (const Result<void> read = state->read_sources(progress.reading); !read) return read.error();
+  if (const Result<void> kept = state->check_replaced(); !kept) return kept.error();
   state->plan();
   return TrainingRun(std::move(state));
 }

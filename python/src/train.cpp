@@ -34,8 +34,9 @@ std::string train(const std::vector<std::string>& models, const std::string& out
   set_options(keywords, request.options);
   apps::ModelInputs inputs = unwrap(apps::collect_models(models));
   unit_from(unit);
-  request.unit =
-      unwrap(apps::choose_unit(inputs, unit.is_none() ? std::string() : unit.cast<std::string>()));
+  request.unit = unwrap(apps::choose_unit_into(
+      output, inputs, unit.is_none() ? std::string() : unit.cast<std::string>(), prune));
+  request.left_out = std::move(inputs.left_out);
   request.sources = std::move(inputs.sources);
   request.file = output;
   request.prune = prune;
@@ -49,7 +50,7 @@ std::string train(const std::vector<std::string>& models, const std::string& out
       },
       stop);
   reports.rethrow();
-  return json_text(apps::train_json(unwrap(report), output, request.unit));
+  return json_text(apps::train_json(unwrap(report), request));
 }
 
 }  // namespace

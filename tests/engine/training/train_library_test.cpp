@@ -150,6 +150,33 @@ TEST_F(TrainLibrary, TakesModelsOverUnderOtherNamesAndFiles) {
   EXPECT_EQ(bytes(), fresh({"arm"}));
 }
 
+// Of "bolt (1).ply" and "bolt [1].ply" one name is made.
+TEST_F(TrainLibrary, ReplacesNoModelOfAnotherFileThatNobodyNamed) {
+  put("bolt (1)", test::bracket());
+  put("bolt [1]", test::lever());
+  const auto unnamed = [&](const std::string& file) {
+    TrainRequest one = request({});
+    one.sources.push_back({"bolt_1", folder_ / (file + ".ply"), 1, {}, true});
+    return one;
+  };
+  ASSERT_TRUE(train_library(unnamed("bolt (1)")));
+  const std::string before = bytes();
+  const auto refused = train_library(unnamed("bolt [1]"));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+  EXPECT_NE(refused.error().message.find("'bolt_1' is the model of another file, bolt (1).ply"),
+            std::string::npos)
+      << refused.error().message;
+  EXPECT_EQ(bytes(), before);
+
+  put("bolt (1)", test::bracket(), 1.2F);
+  EXPECT_TRUE(train_library(unnamed("bolt (1)"))) << "its own file may change";
+  EXPECT_NE(bytes(), before);
+  TrainRequest named = unnamed("bolt [1]");
+  named.sources.front().named_by_file = false;
+  EXPECT_TRUE(train_library(named)) << "somebody says so";
+}
+
 TEST_F(TrainLibrary, KeepsWhatIsNotNamedUnlessItIsToGo) {
   ASSERT_TRUE(train_library(request({"lever", "bracket"})));
   const auto grown = train_library(request({"third"}));
