@@ -12,10 +12,10 @@ namespace trivet {
 /// and recognize all once more, twice at most. All results are held in memory.
 ///
 /// scenes  depth images get the cameras that their results were found with
-/// Results are in the order of the scenes. Errors: of recognize_all.
-Result<std::vector<SceneResult>> recognize_estimating_camera(const Recognizer& recognizer,
-                                                             std::span<SceneInput> scenes,
-                                                             const RecognizeOptions& options,
-                                                             const Progress& progress);
+/// Results are in the order of the scenes, with the error of each that failed. Errors: of
+/// recognize_all.
+Result<std::vector<Result<SceneResult>>> recognize_estimating_camera(
+    const Recognizer& recognizer, std::span<SceneInput> scenes, const RecognizeOptions& options,
+    const Progress& progress);
 
 }  // namespace trivet

@@ -22,6 +22,16 @@ std::optional<std::string> camera_finding(const CameraCheck& check) {
     words += words.empty() ? "" : "; ";
     words += "depths look " + how_far(check.scale->depth->value);
   }
+  if (check.depth_kind_is_off()) {
+    words += words.empty() ? "" : "; ";
+    words += check.camera.depth == DepthKind::z
+                 ? "depths look like distances along the ray of each pixel, as a large surface is "
+                   "flat by them and curved as z: say \"depth\": \"ray\" in the camera"
+                 : "depths look as if they were along z, as a large surface is flat by them and "
+                   "curved along the rays: leave out \"depth\": \"ray\" in the camera";
+    words += fmt::format(" (it is {:.3g} from a plane, and would be {:.3g})", check.depth.curved,
+                         check.depth.flat);
+  }
   if (words.empty()) return std::nullopt;
   return words;
 }

@@ -45,6 +45,12 @@ std::vector<CameraCheck> join_checks(std::span<const CameraCheck> scenes) {
     if (place == joined.end()) place = joined.insert(joined.end(), CameraCheck{scene.camera, {}});
     place->objects.insert(place->objects.end(), scene.objects.begin(), scene.objects.end());
     place->num_rays += scene.num_rays;
+    place->depth.num_as_said += scene.depth.num_as_said;
+    place->depth.num_otherwise += scene.depth.num_otherwise;
+    if (scene.depth.curved > place->depth.curved) {
+      place->depth.curved = scene.depth.curved;
+      place->depth.flat = scene.depth.flat;
+    }
   }
   for (CameraCheck& check : joined) {
     if (!check.objects.empty()) check.scale = kernels::estimate_scales(check.objects);

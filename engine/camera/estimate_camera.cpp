@@ -7,11 +7,18 @@ namespace {
 
 constexpr int kMostCorrections = 2;
 
+using Results = std::vector<Result<SceneResult>>;
+
+const std::optional<CameraCheck>& check_of(const Result<SceneResult>& result) {
+  static const std::optional<CameraCheck> kNone;
+  return result ? result->stats.camera_check : kNone;
+}
+
 /// Whether any camera was off, and so was corrected in its scenes.
-bool correct_cameras(std::span<const SceneResult> results, std::span<SceneInput> scenes) {
+bool correct_cameras(const Results& results, std::span<SceneInput> scenes) {
   std::vector<CameraCheck> checks;
-  for (const SceneResult& result : results) {
-    if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
+  for (const Result<SceneResult>& result : results) {
+    if (check_of(result)) checks.push_back(*check_of(result));
   }
   bool any = false;
   for (const CameraCheck& check : join_checks(checks)) {
@@ -19,7 +26,7 @@ bool correct_cameras(std::span<const SceneResult> results, std::span<SceneInput>
     if (!corrected) continue;
     any = true;
     for (std::size_t s = 0; s < scenes.size(); ++s) {
-      const std::optional<CameraCheck>& own = results[s].stats.camera_check;
+      const std::optional<CameraCheck>& own = check_of(results[s]);
       if (own && own->camera == check.camera) scenes[s].camera = corrected;
     }
   }
@@ -28,15 +35,16 @@ bool correct_cameras(std::span<const SceneResult> results, std::span<SceneInput>
 
 }  // namespace
 
-Result<std::vector<SceneResult>> recognize_estimating_camera(const Recognizer& recognizer,
-                                                             std::span<SceneInput> scenes,
-                                                             const RecognizeOptions& options,
-                                                             const Progress& progress) {
+Result<Results> recognize_estimating_camera(const Recognizer& recognizer,
+                                            std::span<SceneInput> scenes,
+                                            const RecognizeOptions& options,
+                                            const Progress& progress) {
   for (int corrections = 0;; ++corrections) {
-    std::vector<SceneResult> results;
-    const Result<void> done =
-        recognize_all(recognizer, scenes, options, progress,
-                      [&](std::size_t, const SceneResult& result) { results.push_back(result); });
+    Results results;
+    const Result<void> done = recognize_all(
+        recognizer, scenes, options, progress,
+        [&](std::size_t, const SceneResult& result) { results.emplace_back(result); },
+        [&](std::size_t, const Error& error) { results.emplace_back(error); });
     if (!done) return done.error();
     if (corrections == kMostCorrections || !correct_cameras(results, scenes)) return results;
   }

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "engine/recognize.hpp"
+#include "storage/formats/keep_points.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"
 
@@ -82,6 +83,45 @@ TEST_F(CheckCamera, TellsDepthsThatAreOnePercentAndAHalfOff) {
   EXPECT_FALSE(found.focal_is_off());
   EXPECT_TRUE(found.depth_is_off());
   EXPECT_NEAR(corrected_camera(found)->depth_scale, 1 / 1.015, 0.003);
+}
+
+/// The same values, which measure one kind of depth, read as the other.
+Cloud read_as(DepthKind kind, Cloud cloud) {
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const Eigen::Vector3f p = cloud.points[i];
+    const float cosine = p.z() / p.norm();
+    cloud.points.set(i, (kind == DepthKind::z ? 1 / cosine : cosine) * p);
+  }
+  cloud.camera->depth = kind;
+  return cloud;
+}
+
+// The wall is flat in one reading only.
+TEST_F(CheckCamera, TellsDepthsAlongTheRay) {
+  const Cloud right = scan(1);
+  const CameraCheck as_it_is = check(right);
+  EXPECT_EQ(as_it_is.depth.num_as_said, 1U);
+  EXPECT_FALSE(as_it_is.depth_kind_is_off());
+
+  const CameraCheck read_as_z = check(read_as(DepthKind::z, right));
+  EXPECT_TRUE(read_as_z.depth_kind_is_off());
+  EXPECT_GT(read_as_z.depth.curved, 10 * read_as_z.depth.flat);
+  EXPECT_TRUE(check(read_as(DepthKind::ray, right)).depth_kind_is_off()) << "and the reverse";
+
+  const std::vector<CameraCheck> joined = join_checks(std::array{read_as_z, read_as_z});
+  ASSERT_EQ(joined.size(), 1U);
+  EXPECT_EQ(joined[0].depth.num_otherwise, 2U);
+}
+
+TEST_F(CheckCamera, SaysNothingOfDepthsWhereNoLargePlaneIsSeen) {
+  Cloud cloud = scan(1);
+  std::vector<std::uint8_t> keep(cloud.points.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = cloud.points[i].z() < 1.3F;
+  keep_points(keep, cloud);
+  for (const Cloud& parts : {cloud, read_as(DepthKind::z, cloud)}) {
+    const CameraCheck found = check(parts);
+    EXPECT_EQ(found.depth, DepthReading{});
+  }
 }
 
 TEST_F(CheckCamera, JoinsTheScenesOfACamera) {
