@@ -8,6 +8,8 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
+from .errors import UsageError
+
 PathLike = Union[str, "os.PathLike[str]"]
 
 
@@ -42,9 +44,24 @@ def _array(value: Any) -> Optional[np.ndarray]:
     return array if array.size else None
 
 
+def _points_of(thing: Any) -> np.ndarray:
+    """An array, of a structured one its fields x, y, z. Raises UsageError where these are not there."""
+    array = np.asarray(thing)
+    names = array.dtype.names
+    if names is None:
+        return array
+    if not {"x", "y", "z"} <= set(names):
+        raise UsageError(
+            f"points: expected the fields x, y, z of a structured array, found {', '.join(names)}; if "
+            "the first three are the coordinates, give "
+            "numpy.stack([a[n] for n in a.dtype.names[:3]], axis=-1)")
+    return np.stack([array[name] for name in "xyz"], axis=-1)
+
+
 def as_mesh(thing: Any) -> Mesh:
-    """A Mesh of: a Mesh; an array (n, 3); a pair (vertices, triangles); a mesh or cloud of trimesh
-    (`vertices`, `faces`) or Open3D (`vertices`, `triangles`; `points`, `normals`)."""
+    """A Mesh of: a Mesh; an array (n, 3), or a structured one with the fields x, y, z; a pair
+    (vertices, triangles); a mesh or cloud of trimesh (`vertices`, `faces`) or Open3D (`vertices`,
+    `triangles`; `points`, `normals`)."""
     if isinstance(thing, Mesh):
         return thing
     if isinstance(thing, tuple) and len(thing) == 2:
@@ -54,4 +71,4 @@ def as_mesh(thing: Any) -> Mesh:
         return Mesh(np.asarray(thing.vertices), _array(faces))
     if hasattr(thing, "points"):
         return Mesh(np.asarray(thing.points), None, _array(getattr(thing, "normals", None)))
-    return Mesh(np.asarray(thing))
+    return Mesh(_points_of(thing))

@@ -199,8 +199,8 @@ Result<NpyHeader> parse_npy_header(const Input& input) {
           quote(found->first.substr(text.position()))));
     }
     return input.refuse(
-        "expected an array of numbers, found a structured one of named fields; save "
-        "numpy.stack((a[\"x\"], a[\"y\"], a[\"z\"]), axis=-1)");
+        "expected an array of numbers, found a structured one of named fields; if the first three "
+        "are the coordinates, save numpy.stack([a[n] for n in a.dtype.names[:3]], axis=-1)");
   }
   const auto type = parse_type(input, *entries.descr);
   if (!type) return type.error();

@@ -36,6 +36,10 @@ def recognized_by_command(*arguments):
     return json.loads(run.stdout)["scenes"]
 
 
+def poses_of(result):
+    return [(found.model, found.pose.tolist()) for found in result]
+
+
 def without_times(scene):
     return {key: value for key, value in scene.items() if key not in ("seconds", "scene")}
 
@@ -89,6 +93,38 @@ class TestRecognize:
                       scene.depth.astype(">u2")):
             again = library.recognize(depth, camera=matrix, depth_scale=scene.depth_scale)
             assert [one.pose.tolist() for one in again] == expected
+
+    def test_takes_a_camera_as_its_file_says(self, piles, library, tmp_path):
+        scene = piles[0]
+        fx, fy, cx, cy = scene.camera
+        told = {"fx": fx, "fy": fy, "cx": np.float32(cx), "cy": cy, "depth_scale": scene.depth_scale,
+                "width": scene.depth.shape[1], "height": scene.depth.shape[0]}
+        matrix = np.asfortranarray([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+        expected = library.recognize(scene.depth, camera=scene.camera, depth_scale=scene.depth_scale)
+        file = tmp_path / "camera.json"
+        file.write_text(json.dumps({**told, "cx": cx}))
+        for camera in (told, file, str(file)):
+            assert poses_of(library.recognize(scene.depth, camera=camera)) == poses_of(expected)
+        assert poses_of(library.recognize(scene.depth, camera=matrix,
+                                          depth_scale=scene.depth_scale)) == poses_of(expected)
+        for wrong, words in (({**told, "width": 7}, "7 x"), (matrix.T, "transposed"),
+                             ({**told, "model": "kannala_brandt4"}, "kannala_brandt4"),
+                             ((fx, fy, float("nan"), cy), "finite"), (3, "dictionary")):
+            with pytest.raises(trivet.Error, match=words):
+                library.recognize(scene.depth, camera=wrong)
+        bent = trivet.Scene.from_depth(scene.depth, {**told, "distortion": [-0.2, 0, 0, 0, 0]})
+        straight = trivet.Scene.from_depth(scene.depth, told)
+        assert not np.array_equal(bent.points, straight.points)
+
+    def test_takes_structured_arrays_by_their_names(self, piles, library):
+        scene = piles[0]
+        points = trivet.Scene.from_depth(scene.depth, scene.camera, depth_scale=scene.depth_scale).points
+        fields = np.zeros(len(points), [("intensity", "f4"), ("x", "f4"), ("y", "f4"), ("z", "f4")])
+        for axis, name in enumerate("xyz"):
+            fields[name] = points[:, axis]
+        assert np.array_equal(trivet.scenes.as_scene(fields).points, points)
+        with pytest.raises(trivet.UsageError, match="dtype.names"):
+            library.recognize(np.zeros(60, "f4,f4,f4"))
 
     def test_streams_in_order(self, piles, library):
         depths = [scene.depth for scene in piles] * 2
