@@ -83,6 +83,7 @@ struct SceneStats {
   double total_seconds = 0;
   std::size_t num_points = 0;     ///< finite points of the scene
   std::size_t num_invalid = 0;    ///< dropped when reading
+  std::size_t num_stray = 0;      ///< left out, as they lie far beyond all others
   Eigen::Vector3f size{0, 0, 0};  ///< of the scene along its axes, in the scene file's unit
   float noise = 0;                ///< measured standard deviation of the surface, in that unit
   /// How the scan errs, with lengths in the scene file's unit; none of closed surfaces.

@@ -16,6 +16,7 @@
 #include "apps/results/detections_json.hpp"
 #include "apps/results/evaluation_csv.hpp"
 #include "apps/results/evaluation_json.hpp"
+#include "apps/results/failed_scenes.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/standard_output.hpp"
 #include "engine/evaluation/bop_scores.hpp"
@@ -41,6 +42,7 @@ struct Judged {
   // Of what is recognized now:
   std::optional<Recognizer> recognizer{};
   RecognizeOptions options{};
+  std::vector<Error> failures{};  ///< scenes without a result
 };
 
 std::string source_of(const std::string& library, const std::string& calibration) {
@@ -96,7 +98,8 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   const Result<void> done = recognize_all(
       recognizer, scenes_of(manifest, recognizer.library().header.unit), *options,
       context.console.progress("recognized", context.stop),
-      [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; });
+      [&](std::size_t index, const SceneResult& result) { judged.results[index] = result; },
+      [&](std::size_t, const Error& error) { judged.failures.push_back(error); });
   if (!done) return done.error();
   judged.recognizer.emplace(*std::move(opened));
   judged.options = *std::move(options);
@@ -193,13 +196,15 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
         write_evaluation_csv(arguments.csv, *manifest, *evaluation, *bop, judged->results);
     if (!written) return written;
   }
-  if (arguments.report.empty()) return {};
-  const Result<void> drawn = write_report(
-      arguments.report,
-      {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source, std::move(whys)},
-      context.console.progress("drawn", context.stop));
-  if (drawn) context.console.wrote_report(arguments.report);
-  return drawn;
+  if (!arguments.report.empty()) {
+    const Result<void> drawn = write_report(
+        arguments.report,
+        {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source, std::move(whys)},
+        context.console.progress("drawn", context.stop));
+    if (!drawn) return drawn;
+    context.console.wrote_report(arguments.report);
+  }
+  return failed_scenes(judged->failures, manifest->scenes.size());
 }
 
 }  // namespace

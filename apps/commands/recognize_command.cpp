@@ -12,6 +12,7 @@
 #include "apps/results/bop_csv.hpp"
 #include "apps/results/coco_results.hpp"
 #include "apps/results/detections_json.hpp"
+#include "apps/results/failed_scenes.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/robot_csv.hpp"
 #include "apps/results/standard_output.hpp"
@@ -26,17 +27,21 @@
 namespace trivet::apps {
 namespace {
 
-/// Recognize the scenes, one after the other to `emit`; with the cameras that were estimated, if
+/// Recognize the scenes, one after the other to `emit` or, what failed, to `fail`; with the cameras that were estimated, if
 /// that is asked for.
 Result<void> recognize_scenes(const Recognizer& recognizer, std::span<SceneInput> scenes,
                               const RecognizeOptions& options, bool estimate_camera,
                               const Progress& progress,
-                              const std::function<void(std::size_t, const SceneResult&)>& emit) {
-  if (!estimate_camera) return recognize_all(recognizer, scenes, options, progress, emit);
-  const Result<std::vector<SceneResult>> results =
+                              const std::function<void(std::size_t, const SceneResult&)>& emit,
+                              const std::function<void(std::size_t, const Error&)>& fail) {
+  if (!estimate_camera) return recognize_all(recognizer, scenes, options, progress, emit, fail);
+  const Result<std::vector<Result<SceneResult>>> results =
       recognize_estimating_camera(recognizer, scenes, options, progress);
   if (!results) return results.error();
-  for (std::size_t s = 0; s < results->size(); ++s) emit(s, (*results)[s]);
+  for (std::size_t s = 0; s < results->size(); ++s) {
+    const Result<SceneResult>& result = (*results)[s];
+    result ? emit(s, *result) : fail(s, result.error());
+  }
   return {};
 }
 
@@ -94,6 +99,8 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   std::vector<CocoResult> coco_results;
   Result<void> seen;              // in the depth images
   std::vector<SceneResult> told;  // for the report and the robot
+  std::vector<SceneInput> told_scenes;
+  std::vector<Error> failures;
   std::vector<CameraCheck> checks;
   Result<void> printed;  // what fails first, which more would not mend
   const Result<void> done = recognize_scenes(
@@ -112,8 +119,15 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
           printed = write_output(scene_text(scene, result, library, options.min_score) +
                                  explanation_text(result, recognizer.score(), options));
         }
-        if (!arguments.report.empty() || !arguments.robot_csv.empty()) told.push_back(result);
+        if (!arguments.report.empty() || !arguments.robot_csv.empty()) {
+          told.push_back(result);
+          told_scenes.push_back(scene);
+        }
         if (result.stats.camera_check) checks.push_back(*result.stats.camera_check);
+      },
+      [&](std::size_t index, const Error& error) {
+        failures.push_back(error);
+        document["scenes"].push_back(failed_scene_json(scenes.sources[index].file.string(), error));
       });
   if (!done) return done;
   if (!seen) return seen;
@@ -132,19 +146,21 @@ Result<void> recognize(const SceneCommand& arguments, const Context& context) {
   }
   if (!arguments.robot_csv.empty()) {
     const Result<void> written =
-        write_robot_csv(arguments.robot_csv, library, scenes.sources, told, *robot);
+        write_robot_csv(arguments.robot_csv, library, told_scenes, told, *robot);
     if (!written) return written;
   }
   if (!arguments.json.empty()) {
     const Result<void> written = write_json(arguments.json, document);
     if (!written) return written;
   }
-  if (arguments.report.empty()) return {};
-  const Result<void> drawn = write_recognition_report(
-      arguments.report, {recognizer, options, scenes.sources, told, context.command},
-      context.console.progress("drawn", context.stop));
-  if (drawn) context.console.wrote_report(arguments.report);
-  return drawn;
+  if (!arguments.report.empty()) {
+    const Result<void> drawn = write_recognition_report(
+        arguments.report, {recognizer, options, told_scenes, told, context.command},
+        context.console.progress("drawn", context.stop));
+    if (!drawn) return drawn;
+    context.console.wrote_report(arguments.report);
+  }
+  return failed_scenes(failures, scenes.sources.size());
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "apps/mpi/commands.hpp"
 #include "apps/program/recognize_request.hpp"
 #include "apps/results/detections_json.hpp"
+#include "apps/results/failed_scenes.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/words/reported_part.hpp"
 #include "engine/camera_check.hpp"
@@ -29,6 +30,7 @@ using Json = nlohmann::ordered_json;
 struct SceneOutcome {
   Json scene;
   std::optional<CameraCheck> check;
+  std::optional<Error> failure{};
 };
 
 // All ranks are the same program: what has no pointers goes as its bytes, in hexadecimal digits.
@@ -59,7 +61,8 @@ Json check_json(const std::optional<CameraCheck>& check) {
   for (const kernels::ScalePull& object : check->objects) objects.push_back(hex_of(object));
   return {{"camera", hex_of(check->camera)},
           {"objects", std::move(objects)},
-          {"rays", check->num_rays}};
+          {"rays", check->num_rays},
+          {"depth", hex_of(check->depth)}};
 }
 
 std::optional<CameraCheck> parse_check(const Json& json) {
@@ -69,11 +72,23 @@ std::optional<CameraCheck> parse_check(const Json& json) {
   for (const Json& object : json.at("objects"))
     check.objects.push_back(from_hex<kernels::ScalePull>(object.get<std::string>()));
   check.num_rays = json.at("rays").get<std::size_t>();
+  check.depth = from_hex<DepthReading>(json.at("depth").get<std::string>());
   return check;
 }
 
+std::optional<Error> parse_failure(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return Error{static_cast<ErrorCode>(json.at(0).get<int>()), json.at(1).get<std::string>()};
+}
+
 std::string outcome_bytes(std::size_t index, const SceneOutcome& outcome) {
-  const Json all{{"index", index}, {"scene", outcome.scene}, {"check", check_json(outcome.check)}};
+  Json failure;
+  if (outcome.failure)
+    failure = {static_cast<int>(outcome.failure->code), outcome.failure->message};
+  const Json all{{"index", index},
+                 {"scene", outcome.scene},
+                 {"check", check_json(outcome.check)},
+                 {"failure", std::move(failure)}};
   return json_text(all);
 }
 
@@ -91,8 +106,11 @@ Result<void> recognize_share(const RecognitionRequest& request, const Worker& wo
           index, {scene_json(scene.file.string(), result, request.recognizer.score(), in_json),
                   result.stats.camera_check}));
     };
-    const Result<void> done =
-        recognize_all(request.recognizer, std::span(&scene, 1), request.kept, {{}, stop}, emit);
+    const auto fail = [&](std::size_t, const Error& error) {
+      worker.done(outcome_bytes(index, {failed_scene_json(scene.file.string(), error), {}, error}));
+    };
+    const Result<void> done = recognize_all(request.recognizer, std::span(&scene, 1), request.kept,
+                                            {{}, stop}, emit, fail);
     if (!done) return done;
   }
   return {};
@@ -129,7 +147,8 @@ Result<void> recognize(const SceneCommand& arguments, const Ranks& ranks, const 
       [&](const std::string& bytes) {
         const Json json = parse_json<Json>(bytes);
         const auto index = json.at("index").get<std::size_t>();
-        outcomes.emplace(index, SceneOutcome{json.at("scene"), parse_check(json.at("check"))});
+        outcomes.emplace(index, SceneOutcome{json.at("scene"), parse_check(json.at("check")),
+                                             parse_failure(json.at("failure"))});
         progress(outcomes.size(), num_scenes, request.scenes.sources[index].file.string());
       }};
   const Result<void> shared = share_jobs(
@@ -146,13 +165,16 @@ Result<void> recognize(const SceneCommand& arguments, const Ranks& ranks, const 
                 {"scenes", Json::array()},
                 {"cameras", Json::array()}};
   std::vector<CameraCheck> checks;
+  std::vector<Error> failures;
   for (auto& [index, outcome] : outcomes) {
     document["scenes"].push_back(std::move(outcome.scene));
     if (outcome.check) checks.push_back(std::move(*outcome.check));
+    if (outcome.failure) failures.push_back(std::move(*outcome.failure));
   }
   for (const CameraCheck& check : join_checks(checks))
     document["cameras"].push_back(camera_check_json(check));
-  return write_json(arguments.json, document);
+  if (const Result<void> written = write_json(arguments.json, document); !written) return written;
+  return failed_scenes(failures, num_scenes);
 }
 
 }  // namespace

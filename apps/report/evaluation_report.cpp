@@ -218,6 +218,11 @@ Result<Figures> draw_figures(const ReportInput& input, const Gallery& gallery, P
                    fmt::format("stopped after drawing {} of {} scenes", s, scenes.size())};
     }
     Result<SceneDrawing> drawing = open_scene(scenes[s], input.meshes);
+    if (!drawing && input.evaluation.scenes[s].missing) {
+      figures.scenes.push_back(
+          fmt::format("<p class=\"dim\">{}</p>\n", escape_html(drawing.error().message)));
+      continue;
+    }
     if (!drawing) return drawing.error();
     Result<std::string> scene = scene_figure(input, s, *drawing, store);
     if (!scene) return scene.error();

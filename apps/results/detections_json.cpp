@@ -11,6 +11,7 @@
 #include "apps/words/rejection_words.hpp"
 #include "apps/words/view_words.hpp"
 #include "storage/files/json_file.hpp"
+#include "storage/formats/camera_json.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -224,14 +225,8 @@ nlohmann::ordered_json camera_check_json(const CameraCheck& check) {
                          double kernels::Factor::*of) {
     return factor ? nlohmann::ordered_json((*factor).*of) : nullptr;
   };
-  const Camera& camera = check.camera;
   const std::optional<std::string> finding = camera_finding(check);
-  return {{"camera",
-           {{"fx", camera.fx},
-            {"fy", camera.fy},
-            {"cx", camera.cx},
-            {"cy", camera.cy},
-            {"depth_scale", camera.depth_scale}}},
+  return {{"camera", camera_json(check.camera)},
           {"objects", check.objects.size()},
           {"focal_scale", number(focal, &kernels::Factor::value)},
           {"focal_scale_error", number(focal, &kernels::Factor::error)},
@@ -287,6 +282,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
         {"refined", stats.num_refined},
         {"examined", stats.num_examined}}},
       {"detections", std::move(detections)}};
+  if (stats.num_stray > 0) json["stray_points"] = stats.num_stray;
   if (const Eigen::Vector3d& o = result.offset; !o.isZero(0))
     json["offset"] = {o.x(), o.y(), o.z()};
   if (options.max_rejected > 0) json["rejected"] = rejected_json(score, result, options);
@@ -295,10 +291,15 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
   return json;
 }
 
+nlohmann::ordered_json failed_scene_json(const std::string& file, const Error& error) {
+  return {{"scene", file}, {"error", error.message}};
+}
+
 Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::path& file) {
   std::vector<ExpectedPose> expected;
   const Result<void> done = with_json(file, [&](const JsonNode& root) {
     for (const JsonNode& scene : root.at("scenes").elements()) {
+      if (scene.has("error")) continue;
       for (const JsonNode& detection : scene.at("detections").elements())
         expected.push_back(
             {detection.at("model").string(), detection.at("T_scene_model").file_pose()});
@@ -313,6 +314,7 @@ Result<std::vector<StoredScene>> read_stored_scenes(const std::filesystem::path&
   std::set<std::filesystem::path> seen;
   const Result<void> done = with_json(file, [&](const JsonNode& root) {
     for (const JsonNode& scene : root.at("scenes").elements()) {
+      if (scene.has("error")) continue;
       stored.push_back(parse_scene(scene));
       if (!seen.insert(normal_path(stored.back().file)).second)
         scene.at("scene").refuse("expected each scene once");

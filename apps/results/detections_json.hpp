@@ -29,6 +29,9 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
                                   const kernels::ScoreModel& score,
                                   const RecognizeOptions& options);
 
+/// The same of a scene that could not be read or recognized: {"scene", "error"}, without detections.
+nlohmann::ordered_json failed_scene_json(const std::string& file, const Error& error);
+
 /// What a check of a camera told; the "camera_check" of a scene, an element of "cameras".
 nlohmann::ordered_json camera_check_json(const CameraCheck& check);
 
@@ -42,7 +45,7 @@ struct StoredScene {
 };
 
 /// All of them. Any program may have written them: per scene "scene" and "detections" must be there,
-/// per detection "model", "score" and "T_scene_model"; numbers that are not told are NaN, times are
+/// or "error" instead of these, which are left out; per detection "model", "score" and "T_scene_model"; numbers that are not told are NaN, times are
 /// left out. Errors: missing_input, io, bad_data (names the JSON path of the fault).
 Result<std::vector<StoredScene>> read_stored_scenes(const std::filesystem::path& file);
 

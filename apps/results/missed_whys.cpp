@@ -42,10 +42,11 @@ Result<MissedWhys> explain_missed(const Recognizer& recognizer, const Manifest& 
                                   const Progress& progress) {
   const std::vector<SceneInput> scenes = scenes_of(manifest, recognizer.library().header.unit);
   std::size_t num_missed = 0, num_asked = 0;
-  for (const SceneEvaluation& scene : evaluation.scenes) num_missed += scene.missed.size();
+  for (const SceneEvaluation& scene : evaluation.scenes)
+    num_missed += scene.missing ? 0 : scene.missed.size();
   MissedWhys whys;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
-    if (evaluation.scenes[s].missed.empty()) continue;
+    if (evaluation.scenes[s].missed.empty() || evaluation.scenes[s].missing) continue;
     const Result<Cloud> cloud = read_scene(scenes[s]);
     if (!cloud) return cloud.error();
     for (const std::size_t t : evaluation.scenes[s].missed) {

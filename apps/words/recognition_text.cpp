@@ -64,6 +64,12 @@ std::string scene_text(const SceneInput& scene, const SceneResult& result, const
                                  result.detections.size());
   const std::optional<std::string> view = stats.view ? view_words(*stats.view) : std::nullopt;
   if (view) text += fmt::format("  {}\n", *view);
+  if (stats.num_stray > 0) {
+    text += fmt::format(
+        "  left out: {}, which the sensor can hardly have measured: far beyond all "
+        "others\n",
+        counted(stats.num_stray, "stray point"));
+  }
   for (const Detection& detection : result.detections)
     text += detection_text(detection, result.offset, unit_name(unit));
   if (result.detections.empty()) {

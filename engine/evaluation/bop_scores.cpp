@@ -329,16 +329,20 @@ void write_errors(const Group& group, std::vector<std::optional<BopErrors>>& out
   }
 }
 
-SceneScores score_scene(const ManifestScene& scene, const SceneResult& result,
+/// found  absent: there is no result, and perhaps no image that can be read
+SceneScores score_scene(const ManifestScene& scene, const std::optional<SceneResult>& found,
                         const std::map<std::string, std::size_t>& models,
                         std::span<const Gauge> gauges, double delta,
                         std::vector<std::optional<BopErrors>>& errors) {
+  static const SceneResult kNothing;
+  const SceneResult& result = found ? *found : kNothing;
   SceneScores out;
   out.groups = make_groups(scene, result, models, out.num_absent);
   errors.resize(result.detections.size());
   if (out.groups.empty()) return out;
-  const Result<std::optional<MeasuredImage>> measured =
+  Result<std::optional<MeasuredImage>> measured =
       engine::read_measured_image(scene.file, scene.camera);
+  if (!measured && !found) measured = std::optional<MeasuredImage>();
   if (!measured) {
     out.failure = measured.error();
     return out;
@@ -508,14 +512,12 @@ Result<BopScores> bop_scores(const Manifest& manifest, std::span<const Evaluatio
     gauges.push_back(**std::move(gauge));
   }
 
-  static const SceneResult kNothing;
   const double delta = options.vsd_delta_mm * unit_scale(LengthUnit::millimeter, manifest.unit);
   BopScores out;
   out.errors.resize(results.size());
   std::vector<SceneScores> scenes(results.size());
   engine::for_each_index(results.size(), [&](std::size_t s) {
-    scenes[s] = score_scene(manifest.scenes[s], results[s] ? *results[s] : kNothing, *models,
-                            gauges, delta, out.errors[s]);
+    scenes[s] = score_scene(manifest.scenes[s], results[s], *models, gauges, delta, out.errors[s]);
   });
   for (const SceneScores& scene : scenes) {
     if (scene.failure) return *scene.failure;

@@ -2,18 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "engine/camera/check_camera.hpp"
+#include "engine/camera/check_depth_kind.hpp"
 #include "engine/recognition/ablate.hpp"
 #include "engine/recognition/report.hpp"
 #include "engine/recognition/search_scene.hpp"
 #include "engine/recognition/stage_options.hpp"
+#include "kernels/common/median.hpp"
+#include "storage/formats/keep_points.hpp"
 
 namespace trivet {
 namespace {
@@ -103,16 +108,54 @@ PlaceExplanation explained_place(const RecognizeOptions& asked, const RecognizeO
   return {*asked.explain.point, nearest_distance(cloud.points, *in_cloud.explain.point), {}};
 }
 
-/// Refuse a scene whose size says that its unit is not the library's.
-Result<void> check_sizes(const Library& library, const PreparedScene& scene,
-                         const SceneInput& input) {
-  const float extent = size_of(scene.points).norm();
+/// How large a scene may be, in diameters of the library's largest model.
+constexpr float kLargestScene = 500;
+/// Of its points, how many may lie beyond that: what a sensor measures where there is nothing.
+constexpr double kMostStray = 0.01;
+
+/// Leave out points farther than half of the largest scene from the middle one, if they are few.
+///
+/// radius  [cloud's unit]
+/// Returns the cloud without them; none where nothing lies there, or more than a few points.
+std::optional<Cloud> without_stray_points(const Cloud& cloud, float radius) {
+  const std::size_t n = cloud.points.size();
+  const PointsView points = cloud.points;
+  Eigen::Vector3f middle;
+  for (const auto& [axis, column] : {std::pair(0, points.x), {1, points.y}, {2, points.z}}) {
+    Column<float> values(column.begin(), column.end());
+    middle[axis] = kernels::median(std::span(values));
+  }
+  std::vector<std::uint8_t> keep(n);
+  std::size_t num_stray = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    keep[i] = (points[i] - middle).norm() <= radius;
+    num_stray += keep[i] == 0;
+  }
+  if (num_stray == 0 || static_cast<double>(num_stray) > kMostStray * static_cast<double>(n))
+    return std::nullopt;
+  Cloud kept = cloud;
+  keep_points(keep, kept);
+  return kept;
+}
+
+/// Refuse a scene whose size says that its unit is not the library's; what strays is left out.
+///
+/// stray  gets the cloud without, where something was left out
+Result<void> check_sizes(const Library& library, const Cloud& cloud, const SceneInput& input,
+                         std::optional<Cloud>& stray) {
+  const auto scale = static_cast<float>(input.scale);
+  const float extent = scale * size_of(cloud.points).norm();
   float smallest = std::numeric_limits<float>::infinity(), largest = 0;
   for (const Model& model : library.models) {
     smallest = std::min(smallest, model.diameter);
     largest = std::max(largest, model.diameter);
   }
-  if (extent >= 0.05F * smallest && extent <= 500 * largest) return {};
+  if (extent > kLargestScene * largest) {
+    stray = without_stray_points(cloud, kLargestScene / 2 * largest / scale);
+    if (stray) return {};
+  } else if (extent >= 0.05F * smallest) {
+    return {};
+  }
   return Error{
       ErrorCode::bad_data,
       fmt::format("{}: expected a scene about as large as the models (diameters {:.4g} to "
@@ -121,14 +164,35 @@ Result<void> check_sizes(const Library& library, const PreparedScene& scene,
                   input.file.string(), smallest, largest, unit_name(library.header.unit), extent)};
 }
 
+/// Refuse a viewpoint that lies among the points, and before them if it were a thousand times as far
+/// away: it was given in meters, and the scene is in millimeters.
+Result<void> check_viewpoint(const Cloud& cloud, const SceneInput& input) {
+  constexpr double kMillimeters = 1000;
+  if (!input.viewpoint || input.viewpoint->isZero(0) || !cloud.offset.isZero(0)) return {};
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) box.extend(cloud.points[i].cast<double>());
+  const Eigen::Vector3d& eye = *input.viewpoint;
+  const double size = box.diagonal().norm(), meant = (kMillimeters * eye).norm();
+  const bool is_meant =
+      meant > size / 2 && meant < 20 * size && !box.contains((kMillimeters * eye).eval());
+  if (!box.contains(eye) || !(eye.norm() < 0.02 * size) || !is_meant) return {};
+  return Error{
+      ErrorCode::bad_data,
+      fmt::format(
+          "{}: expected the viewpoint ({:.4g}, {:.4g}, {:.4g}) in the scene's unit, found it "
+          "among the points, whose extent is {:.4g}; it looks as if it were in meters and "
+          "the scene in millimeters",
+          input.file.string(), eye.x(), eye.y(), eye.z(), size)};
+}
+
 /// As recognize, in a library that nobody changes meanwhile.
-Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& cloud,
+Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan,
                                  const SceneInput& input, const RecognizeOptions& asked,
                                  const std::stop_token& stop) {
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e10"};
-  const RecognizeOptions options = in_cloud_frame(engine::ablate(asked), cloud.offset);
+  const RecognizeOptions options = in_cloud_frame(engine::ablate(asked), scan.offset);
   const Library& library = recognizer.library();
   if (const Result<void> trained = check_methods(library, options.method); !trained)
     return trained.error();
@@ -138,11 +202,21 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& clou
       !asked_about)
     return asked_about.error();
 
+  std::optional<Cloud> without_stray;
+  const bool is_seen = scan.points.size() >= kFewestPoints || !scan.triangles.empty();
+  if (is_seen) {
+    if (const Result<void> sizes = check_sizes(library, scan, input, without_stray); !sizes)
+      return sizes.error();
+    if (const Result<void> place = check_viewpoint(scan, input); !place) return place.error();
+  }
+  const Cloud& cloud = without_stray ? *without_stray : scan;
+
   SceneStats stats;
+  stats.num_stray = scan.points.size() - cloud.points.size();
   stats.num_points = cloud.points.size();
   stats.num_invalid = cloud.num_invalid;
   stats.size = size_of(cloud.points);
-  if (cloud.points.size() < kFewestPoints && cloud.triangles.empty()) {
+  if (!is_seen) {
     SceneResult nothing;
     nothing.offset = cloud.offset;
     nothing.stats = std::move(stats);
@@ -155,7 +229,6 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& clou
   const Result<PreparedScene> scene =
       engine::prepare_scene(cloud, input, stats.times, engine::prepare_options(options));
   if (!scene) return scene.error();
-  if (const Result<void> sizes = check_sizes(library, *scene, input); !sizes) return sizes.error();
   Result<engine::SearchResult> found =
       engine::search_scene(recognizer, *scene, *groups, options, stop, stats);
   recognizer.give_back();
@@ -163,6 +236,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& clou
   if (cloud.camera && scene->images.size() == 1) {
     const StageTimer timer(stats.times, "check camera");
     stats.camera_check = engine::check_camera(recognizer, *scene, *cloud.camera, found->detections);
+    stats.camera_check->depth = engine::check_depth_kind(*scene, *cloud.camera);
   }
   SceneResult result = engine::report(library, *scene, std::move(*found), std::move(stats));
   if (result.explanation) {

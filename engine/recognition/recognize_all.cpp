@@ -22,6 +22,12 @@ struct Finished {
   std::shared_ptr<Result<SceneResult>> result;
 };
 
+/// Whether other scenes may be without it.
+bool is_of_one_scene(const Error& error) {
+  return error.code != ErrorCode::usage && error.code != ErrorCode::resumable &&
+         error.code != ErrorCode::changed;
+}
+
 /// Exceptions must not reach the graph, whose other scenes would end with them.
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
                                        const RecognizeOptions& options, std::stop_token stop) try {
@@ -52,7 +58,8 @@ Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const Scene
 
 Result<void> recognize_all(const Recognizer& recognizer, std::span<const SceneInput> scenes,
                            const RecognizeOptions& options, const Progress& progress,
-                           const std::function<void(std::size_t index, const SceneResult&)>& emit) {
+                           const std::function<void(std::size_t index, const SceneResult&)>& emit,
+                           const std::function<void(std::size_t index, const Error&)>& fail) {
   if (const Result<void> valid = validate(options); !valid) return valid;
   std::optional<Error> failure;
   std::size_t emitted = 0, next = 0;
@@ -73,13 +80,19 @@ Result<void> recognize_all(const Recognizer& recognizer, std::span<const SceneIn
                                           [](const Finished& finished) { return finished.id; });
   flow::function_node<Finished> deliver(graph, flow::serial, [&](const Finished& finished) {
     if (failure) return flow::continue_msg{};
-    if (!*finished.result) {
-      failure = finished.result->error();
-    } else {
-      emit(finished.id, **finished.result);
-      ++emitted;
-      progress(emitted, scenes.size(), scenes[finished.id].file.filename().string());
+    const Result<SceneResult>& result = *finished.result;
+    const bool is_of_scene = result || is_of_one_scene(result.error());
+    if (!result && !(fail && is_of_scene)) {
+      failure = result.error();
+      return flow::continue_msg{};
     }
+    if (result) {
+      emit(finished.id, *result);
+    } else {
+      fail(finished.id, result.error());
+    }
+    ++emitted;
+    progress(emitted, scenes.size(), scenes[finished.id].file.filename().string());
     return flow::continue_msg{};
   });
   flow::make_edge(jobs, gate);

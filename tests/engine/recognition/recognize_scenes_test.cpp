@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "engine/recognition/two_parts.hpp"
@@ -197,6 +198,66 @@ TEST_F(RecognizeScenes, TakesManyScenesInOrder) {
       recognize_all(recognizer_, inputs, {}, {}, [](std::size_t, const SceneResult&) {});
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::missing_input);
+
+  std::vector<std::size_t> found, lost;
+  const auto others = recognize_all(
+      recognizer_, inputs, {}, {},
+      [&](std::size_t index, const SceneResult&) { found.push_back(index); },
+      [&](std::size_t index, const Error& error) {
+        lost.push_back(index);
+        EXPECT_EQ(error.code, ErrorCode::missing_input);
+      });
+  EXPECT_TRUE(others) << others.error().message;
+  EXPECT_EQ(found, (std::vector<std::size_t>{0, 1, 3}));
+  EXPECT_EQ(lost, (std::vector<std::size_t>{2}));
+
+  RecognizeOptions unknown;
+  unknown.models = {"none of this name"};
+  const auto refused = recognize_all(
+      recognizer_, inputs, unknown, {}, [](std::size_t, const SceneResult&) {},
+      [](std::size_t, const Error&) { FAIL() << "all scenes would be without it"; });
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::usage);
+}
+
+// What a sensor measures where there is nothing: a few pixels at the end of its range of numbers.
+TEST_F(RecognizeScenes, LeavesOutPointsFarBeyondAllOthers) {
+  const Cloud scan = clutter();
+  Cloud stray = scan;
+  const std::size_t n = scan.points.size();
+  for (std::size_t i = 0; i < n; i += 200)
+    stray.points.set(i, 200 / scan.points[i].z() * scan.points[i]);
+  const auto result = recognize(recognizer_, stray, {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->stats.num_stray, (n + 199) / 200);
+  EXPECT_EQ(result->stats.num_points, n - (n + 199) / 200);
+  expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
+  expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+  EXPECT_EQ(recognize(recognizer_, scan, {}, {})->stats.num_stray, 0U);
+
+  for (std::size_t i = 0; i < n; i += 50)
+    stray.points.set(i, 200 / scan.points[i].z() * scan.points[i]);
+  const auto many = recognize(recognizer_, stray, {}, {});
+  ASSERT_FALSE(many) << "2 % are no strays";
+  EXPECT_NE(many.error().message.find("give --unit"), std::string::npos);
+}
+
+TEST_F(RecognizeScenes, RefusesAViewpointInMetersOfAScanInMillimeters) {
+  Cloud cloud;
+  for (int i = 0; i <= 40; ++i) {
+    for (int j = 0; j <= 40; ++j) {
+      const auto x = static_cast<float>(5 * i - 100), y = static_cast<float>(5 * j - 100);
+      cloud.points.push_back({x, y, 10 * std::sin(x / 20)});
+    }
+  }
+  const Eigen::Vector3d eye(0.05, -0.03, 0.6);  // [m]
+  SceneInput input{.viewpoint = eye, .scale = 0.001};
+  const auto refused = recognize(recognizer_, cloud, input, {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("as if it were in meters"), std::string::npos)
+      << refused.error().message;
+  input.viewpoint = 1000 * eye;
+  EXPECT_TRUE(recognize(recognizer_, cloud, input, {.pose = {.rounds = 0}}));
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+#include "apps/results/failed_scenes.hpp"
+
+#include <fmt/format.h>
+
+namespace trivet::apps {
+
+Result<void> failed_scenes(const std::vector<Error>& failures, std::size_t num_scenes) {
+  if (failures.empty()) return {};
+  if (num_scenes == 1) return failures.front();
+  Error all{
+      failures.front().code,
+      fmt::format("{} of {} scenes failed, the others are told:", failures.size(), num_scenes)};
+  for (const Error& failure : failures) all.message += "\n" + failure.message;
+  return all;
+}
+
+}  // namespace trivet::apps
