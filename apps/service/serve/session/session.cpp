@@ -454,7 +454,7 @@ Result<HttpResponse> Session::put_truth(const std::string& name, const std::stri
   std::optional<std::vector<TruthInstance>> truth;
   const Result<void> read =
       with_json(std::as_bytes(std::span(body)), "truth", [&](const JsonNode& root) {
-        if (!root.object().has("truth")) return;
+        if (!root.only({"truth"}).has("truth")) return;
         truth.emplace();
         for (const JsonNode& entry : root.at("truth").elements()) {
           truth->push_back(parse_truth(entry));
