@@ -185,6 +185,8 @@ TEST_F(SessionOfAService, RefusesWhatItCannotKeep) {
     refuses(ask(port, "PUT", "/v1/session/runs/..%2f/a",
                 R"({"scenes": [{"scene": "a", "detections": []}]})"),
             404, "names of a run");
+    refuses(ask(port, "PUT", "/v1/session/scans/a/truth", R"({"trut": []})"), 400,
+            "did you mean 'truth'?");
     refuses(ask(port, "PUT", "/v1/session/scans/a/truth",
                 R"({"truth": [{"model": "../l",
                     "T_scene_model": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]})"),
