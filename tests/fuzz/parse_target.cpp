@@ -1,6 +1,7 @@
 // The path and parameters of a request.
 #include "apps/service/http/query.hpp"
 #include "fuzz/targets.hpp"
+#include "storage/valid_text.hpp"
 
 namespace trivet::fuzz {
 
@@ -11,7 +12,8 @@ void parse_target(std::string_view input) {
   const Result<apps::service::Target> target = apps::service::parse_target(input);
   if (!target) return require(target.error().code == ErrorCode::usage, "faults are the client's");
   for (const auto& [name, value] : target->parameters)
-    require(target->parameter(name).has_value(), "a parameter is found by its name");
+    require(target->parameter(name).has_value() && is_utf8(name) && is_utf8(value),
+            "a parameter is text, and found by its name");
   const Result<apps::service::Target> again =
       apps::service::parse_target(apps::service::write_target(*target));
   require(
@@ -20,8 +22,9 @@ void parse_target(std::string_view input) {
 }
 
 std::vector<std::string> parse_target_seeds() {
-  return {"/v1/models", "/v1/recognize?format=ply&models=a%2Fb,c&min-score=0.5", "/?a&=&b=c=d&&",
-          "/%2e%2e/%00?%ff=%C3%A4#here", "http://host:80/v2/models/..%2f..?q=1+2"};
+  return {"/v1/models",    "/v1/recognize?format=ply&models=a%2Fb,c&min-score=0.5",
+          "/?a&=&b=c=d&&", "/%2e%2e/%00?%7f=%C3%A4#here",
+          "/?a=%ff",       "http://host:80/v2/models/..%2f..?q=1+2"};
 }
 
 }  // namespace trivet::fuzz
