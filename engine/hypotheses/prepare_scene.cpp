@@ -20,6 +20,7 @@
 #include "storage/file_pose.hpp"
 #include "storage/formats/keep_points.hpp"
 #include "storage/formats/used_vertices.hpp"
+#include "storage/stop.hpp"
 #include "storage/whole_number.hpp"
 
 namespace trivet::engine {
@@ -27,6 +28,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 8;          // image rows a task
+constexpr std::size_t kPixelGrain = 1 << 16;  // pixels a task, where each is little work
 constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
 constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched in
 constexpr std::size_t kFewestPoints = 50;
@@ -67,16 +69,18 @@ kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const Pix
   image.near_plane.assign(n, 0);
   image.normals.resize(n);
   const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
-  for (std::size_t pixel = 0; pixel < n; ++pixel) {
-    const std::int32_t i = grid.point_index[pixel];
-    if (i == PixelGrid::kNone) {
-      image.normals.set(pixel, Eigen::Vector3f::Constant(kNaN));
-      continue;
+  for_chunks(n, kPixelGrain, [&](std::size_t first, std::size_t count) {
+    for (std::size_t pixel = first; pixel < first + count; ++pixel) {
+      const std::int32_t i = grid.point_index[pixel];
+      if (i == PixelGrid::kNone) {
+        image.normals.set(pixel, Eigen::Vector3f::Constant(kNaN));
+        continue;
+      }
+      const auto at = static_cast<std::size_t>(i);
+      image.depth[pixel] = (geometry.T_camera_scene * points[at]).z();
+      image.normals.set(pixel, R * normals[at]);
     }
-    const auto at = static_cast<std::size_t>(i);
-    image.depth[pixel] = (geometry.T_camera_scene * points[at]).z();
-    image.normals.set(pixel, R * normals[at]);
-  }
+  });
   return image;
 }
 
@@ -86,7 +90,9 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   const Column<float> measured = image.depth;
   kernels::fill_small_holes(image.geometry, max_step, 4, image.depth);
   const std::size_t width = image.geometry.width;
+  LookEvery look(kPixelGrain);
   for (std::size_t pixel = width + 1; pixel + width + 1 < measured.size(); ++pixel) {
+    look();
     if (measured[pixel] > 0 || !(image.depth[pixel] > 0)) continue;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (const std::size_t row : {pixel - width, pixel, pixel + width}) {
@@ -165,8 +171,9 @@ PixelSamples sample_pixels(const kernels::RangeImage& image) {
 void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
                   kernels::RangeImage& image) {
   const kernels::ImageGeometry& geometry = image.geometry;
-  Points at(geometry.width);
-  for (std::size_t v = 0; v < geometry.height; ++v) {
+  PerThread<Points> points([&] { return Points(geometry.width); });
+  for_each_index(geometry.height, [&](std::size_t v) {
+    Points& at = points.local();
     for (std::size_t u = 0; u < geometry.width; ++u) {
       const std::size_t pixel = v * geometry.width + u;
       at.set(u, image.depth[pixel] > 0 ? geometry.back_project(pixel, image.depth[pixel])
@@ -177,7 +184,7 @@ void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
                           kPlaneAngleRad, std::span(image.plane).subspan(row, geometry.width));
     kernels::label_planes(at, planes, tolerance,
                           std::span(image.near_plane).subspan(row, geometry.width));
-  }
+  });
 }
 
 void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& options,
@@ -215,6 +222,7 @@ void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& opti
   for (const float d : image.depth) {
     if (d > 0) ranges.push_back(d);
   }
+  look();
   sensor.range = kernels::median(std::span(ranges));
   if (!options.correlated_noise) return;
   const std::size_t height = image.geometry.height;
@@ -266,6 +274,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
     });
   };
   estimate(kNoiseWindow);
+  look();
   Column<float> scratch;
   scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
@@ -448,8 +457,10 @@ Triangles take_surface(const Cloud& cloud, PreparedScene& scene) {
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
                                     const PrepareOptions& options) {
   const StageTimer timer(times, "prepare");
+  look();
   PreparedScene scene;
   scene.points = cloud.points;
+  look();
   scene.scale = input.scale;
   scene.offset = cloud.offset;
   if (input.scale != 1) {
@@ -500,6 +511,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
     return sample;
   }
 
+  look();
   std::vector<std::uint8_t> labels(points.size(), 0);
   kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,
                         labels);
@@ -531,7 +543,9 @@ SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
                          const VoteOptions& options, std::span<const std::uint8_t> explained) {
   SceneLevel level;
   level.step = sample.step;
+  LookEvery look(kPixelGrain);
   for (std::size_t i = 0; i < sample.points.size(); ++i) {
+    look();
     if (!explained.empty() && is_explained(scene, explained, sample.points[i], sample.step))
       continue;
     level.points.push_back(sample.points[i]);

@@ -19,6 +19,7 @@
 #include "engine/recognition/stage_options.hpp"
 #include "kernels/common/median.hpp"
 #include "storage/formats/keep_points.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet {
 namespace {
@@ -188,7 +189,8 @@ Result<void> check_viewpoint(const Cloud& cloud, const SceneInput& input) {
 /// As recognize, in a library that nobody changes meanwhile.
 Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan,
                                  const SceneInput& input, const RecognizeOptions& asked,
-                                 const std::stop_token& stop) {
+                                 const std::stop_token& stop) try {
+  const StopScope scope(&stop);
   if (const Result<void> valid = validate(asked); !valid) return valid.error();
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e10"};
@@ -230,7 +232,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
       engine::prepare_scene(cloud, input, stats.times, engine::prepare_options(options));
   if (!scene) return scene.error();
   Result<engine::SearchResult> found =
-      engine::search_scene(recognizer, *scene, *groups, options, stop, stats);
+      engine::search_scene(recognizer, *scene, *groups, options, stats);
   recognizer.give_back();
   if (!found) return found.error();
   if (cloud.camera && scene->images.size() == 1) {
@@ -248,6 +250,8 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   result.stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+} catch (const Stopped&) {
+  return Error{ErrorCode::resumable, "stopped on request"};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "engine/common/parallel.hpp"
 #include "engine/recognize.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet {
 namespace {
@@ -32,6 +33,7 @@ bool is_of_one_scene(const Error& error) {
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
                                        const RecognizeOptions& options, std::stop_token stop) try {
   const auto start = std::chrono::steady_clock::now();
+  const StopScope scope(&stop);
   const Result<Cloud> cloud = read_scene(input);
   if (!cloud) return cloud.error();
   const double read_seconds =
@@ -46,6 +48,8 @@ Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const Scene
     result->stats.total_seconds += read_seconds;
   }
   return result;
+} catch (const Stopped&) {
+  return Error{ErrorCode::resumable, "stopped on request"};
 } catch (const std::bad_alloc&) {
   return Error{ErrorCode::io, fmt::format("{}: out of memory", input.file.string())};
 } catch (const std::exception& error) {

@@ -9,6 +9,7 @@
 #include "engine/libraries/index_features.hpp"
 #include "engine/recognition/surface_cache.hpp"
 #include "kernels/surfaces/visibility.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet {
 namespace {
@@ -55,17 +56,24 @@ Result<std::shared_ptr<const kernels::RayScene>> Recognizer::surface(std::uint32
   });
 }
 
+// What is made of all models serves all scenes. It is made to its end though the one that asks first
+// may be told to stop: begun anew with each, it would never be there.
+
 Result<const FeatureIndex*> Recognizer::features() const {
   if (!library_.index.empty()) return &library_.index;
-  tbb::collaborative_call_once(parts_->indexed,
-                               [&] { parts_->index = engine::index_features(library_); });
+  tbb::collaborative_call_once(parts_->indexed, [&] {
+    const StopScope for_all(nullptr);
+    parts_->index = engine::index_features(library_);
+  });
   if (!parts_->index) return parts_->index.error();
   return &*parts_->index;
 }
 
 Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint32_t model) const {
-  tbb::collaborative_call_once(parts_->framed,
-                               [&] { parts_->frames = engine::shape_frames(library_); });
+  tbb::collaborative_call_once(parts_->framed, [&] {
+    const StopScope for_all(nullptr);
+    parts_->frames = engine::shape_frames(library_);
+  });
   if (!parts_->frames) return parts_->frames.error();
   LookAlikes& look_alikes = parts_->look_alikes[model];
   tbb::collaborative_call_once(look_alikes.once, [&] {

@@ -63,7 +63,7 @@ class SceneSearch {
  public:
   /// All arguments are referred to.
   SceneSearch(const Recognizer& recognizer, const PreparedScene& scene, const ModelGroups& groups,
-              const RecognizeOptions& options, const std::stop_token& stop, SceneStats& stats)
+              const RecognizeOptions& options, SceneStats& stats)
       : recognizer_(recognizer),
         library_(recognizer.library()),
         scene_(scene),
@@ -74,10 +74,9 @@ class SceneSearch {
         wanted_(wanted_models(library_, groups)),
         budget_(budget_of(options, library_,
                           static_cast<std::size_t>(std::ranges::count(wanted_, true)))),
-        stop_(stop),
         stats_(stats),
         watch_(watch_of(options, library_, scene)),
-        pool_(recognizer, scene, settle_options_, stop, stats.times, watch_.get()) {}
+        pool_(recognizer, scene, settle_options_, stats.times, watch_.get()) {}
 
   Result<SearchResult> run() &&;
 
@@ -130,7 +129,6 @@ class SceneSearch {
   const SelectOptions select_options_;
   const std::vector<bool> wanted_;            // by model of the library
   const std::optional<SearchBudget> budget_;  // none: every model on its own
-  const std::stop_token& stop_;
   SceneStats& stats_;
   const std::unique_ptr<PlaceWatch> watch_;  // of the place that was asked about
   PosePool pool_;
@@ -292,7 +290,6 @@ Result<void> SceneSearch::settle(AllProposals proposals) {
   if (const Result<void> added = pool_.add(proposed, poses); !added) return added;
   const std::uint32_t passes = budget_ ? budget_->passes : 1;
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
-    if (stop_.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
     std::span<const std::uint8_t> explained;
     if (budget_) explained = selection_.explained;
     if (const Result<void> taken = take_in(pool_.test_best(poses, explained)); !taken) return taken;
@@ -544,8 +541,8 @@ Result<std::vector<ExplainedModel>> SceneSearch::explain(std::span<const std::ui
 
 Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
                                   const ModelGroups& groups, const RecognizeOptions& options,
-                                  const std::stop_token& stop, SceneStats& stats) {
-  return SceneSearch(recognizer, scene, groups, options, stop, stats).run();
+                                  SceneStats& stats) {
+  return SceneSearch(recognizer, scene, groups, options, stats).run();
 }
 
 }  // namespace trivet::engine

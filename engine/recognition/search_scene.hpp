@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <stop_token>
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
@@ -64,9 +63,9 @@ struct SearchResult {
 ///
 /// options  as ablate() gives them
 /// stats    gets times and counts
-/// Errors: internal (no memory for ray tracing), resumable (stopped).
+/// Errors: internal (no memory for ray tracing). Throws Stopped.
 Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
                                   const ModelGroups& groups, const RecognizeOptions& options,
-                                  const std::stop_token& stop, SceneStats& stats);
+                                  SceneStats& stats);
 
 }  // namespace trivet::engine

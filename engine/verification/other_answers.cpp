@@ -9,6 +9,7 @@
 #include "engine/verification/rival_odds.hpp"
 #include "engine/verification/settle_rivals.hpp"
 #include "kernels/verification/compare_poses.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -124,6 +125,7 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
         among_ == Among::few_models && holder != index && sibling == candidates_[holder].model;
     double best = first ? 0 : std::numeric_limits<double>::lowest();
     for (const std::uint32_t c : poses) {
+      look();
       const kernels::PoseComparison comparison = kernels::compare_poses(
           scene_.images, {**other_surface, samples, candidates_[c].T_scene_model},
           {**surface, tester.samples(), candidate.T_scene_model},

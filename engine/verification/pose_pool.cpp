@@ -69,7 +69,6 @@ struct PosePool::State {
   const Recognizer& recognizer;
   const PreparedScene& scene;
   const SettleOptions& options;
-  const std::stop_token& stop;
   StageTimes& times;
   PlaceWatch* watch;
   std::map<std::uint32_t, std::unique_ptr<const ModelStages>> stages{};  // by model
@@ -90,12 +89,10 @@ struct PosePool::State {
     return {};
   }
 
-  /// Call body(stages, pose) for each, until it is stopped.
+  /// Call body(stages, pose) for each.
   template <class Body>
   void for_each_pose(PooledPoses& poses, Body&& body) const {
-    for_each_index(poses.size(), [&](std::size_t k) {
-      if (!stop.stop_requested()) body(*poses[k].stages, poses[k].pose);
-    });
+    for_each_index(poses.size(), [&](std::size_t k) { body(*poses[k].stages, poses[k].pose); });
   }
 
   /// Nonzero for poses on marked pixels.
@@ -141,7 +138,6 @@ struct PosePool::State {
     }
     std::vector<Result<void>> results(missing.size());
     for_each_index(missing.size(), [&](std::size_t k) {
-      if (stop.stop_requested()) return;
       auto surface = recognizer.surface(missing[k]->first);
       if (surface) {
         missing[k]->second = *std::move(surface);
@@ -149,7 +145,6 @@ struct PosePool::State {
         results[k] = surface.error();
       }
     });
-    if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
     for (const Result<void>& result : results) {
       if (!result) return result.error();
     }
@@ -164,12 +159,10 @@ struct PosePool::State {
     std::vector<std::optional<Candidate>> examined(poses.size());
     PerThread<kernels::ExamineScratch> scratch;
     for_each_index(poses.size(), [&](std::size_t k) {
-      if (stop.stop_requested()) return;
       const ModelStages& of = *poses[k].stages;
       examined[k] =
           of.examine(*surfaces->at(of.index()), recognizer.score(), poses[k].pose, scratch.local());
     });
-    if (stop.stop_requested()) return Error{ErrorCode::resumable, "stopped on request"};
     num_examined += poses.size();
     std::vector<Candidate> candidates;
     for (std::optional<Candidate>& candidate : examined) {
@@ -180,9 +173,8 @@ struct PosePool::State {
 };
 
 PosePool::PosePool(const Recognizer& recognizer, const PreparedScene& scene,
-                   const SettleOptions& options, const std::stop_token& stop, StageTimes& times,
-                   PlaceWatch* watch)
-    : state_(new State{recognizer, scene, options, stop, times, watch}) {}
+                   const SettleOptions& options, StageTimes& times, PlaceWatch* watch)
+    : state_(new State{recognizer, scene, options, times, watch}) {}
 PosePool::~PosePool() = default;
 
 Result<void> PosePool::add(std::span<const ModelProposals> proposals, const PoseBudget& budget) {
@@ -203,7 +195,7 @@ Result<void> PosePool::add(std::span<const ModelProposals> proposals, const Pose
     }
     std::vector<std::vector<CoarsePose>> clusters(proposals.size());
     for_each_index(proposals.size(), [&](std::size_t k) {
-      if (!s.stop.stop_requested()) clusters[k] = stages[k]->cluster(proposals[k].proposals);
+      clusters[k] = stages[k]->cluster(proposals[k].proposals);
     });
     for (std::size_t k = 0; k < clusters.size(); ++k) {
       for (CoarsePose& pose : clusters[k]) poses.push_back({stages[k], std::move(pose)});

@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "engine/hypotheses/prepare_scene.hpp"
@@ -45,11 +44,11 @@ struct SuggestedPose {
 /// when better ones have explained their places.
 class PosePool {
  public:
-  /// All arguments are referred to. Once `stop` is requested, what is left to do is not done.
+  /// All arguments are referred to.
   ///
   /// watch  is told what comes to which stage; null: nobody is
   PosePool(const Recognizer& recognizer, const PreparedScene& scene, const SettleOptions& options,
-           const std::stop_token& stop, StageTimes& times, PlaceWatch* watch);
+           StageTimes& times, PlaceWatch* watch);
   ~PosePool();
 
   /// Cluster the hypotheses of each model, and look at each cluster. Errors: bad_data (damaged).

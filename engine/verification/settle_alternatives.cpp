@@ -10,6 +10,7 @@
 #include "kernels/symmetry/turn_axis.hpp"
 #include "kernels/verification/compare_poses.hpp"
 #include "kernels/verification/compare_turns.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -92,6 +93,7 @@ class AmbiguityTest {
   };
 
   kernels::PoseComparison compare(const Pose& pose, const Candidate& with) {
+    look();
     return kernels::compare_poses(tester_.scene().images, {surface_, tester_.samples(), pose},
                                   {surface_, tester_.samples(), with.T_scene_model},
                                   tester_.errors_of(with.T_scene_model),
@@ -103,6 +105,7 @@ class AmbiguityTest {
   }
 
   Candidate examine(const Pose& pose, const Candidate& instead_of) {
+    look();
     Candidate candidate = tester_.examine(surface_, score_, pose, examine_scratch_);
     candidate.model = instead_of.model;
     candidate.source = instead_of.source;
@@ -183,8 +186,10 @@ class AmbiguityTest {
       if (apart < kAlternativePlace * model_.diameter && other.score >= kLeastAlternativeScore)
         add(other.T_scene_model);
     }
-    for (const Pose& motion : model_.near_symmetries)
+    for (const Pose& motion : model_.near_symmetries) {
+      look();
       add(tester_.polished(tester_.refined(pose * motion)));
+    }
     return alternatives;
   }
 

@@ -1,9 +1,12 @@
 #include "kernels/common/radix_sort.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 
 #include "storage/precondition.hpp"
+
+#include "storage/stop.hpp"
 
 namespace trivet::kernels {
 
@@ -12,6 +15,7 @@ void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std:
   TRIVET_REQUIRE(keys.size() == values.size(), "one value per key");
   // 2^11 counters stay in the first-level cache beside the keys that stream past.
   constexpr int kMaxDigitBits = 11;
+  constexpr std::size_t kSteps = 1 << 20;  // keys between two looks
   const std::size_t n = keys.size();
   const int key_bits = static_cast<int>(std::bit_width(max_key));
   const int num_passes = (key_bits + kMaxDigitBits - 1) / kMaxDigitBits;
@@ -24,6 +28,7 @@ void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std:
   for (int pass = 0; pass < num_passes; ++pass) {
     const int shift = pass * digit_bits;
     std::array<std::uint32_t, std::size_t{1} << kMaxDigitBits> next{};
+    look();
     for (const std::uint64_t key : keys) ++next[(key >> shift) & mask];
     std::uint32_t total = 0;
     for (std::uint32_t& slot : next) {
@@ -31,10 +36,13 @@ void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std:
       slot = total;
       total += count;
     }
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint32_t to = next[(keys[i] >> shift) & mask]++;
-      scratch.keys[to] = keys[i];
-      scratch.values[to] = values[i];
+    for (std::size_t first = 0; first < n; first += kSteps) {
+      look();
+      for (std::size_t i = first; i < std::min(n, first + kSteps); ++i) {
+        const std::uint32_t to = next[(keys[i] >> shift) & mask]++;
+        scratch.keys[to] = keys[i];
+        scratch.values[to] = values[i];
+      }
     }
     keys.swap(scratch.keys);
     values.swap(scratch.values);

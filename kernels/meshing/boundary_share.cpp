@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "storage/stop.hpp"
+
 namespace trivet::kernels {
 
 double boundary_share(const Triangles& triangles) {
@@ -11,12 +13,17 @@ double boundary_share(const Triangles& triangles) {
   const auto add = [&](std::uint32_t i, std::uint32_t j) {
     edges.push_back(static_cast<std::uint64_t>(std::min(i, j)) << 32 | std::max(i, j));
   };
+  LookEvery look(1 << 18);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
+    look();
     add(triangles.a[t], triangles.b[t]);
     add(triangles.b[t], triangles.c[t]);
     add(triangles.c[t], triangles.a[t]);
   }
-  std::sort(edges.begin(), edges.end());
+  std::sort(edges.begin(), edges.end(), [&](std::uint64_t a, std::uint64_t b) {
+    look();
+    return a < b;
+  });
   std::size_t num_edges = 0, num_boundary = 0;
   for (auto first = edges.begin(); first != edges.end();) {
     const auto last =

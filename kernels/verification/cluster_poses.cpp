@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "kernels/common/pose_math.hpp"
+#include "storage/stop.hpp"
 #include "storage/whole_number.hpp"
 
 namespace trivet::kernels {
@@ -49,6 +50,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
   std::vector<Cluster> clusters;
   std::unordered_map<std::int64_t, std::vector<std::uint32_t>> clusters_of_cell;
   for (const std::uint32_t i : order) {
+    look();
     const Eigen::Vector3f center = hypotheses[i].T_scene_model * model_center;
     const Eigen::Array3f scaled = (center / options.max_translation).array().floor();
     const auto cell = [](float coordinate) {

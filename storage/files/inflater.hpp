@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <new>
 #include <span>
 #include <string_view>
+
+#include "storage/stop.hpp"
 
 namespace trivet {
 
@@ -32,10 +33,12 @@ class Inflater {
   Inflater& operator=(const Inflater&) = delete;
   ~Inflater() { inflateEnd(&stream_); }
 
-  /// Unpack into `out` until it is full or a member ends.
+  /// Unpack into `out` until it is full, a member ends or much was unpacked, after a look whether the
+  /// work is to stop.
   /// produced  bytes that `out` has now
   /// Returns zlib's answer. Throws std::bad_alloc.
   int step(std::span<std::byte> out, std::size_t& produced) {
+    look();
     const std::size_t given = std::min<std::size_t>(rest_.size(), kMostAtOnce);
     const std::size_t room = std::min<std::size_t>(out.size(), kMostAtOnce);
     // zlib's input is not const, and is not written to either.
@@ -56,7 +59,7 @@ class Inflater {
   std::string_view fault() const noexcept { return stream_.msg ? stream_.msg : "broken data"; }
 
  private:
-  static constexpr std::size_t kMostAtOnce = std::numeric_limits<uInt>::max();
+  static constexpr std::size_t kMostAtOnce = 4 << 20;  ///< some 20 ms
   z_stream stream_{};
   std::span<const std::byte> rest_;
 };

@@ -24,13 +24,14 @@ std::string_view TextCursor::word() noexcept {
   return {first, static_cast<std::size_t>(at_ - first)};
 }
 
-std::string_view TextCursor::next_word() noexcept {
+std::string_view TextCursor::next_word() {
   std::string_view found = word();
   while (found.empty() && next_line()) found = word();
   return found;
 }
 
-bool TextCursor::next_line() noexcept {
+bool TextCursor::next_line() {
+  look_();
   at_ = std::find(at_, end_, break_);
   if (at_ == end_) return false;
   ++at_;

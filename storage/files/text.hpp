@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "storage/files/numbers.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::formats {
 
@@ -20,9 +21,10 @@ class TextCursor {
   /// The next word of this line; empty at the end of the line.
   std::string_view word() noexcept;
   /// The next word of this line or a later one; empty at the end of the text.
-  std::string_view next_word() noexcept;
-  /// Go behind the next line break; false when there is none.
-  bool next_line() noexcept;
+  std::string_view next_word();
+  /// Go behind the next line break; false when there is none. Looks now and then whether reading is
+  /// to stop.
+  bool next_line();
   /// The rest of this line without its break; the cursor stays.
   std::string_view rest_of_line() const noexcept;
 
@@ -35,6 +37,7 @@ class TextCursor {
   char break_ = '\n';
   std::size_t line_ = 1;
   std::array<bool, 256> separates_{};
+  LookEvery look_{1 << 14};  // lines
 };
 
 /// A letter of ASCII or a digit.

@@ -9,6 +9,7 @@
 #include "storage/files/scalar.hpp"
 #include "storage/formats/depth_image.hpp"
 #include "storage/formats/readers.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -60,6 +61,8 @@ struct Source {
 void on_read(png_structp png, png_bytep out, std::size_t count) {
   auto& source = *static_cast<Source*>(png_get_io_ptr(png));
   if (source.rest.size() < count) png_error(png, "the file is truncated");
+  const std::stop_token* const stop = current_stop();
+  if (stop != nullptr && stop->stop_requested()) png_error(png, "stopped on request");
   std::memcpy(out, source.rest.data(), count);
   source.rest = source.rest.subspan(count);
 }
@@ -109,6 +112,7 @@ Result<Cloud> read_depth_png(const Input& input) {
   }
   Source source{input.bytes, {}};
   if (!decode(source, rows, header->width)) {
+    look();
     return input.refuse(fmt::format("cannot be decoded as PNG: {}", source.fault.data()));
   }
   return back_project(input, header->width, header->height, *camera,

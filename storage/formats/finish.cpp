@@ -6,6 +6,7 @@
 
 #include "storage/formats/keep_points.hpp"
 #include "storage/formats/used_vertices.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -17,7 +18,9 @@ constexpr float kSmallestExtent = 1e-5F, kSmallestModel = 1e-3F;
 
 void drop_invalid(Cloud& cloud) {
   std::vector<std::uint8_t> is_finite(cloud.points.size());
+  LookEvery look(1 << 18);
   for (std::size_t i = 0; i < is_finite.size(); ++i) {
+    look();
     is_finite[i] = cloud.points[i].allFinite();
     cloud.num_invalid += is_finite[i] == 0;
   }
@@ -41,7 +44,9 @@ void drop_unused(Cloud& cloud) {
 Result<void> check_range(const Cloud& cloud, const Input& input) {
   const PointsView points = cloud.points;
   Eigen::Vector3f low = points[0], high = points[0];
+  LookEvery look(1 << 18);
   for (std::size_t i = 1; i < points.size(); ++i) {
+    look();
     low = low.cwiseMin(points[i]);
     high = high.cwiseMax(points[i]);
   }

@@ -11,6 +11,7 @@
 #include "storage/formats/npy_header.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -71,7 +72,9 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
 
   const Table table(input, header, columns);
   Positions positions, normals;
+  LookEvery look(1 << 18);
   for (std::size_t i = 0; i < count; ++i) {
+    look();
     positions.push_back(table.vector(i, 0));
     if (columns != 6) continue;
     const Eigen::Vector3d normal = table.vector(i, 3);

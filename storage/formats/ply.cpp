@@ -11,6 +11,7 @@
 #include "storage/formats/ply_header.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -28,7 +29,10 @@ class PlyBody {
         first_byte_(header.body_begin),
         first_line_(header.body_line) {}
 
-  void begin_row() noexcept { row_begins_ = true; }
+  void begin_row() {
+    look_();
+    row_begins_ = true;
+  }
   /// Of text: an error where the line goes on.
   Result<void> end_row(const PlyElement& element, std::uint64_t row) {
     const auto word = ascii_ ? text_.word() : std::string_view{};
@@ -99,6 +103,7 @@ class PlyBody {
   std::span<const std::byte> bytes_;
   TextCursor text_;
   std::endian order_;
+  LookEvery look_{1 << 14};  // rows
   bool ascii_, row_begins_ = true;
   std::size_t first_byte_, first_line_;
   std::size_t at_ = 0;

@@ -13,6 +13,7 @@
 #include "storage/files/text.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -154,7 +155,11 @@ Cloud weld(PointsView corners) {
   };
   std::vector<std::uint32_t> order(corners.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return key(i) < key(j); });
+  LookEvery look(1 << 16);
+  std::sort(order.begin(), order.end(), [&](auto i, auto j) {
+    look();
+    return key(i) < key(j);
+  });
 
   // The first corner at each place stands for it; in corner order it comes before the others.
   std::vector<std::uint32_t> first(corners.size()), point(corners.size());
@@ -164,6 +169,7 @@ Cloud weld(PointsView corners) {
   }
   Cloud cloud;
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    look();
     if (first[i] == i) {
       point[i] = static_cast<std::uint32_t>(cloud.points.size());
       cloud.points.push_back(corners[i]);

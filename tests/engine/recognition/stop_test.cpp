@@ -1,0 +1,132 @@
+/// Recognition that is told to stop, at any of its looks.
+#include "storage/stop.hpp"
+
+#include <gtest/gtest.h>
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <new>
+#include <thread>
+
+#include "engine/common/parallel.hpp"
+#include "engine/recognition/two_parts.hpp"
+
+namespace trivet {
+namespace {
+
+std::atomic<std::int64_t> num_looks{0}, stop_at{0}, most_nanoseconds{0};
+std::stop_source stop;
+
+/// Of this thread.
+std::int64_t work_nanoseconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1'000'000'000 * now.tv_sec + now.tv_nsec;
+}
+
+void on_look() {
+  thread_local std::int64_t last = 0;
+  const std::int64_t now = work_nanoseconds();
+  if (last > 0) {
+    std::int64_t most = most_nanoseconds;
+    while (most < now - last && !most_nanoseconds.compare_exchange_weak(most, now - last)) {
+    }
+  }
+  last = now;
+  if (++num_looks == stop_at) stop.request_stop();
+}
+
+class Stop : public test::TwoParts {
+ protected:
+  ~Stop() override { observe_looks(nullptr); }
+
+  /// at  the look at which it is told to stop; 0: none
+  static Result<SceneResult> recognize(std::int64_t at) {
+    static const Cloud scene = clutter();
+    RecognizeOptions options;
+    options.max_rejected = 2;
+    options.explain.point = Eigen::Vector3d(0, 0, 0.9);
+    stop = std::stop_source();
+    num_looks = 0;
+    most_nanoseconds = 0;
+    stop_at = at;
+    observe_looks(on_look);
+    auto result = trivet::recognize(recognizer_, scene, {}, options, stop.get_token());
+    observe_looks(nullptr);
+    return result;
+  }
+};
+
+TEST_F(Stop, EndsWhicheverLookItComesAt) {
+  ASSERT_TRUE(recognize(0));  // what is made once
+  const auto whole = recognize(0);
+  ASSERT_TRUE(whole);
+  const std::int64_t all = num_looks;
+  RecordProperty("looks", static_cast<int>(all));
+  RecordProperty("longest_ms", static_cast<int>(most_nanoseconds / 1'000'000));
+  // 50 ms are meant; a loop without a look takes a large part of the whole.
+  EXPECT_LT(most_nanoseconds, 500'000'000) << "between two looks of a thread";
+  const auto num_threads = static_cast<std::int64_t>(std::thread::hardware_concurrency());
+  std::int64_t num_stopped = 0;
+  for (std::int64_t at = 1; at < all * 9 / 10; at += std::max<std::int64_t>(1, at / 3)) {
+    const auto stopped = recognize(at);
+    ASSERT_FALSE(stopped) << at;
+    EXPECT_EQ(stopped.error().code, ErrorCode::resumable) << stopped.error().message;
+    EXPECT_LE(num_looks, at + 4 * num_threads) << "each thread leaves at its next look";
+    ++num_stopped;
+  }
+  EXPECT_GT(num_stopped, 15);
+  // Nothing half made is left behind.
+  const auto after = recognize(0);
+  ASSERT_TRUE(after);
+  ASSERT_EQ(after->detections.size(), whole->detections.size());
+  for (std::size_t d = 0; d < after->detections.size(); ++d) {
+    EXPECT_EQ(after->detections[d].score, whole->detections[d].score);
+    EXPECT_EQ(after->detections[d].T_scene_model.matrix(),
+              whole->detections[d].T_scene_model.matrix());
+  }
+}
+
+TEST(ForChunks, LooksBeforeEachGrainOnEveryThread) {
+  num_looks = 0;
+  stop_at = 0;
+  observe_looks(on_look);
+  std::atomic<std::size_t> most{0}, sum{0};
+  engine::for_chunks(10'000, 10, [&](std::size_t, std::size_t count) {
+    std::size_t before = most;
+    while (before < count && !most.compare_exchange_weak(before, count)) {
+    }
+    sum += count;
+  });
+  observe_looks(nullptr);
+  EXPECT_EQ(sum, 10'000U);
+  EXPECT_LE(most, 10U);
+  EXPECT_GE(num_looks, 1000);
+}
+
+TEST(ForChunks, LeavesWithWhatWasThrownFirstAndStopsNoOtherLoop) {
+  std::stop_source source;
+  const std::stop_token token = source.get_token();
+  std::atomic<int> num_done{0}, num_whole{0};
+  {
+    const StopScope scope(&token);
+    EXPECT_THROW(engine::for_each_index(1000,
+                                        [&](std::size_t i) {
+                                          if (i == 500) throw std::bad_alloc();
+                                          // A loop within is gone through to its end all the same.
+                                          std::atomic<int> inner{0};
+                                          engine::for_each_index(8, [&](std::size_t) { ++inner; });
+                                          num_whole += inner == 8;
+                                          ++num_done;
+                                        }),
+                 std::bad_alloc);
+    EXPECT_EQ(num_whole, num_done);
+    source.request_stop();
+    EXPECT_THROW(engine::for_each_index(100, [](std::size_t) {}), Stopped);
+  }
+  engine::for_each_index(100, [](std::size_t) {});  // of whoever has no token
+}
+
+}  // namespace
+}  // namespace trivet
