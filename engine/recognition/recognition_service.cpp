@@ -5,17 +5,20 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <exception>
+#include <functional>
 #include <list>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "engine/common/check_range.hpp"
+#include "storage/stop.hpp"
 
 namespace trivet {
 namespace {
@@ -23,210 +26,332 @@ namespace {
 using Done = std::function<void(ServiceOutcome)>;
 using Failure = std::variant<Refusal, Error>;
 
-/// How often jobs are looked at, and how long no part should take.
+/// How often jobs are looked at, how long no part should take, and how long none should go on that
+/// was told to stop.
 constexpr std::chrono::milliseconds kLookInterval{20};
-constexpr std::chrono::seconds kStuckAfter{120};
+constexpr std::chrono::seconds kStuckAfter{120}, kDeafAfter{10};
 /// Of the newest part in the mean time that one takes.
 constexpr double kNewestShare = 0.1;
+/// An answer that there is no memory for is tried again: others give theirs back.
+constexpr int kMostTries = 100;
+constexpr std::chrono::milliseconds kRetryInterval{10};
 
 double seconds_between(ServiceClock::time_point from, ServiceClock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// A job that was taken. What changes is guarded by the service's mutex.
+/// A job that was taken. What changes is guarded by the service's mutex. It lives as long as it
+/// waits, is worked on or is answered, and so does what it holds.
 struct Taken {
+  ~Taken() { let_go(); }
+
   ServiceJob job;
   Done done;
   std::shared_ptr<const LibraryGeneration> generation;
-  ServiceClock::time_point since, begun{};
-  std::size_t num_left = 0;  ///< parts that are not done with
+  ServiceClock::time_point since, begun{}, stopped{};
+  std::size_t num_waiting = 0, num_running = 0;        ///< parts
+  std::size_t num_undone = 0;                          ///< parts whose work is not done
+  std::atomic<std::size_t>* num_bytes_held = nullptr;  ///< of the service, once it is taken
+  bool is_answered = false;                            ///< or is being answered, by who made it so
   std::optional<Failure> failure{};
   std::stop_source stop{};
 
-  void fail(Failure why) {
-    if (!failure) failure = std::move(why);
+  /// Returns whether the caller is to answer so: nobody has before.
+  bool fail(Failure why) {
+    if (std::exchange(is_answered, true)) return false;
+    failure = std::move(why);
+    stopped = ServiceClock::now();
     stop.request_stop();
+    return true;
   }
   /// Why the answer has become useless.
-  std::optional<Refusal> overtaken(ServiceClock::time_point now) const {
+  std::optional<Refusal> overtaken(ServiceClock::time_point now) const noexcept {
     if (now >= job.deadline) return Refusal::too_late;
     if (job.is_gone && job.is_gone()) return Refusal::gone;
     return std::nullopt;
   }
-};
-
-struct Part {
-  std::shared_ptr<Taken> of;
-  std::size_t index = 0;
-  ServiceClock::time_point begun{};
-};
-
-void tell(Taken& job) {
-  job.job.work = {};  // the memory goes before the answer
-  if (!job.failure) {
-    job.done(ServiceAnswer{std::move(job.generation), seconds_between(job.since, job.begun),
-                           seconds_between(job.begun, ServiceClock::now())});
-    return;
+  /// What the job holds, once no part needs it.
+  void let_go() {
+    job.work = {};
+    job.conclude = {};
+    if (num_bytes_held) *std::exchange(num_bytes_held, nullptr) -= job.num_bytes;
   }
-  job.generation.reset();
-  std::visit([&](auto& why) { job.done(std::move(why)); }, *job.failure);
+  ServiceAnswer times() const {
+    return {generation, seconds_between(since, begun), seconds_between(begun, ServiceClock::now())};
+  }
+};
+using TakenPtr = std::shared_ptr<Taken>;
+
+/// What a worker does; idle: no job.
+struct Worker {
+  TakenPtr of{};
+  ServiceClock::time_point begun{};
+
+  bool is_busy() const { return of != nullptr; }
+  /// Goes on though it was told to stop.
+  bool is_deaf(ServiceClock::time_point now) const {
+    return of && of->failure && now - of->stopped > kDeafAfter;
+  }
+  bool is_stuck(ServiceClock::time_point now) const {
+    return of && (now - begun > kStuckAfter || is_deaf(now));
+  }
+};
+
+/// Give the answer to who asked. What throws has not answered yet.
+void answer(Taken& job) noexcept {
+  for (int i = 0; i < kMostTries; ++i) {
+    try {
+      if (job.failure) {
+        std::visit([&](const auto& why) { job.done(why); }, *job.failure);
+      } else {
+        job.done(job.times());
+      }
+      return;
+    } catch (...) {
+      job.failure = Refusal::no_memory;
+      std::this_thread::sleep_for(kRetryInterval);
+    }
+  }
+}
+
+/// What `work` comes to, whatever it throws.
+template <class Work>
+std::optional<Failure> failure_of(const Work& work) noexcept {
+  try {
+    try {
+      const Result<void> done = work();
+      if (done) return std::nullopt;
+      return done.error();
+    } catch (const Stopped&) {
+      return Refusal::gone;  // it is answered already
+    } catch (const std::bad_alloc&) {
+      return Refusal::no_memory;
+    } catch (const std::exception& error) {
+      return Error{ErrorCode::internal, error.what()};
+    }
+  } catch (...) {  // the words of the error had no room
+    return Refusal::no_memory;
+  }
 }
 
 }  // namespace
 
 struct RecognitionService::State {
   State(const ServiceOptions& service_options, std::shared_ptr<const LibraryGeneration> first)
-      : options(service_options), generation(std::move(first)) {
-    num_cores = tbb::this_task_arena::max_concurrency();
-    const unsigned num_workers =
-        options.num_parallel > 0 ? options.num_parallel : static_cast<unsigned>(num_cores);
-    for (unsigned i = 0; i < num_workers; ++i) workers.emplace_back([this] { work(); });
+      : options(service_options),
+        num_cores(tbb::this_task_arena::max_concurrency()),
+        generation(std::move(first)),
+        workers(options.num_parallel > 0 ? options.num_parallel
+                                         : static_cast<std::size_t>(num_cores)) {
+    for (Worker& worker : workers) threads.emplace_back([this, &worker] { work(worker); });
     watch = std::jthread([this](const std::stop_token& stop) { look_after(stop); });
   }
 
   ~State() {
     close(Refusal::closed);
-    workers.clear();  // joins
+    threads.clear();  // joins
   }
 
   bool is_full(std::size_t num_parts, std::size_t num_more) const {
-    return waiting.size() + num_parts > options.max_waiting ||
+    return num_waiting + num_parts > options.max_waiting ||
            num_bytes + num_more > options.max_waiting_bytes;
+  }
+
+  template <class Is>
+  std::size_t num_workers(const Is& is) const {
+    return static_cast<std::size_t>(std::ranges::count_if(workers, is));
+  }
+
+  bool is_idle() const {
+    return waiting.empty() && num_ending == 0 && num_workers(&Worker::is_busy) == 0;
+  }
+
+  /// Whether a part may be begun beside those that run.
+  bool fits(const Taken& job) const {
+    return num_working_bytes + job.job.part_bytes <= options.max_working_bytes;
   }
 
   /// Whether a job would be answered after its deadline, if what waits takes as long as what was
   /// done last. Work that is begun and not answered in time is lost, and under overload all would
   /// be. Never where a worker is free: or a mean that is too long would refuse all and stay.
   bool would_be_late(const Taken& job) const {
-    if (waiting.empty() && running.size() < workers.size()) return false;
+    if (waiting.empty() && num_workers(&Worker::is_busy) < workers.size()) return false;
+    const auto now = ServiceClock::now();
+    const std::size_t num_hearing =
+        num_workers([&](const Worker& worker) { return !worker.is_deaf(now); });
+    if (num_hearing == 0) return true;
     const auto num_turns =
-        static_cast<double>(waiting.size() + job.num_left) / static_cast<double>(workers.size());
+        static_cast<double>(num_waiting + job.num_waiting) / static_cast<double>(num_hearing);
     return mean_seconds * (num_turns + 0.5) > seconds_between(job.since, job.job.deadline);
   }
 
-  /// Take no more, drop what waits, stop what runs.
+  /// Take no more, refuse what waits and what runs.
   void close(Refusal why) {
     {
       const std::lock_guard lock(mutex);
       is_closed = true;
-      for (const Part& part : running) part.of->fail(why);
     }
-    drop_waiting([&](const Taken&) { return std::optional(why); });
+    refuse([&](const Taken&) { return std::optional(why); });
     changed.notify_all();
   }
 
-  /// Count parts that are done with. Returns whether the job is. Pre: locked.
-  bool finish(Taken& job, std::size_t num_parts) {
-    job.num_left -= num_parts;
-    if (job.num_left > 0) return false;
-    num_bytes -= job.job.num_bytes;
-    return true;
+  /// Begin nothing more of a job. Pre: locked.
+  void forget_waiting(const TakenPtr& job) {
+    if (job->num_waiting > 0) waiting.remove(job);
+    num_waiting -= std::exchange(job->num_waiting, 0);
   }
 
-  /// Take out of the queue what there is a reason to fail.
+  /// Answer what there is a reason to refuse, whether it waits or runs. Allocates nothing, since its
+  /// thread must not end for want of memory.
   template <class Why>
-  void drop_waiting(const Why& why) {
-    std::vector<std::shared_ptr<Taken>> told;
+  void refuse(const Why& why) {
+    std::list<TakenPtr> refused;
     {
       const std::lock_guard lock(mutex);
-      std::erase_if(waiting, [&](const Part& part) {
-        if (!part.of->failure) {
-          const std::optional<Refusal> refusal = why(*part.of);
-          if (!refusal) return false;
-          part.of->fail(*refusal);
-        }
-        if (finish(*part.of, 1)) told.push_back(part.of);
-        return true;
-      });
-      num_telling += told.size();
+      for (auto at = waiting.begin(); at != waiting.end();) {
+        const auto job = at++;
+        const std::optional<Refusal> reason = why(std::as_const(**job));
+        if (!reason || !(*job)->fail(*reason)) continue;
+        refused.splice(refused.end(), waiting, job);
+        num_waiting -= std::exchange((*job)->num_waiting, 0);
+      }
+      num_ending += refused.size();
     }
-    for (const std::shared_ptr<Taken>& job : told) tell(*job);
+    for (TakenPtr& job : refused) leave(std::move(job), true);
+    while (TakenPtr job = refuse_running(why)) leave(std::move(job), true);
+  }
+
+  /// Returns one that is to be answered; null: there is none.
+  template <class Why>
+  TakenPtr refuse_running(const Why& why) {
+    const std::lock_guard lock(mutex);
+    for (const Worker& worker : workers) {
+      if (!worker.of || worker.of->is_answered) continue;
+      const std::optional<Refusal> reason = why(std::as_const(*worker.of));
+      if (!reason || !worker.of->fail(*reason)) continue;
+      forget_waiting(worker.of);
+      ++num_ending;
+      return worker.of;
+    }
+    return nullptr;
+  }
+
+  /// Let go of a job that was counted as ending, and answer it before where that is the caller's.
+  void leave(TakenPtr job, bool is_ours) {
+    if (is_ours) {
+      bool is_over = false;
+      {
+        const std::lock_guard lock(mutex);
+        is_over = job->num_running == 0;
+      }
+      if (is_over) job->let_go();  // the memory goes before the answer
+      answer(*job);
+    }
+    job.reset();
     {
       const std::lock_guard lock(mutex);
-      num_telling -= told.size();
+      --num_ending;
     }
     changed.notify_all();
   }
 
-  void work() {
+  void work(Worker& worker) {
     // Each may use all cores: a scene alone has them to itself, and many share them.
     tbb::task_arena arena(num_cores);
-    for (;;) {
-      std::list<Part>::iterator part;
-      {
-        std::unique_lock lock(mutex);
-        changed.wait(lock, [&] { return is_closed || !waiting.empty(); });
-        if (waiting.empty()) return;
-        running.push_back(std::move(waiting.front()));
-        waiting.pop_front();
-        part = std::prev(running.end());
-        part->begun = ServiceClock::now();
-        Taken& job = *part->of;
-        if (job.begun == ServiceClock::time_point{}) job.begun = part->begun;
-        if (const std::optional<Refusal> refusal = job.overtaken(part->begun)) job.fail(*refusal);
+    while (const std::optional<std::size_t> part = begin(worker)) {
+      Taken* const job = worker.of.get();
+      std::optional<Failure> failure;
+      if (const std::optional<Refusal> refusal = job->overtaken(worker.begun)) {
+        failure = *refusal;
+      } else {
+        failure = failure_of([&] {
+          return arena.execute([&] {
+            const std::stop_token stop = job->stop.get_token();
+            const StopScope scope(&stop);
+            return job->job.work(*part, *job->generation, stop);
+          });
+        });
       }
-      Taken& job = *part->of;
-      std::optional<Error> error;
-      if (!job.stop.stop_requested()) error = do_part(*part, arena);
-      bool is_last = false;
-      {
-        const std::lock_guard lock(mutex);
-        if (error) job.fail(std::move(*error));
-        if (!job.failure) {
-          const double seconds = seconds_between(part->begun, ServiceClock::now());
-          mean_seconds += (mean_seconds > 0 ? kNewestShare : 1) * (seconds - mean_seconds);
-        }
-        is_last = finish(job, 1);
+      if (is_last_and_good(worker, failure) && job->job.conclude) {
+        failure = failure_of([&]() -> Result<void> {
+          job->job.conclude(job->times());
+          return {};
+        });
       }
-      if (is_last) tell(job);
-      {
-        const std::lock_guard lock(mutex);
-        running.erase(part);
-      }
-      changed.notify_all();
+      end(worker, std::move(failure));
     }
   }
 
-  static std::optional<Error> do_part(const Part& part, tbb::task_arena& arena) {
-    try {
-      const Result<void> done = arena.execute([&] {
-        return part.of->job.work(part.index, *part.of->generation, part.of->stop.get_token());
-      });
-      if (done) return std::nullopt;
-      return done.error();
-    } catch (const std::exception& error) {
-      return Error{ErrorCode::internal, error.what()};
-    }
+  /// Take the next part; none: the service ends.
+  std::optional<std::size_t> begin(Worker& worker) {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return waiting.empty() ? is_closed : fits(*waiting.front()); });
+    if (waiting.empty()) return std::nullopt;
+    worker.of = waiting.front();
+    worker.begun = ServiceClock::now();
+    Taken& job = *worker.of;
+    if (job.begun == ServiceClock::time_point{}) job.begun = worker.begun;
+    num_working_bytes += job.job.part_bytes;
+    --num_waiting;
+    if (--job.num_waiting == 0) waiting.pop_front();
+    ++job.num_running;
+    return job.job.num_parts - job.num_waiting - 1;
   }
 
-  /// Stop what has become useless, and notice what hangs.
+  /// Note that a part's work is done, or has failed. Returns whether nothing but the answer is left to
+  /// make of a job that nobody has answered.
+  bool is_last_and_good(const Worker& worker, const std::optional<Failure>& failure) {
+    const std::lock_guard lock(mutex);
+    Taken& job = *worker.of;
+    if (failure || job.is_answered) return false;
+    const double seconds = seconds_between(worker.begun, ServiceClock::now());
+    mean_seconds += (mean_seconds > 0 ? kNewestShare : 1) * (seconds - mean_seconds);
+    return --job.num_undone == 0;
+  }
+
+  void end(Worker& worker, std::optional<Failure> failure) {
+    TakenPtr job;
+    bool is_ours = false;
+    {
+      const std::lock_guard lock(mutex);
+      job.swap(worker.of);
+      num_working_bytes -= job->job.part_bytes;
+      --job->num_running;
+      if (failure) {
+        is_ours = job->fail(std::move(*failure));
+        forget_waiting(job);
+      } else if (job->num_waiting + job->num_running == 0) {
+        is_ours = !std::exchange(job->is_answered, true);
+      }
+      ++num_ending;
+    }
+    leave(std::move(job), is_ours);
+  }
+
+  /// Answer in time, and notice what hangs.
   void look_after(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(kLookInterval);
       const auto now = ServiceClock::now();
-      drop_waiting([&](const Taken& job) { return job.overtaken(now); });
+      refuse([&](const Taken& job) { return job.overtaken(now); });
       const std::lock_guard lock(mutex);
-      is_stuck = false;
-      for (const Part& part : running) {
-        if (part.of->num_left == 0) continue;  // being answered
-        if (const std::optional<Refusal> refusal = part.of->overtaken(now)) part.of->fail(*refusal);
-        is_stuck = is_stuck || now - part.begun > kStuckAfter;
-      }
+      is_stuck = std::ranges::any_of(workers, [&](const Worker& w) { return w.is_stuck(now); });
     }
   }
 
   const ServiceOptions options;
-  int num_cores = 1;
+  const int num_cores;
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::shared_ptr<const LibraryGeneration> generation;
-  std::deque<Part> waiting;
-  std::list<Part> running;
-  std::size_t num_bytes = 0;
-  double mean_seconds = 0;      ///< that a part takes; 0: none was done yet
-  std::size_t num_telling = 0;  ///< jobs that were dropped and are being answered
+  std::list<TakenPtr> waiting;  ///< with parts that were not begun, and not answered
+  std::vector<Worker> workers;
+  std::size_t num_waiting = 0, num_working_bytes = 0;
+  std::atomic<std::size_t> num_bytes{0};
+  double mean_seconds = 0;     ///< that a part takes; 0: none was done yet
+  std::size_t num_ending = 0;  ///< jobs that are being answered, or let go of
   bool is_closed = false, is_stuck = false;
-  std::vector<std::jthread> workers;
+  std::vector<std::jthread> threads;
   std::jthread watch;  // last: it ends first
 };
 
@@ -236,6 +361,8 @@ Result<void> validate(const ServiceOptions& options) {
        "1 to 100000", static_cast<double>(options.max_waiting)},
       {options.max_waiting_bytes >= 1, "bytes of requests", "at least 1",
        static_cast<double>(options.max_waiting_bytes)},
+      {options.max_working_bytes >= 1, "bytes of scenes at work", "at least 1",
+       static_cast<double>(options.max_working_bytes)},
       {options.num_parallel <= 1024, "scenes at a time", "0 to 1024",
        static_cast<double>(options.num_parallel)},
   });
@@ -253,24 +380,34 @@ void RecognitionService::submit(ServiceJob job, Done done) {
                                                     "many as may wait, found {}",
                                                     state_->options.max_waiting, num_parts)});
   }
-  auto taken = std::make_shared<Taken>(
-      Taken{std::move(job), std::move(done), nullptr, ServiceClock::now(), {}, num_parts});
+  auto taken = std::make_shared<Taken>();
+  taken->job = std::move(job);
+  taken->done = std::move(done);
+  taken->since = ServiceClock::now();
+  taken->num_waiting = taken->num_undone = num_parts;
+  std::list<TakenPtr> last{taken};
   std::optional<Refusal> refusal = taken->overtaken(taken->since);
   {
     const std::lock_guard lock(state_->mutex);
     if (state_->is_closed) {
       refusal = Refusal::closed;
+    } else if (taken->job.part_bytes > state_->options.max_working_bytes) {
+      refusal = Refusal::too_large;
     } else if (state_->is_full(num_parts, taken->job.num_bytes) ||
                (!refusal && state_->would_be_late(*taken))) {
       refusal = Refusal::full;
     }
-    if (!refusal) {
+    if (refusal) {
+      (void)taken->fail(*refusal);
+    } else {
       taken->generation = state_->generation;
+      taken->num_bytes_held = &state_->num_bytes;
       state_->num_bytes += taken->job.num_bytes;
-      for (std::size_t i = 0; i < num_parts; ++i) state_->waiting.push_back({taken, i});
+      state_->num_waiting += num_parts;
+      state_->waiting.splice(state_->waiting.end(), last);
     }
   }
-  if (refusal) return taken->done(*refusal);
+  if (refusal) return answer(*taken);
   state_->changed.notify_all();
 }
 
@@ -293,15 +430,12 @@ bool RecognitionService::drain(ServiceClock::time_point deadline) {
   std::unique_lock lock(state_->mutex);
   state_->is_closed = true;
   state_->changed.notify_all();
-  const auto is_idle = [&] {
-    return state_->waiting.empty() && state_->running.empty() && state_->num_telling == 0;
-  };
+  const auto is_idle = [&] { return state_->is_idle(); };
   const bool all = state_->changed.wait_until(lock, deadline, is_idle);
   if (!all) {
     lock.unlock();
     state_->close(Refusal::closed);
     lock.lock();
-    // What was told to stop does so at the end of its stage.
     state_->changed.wait(lock, is_idle);
   }
   return all;
@@ -309,7 +443,8 @@ bool RecognitionService::drain(ServiceClock::time_point deadline) {
 
 ServiceState RecognitionService::state() const {
   const std::lock_guard lock(state_->mutex);
-  return {state_->waiting.size(), state_->running.size(), state_->num_bytes, state_->is_stuck};
+  return {state_->num_waiting, state_->num_workers(&Worker::is_busy), state_->num_bytes,
+          state_->num_working_bytes, state_->is_stuck};
 }
 
 }  // namespace trivet

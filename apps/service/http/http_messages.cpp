@@ -64,6 +64,13 @@ HttpResponse refusal_response(Refusal refusal) {
       response.headers.emplace_back("Retry-After", "1");
       return response;
     }
+    case Refusal::too_large:
+      return error_response(413, "needs more memory than scenes may take; see --memory");
+    case Refusal::no_memory: {
+      HttpResponse response = error_response(503, "out of memory");
+      response.headers.emplace_back("Retry-After", "1");
+      return response;
+    }
     case Refusal::too_late:
       return error_response(504, "the deadline passed");
     case Refusal::gone:
@@ -78,6 +85,10 @@ std::string_view reason_of(Refusal refusal) {
   switch (refusal) {
     case Refusal::full:
       return "full";
+    case Refusal::too_large:
+      return "too_large";
+    case Refusal::no_memory:
+      return "memory";
     case Refusal::too_late:
       return "deadline";
     case Refusal::gone:

@@ -18,7 +18,8 @@ Metrics::Metrics()
       stages_(durations("trivet_stage_duration_seconds", "Of a scene, by stage.")),
       queue_(duration_of(
           durations("trivet_queue_wait_seconds", "Of recognitions, before they begin."), {})) {
-  for (const Refusal refusal : {Refusal::full, Refusal::too_late, Refusal::gone, Refusal::closed})
+  for (const Refusal refusal : {Refusal::full, Refusal::too_large, Refusal::too_late, Refusal::gone,
+                                Refusal::closed, Refusal::no_memory})
     rejections_.Add({{"reason", std::string(reason_of(refusal))}});
   for (const char* const result : {"good", "bad"}) reloads_.Add({{"result", result}});
   for (const char* const stage : kStages) duration_of(stages_, {{"stage", stage}});

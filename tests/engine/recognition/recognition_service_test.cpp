@@ -276,5 +276,175 @@ TEST(RecognitionService, EndsAtTheDeadlineOfItsDrain) {
   EXPECT_EQ(refusal_of(std::move(waiting)), Refusal::closed);
 }
 
+TEST(RecognitionService, AnswersAtTheDeadlineThoughThePartGoesOn) {
+  auto first = generation(1);
+  const std::weak_ptr<const LibraryGeneration> watched = first;
+  RecognitionService service({.num_parallel = 1}, std::move(first));
+  service.publish(generation(2));
+  EXPECT_TRUE(watched.expired());
+  const std::weak_ptr<const LibraryGeneration> second = service.generation();
+  Gate gate(1);
+  auto held = std::make_shared<int>(7);
+  const std::weak_ptr<int> memory = held;
+  ServiceJob deaf = job([&gate, held](std::size_t, const LibraryGeneration& library,
+                                      const std::stop_token&) -> Result<void> {
+    gate.reached.count_down();
+    gate.opened.wait();
+    EXPECT_EQ(*held, 7) << "what the job holds lives as long as it is worked on";
+    EXPECT_EQ(library.number, 2U);
+    return {};
+  });
+  held.reset();
+  deaf.num_bytes = 100;
+  deaf.deadline = ServiceClock::now() + milliseconds(1000);
+  std::atomic<int> num_answers{0};
+  std::promise<ServiceOutcome> promise;
+  service.submit(std::move(deaf), [&](ServiceOutcome out) {
+    if (num_answers++ == 0) promise.set_value(std::move(out));
+  });
+  gate.reached.wait();
+  service.publish(generation(3));
+  EXPECT_EQ(refusal_of(promise.get_future()), Refusal::too_late) << "the gate is closed still";
+  EXPECT_EQ(service.state().num_running, 1U) << "its worker is busy";
+  EXPECT_EQ(service.state().num_bytes, 100U);
+  EXPECT_FALSE(second.expired());
+  EXPECT_FALSE(memory.expired());
+  // Another request waits for the worker, and is answered in time, too.
+  ServiceJob next = job(nothing);
+  next.deadline = ServiceClock::now() + milliseconds(50);
+  EXPECT_EQ(refusal_of(submit(service, std::move(next))), Refusal::too_late);
+  gate.opened.count_down();
+  EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
+  EXPECT_EQ(num_answers, 1);
+  EXPECT_EQ(service.state().num_bytes, 0U);
+  EXPECT_TRUE(second.expired());
+  EXPECT_TRUE(memory.expired());
+}
+
+TEST(RecognitionService, AnswersForPartsThatGoOnWhoeverHasLeftOrFailed) {
+  RecognitionService service({.num_parallel = 2}, generation(1));
+  Gate gate(2);
+  std::atomic<bool> is_gone{false};
+  ServiceJob left = job(gate.work());
+  left.is_gone = [&] { return is_gone.load(); };
+  auto leaving = submit(service, std::move(left));
+  auto failing =
+      submit(service, job(
+                          [&](std::size_t part, const LibraryGeneration&, const std::stop_token&) {
+                            if (part == 0) return Result<void>();
+                            return Result<void>(Error{ErrorCode::bad_data, "part 1 is broken"});
+                          },
+                          2));
+  const ServiceOutcome failed = failing.get();
+  ASSERT_TRUE(std::holds_alternative<Error>(failed));
+  auto deaf = submit(service, job(gate.work()));
+  gate.reached.wait();
+  is_gone = true;
+  EXPECT_EQ(refusal_of(std::move(leaving)), Refusal::gone);
+  std::thread drain([&] { EXPECT_FALSE(service.drain(ServiceClock::now() + milliseconds(20))); });
+  EXPECT_EQ(refusal_of(std::move(deaf)), Refusal::closed);
+  EXPECT_EQ(service.state().num_running, 2U);
+  gate.opened.count_down();
+  drain.join();
+}
+
+TEST(RecognitionService, TellsOfAWorkerThatDoesNotHear) {
+  RecognitionService service({.num_parallel = 2}, generation(1));
+  Gate gate(1);
+  std::atomic<bool> is_gone{false};
+  ServiceJob deaf = job(gate.work());
+  deaf.is_gone = [&] { return is_gone.load(); };
+  auto leaving = submit(service, std::move(deaf));
+  gate.reached.wait();
+  is_gone = true;
+  EXPECT_EQ(refusal_of(std::move(leaving)), Refusal::gone);
+  EXPECT_FALSE(service.state().is_stuck) << "work may take a moment to hear";
+  for (int i = 0; i < 6000 && !service.state().is_stuck; ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_TRUE(service.state().is_stuck);
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(submit(service, job(nothing)).get()))
+      << "the other worker goes on";
+  gate.opened.count_down();
+  for (int i = 0; i < 6000 && service.state().is_stuck; ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(service.state().is_stuck);
+}
+
+TEST(RecognitionService, BeginsWhatFitsIntoItsMemory) {
+  RecognitionService service({.max_working_bytes = 100, .num_parallel = 3}, generation(1));
+  const auto needing = [](Work work, std::size_t part_bytes, std::size_t num_parts = 1) {
+    ServiceJob out = job(std::move(work), num_parts);
+    out.part_bytes = part_bytes;
+    return out;
+  };
+  EXPECT_EQ(refusal_of(submit(service, needing(nothing, 101))), Refusal::too_large);
+  Gate gate(1);
+  auto running = submit(service, needing(gate.work(), 60));
+  gate.reached.wait();
+  std::atomic<std::size_t> most{0};
+  auto waiting = submit(
+      service,
+      needing(
+          [&](std::size_t, const LibraryGeneration&, const std::stop_token&) -> Result<void> {
+            const std::size_t now = service.state().num_working_bytes;
+            std::size_t before = most;
+            while (before < now && !most.compare_exchange_weak(before, now)) {
+            }
+            return {};
+          },
+          50, 40));
+  std::this_thread::sleep_for(milliseconds(50));
+  EXPECT_EQ(service.state().num_waiting, 40U) << "two workers are free, but not 50 bytes";
+  EXPECT_EQ(service.state().num_working_bytes, 60U);
+  gate.opened.count_down();
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(running.get()));
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(waiting.get()));
+  EXPECT_LE(most, 100U);
+  EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
+  EXPECT_EQ(service.state().num_working_bytes, 0U);
+}
+
+TEST(RecognitionService, ConcludesOnceAndInTime) {
+  RecognitionService service({.num_parallel = 3}, generation(1));
+  std::atomic<int> num_done{0}, num_concluded{0};
+  ServiceJob good = job(
+      [&](std::size_t, const LibraryGeneration&, const std::stop_token&) {
+        ++num_done;
+        return Result<void>();
+      },
+      20);
+  good.conclude = [&](const ServiceAnswer& answer) {
+    EXPECT_EQ(num_done, 20);
+    EXPECT_EQ(answer.generation->number, 1U);
+    ++num_concluded;
+  };
+  EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(submit(service, std::move(good)).get()));
+  EXPECT_EQ(num_concluded, 1);
+  std::latch opened(1);
+  ServiceJob slow = job(nothing);
+  slow.conclude = [&](const ServiceAnswer&) { opened.wait(); };
+  slow.deadline = ServiceClock::now() + milliseconds(100);
+  EXPECT_EQ(refusal_of(submit(service, std::move(slow))), Refusal::too_late);
+  opened.count_down();
+  ServiceJob broken = job(nothing);
+  broken.conclude = [](const ServiceAnswer&) { throw std::runtime_error("no words"); };
+  EXPECT_TRUE(std::holds_alternative<Error>(submit(service, std::move(broken)).get()));
+}
+
+TEST(RecognitionService, NamesAWantOfMemoryAndAnswersInSpiteOfIt) {
+  RecognitionService service({.num_parallel = 1}, generation(1));
+  EXPECT_EQ(refusal_of(submit(service, job([](std::size_t, const LibraryGeneration&,
+                                              const std::stop_token&) -> Result<void> {
+                                throw std::bad_alloc();
+                              }))),
+            Refusal::no_memory);
+  std::promise<ServiceOutcome> promise;
+  service.submit(job(nothing), [&, tries = 0](ServiceOutcome out) mutable {
+    if (++tries < 3) throw std::bad_alloc();
+    promise.set_value(std::move(out));
+  });
+  EXPECT_EQ(refusal_of(promise.get_future()), Refusal::no_memory);
+}
+
 }  // namespace
 }  // namespace trivet
