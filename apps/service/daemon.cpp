@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <new>
 #include <thread>
 
 namespace trivet::apps::service {
@@ -10,6 +14,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::chrono::seconds kLastAnswers{1};  ///< for clients to take them
+constexpr std::chrono::seconds kLastSteps{1};    ///< for threads to end
+constexpr milliseconds kLogged{100};             ///< for the last line to be written
 
 }  // namespace
 
@@ -46,6 +52,7 @@ void Daemon::drain(const std::function<void()>& set_closing,
   std::this_thread::sleep_for(milliseconds(settings_.drain_grace_ms));
   server_->stop_accepting();
   const auto deadline = Clock::now() + milliseconds(settings_.exit_timeout_ms);
+  end_by(deadline + kLastAnswers + kLastSteps);
   if (finish) {
     is_all_answered_ = finish(deadline);
     server_->wait_until_idle(deadline + kLastAnswers);
@@ -53,6 +60,22 @@ void Daemon::drain(const std::function<void()>& set_closing,
     is_all_answered_ = server_->wait_until_idle(deadline);
   }
   server_->stop();
+}
+
+void Daemon::end_by(Clock::time_point last) {
+  last_resort_ = std::jthread([this, last](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any ended;
+    ended.wait_until(lock, stop, last, [] { return false; });
+    if (stop.stop_requested()) return;
+    try {
+      log_.write("error", "some work did not end: the process ends without it");
+      std::this_thread::sleep_for(kLogged);
+    } catch (const std::bad_alloc&) {  // ends without a word
+    }
+    std::_Exit(kExitUnfinished);
+  });
 }
 
 void Daemon::tell_end() {

@@ -10,6 +10,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "apps/service/http/http_server.hpp"
@@ -27,6 +28,8 @@ class Daemon {
   /// max_arriving_mb  of bodies on their way, all together
   Daemon(const ListenSettings& settings, std::uint32_t max_arriving_mb)
       : settings_(settings), max_arriving_mb_(max_arriving_mb), log_(settings.log_descriptor()) {}
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
 
   RequestLog& log() { return log_; }
   std::size_t num_connections() const;  ///< open ones; from any thread
@@ -51,14 +54,21 @@ class Daemon {
   /// Be ready no more, so that balancers go elsewhere; after the grace take no more connections;
   /// then answer what came in. From then on the routes are asked no more.
   ///
+  /// Whatever goes on two seconds after exit-timeout-ms, of which one is for clients to take the last
+  /// answers, such as work that does not look whether it is to stop, ends with the process: with
+  /// exit code kExitUnfinished.
+  ///
   /// finish  returns whether all was answered by the deadline; none: each connection's answer
   ///         counts
   void drain(const std::function<void()>& set_closing,
              const std::function<bool(Clock::time_point deadline)>& finish = {});
   void tell_end();  ///< of the drain, to the log
 
+  static constexpr int kExitUnfinished = 75;  ///< as of what is stopped before its end
+
  private:
   Result<void> start(HttpHandler handler);
+  void end_by(Clock::time_point last);  ///< the process, unless this goes before
 
   const ListenSettings settings_;
   const std::uint32_t max_arriving_mb_;
@@ -66,6 +76,7 @@ class Daemon {
   std::optional<HttpServer> server_;
   std::atomic<const HttpServer*> listening_{nullptr};  // requests come before start() has ended
   bool is_all_answered_ = true;
+  std::jthread last_resort_;  // once it drains; last: it needs the log
 };
 
 }  // namespace trivet::apps::service

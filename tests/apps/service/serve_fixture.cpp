@@ -1,5 +1,6 @@
 #include "apps/service/serve_fixture.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -33,7 +34,9 @@ Outcome ServeFixture::serve(std::vector<std::string> arguments,
                             const std::function<void(int port)>& body) {
   // A busy machine is slow, not wrong.
   arguments.insert(arguments.begin(), {"serve", "l.h5", "--port", "0", "--drain-grace-ms", "50",
-                                       "--deadline-ms", "300000", "--exit-timeout-ms", "300000"});
+                                       "--deadline-ms", "300000"});
+  if (std::ranges::find(arguments, "--exit-timeout-ms") == arguments.end())
+    arguments.insert(arguments.end(), {"--exit-timeout-ms", "300000"});
   std::thread client;
   std::atomic<bool> done{false};
   told_ = false;

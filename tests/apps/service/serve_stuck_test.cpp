@@ -1,0 +1,62 @@
+/// A service some of whose work never ends and looks at nothing.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "apps/service/daemon.hpp"
+#include "apps/service/gzip.hpp"
+#include "apps/service/http_client.hpp"
+#include "apps/service/serve_fixture.hpp"
+
+namespace trivet {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+using test::Answer;
+using test::ask;
+using test::Connection;
+using test::read_bytes;
+
+class ServeStuck : public test::ServeFixture {};
+
+TEST_F(ServeStuck, AnswersAtTheDeadlineAndEndsInTime) {
+  if (std::string(TRIVET_STUCK_INFLATE).empty()) GTEST_SKIP() << "not with sanitizers";
+  environment_ = {std::string("LD_PRELOAD=") + TRIVET_STUCK_INFLATE, "STUCK_FROM=stuck"};
+  const std::string packed = test::pack(test::Packing::gzip, read_bytes(depth_));
+  steady_clock::time_point told;
+  const test::Outcome outcome =
+      serve({"--exit-timeout-ms", "500", "--parallel", "1"}, [&](int port) {
+        EXPECT_EQ(ask(port, "POST", query_, packed).status, 200);
+        std::ofstream(folder_ / "stuck") << "";
+        const auto begun = steady_clock::now();
+        const Answer late = ask(port, "POST", query_, packed, "X-Deadline-Ms: 300\r\n");
+        const auto seconds = std::chrono::duration<double>(steady_clock::now() - begun).count();
+        EXPECT_EQ(late.status, 504) << late.body;
+        EXPECT_GE(seconds, 0.3);
+        EXPECT_LT(seconds, 5) << "the work goes on for ever";
+        // Who waits for the worker is answered in time, too.
+        EXPECT_EQ(ask(port, "POST", query_, packed, "X-Deadline-Ms: 300\r\n").status, 504);
+        EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
+        const Answer metrics = ask(port, "GET", "/metrics");
+        EXPECT_NE(metrics.body.find("\ntrivet_inflight 1\n"), std::string::npos) << metrics.body;
+        // What is on its way when the service is told to end is answered.
+        const Connection last(port);
+        last.send("POST " + query_ + " HTTP/1.1\r\nHost: x\r\nContent-Length: " +
+                  std::to_string(packed.size()) + "\r\n\r\n" + packed);
+        std::this_thread::sleep_for(milliseconds(20));
+        told = steady_clock::now();
+        tell_to_end();
+        EXPECT_NE(last.receive().find(" 503 "), std::string::npos);
+      });
+  const auto seconds = std::chrono::duration<double>(steady_clock::now() - told).count();
+  EXPECT_EQ(outcome.exit_code, apps::service::Daemon::kExitUnfinished) << outcome.error;
+  EXPECT_LT(seconds, 15) << "0.05 + 0.5 + 2 on a machine that has nothing else to do";
+  EXPECT_NE(outcome.error.find("some work did not end"), std::string::npos) << outcome.error;
+}
+
+}  // namespace
+}  // namespace trivet
