@@ -14,6 +14,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/daemon.hpp"
+#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/library_slot.hpp"
 #include "apps/service/serve/memory_trim.hpp"
@@ -167,18 +168,19 @@ Result<std::string> check(const ServeSettings& settings, const Context& context)
 
 Result<void> serve(const ServeSettings& settings, const Context& context) {
   std::signal(SIGHUP, [](int) { reload_asked = true; });
+  wait_for_memory_on_this_thread();
   MemoryTrim memory;
   auto made = open_service(settings, settings.files(), context);
   if (!made) return made.error();
   OpenedService& opened = **made;
   Daemon& daemon = opened.daemon;
   if (opened.workshop) opened.workshop->start();
-  ServiceRoutes routes(
-      *opened.service, opened.metrics, daemon.log(),
-      {milliseconds(settings.listen.deadline_ms), settings.service().max_waiting_bytes},
-      std::move(opened.examples),
-      [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
-      {opened.workshop.get(), opened.live.get(), opened.session.get()});
+  ServiceRoutes routes(*opened.service, opened.metrics, daemon.log(),
+                       {milliseconds(settings.listen.deadline_ms),
+                        settings.service().max_waiting_bytes, settings.service().max_working_bytes},
+                       std::move(opened.examples),
+                       [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
+                       {opened.workshop.get(), opened.live.get(), opened.session.get()});
   routes.set_num_connections([&] { return daemon.num_connections(); });
   if (const Result<void> started = daemon.start(routes); !started) return started.error();
   routes.set_ready(true);

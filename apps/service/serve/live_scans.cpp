@@ -44,7 +44,14 @@ std::string shown_name(const fs::path& file) { return valid_utf8(file.filename()
 
 std::string reason_of_no_answer(const ServiceOutcome& outcome) {
   if (const Error* const error = std::get_if<Error>(&outcome)) return error->message;
-  return "the service had no room for it: too many requests wait";
+  switch (std::get<Refusal>(outcome)) {
+    case Refusal::too_large:
+      return "it needs more memory than scenes may take: serve with a larger --memory";
+    case Refusal::no_memory:
+      return "out of memory";
+    default:
+      return "the service had no room for it: too many requests wait";
+  }
 }
 
 }  // namespace

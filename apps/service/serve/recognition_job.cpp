@@ -1,5 +1,6 @@
 #include "apps/service/serve/recognition_job.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <span>
 #include <utility>
@@ -12,6 +13,10 @@ namespace trivet::apps::service {
 ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metrics& metrics) {
   ServiceJob job;
   job.num_parts = recognition->request.scans.size();
+  for (const ScanPart& scan : recognition->request.scans) {
+    job.part_bytes =
+        std::max(job.part_bytes, scan_bytes(std::as_bytes(std::span(scan.bytes)), scan.name));
+  }
   job.work = [&metrics, recognition](std::size_t i, const LibraryGeneration& generation,
                                      const std::stop_token& stop) -> Result<void> {
     const ScanPart& scan = recognition->request.scans[i];

@@ -71,11 +71,14 @@ void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
   Result<ScanRequest> asked = parse_scan_request(call->request, call->target);
   if (!asked) return reply(call, error_response(asked.error()));
   const auto recognition = std::make_shared<Recognition>(std::move(*asked));
-  submit(call, recognition_job(recognition, metrics_),
-         [this, call, recognition](const ServiceAnswer& found) {
-           tell_recognition(call, found, recognition->results);
-           return json_response(200, recognition_json(*recognition, found, call->id));
-         });
+  submit(
+      call, recognition_job(recognition, metrics_),
+      [call, recognition](const ServiceAnswer& found) {
+        return json_response(200, recognition_json(*recognition, found, call->id));
+      },
+      [this, call, recognition](const ServiceAnswer& found) {
+        tell_recognition(call, found, recognition->results);
+      });
 }
 
 void ServiceRoutes::points(const CallPtr& call, std::string_view) {
@@ -86,30 +89,33 @@ void ServiceRoutes::points(const CallPtr& call, std::string_view) {
   if (!asked) return reply(call, error_response(asked.error()));
   if (asked->scans.size() != 1)
     return reply(call, error_response(400, "form: expected one part scene"));
-  submit_one(call,
-             [asked = std::make_shared<ScanRequest>(std::move(*asked)),
-              query = *query](const LibraryGeneration& generation) -> Result<HttpResponse> {
-               const ScanPart& scan = asked->scans.front();
-               const Result<Cloud> cloud =
-                   read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene,
-                             generation.recognizer.library().header.unit, query.intensity);
-               if (!cloud) return cloud.error();
-               HttpResponse shown{200,
-                                  shown_points(*cloud, query.max_points),
-                                  kBytes,
-                                  {{"X-Points", std::to_string(cloud->points.size())}}};
-               if (!cloud->intensity.empty())
-                 shown.headers.emplace_back("X-Columns", "x,y,z,intensity");
-               std::optional<Eigen::Vector3d> v = scan.scene.viewpoint;
-               if (!v && cloud->viewpoint) v = cloud->viewpoint->cast<double>() + cloud->offset;
-               if (v)
-                 shown.headers.emplace_back("X-Viewpoint",
-                                            fmt::format("{},{},{}", v->x(), v->y(), v->z()));
-               if (const Eigen::Vector3d& o = cloud->offset; !o.isZero(0))
-                 shown.headers.emplace_back("X-Offset",
-                                            fmt::format("{},{},{}", o.x(), o.y(), o.z()));
-               return shown;
-             });
+  const ScanPart& asked_for = asked->scans.front();
+  const std::size_t part_bytes =
+      scan_bytes(std::as_bytes(std::span(asked_for.bytes)), asked_for.name);
+  submit_one(
+      call,
+      [asked = std::make_shared<ScanRequest>(std::move(*asked)),
+       query = *query](const LibraryGeneration& generation) -> Result<HttpResponse> {
+        const ScanPart& scan = asked->scans.front();
+        const Result<Cloud> cloud =
+            read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene,
+                      generation.recognizer.library().header.unit, query.intensity);
+        if (!cloud) return cloud.error();
+        HttpResponse shown{200,
+                           shown_points(*cloud, query.max_points),
+                           kBytes,
+                           {{"X-Points", std::to_string(cloud->points.size())}}};
+        if (!cloud->intensity.empty()) shown.headers.emplace_back("X-Columns", "x,y,z,intensity");
+        std::optional<Eigen::Vector3d> v = scan.scene.viewpoint;
+        if (!v && cloud->viewpoint) v = cloud->viewpoint->cast<double>() + cloud->offset;
+        if (v)
+          shown.headers.emplace_back("X-Viewpoint",
+                                     fmt::format("{},{},{}", v->x(), v->y(), v->z()));
+        if (const Eigen::Vector3d& o = cloud->offset; !o.isZero(0))
+          shown.headers.emplace_back("X-Offset", fmt::format("{},{},{}", o.x(), o.y(), o.z()));
+        return shown;
+      },
+      part_bytes);
 }
 
 }  // namespace trivet::apps::service

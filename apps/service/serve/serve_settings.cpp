@@ -7,7 +7,8 @@
 namespace trivet::apps::service {
 
 ServiceOptions ServeSettings::service() const {
-  return {max_waiting, std::size_t{max_waiting_mb} << 20, parallel};
+  return {max_waiting, std::size_t{max_waiting_mb} << 20, (std::size_t{memory_mb} << 20) / 4 * 3,
+          parallel};
 }
 
 std::vector<Setting> settings_of(ServeSettings& settings) {
@@ -17,8 +18,12 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
       text_setting("calibration",
                    "Score as `trivet calibrate` adapted it to these scans, from this file; read "
                    "anew with the library",
-                   s.opening.calibration),
-      number_setting("memory", kMemoryHelp, s.opening.memory_mb, 16, 1 << 20),
+                   s.calibration),
+      number_setting("memory",
+                     "Memory, a fourth for what the library keeps of what scenes needed, the rest "
+                     "for scenes at work: those that do not fit beside others wait, those that "
+                     "never fit get 413 [MB]",
+                     s.memory_mb, 64, 1 << 20),
       number_setting("parallel",
                      "Scenes at a time: 1 for the shortest answer of each, 0, one a core, for the "
                      "most answers",
@@ -72,8 +77,7 @@ SettingFaults faults_of(const ServeSettings& settings) {
   } else {
     check_file("library", settings.library);
   }
-  if (!settings.opening.calibration.empty())
-    check_file("calibration", settings.opening.calibration);
+  if (!settings.calibration.empty()) check_file("calibration", settings.calibration);
   if (!settings.examples.empty()) check_file("examples", settings.examples);
   if (!settings.live.query.empty() && settings.live.folder.empty())
     faults.emplace_back("watch-query: expected a folder to --watch, found none");

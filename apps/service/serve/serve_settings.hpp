@@ -1,6 +1,7 @@
 /// Everything that a service can be told.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,15 +15,17 @@
 namespace trivet::apps::service {
 
 struct ServeSettings {
-  std::string library, examples, session;
-  OpenOptions opening;
-  std::uint32_t parallel = 0, max_waiting = 64, max_waiting_mb = 512, session_mb = 1024;
+  std::string library, calibration, examples, session;
+  std::uint32_t memory_mb = 4096, parallel = 0, max_waiting = 64, max_waiting_mb = 512,
+                session_mb = 1024;
   WorkshopSettings workshop;
   LiveSettings live;
   ListenSettings listen;
 
   ServiceOptions service() const;
-  LibraryFiles files() const { return {library, opening}; }
+  /// A fourth of the memory is the library's, the rest is for scenes at work.
+  OpenOptions opening() const { return {calibration, std::max(memory_mb / 4, 16U)}; }
+  LibraryFiles files() const { return {library, opening()}; }
 };
 
 /// They write to `settings`, which outlives them.

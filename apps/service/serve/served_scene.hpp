@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,6 +27,12 @@ struct ServedScene {
   /// that tell nothing).
   Result<void> complete_camera();
 };
+
+/// The most memory that a cloud of so many points or pixels takes while it is read and recognized.
+std::size_t scene_bytes(std::uint64_t num_points);
+
+/// The same of a scan that read_scan may read, by its header. The scan's own bytes come beside it.
+std::size_t scan_bytes(std::span<const std::byte> bytes, const std::string& name);
 
 /// Read a scan of at most 16 million points or pixels and 512 MiB unpacked. `name` stands for it in messages and tells
 /// the format by its extension. Errors: those of read_cloud.

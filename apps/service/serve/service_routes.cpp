@@ -121,15 +121,31 @@ std::optional<HttpResponse> ServiceRoutes::admit(std::string_view target, std::s
 }
 
 void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
-                           std::function<HttpResponse(const ServiceAnswer&)> write) {
+                           std::function<HttpResponse(const ServiceAnswer&)> write,
+                           std::function<void(const ServiceAnswer&)> note) {
+  if (job.part_bytes > options_.max_working_bytes) {
+    constexpr std::size_t kMb = 1 << 20;
+    metrics_.count_rejection(std::string(reason_of(Refusal::too_large)));
+    return reply(
+        call, error_response(413, fmt::format("expected scenes that need at most {} MB each, all "
+                                              "that scenes may take, found one that may need {} "
+                                              "MB by the size that it states; send fewer points, "
+                                              "or serve with a larger --memory",
+                                              options_.max_working_bytes / kMb,
+                                              (job.part_bytes + kMb - 1) / kMb)));
+  }
   job.num_bytes += call->num_bytes;
   job.is_gone = [call] { return call->is_overdue() || call->request.is_gone(); };
   const Result<ServiceClock::time_point> deadline =
       deadline_of(call->request, options_.default_deadline);
   if (!deadline) return reply(call, error_response(deadline.error()));
   job.deadline = *deadline;
+  const auto response = std::make_shared<HttpResponse>();
+  job.conclude = [response, write = std::move(write)](const ServiceAnswer& found) {
+    *response = write(found);
+  };
   service_.submit(std::move(job),
-                  [this, call, write = std::move(write)](const ServiceOutcome& outcome) {
+                  [this, call, response, note = std::move(note)](const ServiceOutcome& outcome) {
                     call->is_logged = true;
                     if (const Refusal* const refusal = std::get_if<Refusal>(&outcome)) {
                       const bool is_late = *refusal == Refusal::gone && call->is_overdue();
@@ -143,7 +159,8 @@ void ServiceRoutes::submit(const CallPtr& call, ServiceJob job,
                     call->told["generation"] = found.generation->number;
                     call->told["queue_seconds"] = found.queue_seconds;
                     call->told["work_seconds"] = found.work_seconds;
-                    reply(call, write(found));
+                    if (note) note(found);
+                    reply(call, std::move(*response));
                   });
 }
 
@@ -154,9 +171,11 @@ void ServiceRoutes::refuse(const CallPtr& call, Refusal refusal) {
 }
 
 void ServiceRoutes::submit_one(const CallPtr& call,
-                               std::function<Result<HttpResponse>(const LibraryGeneration&)> work) {
+                               std::function<Result<HttpResponse>(const LibraryGeneration&)> work,
+                               std::size_t part_bytes) {
   const auto response = std::make_shared<HttpResponse>();
   ServiceJob job;
+  job.part_bytes = part_bytes;
   job.work = [work = std::move(work), response](std::size_t, const LibraryGeneration& generation,
                                                 const std::stop_token&) -> Result<void> {
     const Library& library = generation.recognizer.library();
@@ -194,7 +213,8 @@ void ServiceRoutes::live(const CallPtr& call, std::string_view) {
 }
 
 void ServiceRoutes::ready(const CallPtr& call, std::string_view) {
-  const bool ready = is_ready_ && !service_.generation()->recognizer.library().is_changed();
+  const bool ready = is_ready_ && !service_.state().is_stuck &&
+                     !service_.generation()->recognizer.library().is_changed();
   reply(call, json_response(ready ? 200 : 503, {{"ready", ready}}));
 }
 

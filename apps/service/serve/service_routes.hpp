@@ -29,6 +29,7 @@ class Session;
 struct RouteOptions {
   std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
   std::size_t max_waiting_bytes = 0;                   ///< that the service takes
+  std::size_t max_working_bytes = 0;                   ///< that scenes at work may need
 };
 
 /// What a service does beside recognition, for who commissions a cell; null: it was not asked to.
@@ -95,12 +96,17 @@ class ServiceRoutes {
   void infer(const CallPtr& call, std::string_view rest);
   void metrics(const CallPtr& call, std::string_view rest);
 
-  /// Answer with what `write` makes of the job's answer, or with the refusal or error.
+  /// Answer with what `write` makes of the job's answer, or with the refusal or error. `write` is
+  /// part of the work, which may be answered for meanwhile: it leaves the call alone. `note` counts
+  /// and tells of what is answered.
   void submit(const CallPtr& call, ServiceJob job,
-              std::function<HttpResponse(const ServiceAnswer&)> write);
+              std::function<HttpResponse(const ServiceAnswer&)> write,
+              std::function<void(const ServiceAnswer&)> note = {});
   /// A small job: `work` gives the answer.
+  /// part_bytes  that it needs beside the body
   void submit_one(const CallPtr& call,
-                  std::function<Result<HttpResponse>(const LibraryGeneration&)> work);
+                  std::function<Result<HttpResponse>(const LibraryGeneration&)> work,
+                  std::size_t part_bytes = 0);
   void refuse(const CallPtr& call, Refusal refusal);
   /// Answers with the generation that answers then.
   PartWorkshop::Done tell_generation(const CallPtr& call);

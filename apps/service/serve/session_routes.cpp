@@ -86,6 +86,8 @@ void ServiceRoutes::put_session_scan(const CallPtr& call, std::string_view rest)
     return reply(call, error_response(400, "expected the scan as the body, found a form"));
   Result<ScanRequest> asked = parse_scan_request(call->request, call->target);
   if (!asked) return reply(call, error_response(asked.error()));
+  const ScanPart& kept = asked->scans.front();
+  const std::size_t part_bytes = scan_bytes(std::as_bytes(std::span(kept.bytes)), kept.name);
   submit_one(
       call,
       [this, asked = std::make_shared<ScanRequest>(std::move(*asked)),
@@ -95,7 +97,8 @@ void ServiceRoutes::put_session_scan(const CallPtr& call, std::string_view rest)
             reading_of(scan, generation.recognizer.library().header.unit);
         if (!reading) return reading.error();
         return commissioning_.session->put_scan(name, scan.bytes, *reading);
-      });
+      },
+      part_bytes);
 }
 
 void ServiceRoutes::delete_session_scan(const CallPtr& call, std::string_view rest) {
