@@ -7,6 +7,7 @@
 #include <array>
 #include <cassert>
 #include <limits>
+#include <new>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,22 +18,30 @@
 namespace trivet::kernels {
 namespace {
 
-/// Embree reports through a callback on the thread that called it; the message waits here.
+/// Embree reports through a callback on the thread that called it; what it said waits here.
 thread_local std::string last_message;
+thread_local bool is_out_of_memory = false;
 
-void keep_message(void*, RTCError, const char* message) { last_message = message ? message : ""; }
+void keep_message(void*, RTCError error, const char* message) {
+  is_out_of_memory = error == RTC_ERROR_OUT_OF_MEMORY;
+  if (!is_out_of_memory) last_message = message ? message : "";
+}
 
 /// One device a process. Its "threads" stays unset: it would limit TBB in the whole process.
 RTCDevice device() {
   static const RTCDevice instance = [] {
     RTCDevice created = rtcNewDevice("set_affinity=0");
+    if (!created && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY)
+      throw std::bad_alloc();  // tried again next time
     if (created) rtcSetDeviceErrorFunction(created, keep_message, nullptr);
     return created;
   }();
   return instance;
 }
 
+/// Throws std::bad_alloc where memory was missing, which is no fault of the model.
 Error embree_error(const std::string& doing) {
+  if (std::exchange(is_out_of_memory, false)) throw std::bad_alloc();
   std::string message = "Embree failed while " + doing;
   if (!device()) return {ErrorCode::internal, message + ": it could not be started"};
   if (!last_message.empty()) message += ": " + last_message;

@@ -1,7 +1,9 @@
-/// Count heap allocations of the running thread, to prove that a loop makes none, or few.
+/// Count heap allocations of the running thread, to prove that a loop makes none, or few, and let one
+/// fail.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace trivet::test {
 
@@ -18,6 +20,14 @@ std::size_t bytes_in(Body&& body) {
   body();
   return num_allocated_bytes() - before;
 }
+
+/// Let the n-th call of operator new from now on find no memory, once, whichever thread makes it; 0:
+/// none. Calls of threads that are spared do not count.
+void fail_allocation(std::int64_t n) noexcept;
+/// Whether one has failed since.
+bool has_failed_allocation() noexcept;
+/// Of the running thread.
+void spare_allocations() noexcept;
 
 /// How many allocations a callable makes.
 template <class Body>

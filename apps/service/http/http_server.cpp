@@ -22,11 +22,13 @@
 #include <ctime>
 #include <future>
 #include <map>
+#include <new>
 #include <thread>
 #include <type_traits>
 
 #include "apps/service/http/content_coding.hpp"
 #include "apps/service/http/http_messages.hpp"
+#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/http/query.hpp"
 #include "storage/files/text.hpp"
 
@@ -162,23 +164,26 @@ struct HttpServer::State {
   }
 
   asio::awaitable<void> accept() {
-    asio::steady_timer pause(context);
     while (acceptor.is_open()) {
-      if (num_connections >= limits.max_connections) {  // the system queues a few more
-        pause.expires_after(kPauseWhenFull);
-        error_code ignored;
-        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-        continue;
+      try {
+        co_await accept_one();
+      } catch (const std::bad_alloc&) {  // who came is lost, not who comes
       }
-      error_code error;
-      tcp::socket socket =
-          co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
-      if (error == asio::error::operation_aborted) co_return;
-      if (error) {  // no file descriptors left
-        pause.expires_after(kPauseWhenFull);
-        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
-        continue;
-      }
+    }
+  }
+
+  asio::awaitable<void> accept_one() {
+    asio::steady_timer pause(context, kPauseWhenFull);
+    error_code error;
+    if (num_connections >= limits.max_connections) {  // the system queues a few more
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      co_return;
+    }
+    tcp::socket socket =
+        co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    if (error && error != asio::error::operation_aborted) {  // no file descriptors left
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    } else if (!error) {
       take(std::move(socket));
     }
   }
@@ -372,11 +377,19 @@ struct HttpServer::State {
     auto initiate = [this](auto completion, HttpRequest asked) {
       // A handler may be copied; a completion may not.
       auto shared = std::make_shared<decltype(completion)>(std::move(completion));
-      handler.handle(std::move(asked), [this, shared](HttpResponse response) {
+      const HttpAnswer answer = [this, shared](HttpResponse response) {
         asio::post(context, [shared, response = std::move(response)]() mutable {
           (*shared)(std::move(response));
         });
-      });
+      };
+      // What throws here would end the process. Nothing has answered then.
+      try {
+        handler.handle(std::move(asked), answer);
+      } catch (const std::bad_alloc&) {
+        answer(busy("out of memory"));
+      } catch (const std::exception& fault) {
+        answer(refusal(500, fmt::format("internal: {}", fault.what())));
+      }
     };
     co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(
         initiate, asio::use_awaitable, std::move(request));
@@ -494,6 +507,7 @@ Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t p
                                      const HttpLimits& limits, HttpHandler handler) {
   if (const Result<void> good = check_address(address, port); !good) return good.error();
   auto state = std::make_unique<State>(limits, std::move(handler));
+  asio::post(state->coder, [] { wait_for_memory_on_this_thread(); });
   error_code error;
   const tcp::endpoint endpoint(asio::ip::make_address(address), port);
   state->acceptor.open(endpoint.protocol(), error);
@@ -508,9 +522,15 @@ Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t p
   state->port = state->acceptor.local_endpoint().port();
   asio::co_spawn(state->context, state->accept(), asio::detached);
   state->thread = std::thread([&context = state->context] {
+    wait_for_memory_on_this_thread();
     // Keeps running while no connection is open.
     const auto work = asio::make_work_guard(context);
-    context.run();
+    while (!context.stopped()) {
+      try {
+        context.run();
+      } catch (const std::exception&) {  // of one connection; the others go on
+      }
+    }
   });
   return HttpServer(std::move(state));
 }

@@ -7,6 +7,8 @@
 #include <new>
 #include <utility>
 
+#include "apps/service/http/patient_memory.hpp"
+
 namespace trivet::apps::service {
 namespace {
 
@@ -49,6 +51,7 @@ void LibrarySlot::reload(Done done) {
 }
 
 void LibrarySlot::work() {
+  wait_for_memory_on_this_thread();
   for (;;) {
     std::vector<Done> asked;
     {

@@ -1,0 +1,103 @@
+/// A service in which one allocation fails: each in its turn, in whatever thread it is made.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "apps/service/http/http_server.hpp"
+#include "apps/service/http/request_log.hpp"
+#include "apps/service/http_client.hpp"
+#include "apps/service/serve/library_slot.hpp"
+#include "apps/service/serve/service_routes.hpp"
+#include "apps/service/serve_fixture.hpp"
+#include "storage/read_cloud.hpp"
+#include "support/allocations.hpp"
+
+namespace trivet {
+namespace {
+
+using namespace apps::service;
+
+class FailingAllocation : public test::ServeFixture {
+ protected:
+  /// Every fourth pixel both ways of the scan, as a cloud.
+  std::string small_scan() const {
+    const Result<Cloud> scan = read_cloud(depth_, {.camera = camera_});
+    EXPECT_TRUE(scan);
+    Cloud small;
+    const PixelGrid& grid = *scan->grid;
+    for (std::uint32_t v = 0; v < grid.height; v += 4) {
+      for (std::uint32_t u = 0; u < grid.width; u += 4) {
+        const std::int32_t i = grid.point_index[std::size_t{v} * grid.width + u];
+        if (i >= 0) small.points.push_back(scan->points[static_cast<std::size_t>(i)]);
+      }
+    }
+    return encode_ply(small);
+  }
+};
+
+/// Strides over them, unless all are asked for; these are some ten thousand, and take minutes.
+TEST_F(FailingAllocation, FailsAJobAtMost) {
+  test::spare_allocations();  // what the client takes is no matter
+  const bool tries_all = std::getenv("TRIVET_ALL_ALLOCATIONS") != nullptr;
+  RequestLog log(-1);
+  Metrics metrics;
+  const LibraryFiles files{(folder_ / "l.h5").string(), {}};
+  auto first = load_generation(files, 1);
+  ASSERT_TRUE(first) << first.error().message;
+  RecognitionService service({.num_parallel = 2}, *first);
+  ServiceRoutes routes(service, metrics, log,
+                       {std::chrono::milliseconds(60'000), 512 << 20, std::size_t{4} << 30U}, {},
+                       {});
+  Result<HttpServer> server = HttpServer::start(
+      "127.0.0.1", 0, {},
+      {[&](HttpRequest request, HttpAnswer answer) {
+         routes.handle(std::move(request), std::move(answer));
+       },
+       [&](std::string_view target, std::size_t n) { return routes.admit(target, n); }});
+  ASSERT_TRUE(server) << server.error().message;
+  const std::string scan = small_scan();
+  const auto ask = [&] {
+    return test::ask(server->port(), "POST", "/v1/recognize?format=ply&method=ppf", scan);
+  };
+  const auto detections = [](const test::Answer& answer) {
+    nlohmann::json json = nlohmann::json::parse(answer.body);
+    return json["scenes"][0]["detections"];
+  };
+  const test::Answer good = ask();
+  ASSERT_EQ(good.status, 200) << good.body;
+  ASSERT_GT(detections(good).size(), 0U) << "a job that comes to its last stage";
+
+  int num_tried = 0, num_failed = 0;
+  for (std::int64_t n = 1;; n += tries_all ? 1 : std::max<std::int64_t>(1, n / 6)) {
+    // As after a start: what is made once is made anew.
+    auto next = load_generation(files, static_cast<std::uint64_t>(n));
+    ASSERT_TRUE(next) << next.error().message;
+    service.publish(*next);
+    test::fail_allocation(n);
+    const test::Answer answer = ask();
+    const bool has_failed = test::has_failed_allocation();
+    test::fail_allocation(0);
+    if (!has_failed) break;
+    ++num_tried;
+    if (answer.status == 200) {
+      EXPECT_EQ(detections(answer), detections(good)) << "allocation " << n;
+    } else {
+      ++num_failed;
+      EXPECT_TRUE(answer.status == 503 || answer.status == 500) << n << ": " << answer.status;
+      EXPECT_NE(answer.body.find("memory"), std::string::npos) << n << ": " << answer.body;
+    }
+    const test::Answer after = ask();
+    ASSERT_EQ(after.status, 200) << "after allocation " << n << ": " << after.body;
+    ASSERT_EQ(detections(after), detections(good)) << "after allocation " << n;
+  }
+  EXPECT_GT(num_failed, 10) << num_tried;
+  RecordProperty("tried", num_tried);
+  RecordProperty("failed", num_failed);
+  EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
+}
+
+}  // namespace
+}  // namespace trivet
