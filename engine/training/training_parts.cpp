@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <regex>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -25,10 +26,19 @@ fs::path part_of(const fs::path& folder, int writer, int number) {
 
 constexpr std::string_view kPartEnd = ".h5", kUnfinishedEnd = ".models";
 
+/// Whether a file has a name that runs give, also while they write it: N-N.h5, N.models, N.models-N.
+bool is_of_run(const fs::path& file) {
+  static const std::regex kName(R"(([0-9]+(-[0-9]+\.h5|\.models(-[0-9]+)?)|\.[0-9].*\.tmp))");
+  return std::regex_match(file.filename().string(), kName);
+}
+
+/// Of runs; what else lies there is somebody else's.
 std::vector<fs::path> files_of(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder, error)) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (is_of_run(entry.path())) files.push_back(entry.path());
+  }
   std::ranges::sort(files);
   return files;
 }
@@ -91,7 +101,8 @@ void remove_parts(const fs::path& folder, std::vector<Library> parts) noexcept {
     fs::remove(std::exchange(parts[k], {}).file, error);
   });
   std::error_code error;
-  fs::remove_all(folder, error);
+  for (const fs::path& file : files_of(folder)) fs::remove(file, error);
+  fs::remove(folder, error);
 }
 
 void KeepingTime::add(const PackedModel& model) { num_bytes_ += packed_bytes(model); }

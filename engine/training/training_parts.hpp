@@ -24,8 +24,8 @@ std::filesystem::path free_name(const std::filesystem::path& folder);
 /// Where its contents are told for the nth time: N.models-n.
 std::filesystem::path contents_of(const std::filesystem::path& unfinished, int n);
 
-/// What runs that have ended kept, all of whose bytes are as they were written. What else lies in the
-/// folder is of a process that died, or was on its way to the disk when the power failed, and goes.
+/// What runs that have ended kept, all of whose bytes are as they were written. What else is named as
+/// theirs is of a process that died, or was on its way to the disk when the power failed, and goes.
 /// Pre: nobody writes into it.
 std::vector<Library> recover_parts(const std::filesystem::path& folder);
 
@@ -33,7 +33,8 @@ std::vector<Library> recover_parts(const std::filesystem::path& folder);
 std::vector<Library> open_parts(const std::filesystem::path& folder);
 
 /// Close the parts and remove the folder, once their models are published: several at a time, since
-/// the kernel takes a while over gigabytes. What cannot be removed stays.
+/// the kernel takes a while over gigabytes. What cannot be removed, or is named as no run names it,
+/// stays.
 void remove_parts(const std::filesystem::path& folder, std::vector<Library> parts) noexcept;
 
 /// Says when so much was written that it must not be lost with its process: after ten seconds or

@@ -235,6 +235,17 @@ TEST_F(TrainLibrary, GoesOnWithWhatAStoppedRunTrained) {
       << "the models and two libraries: no temporary file, no lock";
 }
 
+TEST_F(TrainLibrary, LeavesWhatOthersPutBesideItsParts) {
+  const std::vector<std::string> names = put_many();
+  const fs::path parts = engine::parts_folder(file_), thesis = parts / "documents/thesis.txt";
+  fs::create_directories(thesis.parent_path());
+  std::ofstream(thesis) << "precious";
+  std::ofstream(parts / "notes.h5") << "mine";
+  ASSERT_TRUE(train_library(request(names)));
+  EXPECT_EQ(test::read_bytes(thesis), "precious");
+  EXPECT_EQ(test::read_bytes(parts / "notes.h5"), "mine");
+}
+
 TEST_F(TrainLibrary, TrainsAgainWhatAPowerFailureKeptFromTheDisk) {
   const std::vector<std::string> names = put_many();
   const std::string expected = fresh(names);
