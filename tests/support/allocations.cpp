@@ -8,7 +8,7 @@
 
 namespace {
 
-thread_local std::size_t count = 0, num_bytes = 0;
+thread_local std::size_t count = 0, num_bytes = 0, failing = 0, least_failing = 0;
 thread_local bool is_spared = false;
 std::atomic<std::int64_t> num_until_failure{0};  // none at 0 and below
 std::atomic<bool> has_failed{false};
@@ -24,6 +24,7 @@ void* allocate_or_null(std::size_t size, std::size_t alignment) noexcept {
   ++count;
   num_bytes += size;
   if (fails()) return nullptr;
+  if (failing > 0 && size >= least_failing && --failing == 0) return nullptr;
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   return std::aligned_alloc(alignment, whole > 0 ? whole : alignment);
 }
@@ -51,6 +52,10 @@ void fail_allocation(std::int64_t n) noexcept {
 }
 bool has_failed_allocation() noexcept { return has_failed; }
 void spare_allocations() noexcept { is_spared = true; }
+void fail_own_allocation(std::size_t n, std::size_t least_bytes) noexcept {
+  failing = n;
+  least_failing = least_bytes;
+}
 }  // namespace trivet::test
 
 // All forms, so that the runtimes of sanitizers put none of their own between them.

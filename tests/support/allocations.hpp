@@ -28,6 +28,8 @@ void fail_allocation(std::int64_t n) noexcept;
 bool has_failed_allocation() noexcept;
 /// Of the running thread.
 void spare_allocations() noexcept;
+/// Let the nth from now on of this thread's allocations of so many bytes or more fail, once; 0: none.
+void fail_own_allocation(std::size_t n, std::size_t least_bytes = 0) noexcept;
 
 /// How many allocations a callable makes.
 template <class Body>

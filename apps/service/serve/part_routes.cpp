@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned kAccepted = 202;
+constexpr unsigned kAccepted = 202, kConflict = 409;
 
 HttpResponse read_only_response() {
   return error_response(403,
@@ -102,6 +102,8 @@ void ServiceRoutes::bring_part(const CallPtr& call, std::string_view rest) {
       [this, name = std::string(rest), unit = *unit,
        file = call->target.parameter("file").value_or(""),
        body = std::move(call->request.body)](const LibraryGeneration&) -> Result<HttpResponse> {
+        if (const auto refused = commissioning_.workshop->refuse_folder(name))
+          return error_response(kConflict, *refused);
         return done_response(commissioning_.workshop->bring(name, file, unit, body));
       });
 }
@@ -115,7 +117,13 @@ void ServiceRoutes::declare_part(const CallPtr& call, std::string_view rest) {
 
 void ServiceRoutes::drop_part(const CallPtr& call, std::string_view rest) {
   if (!commissioning_.workshop) return reply(call, read_only_response());
-  reply(call, done_response(commissioning_.workshop->drop(std::string(rest))));
+  const std::string name(rest);
+  if (!commissioning_.workshop->has(name)) {
+    const auto refused = commissioning_.workshop->refuse_folder(name);
+    return reply(call, refused ? error_response(kConflict, *refused)
+                               : error_response(404, fmt::format("no part '{}'", name)));
+  }
+  reply(call, done_response(commissioning_.workshop->drop(name)));
 }
 
 PartWorkshop::Done ServiceRoutes::tell_generation(const CallPtr& call) {

@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <tuple>
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
@@ -108,7 +110,7 @@ TEST_F(PartWorkshop, RefusesWhatIsNoPartAndGoesOn) {
         EXPECT_EQ(ask(port, "PUT", "/v1/models/bad").status, 409);
         EXPECT_EQ(ask(port, "PATCH", "/v1/parts/bad").status, 400);
         EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 202);
-        EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 400);
+        EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 404);
         EXPECT_FALSE(fs::exists(folder_ / "drafts/bad"));
         // One more than the library may have.
         EXPECT_EQ(bring("third?file=third.ply&unit=mm", part(1)), 202);
@@ -150,6 +152,115 @@ TEST_F(PartWorkshop, KeepsDraftsAndTheirDeclarations) {
     EXPECT_TRUE(declared(port));
   });
   serve({"--allow-training", "drafts"}, [&](int port) { EXPECT_TRUE(declared(port)); });
+}
+
+/// All files below a folder with their bytes, and links with where they lead.
+std::map<std::string, std::string> contents_of(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (entry.is_symlink()) {
+      contents[name] = fs::read_symlink(entry.path()).string();
+    } else if (entry.is_regular_file()) {
+      contents[name] = read_bytes(entry.path());
+    }
+  }
+  return contents;
+}
+
+TEST_F(PartWorkshop, TouchesNoFolderOfOthers) {
+  serve({"--allow-training", "drafts"}, [](int) {});  // which marks it as its own
+  fs::create_directories(folder_ / "drafts/Documents/deep");
+  std::ofstream(folder_ / "drafts/Documents/deep/thesis.txt") << "precious";
+  std::ofstream(folder_ / "drafts/Documents/part.h5") << "not of a part";
+  std::ofstream(folder_ / "drafts/file") << "no folder";
+  fs::create_directories(folder_ / "elsewhere");
+  std::ofstream(folder_ / "elsewhere/part.h5") << "far away";
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "drafts/link");
+  // As an earlier version, or a copy of a part, would have left it.
+  fs::create_directories(folder_ / "drafts/unmarked");
+  std::ofstream(folder_ / "drafts/unmarked/manifest.json") << "{}";
+  const auto before = contents_of(folder_ / "drafts");
+  const auto outcome = serve({"--allow-training", "drafts"}, [&](int port) {
+    for (const char* const name : {"Documents", "file", "link", "unmarked"}) {
+      const std::string target = std::string("/v1/parts/") + name;
+      for (const char* const file : {"x.ply", "part.h5", "thesis.txt", "manifest.json"}) {
+        const int status = ask(port, "PUT", target + "?file=" + file + "&unit=mm", "junk").status;
+        EXPECT_TRUE(status == 409 || status == 400) << target << " " << file << ": " << status;
+      }
+      const Answer put = ask(port, "PUT", target + "?file=x.ply&unit=mm", "junk");
+      EXPECT_EQ(put.status, 409) << target;
+      EXPECT_NE(put.body.find(".trivet-part"), std::string::npos) << put.body;
+      EXPECT_EQ(ask(port, "DELETE", target).status, 409) << target;
+    }
+    EXPECT_EQ(ask(port, "DELETE", "/v1/parts/none").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/parts").json()["parts"].size(), 0U);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(contents_of(folder_ / "drafts"), before);
+  EXPECT_EQ(read_bytes(folder_ / "elsewhere/part.h5"), "far away");
+}
+
+TEST_F(PartWorkshop, RemovesOnlyWhatItHasMade) {
+  fs::create_directories(folder_ / "elsewhere");
+  std::ofstream(folder_ / "elsewhere/0-0.h5") << "far away";
+  const auto outcome = serve({"--allow-training", "drafts"}, [&](int port) {
+    const std::string lever = "/v1/parts/lever?file=lever.ply&unit=mm";
+    EXPECT_EQ(ask(port, "PUT", lever, part(1)).status, 202);
+    EXPECT_EQ(settled(port, "lever")["state"], "trained");
+    fs::create_directories(folder_ / "drafts/lever/mine/deep");
+    std::ofstream(folder_ / "drafts/lever/mine/deep/notes.txt") << "precious";
+    fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "drafts/lever/part.h5.parts");
+    EXPECT_EQ(ask(port, "DELETE", "/v1/parts/lever").status, 202);
+    for (const char* const file : {"lever.ply", "part.h5", "part.json", "manifest.json"})
+      EXPECT_FALSE(fs::exists(folder_ / "drafts/lever" / file)) << file;
+    EXPECT_EQ(read_bytes(folder_ / "drafts/lever/mine/deep/notes.txt"), "precious");
+    EXPECT_EQ(read_bytes(folder_ / "elsewhere/0-0.h5"), "far away");
+    // The folder is the workshop's still; but it trains nothing through a link.
+    EXPECT_EQ(ask(port, "PUT", lever, part(1)).status, 202);
+    EXPECT_EQ(settled(port, "lever")["state"], "failed");
+    EXPECT_EQ(ask(port, "PUT", "/v1/parts/lever?file=mine&unit=mm", part(1)).status, 400);
+    EXPECT_EQ(read_bytes(folder_ / "drafts/lever/mine/deep/notes.txt"), "precious");
+    fs::remove(folder_ / "drafts/lever/part.h5.parts");
+    fs::remove_all(folder_ / "drafts/lever/mine");
+    EXPECT_EQ(ask(port, "PUT", lever, part(1)).status, 202);
+    EXPECT_EQ(settled(port, "lever")["state"], "trained");
+    EXPECT_EQ(ask(port, "DELETE", "/v1/parts/lever").status, 202);
+    EXPECT_FALSE(fs::exists(folder_ / "drafts/lever"));
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(PartWorkshop, StartsOnlyInAFolderOfItsOwn) {
+  fs::create_directories(folder_ / "home/Documents");
+  std::ofstream(folder_ / "home/letter.txt") << "Dear";
+  const auto before = contents_of(folder_ / "home");
+  for (const auto& [option, marker, line] :
+       {std::tuple{"--allow-training", ".trivet-parts", "trivet parts 1"},
+        std::tuple{"--session", ".trivet-session", "trivet session 1"}}) {
+    const Outcome refused = serve({option, "home"}, [](int) { ADD_FAILURE() << "it serves"; });
+    EXPECT_EQ(refused.exit_code, 73) << refused.error;
+    EXPECT_EQ(serve({option, "home", "--check-config"}, [](int) {}).exit_code, 73);
+    EXPECT_NE(refused.error.find(std::string("echo '") + line + "' > home/" + marker),
+              std::string::npos)
+        << refused.error;
+    EXPECT_EQ(contents_of(folder_ / "home"), before);
+    std::ofstream(folder_ / "home" / marker) << line << " of another kind\n";
+    EXPECT_EQ(serve({option, "home"}, [](int) {}).exit_code, 73) << "a version of the future";
+    std::ofstream(folder_ / "home" / marker) << line << "\n";
+    EXPECT_EQ(serve({option, "home"}, [](int) {}).exit_code, 0) << "marked as it was told";
+    fs::remove(folder_ / "home" / marker);
+    fs::remove(folder_ / "home/scans.json");
+    fs::remove(folder_ / "home/manifest.json");
+    // A file system of its own, through a link.
+    fs::create_directories(folder_ / "disk/lost+found");
+    fs::create_directory_symlink(folder_ / "disk", folder_ / "mounted");
+    EXPECT_EQ(serve({option, "mounted"}, [](int) {}).exit_code, 0);
+    EXPECT_EQ(read_bytes(folder_ / "disk" / marker), std::string(line) + "\n");
+    fs::remove_all(folder_ / "disk");
+    fs::remove(folder_ / "mounted");
+  }
+  EXPECT_EQ(contents_of(folder_ / "home"), before);
 }
 
 TEST_F(PartWorkshop, IsClosedUnlessItIsAllowed) {

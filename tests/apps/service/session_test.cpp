@@ -105,6 +105,7 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
   ASSERT_EQ(unpacked.exit_code, 0) << unpacked.error;
   EXPECT_EQ(unpacked.error, "");
   EXPECT_EQ(test::read_bytes(folder_ / "session/scans/left.png"), scan());
+  EXPECT_EQ(serve({"--session", "session"}, [](int) {}).exit_code, 0) << "a session of its own";
   const test::Outcome scored =
       trivet({"evaluate", "l.h5", "session/manifest.json", "--method", "ppf", "--json", "-"});
   ASSERT_EQ(scored.exit_code, 0) << scored.error;
@@ -165,15 +166,15 @@ TEST_F(SessionOfAService, RefusesWhatItCannotKeep) {
     EXPECT_NE(answer.body.find(words), std::string::npos) << answer.body;
   };
   const auto outcome = serve({"--session", "cell", "--session-mb", "1"}, [&](int port) {
-    for (const char* const name :
-         {"..", ".hidden", "%2e%2e%2fl", "a/b", "a%2fb", "a..b", "", "-", "a%00b", "%c3%a4"}) {
+    for (const char* const name : {".hidden", "a/b", "a..b", "", "-", "%c3%a4"})
       refuses(put_scan(port, name, scan()), 400, "expected a letter or digit");
-    }
+    for (const char* const name : {"..", "%2e%2e%2fl", "a%2fb", "a%00b"})
+      refuses(put_scan(port, name, scan()), 400, "path: expected");
     refuses(put_scan(port, std::string(65, 'a'), scan()), 400, "63 letters");
     refuses(put_scan(port, "a", "no image"), 400, "body.png");
     refuses(ask(port, "PUT", "/v1/session/scans/a?format=exe", scan()), 400, "format");
-    refuses(ask(port, "GET", "/v1/session/scans/..%2f..%2fl.h5"), 404, "no scan");
-    refuses(ask(port, "GET", "/v1/session/runs/../scans"), 404, "no run");
+    refuses(ask(port, "GET", "/v1/session/scans/..%2f..%2fl.h5"), 400, "path: expected");
+    refuses(ask(port, "GET", "/v1/session/runs/../scans"), 400, "path: expected");
     refuses(ask(port, "POST", "/v1/session/scans/a", ""), 405, "expected GET, PUT, DELETE");
     EXPECT_EQ(put_scan(port, "a", scan()).status, 200);
     refuses(ask(port, "PUT", "/v1/session/scans/b?format=png&unit=mm&camera=500,500,1,1,1", scan()),
@@ -182,7 +183,7 @@ TEST_F(SessionOfAService, RefusesWhatItCannotKeep) {
     refuses(ask(port, "PUT", "/v1/session/runs/A/b",
                 R"({"scenes": [{"scene": "b", "detections": []}]})"),
             404, "no scan 'b'");
-    refuses(ask(port, "PUT", "/v1/session/runs/..%2f/a",
+    refuses(ask(port, "PUT", "/v1/session/runs/A/a/b",
                 R"({"scenes": [{"scene": "a", "detections": []}]})"),
             404, "names of a run");
     refuses(ask(port, "PUT", "/v1/session/scans/a/truth", R"({"trut": []})"), 400,
@@ -244,6 +245,37 @@ TEST_F(SessionOfAService, StartsWithWhatIsLeftOfADamagedFolder) {
   EXPECT_NE(outcome.error.find("runs/A/a.json"), std::string::npos) << "told at the start, too";
   EXPECT_FALSE(std::filesystem::exists(folder_ / "cell/scans/.c.png.1-0.tmp"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "cell/manifest.json.damaged"));
+}
+
+TEST_F(SessionOfAService, WritesNothingThroughLinksAndOverNothingOfOthers) {
+  namespace fs = std::filesystem;
+  const auto first = serve({"--session", "cell"},
+                           [&](int port) { EXPECT_EQ(put_scan(port, "a", scan()).status, 200); });
+  EXPECT_EQ(first.exit_code, 0) << first.error;
+  fs::create_directories(folder_ / "elsewhere");
+  std::ofstream(folder_ / "elsewhere/a.json") << "far away";
+  std::ofstream(folder_ / "elsewhere/.b.json.1-0.tmp") << "half";
+  std::ofstream(folder_ / "target.png") << "far away";
+  fs::create_symlink(folder_ / "target.png", folder_ / "cell/scans/link.png");
+  std::ofstream(folder_ / "cell/scans/stranger.png") << "mine";
+  fs::create_directories(folder_ / "cell/runs");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "cell/runs/A");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "cell/models");
+  const auto outcome = serve({"--session", "cell"}, [&](int port) {
+    EXPECT_EQ(put_scan(port, "link", scan()).status, 409);
+    EXPECT_EQ(put_scan(port, "stranger", scan()).status, 409);
+    const std::string answer = R"({"scenes": [{"scene": "a", "detections": []}]})";
+    const Answer put = ask(port, "PUT", "/v1/session/runs/A/a", answer);
+    EXPECT_EQ(put.status, 500);
+    EXPECT_NE(put.body.find("found a link"), std::string::npos) << put.body;
+    EXPECT_EQ(ask(port, "PUT", "/v1/session/runs/B/a", answer).status, 200);
+    EXPECT_EQ(ask(port, "DELETE", "/v1/session/scans/a").status, 200);
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(test::read_bytes(folder_ / "elsewhere/a.json"), "far away");
+  EXPECT_EQ(test::read_bytes(folder_ / "elsewhere/.b.json.1-0.tmp"), "half");
+  EXPECT_EQ(test::read_bytes(folder_ / "target.png"), "far away");
+  EXPECT_EQ(test::read_bytes(folder_ / "cell/scans/stranger.png"), "mine");
 }
 
 }  // namespace

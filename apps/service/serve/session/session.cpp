@@ -8,6 +8,7 @@
 #include "apps/results/detections_json.hpp"
 #include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
+#include "apps/service/own_folder.hpp"
 #include "apps/service/serve/session/reading_query.hpp"
 #include "apps/service/serve/session/tar.hpp"
 #include "engine/common/scaled.hpp"
@@ -82,7 +83,7 @@ bool is_session_name(std::string_view name) noexcept {
 // The start.
 
 Result<std::unique_ptr<Session>> Session::open(const fs::path& folder, std::uint64_t max_bytes) {
-  if (const Result<void> made = make_folder(folder); !made) return made.error();
+  if (const Result<void> taken = take_folder(folder, kSessionFolder); !taken) return taken.error();
   Result<FileLock> lock = FileLock::acquire(folder / kScans);
   if (!lock) return lock.error();
   remove_pending_files(folder / kManifest);
@@ -113,8 +114,18 @@ std::optional<Manifest> Session::take_listing(const char* name) {
   return std::nullopt;
 }
 
+/// Whether it is one, and no link that leads elsewhere, which is told.
+bool Session::is_folder(const std::string& folder) {
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(folder_ / folder, error);
+  if (fs::exists(status) && !fs::is_directory(status))
+    faults_.push_back({folder, "expected a folder"});
+  return fs::is_directory(status);
+}
+
 /// The regular files of a folder; what died while it wrote one left it under a temporary name.
 void Session::take_files(const std::string& folder) {
+  if (!is_folder(folder)) return;
   for (const fs::directory_entry& entry : entries_of(folder_ / folder)) {
     const std::string name = entry.path().filename().string();
     if (name.front() == '.') {
@@ -170,6 +181,7 @@ void Session::take_truth(const Manifest& marked) {
 }
 
 void Session::take_runs() {
+  if (!is_folder("runs")) return;
   for (const fs::directory_entry& entry : entries_of(folder_ / "runs")) {
     std::error_code error;
     if (!fs::is_directory(fs::symlink_status(entry.path(), error))) continue;
@@ -285,10 +297,12 @@ HttpResponse Session::answer(const std::string& run, const std::string& scan) co
 HttpResponse Session::archive() const {
   const std::lock_guard lock(reading_);
   std::vector<TarEntry> entries;
-  for (const auto& [file, bytes] : files_) {
+  const auto add = [&](const std::string& file) {
     if (const auto now = bytes_of(folder_ / file))
       entries.push_back({fmt::format("session/{}", file), folder_ / file, *now});
-  }
+  };
+  add(std::string(kSessionFolder.marker));  // so that a service takes what is unpacked
+  for (const auto& [file, bytes] : files_) add(file);
   HttpResponse response{200,
                         {},
                         "application/x-tar",
@@ -325,6 +339,7 @@ HttpResponse Session::refuse_bytes(std::uint64_t bytes) const {
 
 Result<void> Session::write(const std::string& file, std::span<const std::byte> bytes) {
   const fs::path path = folder_ / file;
+  if (const Result<void> good = check_below(folder_, file); !good) return good;
   if (const Result<void> made = make_folder(path.parent_path()); !made) return made;
   if (const Result<void> written = publish_file(path, bytes); !written) return written;
   const std::lock_guard lock(reading_);
@@ -333,6 +348,7 @@ Result<void> Session::write(const std::string& file, std::span<const std::byte> 
 }
 
 Result<void> Session::remove(const std::string& file) {
+  if (const Result<void> good = check_below(folder_, file); !good) return good;
   std::error_code error;
   fs::remove(folder_ / file, error);
   if (error)
@@ -385,6 +401,7 @@ Result<void> Session::write_listings(const Scans& scans) {
       marked.models.push_back(model->second);
   }
   for (const auto& [file, listing] : {std::pair{kScans, &all}, {kManifest, &marked}}) {
+    if (const Result<void> good = check_below(folder_, file); !good) return good;
     if (const Result<void> written = write_manifest(folder_ / file, *listing); !written)
       return written;
     const std::lock_guard lock(reading_);
@@ -408,6 +425,11 @@ Result<HttpResponse> Session::put_scan(const std::string& name, std::string_view
                                            unit_name(unit_), unit_name(reading.unit)));
   }
   const std::string file = fmt::format("scans/{}.{}", name, reading.format);
+  if (std::error_code error; fs::exists(fs::symlink_status(folder_ / file, error))) {
+    return error_response(409, fmt::format("{}: it is there already, and no scan of the session: "
+                                           "choose another name, or move it away",
+                                           file));
+  }
   if (!has_room(file, bytes.size())) return refuse_bytes(bytes.size());
   if (const Result<void> written = write(file, std::as_bytes(std::span(bytes))); !written)
     return written.error();
@@ -552,7 +574,7 @@ Result<HttpResponse> Session::delete_run(const std::string& run) {
     if (const Result<void> removed = remove(file); !removed) return removed.error();
   }
   std::error_code not_empty;  // what else lies there stays
-  fs::remove(folder_ / "runs" / run, not_empty);
+  if (check_below(folder_, answer_file(run, "x"))) fs::remove(folder_ / "runs" / run, not_empty);
   return json_response(200, {{"deleted", run}});
 }
 

@@ -52,13 +52,15 @@ using ModelOfName = std::function<std::optional<SessionModel>(const std::string&
 ///   models/NAME.ply     what errors are measured on
 ///   scans.json          manifest of all scans: how each is read
 ///   manifest.json       manifest of those whose truth is told, with it
+///   .trivet-session     says that it is a session's: no other folder is written
 ///
 /// It has one unit, that of its first scan. All members may be called from any thread. What cannot
 /// be done is an answer that says why; errors are those of the disk: cannot_create, io.
 class Session {
  public:
   /// What is damaged in the folder is told by the index and left as it is; damaged listings are
-  /// put aside. Errors: cannot_create (no folder, or another service has it).
+  /// put aside. Errors: cannot_create (no folder, one that is no session's, or another service has
+  /// it).
   static Result<std::unique_ptr<Session>> open(const std::filesystem::path& folder,
                                                std::uint64_t max_bytes);
 
@@ -113,6 +115,7 @@ class Session {
   std::optional<Manifest> take_listing(const char* name);
   void take_scans(const Manifest& scans);
   void take_truth(const Manifest& marked);
+  bool is_folder(const std::string& folder);
   void take_files(const std::string& folder);
   void take_runs();
   void take_answer(const std::string& file, const std::string& run, const std::string& scan);

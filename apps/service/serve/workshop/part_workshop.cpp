@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <exception>
 #include <new>
+#include <set>
 #include <span>
 #include <utility>
 
+#include "apps/service/own_folder.hpp"
 #include "apps/service/serve/workshop/run_child.hpp"
 #include "engine/libraries/edit_library.hpp"
 #include "engine/training/provenance.hpp"
+#include "engine/training/training_parts.hpp"
 #include "storage/file.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/files/json_text.hpp"
@@ -76,10 +80,15 @@ Result<void> outcome_of(F&& job) {
   try {
     return job();
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::io, "not enough memory"};
+    return Error{ErrorCode::io, "out of memory"};  // short: no memory is taken for it
   } catch (const std::exception& error) {
     return Error{ErrorCode::internal, error.what()};
   }
+}
+
+/// What lies in the folder of a draft whose file is called so.
+std::set<std::string> files_of(const std::string& file) {
+  return {file, std::string(kManifest), std::string(kLibrary), std::string(kFacts)};
 }
 
 }  // namespace
@@ -87,7 +96,8 @@ Result<void> outcome_of(F&& job) {
 Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
                                                          fs::path library, Reload reload,
                                                          RequestLog& log) {
-  if (const Result<void> made = make_folder(settings.folder); !made) return made.error();
+  if (const Result<void> taken = take_folder(settings.folder, kPartsFolder); !taken)
+    return taken.error();
   const Result<Library> opened = open_library(library);
   if (!opened) return opened.error();
   const Result<TrainOptions> options = engine::parse_parameters(opened->header.parameters);
@@ -134,6 +144,7 @@ Result<void> PartWorkshop::adopt() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(settings_.folder, error)) {
     const std::string name = entry.path().filename().string();
+    if (look_at_folder(entry.path(), kPartFolder) != FolderState::own) continue;
     const Result<Manifest> manifest = read_manifest(entry.path() / kManifest);
     if (!is_model_name(name) || !manifest || manifest->models.size() != 1) continue;
     const ManifestModel& model = manifest->models.front();
@@ -178,19 +189,28 @@ Result<void> PartWorkshop::bring(const std::string& name, const std::string& fil
                                                  settings_.max_drafts)};
     }
   }
-  (void)forget(name);
+  if (const auto refused = refuse_folder(name)) return Error{ErrorCode::usage, *refused};
+  const fs::path folder = folder_of(name);
+  std::error_code there;
+  if (note_of(folder, kPartFolder) != file &&
+      fs::exists(fs::symlink_status(folder / file, there))) {
+    return Error{ErrorCode::usage,
+                 fmt::format("file: '{}' lies in the part's folder already, and is not of the "
+                             "workshop; choose another name",
+                             file)};
+  }
+  if (!forget(name)) remove_folder(name);
   Draft draft;
   draft.file = file;
   draft.bytes = bytes.size();
   draft.unit = unit;
-  const fs::path folder = folder_of(name);
-  if (const Result<void> made = make_folder(folder); !made) return made.error();
-  Result<void> written =
-      publish_file(folder / file, std::as_bytes(std::span(bytes.data(), bytes.size())));
+  Result<void> written = make_folder(folder);
+  if (written) written = mark_folder(folder, kPartFolder, file);
+  if (written)
+    written = publish_file(folder / file, std::as_bytes(std::span(bytes.data(), bytes.size())));
   if (written) written = write_manifest_of(name, draft, std::nullopt);
   if (!written) {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
+    remove_folder(name);
     return written.error();
   }
   {
@@ -231,9 +251,32 @@ Result<void> PartWorkshop::forget(const std::string& name) {
     at->second.stop.request_stop();
     drafts_.erase(at);
   }
-  std::error_code ignored;
-  fs::remove_all(folder_of(name), ignored);
+  remove_folder(name);
   return {};
+}
+
+/// What the workshop has made in it; also of a draft that it does not know, since it is damaged.
+void PartWorkshop::remove_folder(const std::string& name) const {
+  const fs::path folder = folder_of(name);
+  const std::optional<std::string> file = note_of(folder, kPartFolder);
+  if (!file || look_at_folder(folder, kPartFolder) != FolderState::own) return;
+  const fs::path parts = engine::parts_folder(kLibrary);
+  if (check_below(folder, parts / "any")) engine::remove_parts(folder / parts, {});
+  remove_own_folder(folder, kPartFolder, files_of(*file));
+}
+
+bool PartWorkshop::has(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return drafts_.contains(name);
+}
+
+std::optional<std::string> PartWorkshop::refuse_folder(const std::string& name) const {
+  if (!is_model_name(name)) return std::nullopt;  // nor has it a folder
+  if (look_at_folder(folder_of(name), kPartFolder) != FolderState::foreign) return std::nullopt;
+  return fmt::format(
+      "part '{}': expected nothing of this name in the workshop's folder, or a part, with the file "
+      "{}, found something else, which stays; choose another name, or move it away",
+      name, kPartFolder.marker);
 }
 
 void PartWorkshop::train(const std::string& name) {
@@ -254,10 +297,10 @@ void PartWorkshop::train(const std::string& name) {
   if (at == drafts_.end() || at->second.stop.get_token() != stop) return;
   Draft& draft = at->second;
   draft.seconds = seconds_since(draft.begun);
-  draft.state = done ? State::trained : State::failed;
   draft.error = done ? "" : in_clients_words(done.error().message, folder_of(name));
   draft.facts = std::move(made.facts);
   draft.library = std::move(made.library);
+  draft.state = done ? State::trained : State::failed;  // last: until then it may run out of memory
   log_.write(done ? "info" : "warning", done ? "part trained" : "part not trained",
              {{"model", name}, {"seconds", draft.seconds}, {"error", draft.error}});
 }
@@ -265,6 +308,10 @@ void PartWorkshop::train(const std::string& name) {
 Result<void> PartWorkshop::train_and_read(const std::string& name, const std::stop_token& stop,
                                           Draft& out) const {
   const fs::path folder = folder_of(name);
+  for (const fs::path& file : {fs::path(kManifest), fs::path(kLibrary), fs::path(kFacts),
+                               engine::parts_folder(kLibrary) / "any"}) {
+    if (const Result<void> good = check_below(settings_.folder, name / file); !good) return good;
+  }
   std::vector<std::string> program{settings_.program,
                                    "train",
                                    (folder / kManifest).string(),
@@ -320,19 +367,24 @@ void PartWorkshop::rename(const std::string& from, const std::string& to, Done d
 void PartWorkshop::change(std::string_view what, const std::string& name,
                           std::function<Result<void>()> edit, Done done,
                           std::function<void()> after) {
-  ask([this, what, name, edit = std::move(edit), done = std::move(done),
-       after = std::move(after)]() mutable {
+  const auto is_told = std::make_shared<std::atomic<bool>>(false);
+  const auto tell_once = [is_told, done = std::move(done)](const Result<void>& what_came) {
+    if (!is_told->exchange(true)) done(what_came);
+  };
+  ask([this, what, name, edit = std::move(edit), tell_once, after = std::move(after)] {
     if (thread_.get_stop_token().stop_requested())
-      return done(Error{ErrorCode::resumable, "the service ends: ask the next one"});
-    const Result<void> edited = outcome_of(edit);
-    if (!edited) {
-      log_.write("warning", fmt::format("not done: {}", what),
-                 {{"model", name}, {"error", edited.error().message}});
-      return done(edited);
-    }
-    if (after) after();
-    log_.write("info", what, {{"model", name}});
-    reload_([done = std::move(done)](const Result<void>& read) { done(read); });
+      return tell_once(Error{ErrorCode::resumable, "the service ends: ask the next one"});
+    const Result<void> edited = outcome_of([&]() -> Result<void> {
+      if (Result<void> good = edit(); !good) return good;
+      if (after) after();
+      log_.write("info", what, {{"model", name}});
+      reload_(tell_once);
+      return {};
+    });
+    if (edited) return;
+    tell_once(edited);
+    log_.write("warning", fmt::format("not done: {}", what),
+               {{"model", name}, {"error", edited.error().message}});
   });
 }
 
@@ -383,7 +435,17 @@ void PartWorkshop::run(const std::stop_token& stop) {
       next();
       return {};
     });
-    if (!done) log_.write("error", "part not done", {{"error", done.error().message}});
+    if (!done) fail_training();  // even for saying so there was no memory
+  }
+}
+
+/// Of what an exception has ended in the middle.
+void PartWorkshop::fail_training() noexcept {
+  const std::lock_guard lock(mutex_);
+  for (auto& [name, draft] : drafts_) {
+    if (draft.state != State::training) continue;
+    draft.state = State::failed;
+    draft.error = "out of memory";  // short: none is taken for it
   }
 }
 

@@ -37,8 +37,9 @@ struct WorkshopSettings {
 /// A draft is a folder of its own: the file as it came, a manifest of it, and the library of this
 /// one model that `trivet train` makes of both, in a process of its own with limits on time and
 /// memory. So a damaged or hostile file costs its refusal and nothing else, and drafts outlive the
-/// service. All work is done by one thread, in the order in which it was asked for. Any member may
-/// be called from any thread.
+/// service. All work is done by one thread, in the order in which it was asked for; an exception ends
+/// what it was at, and no more. Folders are written and removed that have the marker of their kind, or
+/// were not there. Any member may be called from any thread.
 class PartWorkshop {
  public:
   using Done = std::function<void(const Result<void>&)>;
@@ -46,7 +47,8 @@ class PartWorkshop {
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
 
   /// Takes over the drafts of the folder; nothing is done with them before start(). Errors:
-  /// cannot_create, bad_data (the library's parameters are not of this version).
+  /// cannot_create (also: the folder is not its own), bad_data (the library's parameters are not of
+  /// this version).
   ///
   /// library  file that drafts are published into; log outlives the workshop
   static Result<std::unique_ptr<PartWorkshop>> open(WorkshopSettings settings,
@@ -65,7 +67,8 @@ class PartWorkshop {
   /// name  of the model
   /// file  name that the client gave the file: its extension tells the format
   /// unit  of its coordinates
-  /// Errors: usage (the names, too many drafts), cannot_create, io (the disk).
+  /// Errors: usage (the names, too many drafts, what `refuse_folder` tells), cannot_create, io (the
+  /// disk).
   Result<void> bring(const std::string& name, const std::string& file, LengthUnit unit,
                      std::string_view bytes);
   /// Train a draft again, with a symmetry that is declared, in the library's unit; none: with what
@@ -73,6 +76,10 @@ class PartWorkshop {
   Result<void> declare(const std::string& name, const std::optional<Symmetry>& symmetry);
   /// Forget a draft, and stop its training. Errors: usage (no such draft).
   Result<void> drop(const std::string& name);
+  bool has(const std::string& name) const;  ///< a draft
+  /// Why a draft cannot have this name: something lies there that the workshop has not made; none: it
+  /// can.
+  std::optional<std::string> refuse_folder(const std::string& name) const;
 
   /// Put a trained draft into the library, in place of a model of the same name, and answer with
   /// it. Errors: usage (not trained, too many models), those of `take_models`, of reading it.
@@ -109,6 +116,7 @@ class PartWorkshop {
   Result<void> adopt();
   void take_up(const std::string& name);
   Result<void> forget(const std::string& name);
+  void remove_folder(const std::string& name) const;
   Result<void> write_manifest_of(const std::string& name, const Draft& draft,
                                  const std::optional<Symmetry>& symmetry) const;
   void train(const std::string& name);
@@ -118,6 +126,7 @@ class PartWorkshop {
               Done done, std::function<void()> after = {});
   void ask(Work work);
   void run(const std::stop_token& stop);
+  void fail_training() noexcept;
 
   const WorkshopSettings settings_;
   const std::filesystem::path library_;

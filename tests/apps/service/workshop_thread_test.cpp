@@ -1,0 +1,120 @@
+// What goes wrong in the thread of a workshop ends what it was at, and nothing else.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "apps/service/http_client.hpp"
+#include "apps/service/serve/model_views.hpp"
+#include "apps/service/serve/workshop/part_workshop.hpp"
+#include "apps/service/serve_fixture.hpp"
+#include "storage/library.hpp"
+#include "support/allocations.hpp"
+
+namespace trivet::apps::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WorkshopThread : public test::ServeFixture {
+ protected:
+  void SetUp() override {
+    ServeFixture::SetUp();
+    mesh_ = test::read_bytes(folder_ / "scans/models/obj_000001.ply");
+  }
+
+  void open(const std::string& program, PartWorkshop::Reload reload) {
+    WorkshopSettings settings;
+    settings.folder = (folder_ / "drafts").string();
+    settings.program = program;
+    auto opened = PartWorkshop::open(settings, folder_ / "l.h5", std::move(reload), log_);
+    ASSERT_TRUE(opened) << opened.error().message;
+    workshop_ = *std::move(opened);
+  }
+
+  /// Of a model of the library, to a name that none has.
+  Result<void> rename() {
+    const Result<Library> library = open_library(folder_ / "l.h5");
+    EXPECT_TRUE(library);
+    std::string to = "renamed";
+    while (find_model(*library, to)) to += "_again";
+    auto told = std::make_shared<std::promise<Result<void>>>();
+    workshop_->rename(library->models.front().name, to,
+                      [told](const Result<void>& done) { told->set_value(done); });
+    return told->get_future().get();
+  }
+
+  /// What became of a part that is brought now.
+  nlohmann::ordered_json bring() {
+    const Result<void> brought = workshop_->bring("part", "part.ply", LengthUnit::meter, mesh_);
+    EXPECT_TRUE(brought) << brought.error().message;
+    nlohmann::ordered_json part;
+    EXPECT_TRUE(test::comes([&] {
+      const nlohmann::ordered_json parts = workshop_->tell();
+      part = parts.empty() ? nlohmann::ordered_json() : parts[0];
+      return !parts.empty() && part["state"] != "waiting" && part["state"] != "training";
+    }));
+    return part;
+  }
+
+  RequestLog log_{-1};
+  std::unique_ptr<PartWorkshop> workshop_;
+  std::string mesh_;
+};
+
+TEST_F(WorkshopThread, AnswersWhatAnExceptionHasEnded) {
+  int num_reloads = 0;
+  open("/bin/true", [&](const std::function<void(Result<void>)>& done) {
+    if (++num_reloads == 1) throw std::bad_alloc();
+    if (num_reloads == 2)
+      throw fs::filesystem_error("disk", std::make_error_code(std::errc::io_error));
+    done({});
+  });
+  const Result<void> no_memory = rename();
+  ASSERT_FALSE(no_memory);
+  EXPECT_EQ(no_memory.error().message, "out of memory");
+  const Result<void> no_disk = rename();
+  ASSERT_FALSE(no_disk);
+  EXPECT_NE(no_disk.error().message.find("disk"), std::string::npos) << no_disk.error().message;
+  EXPECT_TRUE(rename()) << "and goes on";
+}
+
+TEST_F(WorkshopThread, FailsOnlyTheTrainingThatHasNoMemory) {
+  // What a training would leave, at once.
+  fs::create_directory(folder_ / "made");
+  const test::Outcome trained =
+      test::run_trivet({"train", "part=scans/models/obj_000001.ply", "--unit", "mm", "--methods",
+                        "ppf", "-o", "made/part.h5", "--json", "made/part.json"},
+                       {.folder = folder_.path(), .environment = {}, .watch = {}});
+  ASSERT_EQ(trained.exit_code, 0) << trained.error;
+  const std::string made = (folder_ / "made").string();
+  folder_.write("train",
+                "#!/bin/sh\ncp " + made + "/part.h5 \"$4\"\ncp " + made + "/part.json \"$6\"\n");
+  fs::permissions(folder_ / "train", fs::perms::owner_all);
+  std::size_t failing = 0;
+  open((folder_ / "train").string(), [&](const std::function<void(Result<void>)>& done) {
+    done({});
+    // Of the thread that trains. What JSON takes for its own end is less: nothing survives if it fails.
+    test::fail_own_allocation(failing, 1024);
+  });
+  std::size_t num_failed = 0;
+  for (failing = 1; num_failed + 1 == failing; ++failing) {
+    ASSERT_TRUE(rename());
+    const auto part = bring();
+    if (part["state"] == "trained") break;
+    EXPECT_NE(part["error"], nullptr) << failing;
+    ++num_failed;
+  }
+  EXPECT_GT(num_failed, 2U);
+  failing = 0;
+  (void)rename();  // has no memory perhaps: what training left to fail is this one's
+  ASSERT_TRUE(rename());
+  EXPECT_EQ(bring()["state"], "trained");
+}
+
+}  // namespace
+}  // namespace trivet::apps::service
