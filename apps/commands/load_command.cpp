@@ -21,6 +21,7 @@
 #include "apps/commands/commands.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/results/standard_output.hpp"
+#include "apps/service/http/bearer_tokens.hpp"
 #include "apps/service/http/http_client.hpp"
 #include "storage/file.hpp"
 
@@ -39,7 +40,7 @@ constexpr int kSearchSteps = 5;
 
 struct LoadArguments {
   std::vector<std::string> scenes;
-  std::string address = "127.0.0.1", query, json;
+  std::string address = "127.0.0.1", query, json, token_file, token;
   std::uint16_t port = 8080;
   double rate = 1, seconds = 10, timeout = 30, max_p99 = 0;
 };
@@ -108,8 +109,9 @@ class LoadRun {
   }
 
   asio::awaitable<void> send_one(const LoadScene& scene, Clock::time_point due) {
-    const HttpCall call{
+    HttpCall call{
         "POST", arguments_.address, scene.target, {}, std::as_bytes(std::span(scene.body))};
+    add_token(call, arguments_.token);
     const HttpOutcome outcome =
         co_await client_.ask(where_, call, Clock::now() + duration_of(arguments_.timeout));
     const HttpResponse* const answer = std::get_if<HttpResponse>(&outcome);
@@ -168,13 +170,18 @@ bool is_borne(const LoadResult& result, double max_p99) {
   return result.codes.size() == 1 && result.codes.contains(200) && result.quantile(0.99) <= max_p99;
 }
 
-Result<void> load(const LoadArguments& arguments, const Context& context) {
+Result<void> load(LoadArguments& arguments, const Context& context) {
   error_code error;
   const asio::ip::address address = asio::ip::make_address(arguments.address, error);
   if (error) {
     return Error{ErrorCode::usage,
                  fmt::format("--address: expected an IP address as 127.0.0.1, found '{}'",
                              arguments.address)};
+  }
+  if (!arguments.token_file.empty()) {
+    const Result<TokenFile> file = read_token_file(arguments.token_file);
+    if (!file) return file.error();
+    arguments.token = file->tokens.front();
   }
   std::vector<LoadScene> scenes;
   for (const std::string& file : arguments.scenes) {
@@ -235,6 +242,8 @@ void add_load(CLI::App& app, Context& context) {
       ->required();
   command->add_option("--address", arguments->address, "Of the service")->capture_default_str();
   command->add_option("--port", arguments->port, "Of the service")->capture_default_str();
+  command->add_option("--token-file", arguments->token_file,
+                      "Show the first of these bearer tokens, as the service asks for");
   command->add_option("--query", arguments->query,
                       "Parameters of the requests, as method=ppf&camera=572,572,320,240,0.0001");
   command->add_option("--rate", arguments->rate, "Requests a second")

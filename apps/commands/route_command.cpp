@@ -15,11 +15,14 @@ constexpr std::chrono::milliseconds kShardInterval{100};
 
 Result<void> route(const RouteSettings& settings, const Context& context) {
   Daemon daemon(settings.listen, settings.max_inflight_mb);
-  Router router(settings.shards, settings.router(), daemon.log());
+  Daemon::take_hangups();
+  Router router(settings.shards, settings.router(), daemon.tokens(), daemon.log());
   if (const Result<void> started = daemon.start(router); !started) return started.error();
   context.console.line(
       fmt::format("routing to {} on {}", counted(settings.shards.size(), "shard"), daemon.url()));
-  Daemon::wait(context.stop, kShardInterval);
+  Daemon::wait(context.stop, kShardInterval, [&] {
+    if (Daemon::was_hung_up()) (void)daemon.read_tokens();  // which tells what is wrong
+  });
   daemon.drain([&] { router.set_closing(); });
   daemon.tell_end();
   return {};

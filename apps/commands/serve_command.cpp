@@ -2,12 +2,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/commands/daemon_command.hpp"
@@ -35,11 +34,11 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPollInterval{50};
 
-std::atomic<bool> reload_asked{false};
-
 /// What SIGHUP asks for.
-void reload(LibrarySlot& slot, RequestLog& log) {
+void reload(LibrarySlot& slot, Daemon& daemon) {
+  RequestLog& log = daemon.log();
   notify_systemd("RELOADING=1");
+  (void)daemon.read_tokens();  // which tells what is wrong
   slot.reload([&log](const Result<void>& done) {
     notify_systemd("READY=1");
     if (done) {
@@ -51,7 +50,7 @@ void reload(LibrarySlot& slot, RequestLog& log) {
 }
 
 /// Until told to stop.
-void wait(const std::stop_token& stop, LibrarySlot& slot, RequestLog& log,
+void wait(const std::stop_token& stop, LibrarySlot& slot, Daemon& daemon,
           const RecognitionService& service, MemoryTrim& memory) {
   const auto watchdog = watchdog_interval();
   auto told = ServiceClock::now();
@@ -63,7 +62,7 @@ void wait(const std::stop_token& stop, LibrarySlot& slot, RequestLog& log,
       notify_systemd("WATCHDOG=1");
       told = ServiceClock::now();
     }
-    if (reload_asked.exchange(false)) reload(slot, log);
+    if (Daemon::was_hung_up()) reload(slot, daemon);
   });
 }
 
@@ -135,6 +134,7 @@ Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& setting
     Parameters ignored;
     take(LiveScans::check(settings.live), ignored);
   }
+  if (const Result<void> read = opened->daemon.read_tokens(); !read) faults.push_back(read.error());
   if (faults.empty()) return opened;
   std::vector<std::string_view> sentences;
   for (const Error& fault : faults) sentences.emplace_back(fault.message);
@@ -167,7 +167,7 @@ Result<std::string> check(const ServeSettings& settings, const Context& context)
 }
 
 Result<void> serve(const ServeSettings& settings, const Context& context) {
-  std::signal(SIGHUP, [](int) { reload_asked = true; });
+  Daemon::take_hangups();
   wait_for_memory_on_this_thread();
   MemoryTrim memory;
   auto made = open_service(settings, settings.files(), context);
@@ -175,18 +175,19 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   OpenedService& opened = **made;
   Daemon& daemon = opened.daemon;
   if (opened.workshop) opened.workshop->start();
-  ServiceRoutes routes(*opened.service, opened.metrics, daemon.log(),
-                       {milliseconds(settings.listen.deadline_ms),
-                        settings.service().max_waiting_bytes, settings.service().max_working_bytes},
-                       std::move(opened.examples),
-                       [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
-                       {opened.workshop.get(), opened.live.get(), opened.session.get()});
+  ServiceRoutes routes(
+      *opened.service, opened.metrics, daemon.log(),
+      {milliseconds(settings.listen.deadline_ms), settings.service().max_waiting_bytes,
+       settings.service().max_working_bytes, settings.read_only},
+      std::move(opened.examples),
+      [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
+      {opened.workshop.get(), opened.live.get(), opened.session.get()});
   routes.set_num_connections([&] { return daemon.num_connections(); });
   if (const Result<void> started = daemon.start(routes); !started) return started.error();
   routes.set_ready(true);
   context.console.line(fmt::format("serving {} on {}", settings.library, daemon.url()));
   notify_systemd("READY=1");
-  wait(context.stop, *opened.slot, daemon.log(), *opened.service, memory);
+  wait(context.stop, *opened.slot, daemon, *opened.service, memory);
 
   notify_systemd("STOPPING=1");
   daemon.drain([&] { routes.set_ready(false); },

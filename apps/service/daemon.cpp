@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <condition_variable>
+#include <csignal>
 #include <cstdlib>
 #include <mutex>
 #include <new>
 #include <thread>
+
+#include "apps/service/http/http_messages.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -17,9 +20,50 @@ constexpr std::chrono::seconds kLastAnswers{1};  ///< for clients to take them
 constexpr std::chrono::seconds kLastSteps{1};    ///< for threads to end
 constexpr milliseconds kLogged{100};             ///< for the last line to be written
 
+std::atomic<bool> hung_up{false};
+
 }  // namespace
 
+void Daemon::take_hangups() {
+  std::signal(SIGHUP, [](int) { hung_up = true; });
+}
+
+bool Daemon::was_hung_up() { return hung_up.exchange(false); }
+
+Result<void> Daemon::read_tokens() {
+  if (settings_.token_file.empty()) return {};
+  Result<TokenFile> file = read_token_file(settings_.token_file);
+  if (!file) {
+    log_.write("error", "tokens not read anew", {{"error", file.error().message}});
+    return file.error();
+  }
+  if (file->is_readable_by_others) {
+    log_.write("warning", "tokens can be read by others: chmod o-r",
+               {{"file", settings_.token_file}});
+  }
+  tokens_.set(std::move(file->tokens));
+  return {};
+}
+
+std::optional<HttpResponse> Daemon::refuse(const HttpRequest& head, bool is_free,
+                                           const std::function<void(AccessFault)>& count) {
+  const std::optional<AccessRefusal> refusal = access_.refuse(head, is_free);
+  if (!refusal) return std::nullopt;
+  count(refusal->fault);
+  const std::string id = request_id(head);
+  log_.write("info", "request refused",
+             {{"request_id", id},
+              {"method", head.method},
+              {"refusal", name_of(refusal->fault)},
+              {"code", refusal->status},
+              {"error", refusal->reason}});
+  HttpResponse response = refusal->response();
+  response.headers.emplace_back("X-Request-Id", id);
+  return response;
+}
+
 Result<void> Daemon::start(HttpHandler handler) {
+  if (const Result<void> read = read_tokens(); !read) return read.error();
   Result<HttpServer> started = HttpServer::start(
       settings_.address, settings_.port, settings_.http(max_arriving_mb_), std::move(handler));
   if (!started) return started.error();

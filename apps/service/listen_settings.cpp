@@ -5,6 +5,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <utility>
+
+#include "apps/service/http/access.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -23,6 +26,21 @@ Setting log_setting(std::string& value) {
     return {};
   };
   return setting;
+}
+
+Setting host_name_setting(std::vector<std::string>& names) {
+  return {"host-name",
+          "Name or address that clients and proxies know the service by, beside localhost and the "
+          "address that they connect to; may be given again; other Host headers get 421",
+          "",
+          [&names](const std::string& text) -> Result<void> {
+            Result<std::string> name = parse_host_name(text);
+            if (!name) return name.error();
+            names.push_back(*std::move(name));
+            return {};
+          },
+          "",
+          true};
 }
 
 }  // namespace
@@ -45,6 +63,12 @@ std::vector<Setting> settings_of(ListenSettings& settings) {
   return {
       text_setting("address", "To listen on", s.address),
       number_setting("port", "To listen on; 0: any free one", s.port, 0, 65'535),
+      host_name_setting(s.host_names),
+      text_setting(
+          "token-file",
+          "Ask for one of the bearer tokens of this file, one a line; others get 401; read "
+          "anew at SIGHUP",
+          s.token_file),
       number_setting("max-body-mb", "Larger bodies get 413", s.max_body_mb, 1, kMaxMb),
       number_setting("max-connections", "Open at a time; more wait", s.max_connections, 1, 100'000),
       number_setting("max-connections-per-address", "Of one client; more get 503",
@@ -69,6 +93,10 @@ SettingFaults faults_of(const ListenSettings& settings, std::string_view bound,
   SettingFaults faults;
   if (const Result<void> good = check_address(s.address, s.port); !good)
     faults.push_back(good.error().message);
+  if (!s.token_file.empty()) {
+    if (const Result<TokenFile> file = read_token_file(s.token_file); !file)
+      faults.push_back(fmt::format("token-file: {}", file.error().message));
+  }
   if (s.max_body_mb > max_arriving_mb) {
     faults.push_back(
         fmt::format("max-body-mb: expected at most {}, {}, found {}: no request that large could "

@@ -12,7 +12,8 @@
 namespace trivet::apps::service {
 
 struct ListenSettings {
-  std::string address = "127.0.0.1", log = "info";
+  std::string address = "127.0.0.1", log = "info", token_file;
+  std::vector<std::string> host_names;  ///< as parse_host_name gives them
   std::uint16_t port = 8080;
   std::uint32_t max_body_mb = 64, max_connections = 1024, max_connections_per_address = 512;
   std::uint32_t request_timeout_ms = 10'000, idle_timeout_ms = 60'000;

@@ -65,7 +65,9 @@ class SettingsReader {
   }
 
   void set_value(const std::string& where, const Setting& setting, const toml::node& node) {
-    if (const auto number = node.value_exact<std::int64_t>()) {
+    if (const auto flag = node.value_exact<bool>(); setting.is_flag) {
+      set(where, setting, !flag ? "" : *flag ? "true" : "false");
+    } else if (const auto number = node.value_exact<std::int64_t>()) {
       set(where, setting, std::to_string(*number));
     } else if (const auto text = node.value_exact<std::string>()) {
       set(where, setting, *text);
@@ -94,6 +96,16 @@ Setting text_setting(std::string_view name, std::string_view meaning, std::strin
           }};
 }
 
+Setting flag_setting(std::string_view name, std::string_view meaning, bool& value) {
+  const auto set = [name, &value](const std::string& text) -> Result<void> {
+    if (text != "true" && text != "false")
+      return Error{ErrorCode::usage, fmt::format("{}: expected true or false", name)};
+    value = text == "true";
+    return {};
+  };
+  return {name, meaning, "", set, "", false, true};
+}
+
 Setting number_setting(std::string_view name, std::string_view meaning, std::uint64_t value,
                        std::uint64_t low, std::uint64_t high,
                        std::function<void(std::uint64_t)> store) {
@@ -120,12 +132,21 @@ void add_settings(CLI::App& command, std::span<const Setting> settings,
       values[name] = given;
       return true;
     };
+    if (setting.is_flag) {
+      command.add_flag_callback(
+          "--" + name, [&values = arguments.values, name] { values[name] = {"true"}; },
+          std::string(setting.meaning));
+      continue;
+    }
+    const bool is_repeated = setting.is_list && setting.argument.empty();
     command
         .add_option(setting.argument.empty() ? "--" + name : std::string(setting.argument), take,
                     std::string(setting.meaning))
         ->type_name("TEXT")
-        ->expected(1, setting.is_list ? CLI::detail::expected_max_vector_size : 1)
-        ->allow_extra_args(setting.is_list)
+        ->expected(1, setting.is_list && !is_repeated ? CLI::detail::expected_max_vector_size : 1)
+        ->multi_option_policy(is_repeated ? CLI::MultiOptionPolicy::TakeAll
+                                          : CLI::MultiOptionPolicy::Throw)
+        ->allow_extra_args(setting.is_list && !is_repeated)
         ->default_str(setting.text);
   }
   command.add_option("--config", arguments.config,

@@ -26,10 +26,14 @@ struct Setting {
   std::function<Result<void>(const std::string& value)> set;
   std::string_view argument{};  ///< where it is none of the flags: its place, as LIBRARY
   bool is_list = false;         ///< `set` adds a value
+  bool is_flag = false;         ///< its values are true and false
 };
 
 /// A text of any content.
 Setting text_setting(std::string_view name, std::string_view meaning, std::string& value);
+
+/// Off unless it is set: a flag without a value, true or false in the file.
+Setting flag_setting(std::string_view name, std::string_view meaning, bool& value);
 
 /// A whole number.
 Setting number_setting(std::string_view name, std::string_view meaning, std::uint64_t value,

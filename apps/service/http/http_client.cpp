@@ -51,6 +51,10 @@ HttpFailure failure_of(const error_code& error, HttpFault otherwise, const std::
 
 }  // namespace
 
+void add_token(HttpCall& call, const std::string& token) {
+  if (!token.empty()) call.headers.emplace_back("Authorization", "Bearer " + token);
+}
+
 struct HttpClient::State {
   /// What a connection gave.
   struct Exchange {

@@ -34,6 +34,9 @@ struct HttpCall {
   std::span<const std::byte> body{};
 };
 
+/// Show a bearer token; empty: none.
+void add_token(HttpCall& call, const std::string& token);
+
 enum class HttpFault {
   unreachable,  ///< no connection
   too_late,     ///< no whole answer by the deadline

@@ -95,7 +95,8 @@ std::optional<ContentCoding> coding_of(const http::request<http::string_body>& h
 /// What a well-formed request may still not be; none: it may be read on.
 std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& head) {
   // RFC 9112, 3.2: whoever routes by the host must not be told two things.
-  if (head.version() >= 11 && head.count(http::field::host) != 1)
+  const std::size_t num_hosts = head.count(http::field::host);
+  if (num_hosts > 1 || (num_hosts == 0 && head.version() >= 11))
     return refusal(400, "expected one Host header");
   // RFC 9112, 6.1: other codings would hide where the body ends.
   const std::size_t num_codings = head.count(http::field::transfer_encoding);
@@ -112,6 +113,17 @@ std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& h
     return response;
   }
   return std::nullopt;
+}
+
+/// Without the body, and what only the connection knows.
+HttpRequest request_head(const http::request<http::string_body>& message) {
+  HttpRequest head;
+  // HEAD is answered as GET is, less the body.
+  head.method = message.method() == http::verb::head ? "GET" : std::string(message.method_string());
+  head.target = std::string(message.target());
+  for (const auto& field : message.base())
+    head.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
+  return head;
 }
 
 bool is_text(std::string_view content_type) {
@@ -236,6 +248,17 @@ struct HttpServer::State {
     return handler.admit(target, body_bytes);
   }
 
+  std::optional<HttpResponse> check(const beast::tcp_stream& stream,
+                                    const http::request<http::string_body>& message,
+                                    const std::string& named_host) const {
+    if (!handler.check) return std::nullopt;
+    HttpRequest head = request_head(message);
+    head.named_host = named_host;
+    error_code ignored;
+    head.local_address = stream.socket().local_endpoint(ignored).address().to_string();
+    return handler.check(head);
+  }
+
   /// One connection, request after request.
   asio::awaitable<void> serve(beast::tcp_stream stream) {
     beast::flat_buffer buffer(limits.max_header_bytes + 65'536);
@@ -289,13 +312,16 @@ struct HttpServer::State {
     if (!error) {
       if (std::optional<HttpResponse> refused = refusal_of(parser.get())) co_return refused;
       const auto named = parser.get().target();
-      const Result<std::string> target = origin_form({named.data(), named.size()});
-      if (!target) co_return refusal(400, target.error().message);
-      parser.get().target(*target);
+      const Result<HostedTarget> hosted = origin_form({named.data(), named.size()});
+      if (!hosted) co_return refusal(400, hosted.error().message);
+      const std::string& target = hosted->target;
+      parser.get().target(target);
+      if (std::optional<HttpResponse> refused = check(stream, parser.get(), hosted->host))
+        co_return refused;
       const std::size_t body_bytes =
           parser.content_length().value_or(parser.chunked() ? limits.max_body_bytes : 0);
       const Share share(num_arriving, body_bytes);
-      if (std::optional<HttpResponse> refused = admit(*target, body_bytes)) co_return refused;
+      if (std::optional<HttpResponse> refused = admit(target, body_bytes)) co_return refused;
       if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
         http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
         co_await http::async_write(stream, go_on, token());
@@ -360,15 +386,8 @@ struct HttpServer::State {
   /// Hand a request to the handler and wait for its answer.
   asio::awaitable<HttpResponse> answer(beast::tcp_stream& stream,
                                        http::request<http::string_body> message) {
-    // HEAD is answered as GET is, less the body.
-    HttpRequest request{
-        message.method() == http::verb::head ? "GET" : std::string(message.method_string()),
-        std::string(message.target()),
-        std::move(message.body()),
-        {},
-        {}};
-    for (const auto& field : message.base())
-      request.headers.emplace_back(lower(field.name_string()), std::string(field.value()));
+    HttpRequest request = request_head(message);
+    request.body = std::move(message.body());
     request.is_gone = [descriptor = stream.socket().native_handle()] {
       char byte = 0;
       const ssize_t n = ::recv(descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT);

@@ -30,6 +30,8 @@ struct HttpLimits {
 
 struct HttpRequest {
   std::string method, target;  ///< the target with its query
+  std::string named_host;      ///< where the target named one; empty: the header Host alone does
+  std::string local_address;   ///< that the client has connected to
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< names in lower case
   /// Whether the client has closed or reset its connection. From any thread, while the request is
@@ -58,12 +60,14 @@ struct HttpResponse {
 /// Called once, from any thread.
 using HttpAnswer = std::function<void(HttpResponse)>;
 
-/// Both are called on the network's thread.
+/// All are called on the network's thread.
 struct HttpHandler {
   /// Answers at once or later.
   std::function<void(HttpRequest, HttpAnswer)> handle;
   /// Refuses a request by its target and the size of its body before that is read; none: go on.
   std::function<std::optional<HttpResponse>(std::string_view target, std::size_t body_bytes)> admit;
+  /// Refuses a request by its head, before `admit` is asked; none: go on. May be empty.
+  std::function<std::optional<HttpResponse>(const HttpRequest& head)> check{};
 };
 
 /// Whether a service could listen there, were nobody else there. Errors: usage (not an IP address, or

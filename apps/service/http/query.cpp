@@ -12,6 +12,8 @@
 namespace trivet::apps::service {
 namespace {
 
+constexpr std::size_t kMaxShownPath = 100;
+
 Result<std::string> decode(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -35,12 +37,21 @@ Result<std::string> decode(std::string_view text) {
   return out;
 }
 
+/// RFC 3986, 2.3.
+bool is_unreserved(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+         std::string_view("-._~").find(c) != std::string_view::npos;
+}
+
+/// RFC 3986, 3.3, pchar.
+bool is_plain_in_path(char c) {
+  return is_unreserved(c) || std::string_view("!$&'()*+,;=:@").find(c) != std::string_view::npos;
+}
+
 std::string encode(std::string_view text, std::string_view also_plain = "") {
   std::string out;
   for (const char c : text) {
-    const bool is_plain = formats::is_alphanumeric(c) ||
-                          std::string_view("-._~").find(c) != std::string_view::npos ||
-                          also_plain.find(c) != std::string_view::npos;
+    const bool is_plain = is_unreserved(c) || also_plain.find(c) != std::string_view::npos;
     out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return out;
@@ -55,7 +66,7 @@ std::optional<std::string> Target::parameter(std::string_view name) const {
   return std::nullopt;
 }
 
-Result<std::string> origin_form(std::string_view target) {
+Result<HostedTarget> origin_form(std::string_view target) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (formats::lower_case(target.substr(0, scheme.size())) != scheme) continue;
     const std::string_view rest = target.substr(scheme.size());
@@ -66,9 +77,44 @@ Result<std::string> origin_form(std::string_view target) {
     }
     std::string path(rest.substr(end));
     if (!path.starts_with('/')) path.insert(path.begin(), '/');
-    return path;
+    return HostedTarget{std::string(rest.substr(0, end)), std::move(path)};
   }
-  return std::string(target);
+  return HostedTarget{"", std::string(target)};
+}
+
+Result<void> check_path(std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  const auto refuse = [](std::string_view expected, std::string_view found) -> Result<void> {
+    return Error{ErrorCode::usage, fmt::format("path: expected {}, found '{}'", expected, found)};
+  };
+  if (!path.starts_with('/'))
+    return refuse("one that begins with '/'", path.substr(0, kMaxShownPath));
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (path[i] != '%') {
+      if (path[i] != '/' && !is_plain_in_path(path[i]))
+        return refuse("other characters than those of RFC 3986 escaped", path.substr(i, 1));
+      continue;
+    }
+    const std::string_view escape = path.substr(i, 3);
+    const Result<std::string> decoded = decode(escape);
+    if (!decoded) return decoded.error();
+    const char c = decoded->front();
+    const auto code = static_cast<unsigned char>(c);
+    if (is_unreserved(c)) return refuse("letters, digits and -._~ as they are", escape);
+    if (c == '/' || c == '\\' || code < ' ' || code == 0x7F)
+      return refuse("no escaped slash, backslash or control character", escape);
+    if (c == '%' && decode(fmt::format("%{}", path.substr(i + 3, 2))))
+      return refuse("no escape of an escape", path.substr(i, 5));
+    i += 2;
+  }
+  for (std::size_t begin = 1; begin < path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    const std::string_view segment = path.substr(begin, end - begin);
+    if (segment.empty() || segment == "." || segment == "..")
+      return refuse("names between single slashes", fmt::format("/{}/", segment));
+    begin = end + 1;
+  }
+  return {};
 }
 
 std::optional<std::size_t> whole_number(std::string_view text) {

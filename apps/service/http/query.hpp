@@ -21,9 +21,21 @@ struct Target {
   std::optional<std::string> parameter(std::string_view name) const;
 };
 
+/// A target with the host that it may name.
+struct HostedTarget {
+  std::string host;  ///< empty: it names none
+  std::string target;
+};
+
 /// What a request asks of the host that it names: `http://host/path?query` (RFC 9112, 3.2.2) as
 /// `/path?query`, other targets as they are. Errors: usage (no host).
-Result<std::string> origin_form(std::string_view target);
+Result<HostedTarget> origin_form(std::string_view target);
+
+/// Whether the path of a target can be read in one way only, so that rules of a proxy for paths as
+/// they are sent hold for what is answered. Escapes stand for no letter, digit or -._~, no slash,
+/// backslash or control character, and no other escape; no segment is empty, but the last, or all
+/// dots. Errors: usage.
+Result<void> check_path(std::string_view target);
 
 /// A text of digits only; none: it is something else, or too large.
 std::optional<std::size_t> whole_number(std::string_view text);

@@ -19,6 +19,7 @@ const prometheus::Histogram::BucketBoundaries kDurationBounds{
 
 RequestMetrics::RequestMetrics()
     : requests_(counters("trivet_requests_total", "Requests answered.")),
+      refused_(counters("trivet_refused_total", "Requests refused for who asked, or for how.")),
       request_(duration_of(durations("trivet_request_duration_seconds",
                                      "From a request's arrival to its answer, recognitions only."),
                            {})) {
@@ -28,6 +29,7 @@ RequestMetrics::RequestMetrics()
       .Register(registry_)
       .Add({{"version", TRIVET_VERSION}})
       .Set(1);
+  for (const std::string_view fault : kAccessFaults) refused_.Add({{"reason", std::string(fault)}});
 }
 
 void RequestMetrics::expect_requests(const std::string& route, std::span<const unsigned> codes) {
@@ -37,6 +39,10 @@ void RequestMetrics::expect_requests(const std::string& route, std::span<const u
 
 void RequestMetrics::count_request(const std::string& route, unsigned code) {
   requests_.Add({{"route", route}, {"code", std::to_string(code)}}).Increment();
+}
+
+void RequestMetrics::count_refused(AccessFault fault) {
+  refused_.Add({{"reason", std::string(name_of(fault))}}).Increment();
 }
 
 void RequestMetrics::observe_request(double seconds) { request_.Observe(seconds); }

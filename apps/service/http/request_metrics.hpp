@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/service/http/access.hpp"
 #include "apps/service/http/http_server.hpp"
 
 namespace trivet::apps::service {
@@ -29,6 +30,7 @@ class RequestMetrics {
   /// count miss it.
   void expect_requests(const std::string& route, std::span<const unsigned> codes);
   void count_request(const std::string& route, unsigned code);
+  void count_refused(AccessFault fault);
   void observe_request(double seconds);  ///< from its arrival to its answer; recognitions only
 
  protected:
@@ -40,7 +42,7 @@ class RequestMetrics {
 
  private:
   prometheus::Registry registry_;
-  Counters& requests_;
+  Counters &requests_, &refused_;
   prometheus::Histogram& request_;
 };
 

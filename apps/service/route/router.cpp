@@ -41,13 +41,15 @@ constexpr int kMarginShare = 20;
 }  // namespace
 
 struct Router::State {
-  State(const RouterOptions& router_options, RequestLog& request_log)
+  State(const RouterOptions& router_options, const BearerTokens& bearer_tokens,
+        RequestLog& request_log)
       : options(router_options),
+        tokens(bearer_tokens),
         log(request_log),
         replies(metrics, request_log, RequestWords::route) {}
 
   asio::awaitable<void> watch(Shard& shard) {
-    ShardLook look(context, client, shard);
+    ShardLook look(context, client, tokens, shard);
     asio::steady_timer pause(context);
     std::string told = "\n";  // unlike any reason
     for (;;) {
@@ -189,7 +191,7 @@ struct Router::State {
         continue;
       }
       const auto left = std::chrono::duration_cast<milliseconds>(*deadline - now - 2 * margin);
-      fan_out.calls.push_back({&shard, call_of(call, (*targets)[k], shard, left)});
+      fan_out.calls.push_back({&shard, call_of(call, (*targets)[k], shard, tokens.first(), left)});
     }
     co_await fan_out.ask_all(*deadline - margin, request.is_gone);
     if (fan_out.is_refused()) co_return refusal_response(Refusal::full);
@@ -198,6 +200,7 @@ struct Router::State {
   }
 
   const RouterOptions options;
+  const BearerTokens& tokens;
   RequestLog& log;
   asio::io_context context{1};
   HttpClient client{context, {.max_answer_bytes = kMaxAnswerBytes, .max_idle = kMaxIdle}};
@@ -211,8 +214,8 @@ struct Router::State {
 };
 
 Router::Router(const std::vector<ShardAddress>& shards, const RouterOptions& options,
-               RequestLog& log)
-    : state_(std::make_unique<State>(options, log)) {
+               const BearerTokens& tokens, RequestLog& log)
+    : state_(std::make_unique<State>(options, tokens, log)) {
   for (const ShardAddress& address : shards) {
     state_->shards.push_back({address});
     state_->metrics.expect_shard(address.name);
@@ -237,6 +240,13 @@ std::optional<HttpResponse> Router::admit(std::string_view target, std::size_t b
   state_->metrics.count_request("recognize", 503);
   return refusal_response(Refusal::full);
 }
+
+bool Router::is_free(std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  return path == "/v2/health/live" || path == "/v2/health/ready";
+}
+
+void Router::count_refused(AccessFault fault) { state_->metrics.count_refused(fault); }
 
 void Router::set_closing() { state_->is_closing = true; }
 

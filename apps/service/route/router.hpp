@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/service/http/access.hpp"
+#include "apps/service/http/bearer_tokens.hpp"
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/route/shard.hpp"
@@ -25,8 +27,10 @@ struct RouterOptions {
 /// /v2/health/live, /v2/health/ready, /metrics. Works on a thread of its own.
 class Router {
  public:
-  /// `log` outlives the router.
-  Router(const std::vector<ShardAddress>& shards, const RouterOptions& options, RequestLog& log);
+  /// Shards are asked with the first of `tokens`, if there is one. Both that and `log` outlive the
+  /// router.
+  Router(const std::vector<ShardAddress>& shards, const RouterOptions& options,
+         const BearerTokens& tokens, RequestLog& log);
   Router(const Router&) = delete;
   Router& operator=(const Router&) = delete;
   ~Router();  ///< drops what it has not answered
@@ -35,6 +39,9 @@ class Router {
   void handle(HttpRequest request, HttpAnswer answer);
   /// Refuse what there is no room for before its body is read.
   std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
+  /// What needs no token: whether the router lives, and is ready.
+  static bool is_free(std::string_view target);
+  void count_refused(AccessFault fault);
   void set_closing();  ///< be ready no more
 
  private:

@@ -66,6 +66,8 @@ asio::awaitable<bool> ShardLook::again() {
       is_reachable = true;
       const unsigned status = std::get<HttpResponse>(ready).status;
       if (status != 200) reason = fmt::format("not ready, with {}", status);
+      if (status == 421)
+        reason += fmt::format(": start it with --host-name {}", shard_.address.host);
     }
   }
   if (!reason.empty()) num_ready_ = 0;
@@ -95,6 +97,8 @@ asio::awaitable<std::string> ShardLook::read_models() {
   const HttpOutcome outcome = co_await get("/v1/models");
   const HttpResponse* const answer = std::get_if<HttpResponse>(&outcome);
   if (!answer) co_return std::get<HttpFailure>(outcome).reason;
+  if (answer->status == 401)
+    co_return "no models, with 401: expected one of its tokens first in the router's --token-file";
   if (answer->status != 200) co_return fmt::format("no models, with {}", answer->status);
   Result<ShardCatalog> catalog = parse_catalog(answer->body);
   if (!catalog) co_return catalog.error().message;
@@ -103,7 +107,8 @@ asio::awaitable<std::string> ShardLook::read_models() {
 }
 
 asio::awaitable<HttpOutcome> ShardLook::get(const std::string& target) {
-  const HttpCall call{"GET", shard_.address.name, target};
+  HttpCall call{"GET", shard_.address.name, target};
+  add_token(call, tokens_.first());
   co_return co_await client_.ask(*shard_.endpoint, call, Clock::now() + kPatience);
 }
 

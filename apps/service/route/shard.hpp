@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 
+#include "apps/service/http/bearer_tokens.hpp"
 #include "apps/service/http/http_client.hpp"
 #include "storage/result.hpp"
 
@@ -43,8 +44,9 @@ struct Shard {
 class ShardLook {
  public:
   /// All outlive the look.
-  ShardLook(boost::asio::io_context& context, HttpClient& client, Shard& shard)
-      : context_(context), client_(client), shard_(shard) {}
+  ShardLook(boost::asio::io_context& context, HttpClient& client, const BearerTokens& tokens,
+            Shard& shard)
+      : context_(context), client_(client), tokens_(tokens), shard_(shard) {}
 
   /// Look and write down what was seen. Returns whether the models were read.
   boost::asio::awaitable<bool> again();
@@ -56,6 +58,7 @@ class ShardLook {
 
   boost::asio::io_context& context_;
   HttpClient& client_;
+  const BearerTokens& tokens_;
   Shard& shard_;
   int num_ready_ = 0;  // looks since it became ready
 };

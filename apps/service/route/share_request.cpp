@@ -63,7 +63,7 @@ Result<std::vector<Target>> targets_of(const Target& asked, std::span<const Shar
 }
 
 HttpCall call_of(const Call& call, const Target& target, const Shard& shard,
-                 std::chrono::milliseconds left) {
+                 const std::string& token, std::chrono::milliseconds left) {
   HttpCall out{"POST", shard.address.name, write_target(target)};
   out.headers = {{"X-Request-Id", call.id},
                  {"X-Deadline-Ms", std::to_string(std::max<long>(1, left.count()))}};
@@ -71,6 +71,7 @@ HttpCall call_of(const Call& call, const Target& target, const Shard& shard,
                                     std::pair("traceparent", call.trace)}) {
     if (!value.empty()) out.headers.emplace_back(name, value);
   }
+  add_token(out, token);
   out.body = std::as_bytes(std::span(call.request.body));
   return out;
 }

@@ -22,8 +22,8 @@ Result<void> check_form(const HttpRequest& request);
 /// asked of the shard that holds them. Errors: usage (no shard does).
 Result<std::vector<Target>> targets_of(const Target& asked, std::span<const Shard> shards);
 
-/// A call as a shard gets it; it refers to the body of the request.
+/// A call as a shard gets it, with a token where there is one; it refers to the body of the request.
 HttpCall call_of(const Call& call, const Target& target, const Shard& shard,
-                 std::chrono::milliseconds left);
+                 const std::string& token, std::chrono::milliseconds left);
 
 }  // namespace trivet::apps::service

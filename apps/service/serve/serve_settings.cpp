@@ -50,6 +50,10 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
                      "A scan that was not renamed into the folder is whole when its size and time "
                      "have not changed for so long",
                      s.live.rest_ms, 1, 3'600'000),
+      flag_setting(
+          "read-only",
+          "Only recognize and show: clients reload and train nothing and write no session; 403",
+          s.read_only),
       text_setting("allow-training",
                    "Let clients train parts, and publish, rename and remove models; drafts lie in "
                    "this folder",
@@ -81,6 +85,9 @@ SettingFaults faults_of(const ServeSettings& settings) {
   if (!settings.examples.empty()) check_file("examples", settings.examples);
   if (!settings.live.query.empty() && settings.live.folder.empty())
     faults.emplace_back("watch-query: expected a folder to --watch, found none");
+  if (settings.read_only && !settings.workshop.folder.empty())
+    faults.emplace_back(
+        "read-only: expected no allow-training, which lets clients change the library");
   return faults;
 }
 

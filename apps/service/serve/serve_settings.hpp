@@ -16,6 +16,7 @@ namespace trivet::apps::service {
 
 struct ServeSettings {
   std::string library, calibration, examples, session;
+  bool read_only = false;
   std::uint32_t memory_mb = 4096, parallel = 0, max_waiting = 64, max_waiting_mb = 512,
                 session_mb = 1024;
   WorkshopSettings workshop;

@@ -9,10 +9,18 @@
 #include "apps/service/serve/page.hpp"
 
 namespace trivet::apps::service {
+namespace {
+
+/// Of an answer: whether files or the library are others afterwards.
+enum class Effect : std::uint8_t { reads, changes };
+
+}  // namespace
+
 struct ServiceRoutes::Route {
   std::string_view method, path;
   bool is_prefix;  ///< more may follow
   bool is_work;    ///< goes through the queue, and has a body
+  Effect effect;
   std::string_view name;
   void (ServiceRoutes::*handle)(const CallPtr&, std::string_view rest);
 };
@@ -20,41 +28,48 @@ struct ServiceRoutes::Route {
 const std::vector<ServiceRoutes::Route>& ServiceRoutes::routes() {
   using R = ServiceRoutes;
   static const std::vector<Route> all{
-      {"POST", "/v1/recognize", false, true, "recognize", &R::recognize},
-      {"POST", "/v1/points", false, true, "points", &R::points},
-      {"GET", "/v1/models", false, false, "models", &R::list_models},
-      {"GET", "/v1/models/", true, false, "model", &R::view_model},
-      {"PUT", "/v1/models/", true, false, "publish_part", &R::publish_part},
-      {"PATCH", "/v1/models/", true, false, "rename_model", &R::rename_model},
-      {"DELETE", "/v1/models/", true, false, "remove_model", &R::remove_model},
-      {"GET", "/v1/parts", false, false, "parts", &R::list_parts},
-      {"GET", "/v1/parts/", true, false, "part", &R::view_part},
-      {"PUT", "/v1/parts/", true, true, "bring_part", &R::bring_part},
-      {"PATCH", "/v1/parts/", true, false, "declare_part", &R::declare_part},
-      {"DELETE", "/v1/parts/", true, false, "drop_part", &R::drop_part},
-      {"GET", "/v1/live", false, false, "live_scans", &R::list_live},
-      {"GET", "/v1/live/", true, false, "live_scan", &R::view_live},
-      {"GET", "/v1/examples", true, false, "examples", &R::examples},
-      {"GET", "/v1/session", false, false, "session", &R::session},
-      {"GET", "/v1/session/archive", false, false, "session_archive", &R::session_archive},
-      {"GET", "/v1/session/scans/", true, false, "session_scan", &R::session_scan},
-      {"PUT", "/v1/session/scans/", true, true, "put_session_scan", &R::put_session_scan},
-      {"DELETE", "/v1/session/scans/", true, false, "delete_session_scan", &R::delete_session_scan},
-      {"GET", "/v1/session/runs/", true, false, "session_answer", &R::session_answer},
-      {"PUT", "/v1/session/runs/", true, true, "put_session_answer", &R::put_session_answer},
-      {"DELETE", "/v1/session/runs/", true, false, "delete_session_run", &R::delete_session_run},
-      {"GET", "/v1/score-parts", false, false, "score_parts", &R::score_parts},
-      {"POST", "/v1/library/reload", false, false, "reload", &R::reload},
-      {"GET", "/v1/openapi.json", false, false, "openapi", &R::openapi},
-      {"GET", "/v2", false, false, "server", &R::server},
-      {"GET", "/v2/health/live", false, false, "live", &R::live},
-      {"GET", "/v2/health/ready", false, false, "ready", &R::ready},
-      {"POST", "/v2/repository/index", false, false, "repository", &R::repository},
-      {"GET", "/v2/models/stats", false, false, "inference_statistics", &R::inference_statistics},
-      {"GET", "/v2/models/", true, false, "inference_model", &R::inference_model},
-      {"POST", "/v2/models/", true, true, "infer", &R::infer},
-      {"GET", "/metrics", false, false, "metrics", &R::metrics},
-      {"GET", "/", true, false, "page", &R::page},
+      {"POST", "/v1/recognize", false, true, Effect::reads, "recognize", &R::recognize},
+      {"POST", "/v1/points", false, true, Effect::reads, "points", &R::points},
+      {"GET", "/v1/models", false, false, Effect::reads, "models", &R::list_models},
+      {"GET", "/v1/models/", true, false, Effect::reads, "model", &R::view_model},
+      {"PUT", "/v1/models/", true, false, Effect::changes, "publish_part", &R::publish_part},
+      {"PATCH", "/v1/models/", true, false, Effect::changes, "rename_model", &R::rename_model},
+      {"DELETE", "/v1/models/", true, false, Effect::changes, "remove_model", &R::remove_model},
+      {"GET", "/v1/parts", false, false, Effect::reads, "parts", &R::list_parts},
+      {"GET", "/v1/parts/", true, false, Effect::reads, "part", &R::view_part},
+      {"PUT", "/v1/parts/", true, true, Effect::changes, "bring_part", &R::bring_part},
+      {"PATCH", "/v1/parts/", true, false, Effect::changes, "declare_part", &R::declare_part},
+      {"DELETE", "/v1/parts/", true, false, Effect::changes, "drop_part", &R::drop_part},
+      {"GET", "/v1/live", false, false, Effect::reads, "live_scans", &R::list_live},
+      {"GET", "/v1/live/", true, false, Effect::reads, "live_scan", &R::view_live},
+      {"GET", "/v1/examples", true, false, Effect::reads, "examples", &R::examples},
+      {"GET", "/v1/session", false, false, Effect::reads, "session", &R::session},
+      {"GET", "/v1/session/archive", false, false, Effect::reads, "session_archive",
+       &R::session_archive},
+      {"GET", "/v1/session/scans/", true, false, Effect::reads, "session_scan", &R::session_scan},
+      {"PUT", "/v1/session/scans/", true, true, Effect::changes, "put_session_scan",
+       &R::put_session_scan},
+      {"DELETE", "/v1/session/scans/", true, false, Effect::changes, "delete_session_scan",
+       &R::delete_session_scan},
+      {"GET", "/v1/session/runs/", true, false, Effect::reads, "session_answer",
+       &R::session_answer},
+      {"PUT", "/v1/session/runs/", true, true, Effect::changes, "put_session_answer",
+       &R::put_session_answer},
+      {"DELETE", "/v1/session/runs/", true, false, Effect::changes, "delete_session_run",
+       &R::delete_session_run},
+      {"GET", "/v1/score-parts", false, false, Effect::reads, "score_parts", &R::score_parts},
+      {"POST", "/v1/library/reload", false, false, Effect::changes, "reload", &R::reload},
+      {"GET", "/v1/openapi.json", false, false, Effect::reads, "openapi", &R::openapi},
+      {"GET", "/v2", false, false, Effect::reads, "server", &R::server},
+      {"GET", "/v2/health/live", false, false, Effect::reads, "live", &R::live},
+      {"GET", "/v2/health/ready", false, false, Effect::reads, "ready", &R::ready},
+      {"POST", "/v2/repository/index", false, false, Effect::reads, "repository", &R::repository},
+      {"GET", "/v2/models/stats", false, false, Effect::reads, "inference_statistics",
+       &R::inference_statistics},
+      {"GET", "/v2/models/", true, false, Effect::reads, "inference_model", &R::inference_model},
+      {"POST", "/v2/models/", true, true, Effect::reads, "infer", &R::infer},
+      {"GET", "/metrics", false, false, Effect::reads, "metrics", &R::metrics},
+      {"GET", "/", true, false, Effect::reads, "page", &R::page},
   };
   return all;
 }
@@ -98,10 +113,23 @@ void ServiceRoutes::handle(HttpRequest request, HttpAnswer answer) {
     }
     if (!other_methods.empty() && route.path == "/") break;
     call->route = route.name;
+    if (route.effect == Effect::changes && options_.read_only) {
+      count_refused(AccessFault::read_only);
+      call->told["refusal"] = name_of(AccessFault::read_only);
+      return reply(call, error_response(403,
+                                        "expected a service without --read-only: this one "
+                                        "recognizes, and changes nothing"));
+    }
     return (this->*route.handle)(call, std::string_view(path).substr(route.path.size()));
   }
   if (other_methods.empty()) return reply(call, error_response(404, "no such path"));
   reply(call, method_response(other_methods, call->request));
+}
+
+bool ServiceRoutes::is_free(std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  return path == "/v2/health/live" || path == "/v2/health/ready" || path == "/" ||
+         (path.starts_with('/') && find_page_file(path.substr(1)));
 }
 
 std::optional<HttpResponse> ServiceRoutes::admit(std::string_view target, std::size_t body_bytes) {

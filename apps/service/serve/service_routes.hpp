@@ -30,6 +30,7 @@ struct RouteOptions {
   std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
   std::size_t max_waiting_bytes = 0;                   ///< that the service takes
   std::size_t max_working_bytes = 0;                   ///< that scenes at work may need
+  bool read_only = false;                              ///< nobody changes anything over HTTP
 };
 
 /// What a service does beside recognition, for who commissions a cell; null: it was not asked to.
@@ -52,6 +53,9 @@ class ServiceRoutes {
   void handle(HttpRequest request, HttpAnswer answer);
   /// What needs work is refused before its body is read where no more is taken.
   std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
+  /// What needs no token: whether the service lives, and the page, which asks for one.
+  static bool is_free(std::string_view target);
+  void count_refused(AccessFault fault) { metrics_.count_refused(fault); }
   void set_ready(bool ready) { is_ready_ = ready; }
   void set_num_connections(std::function<std::size_t()> num) { num_connections_ = std::move(num); }
 

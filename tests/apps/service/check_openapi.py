@@ -153,7 +153,7 @@ def check_parts():
     expect(409, "DELETE", model, "/v1/models/newer")
     expect(202, "PUT", part, new + "mm", b"no mesh")
     expect(202, "DELETE", part, "/v1/parts/new")
-    expect(400, "DELETE", part, "/v1/parts/new")
+    expect(404, "DELETE", part, "/v1/parts/new")
 
 
 def check_live(scan):

@@ -355,7 +355,7 @@ TEST_F(Inference, SpeaksTheOpenInferenceProtocol) {
     EXPECT_EQ(ask(port, "GET", "/v2/models/l").json()["inputs"][0]["shape"][1], 3);
     EXPECT_EQ(ask(port, "GET", "/v2/models/l/versions/1/ready").status, 200);
     EXPECT_EQ(ask(port, "GET", "/v2/models/other").status, 404);
-    EXPECT_EQ(ask(port, "GET", "/v2/models/..%2f..%2fetc").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v2/models/..%2f..%2fetc").status, 400);
     nlohmann::json request{
         {"id", "7"},
         {"parameters", {{"method", "ppf"}}},

@@ -440,7 +440,7 @@ TEST_F(Route, LeavesShardsWhenItsClientHasGone) {
   {
     const test::Connection client(router->port());
     const std::string body = scan(0);
-    client.send("POST " + query_ + " HTTP/1.1\r\nHost: x\r\nX-Deadline-Ms: 600000\r\n" +
+    client.send("POST " + query_ + " HTTP/1.1\r\nHost: localhost\r\nX-Deadline-Ms: 600000\r\n" +
                 "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
     EXPECT_TRUE(comes([&] { return slow.num_asked() == 1; }));
   }

@@ -61,7 +61,7 @@ Answer say_at_most(int port, const std::string& bytes) {
 }
 
 std::string post(const std::string& headers, const std::string& body) {
-  return "POST /v1/recognize?format=ply HTTP/1.1\r\nHost: a\r\n" + headers + "\r\n" + body;
+  return "POST /v1/recognize?format=ply HTTP/1.1\r\nHost: localhost\r\n" + headers + "\r\n" + body;
 }
 
 TEST_F(ServeHostile, RefusesFramesThatLie) {
@@ -122,21 +122,21 @@ TEST_F(ServeHostile, RefusesFramesThatLie) {
        {415}},
       {"HTTP/0.9", "GET /v1/models\r\n\r\n", ""},
       {"HTTP/2", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", ""},
-      {"HTTP/9.9", "GET /v1/models HTTP/9.9\r\nHost: a\r\n\r\n", ""},
+      {"HTTP/9.9", "GET /v1/models HTTP/9.9\r\nHost: localhost\r\n\r\n", ""},
       {"TLS", std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11) + "\r\n\r\n", ""},
       {"no host", "GET /v1/models HTTP/1.1\r\n\r\n", "Host"},
-      {"two hosts", "GET /v1/models HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n", "Host"},
+      {"two hosts", "GET /v1/models HTTP/1.1\r\nHost: localhost\r\nHost: b\r\n\r\n", "Host"},
       {"a blank before the colon", post("Content-Length : 3\r\n", "ply"), ""},
-      {"a zero byte in the target", std::string("GET /v1/\0models HTTP/1.1\r\nHost: a\r\n\r\n", 38),
-       ""},
+      {"a zero byte in the target",
+       std::string("GET /v1/\0models HTTP/1.1\r\nHost: localhost\r\n\r\n", 46), ""},
       {"a zero byte in a header", post(std::string("X-A: \0\r\n", 8), ""), ""},
       {"a lone CR in a header", post("X-A: a\rX-B: b\r\n", ""), ""},
       {"a long target",
-       "GET /" + std::string(20'000, 'a') + " HTTP/1.1\r\nHost: a\r\n\r\n",
+       "GET /" + std::string(20'000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n",
        "8192",
        {431}},
       {"an unknown method",
-       "BREW /v1/models HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n",
+       "BREW /v1/models HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n",
        "GET",
        {405}},
   };
@@ -174,10 +174,10 @@ TEST_F(ServeHostile, AnswersRequestsInARowInTheirOrder) {
   const test::Outcome outcome = serve({}, [&](int port) {
     const Connection connection(port);
     connection.send(
-        "HEAD /v1/models HTTP/1.1\r\nHost: a\r\n\r\n"
-        "GET /nowhere HTTP/1.1\r\nHost: a\r\n\r\n" +
+        "HEAD /v1/models HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        "GET /nowhere HTTP/1.1\r\nHost: localhost\r\n\r\n" +
         post("Content-Length: 3\r\n", "ply") +
-        "GET /v2 HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+        "GET /v2 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     std::string rest = connection.receive();
     std::vector<std::string> statuses;
     for (std::size_t at = 0; (at = rest.find("HTTP/1.1 ", at)) != rest.npos; at += 9)

@@ -254,7 +254,7 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
       EXPECT_GT(surface->triangles.size(), 10U);
     }
     EXPECT_EQ(ask(port, "GET", "/v1/models/spoon/mesh.ply").status, 404);
-    EXPECT_EQ(ask(port, "GET", "/v1/models/..%2f..%2fetc%2fpasswd").status, 404);
+    EXPECT_EQ(ask(port, "GET", "/v1/models/..%2f..%2fetc%2fpasswd").status, 400);
 
     const nlohmann::json words = ask(port, "GET", "/v1/score-parts").json();
     const nlohmann::json scene =
@@ -394,7 +394,7 @@ TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
           EXPECT_EQ(answer.status, status) << target << "\n" << answer.body;
           EXPECT_NE(answer.body.find(reason), std::string::npos) << answer.body;
         };
-        refuses(404, "no such path", "GET", "/v1/../../etc/passwd");
+        refuses(400, "path: expected", "GET", "/v1/../../etc/passwd");
         refuses(405, "expected POST", "GET", query_);
         refuses(400, "format", "POST", "/v1/recognize", "ply");
         refuses(400, "body.ply", "POST", "/v1/recognize?format=ply", "ply\nnonsense");
