@@ -151,8 +151,84 @@ TEST_F(HaProxy, PassesOnRefusalsAndRequestIds) {
   const Answer given = ask(port_, "GET", "/v1/models", "", "X-Request-Id: call-7\r\n");
   EXPECT_NE(given.head.find("call-7"), std::string::npos) << given.head;
   EXPECT_EQ(ask(port_, "POST", query_ + "&min-score=7", scan_).status, 400);
-  EXPECT_EQ(ask(port_, "POST", "/v1/library/reload").status, 404);
   EXPECT_EQ(ask(port_, "POST", query_, scan_, "X-Deadline-Ms: 1\r\n").status, 504);
+}
+
+TEST_F(HaProxy, PassesOnWhatClientsNeedAndNothingElse) {
+  for (const char* const target :
+       {"/v1/models", "/v1/openapi.json", "/v1/score-parts", "/v1/examples", "/v1/live",
+        "/v1/parts", "/v1/session", "/v2", "/v2/health/live", "/v2/health/ready", "/v2/models/l",
+        "/v2/models/l/ready", "/v2/models/l/versions/1/config", "/v2/models/stats"}) {
+    EXPECT_EQ(ask(port_, "GET", target).status, 200) << target;
+  }
+  const auto models = ask(port_, "GET", "/v1/models").json()["models"];
+  EXPECT_EQ(ask(port_, "GET", models[0]["mesh"]).status, 200);
+  EXPECT_EQ(ask(port_, "GET", models[0]["thumbnail"]).status, 200);
+  EXPECT_EQ(ask(port_, "POST", "/v2/repository/index").status, 200);
+  EXPECT_EQ(ask(port_, "POST", query_, scan_).status, 200);
+  EXPECT_EQ(ask(port_, "POST", "http://localhost" + query_, scan_).status, 200);
+  const std::string page = "Origin: http://localhost\r\nX-Trivet: page\r\n";
+  EXPECT_EQ(ask(port_, "POST", query_, scan_, page).status, 200) << "its own page";
+  EXPECT_EQ(ask(port_, "POST", query_, scan_, "Origin: http://evil.example\r\n").status, 403);
+
+  // Named otherwise, a path is either off the list or refused by the service.
+  const auto count = [&] {
+    int sum = 0;
+    for (const int replica : {a_->port(), b_->port()}) {
+      const std::string metrics = ask(replica, "GET", "/metrics").body;
+      const std::regex line(
+          "\ntrivet_requests_total\\{route=\"(reload|bring_part|drop_part|"
+          "publish_part|remove_model|rename_model)\",code=\"[0-9]+\"\\} ([0-9]+)");
+      for (std::sregex_iterator at(metrics.begin(), metrics.end(), line), end; at != end; ++at)
+        sum += std::stoi((*at)[2]);
+    }
+    return sum;
+  };
+  for (const auto& [method, target] : std::vector<std::pair<std::string, std::string>>{
+           {"POST", "/v1/library/reload"},
+           {"POST", "/v1/library/reloa%64"},
+           {"POST", "/v1/library/%72eload"},
+           {"POST", "/v1/library%2freload"},
+           {"POST", "//v1/library/reload"},
+           {"POST", "/v1//library/reload"},
+           {"POST", "/v1/./library/reload"},
+           {"POST", "/v1/models/../library/reload"},
+           {"POST", "/v1/models/%2e%2e/library/reload"},
+           {"POST", "/v1/recognize/../library/reload"},
+           {"POST", "/v1/recognize%2f..%2flibrary%2freload"},
+           {"POST", "/v2/models/../../v1/library/reload/infer"},
+           {"POST", "/v2/models/%2e%2e/infer"},
+           {"POST", "/v1/library/reload?/v1/recognize"},
+           {"POST", "/v1/library/reload/"},
+           {"POST", "http://localhost/v1/library/reload"},
+           {"POST", "HTTP://localhost//v1/library/reloa%64"},
+           {"post", "/v1/library/reload"},
+           {"Post", "/v1/recognize"},
+           {"GET", "/metrics"},
+           {"GET", "/metric%73"},
+           {"GET", "//metrics"},
+           {"GET", "/v1/models/../../metrics"},
+           {"GET", "/v1/models/%2e%2e/mesh.ply"},
+           {"GET", "/v1/session/archive"},
+           {"GET", "/v1/session/scans/a"},
+           {"GET", "/v1/parts/a/mesh.ply"},
+           {"PUT", "/v1/parts/a?file=a.ply&unit=m"},
+           {"PUT", "/v1/part%73/a?file=a.ply&unit=m"},
+           {"DELETE", "/v1/parts/a"},
+           {"PUT", "/v1/models/a"},
+           {"PATCH", "/v1/models/a?name=b"},
+           {"DELETE", "/v1/models/" + models[0]["name"].get<std::string>()},
+           {"DELETE", "/v1/models/a/mesh.ply"},
+           {"Delete", "/v1/models/a"},
+           {"PUT", "/v1/session/scans/a"},
+           {"OPTIONS", "/v1/recognize"},
+           {"TRACE", "/v1/models"}}) {
+    const int status = ask(port_, method, target).status;
+    EXPECT_TRUE(status == 404 || status == 400 || status == 403)
+        << method << " " << target << ": " << status;
+  }
+  EXPECT_EQ(count(), 0) << "of what operators may do";
+  EXPECT_EQ(ask(port_, "GET", "/v1/models").json()["models"].size(), models.size());
 }
 
 }  // namespace
