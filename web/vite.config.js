@@ -1,7 +1,11 @@
 import { defineConfig } from "vite";
 
 // For `vite` and `vite preview`: where a service runs.
-const service = process.env.TRIVET_SERVICE ?? "http://127.0.0.1:8080";
+// It is asked under the page's own host, or it would take the page for a foreign one.
+const service = {
+  target: process.env.TRIVET_SERVICE ?? "http://127.0.0.1:8080",
+  changeOrigin: false,
+};
 
 // Names without hashes, since the program embeds the files by name; nothing inlined, since the
 // service's content security policy forbids it.

@@ -1,7 +1,7 @@
 import { copyButton } from "./copy.js";
 import { byId, element, moveByArrows } from "./dom.js";
 import { declarationWith, nearTurnsView } from "./near_turns.js";
-import { fetchNearTurnsOfModel } from "./service.js";
+import { fetchNearTurnsOfModel, showPicture } from "./service.js";
 import { lengthWords, numbered, symmetryWords } from "./words.js";
 
 const kAdvice =
@@ -34,7 +34,10 @@ export class LibraryPanel {
   show({ unit, models }, mayChange) {
     this.#rows = models.map((model) => {
       const picture = model.thumbnail
-        ? element("img", { src: model.thumbnail, alt: "", loading: "lazy", width: 72, height: 72 })
+        ? showPicture(
+            element("img", { alt: "", loading: "lazy", width: 72, height: 72 }),
+            model.thumbnail,
+          )
         : element("span", { className: "no-picture" });
       const button = element(
         "button",

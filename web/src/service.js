@@ -19,6 +19,37 @@ const kHints = {
   504: "The service took too long: ",
 };
 
+const kToken = "trivet-token";
+let isTokenRefused = false; // by who was asked for one
+
+/** The token that the service asks for; null: none was asked for yet. */
+function knownToken() {
+  try {
+    return sessionStorage.getItem(kToken);
+  } catch {
+    return null;
+  }
+}
+
+function askForToken() {
+  const token = isTokenRefused ? null : prompt("The service asks for a token:")?.trim();
+  if (token) sessionStorage.setItem(kToken, token);
+  isTokenRefused = !token;
+  return token;
+}
+
+/** As fetch, with what shows the service that its own page asks, and with a token if it wants one. */
+async function send(target, options) {
+  for (;;) {
+    const token = knownToken();
+    const headers = { ...options.headers, "X-Trivet": "page" };
+    if (token) headers.Authorization = `Bearer ${token}`;
+    const response = await fetch(target, { ...options, headers });
+    // Of several requests that were refused the first asks.
+    if (response.status !== 401 || (knownToken() === token && !askForToken())) return response;
+  }
+}
+
 /**
  * All that the page asks of the service goes through here.
  *
@@ -28,7 +59,7 @@ const kHints = {
 export async function ask(target, options = {}) {
   let response;
   try {
-    response = await fetch(target, options);
+    response = await send(target, options);
   } catch (error) {
     if (error.name === "AbortError") throw error;
     throw new ServiceError("The service does not answer. Is `trivet serve` still running?", 0);
@@ -94,6 +125,21 @@ export async function fetchBytes(address, signal) {
   return (await ask(address, { signal })).arrayBuffer();
 }
 
+/** Let an image show a picture of the service, which the browser would ask for without a token. */
+export function showPicture(image, address) {
+  if (!knownToken()) {
+    image.src = address;
+    return image;
+  }
+  new IntersectionObserver(async (entries, observer) => {
+    if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
+    observer.disconnect();
+    image.onload = () => URL.revokeObjectURL(image.src);
+    image.src = URL.createObjectURL(new Blob([await fetchBytes(address)]));
+  }).observe(image);
+  return image;
+}
+
 /**
  * { allowed, max_bytes, max_seconds, parts: [{ name, file, bytes, unit, state: "waiting", "training",
  *   "trained" or "failed", seconds, error, facts: of a trained one as `trivet train --json` has
@@ -104,7 +150,8 @@ export const fetchParts = () => getJson("/v1/parts");
 const change = async (method, path, parameters = {}, body = undefined) =>
   (await ask(`${path}?${new URLSearchParams(parameters)}`, { method, body })).json();
 const partPath = (name) => `/v1/parts/${encodeURIComponent(name)}`;
-const modelPath = (name) => `/v1/models/${encodeURIComponent(name)}`;
+// A model of an older library may have slashes in its name, which stay as they are.
+const modelPath = (name) => `/v1/models/${name.split("/").map(encodeURIComponent).join("/")}`;
 
 /** unit  of the file's coordinates */
 export const bringPart = (name, file, unit) =>

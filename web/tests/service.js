@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 
-async function addressOf(service) {
+export async function addressOf(service) {
   const told = [];
   for await (const line of createInterface({ input: service.stderr })) {
     told.push(line);
