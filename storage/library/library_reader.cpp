@@ -237,6 +237,14 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
   }
   std::vector<LevelColumns> level_columns;
   for (const LevelRecord& level : levels) {
+    // Whether a level is looked into depends on these, before it is checked.
+    const StoredColumn& with_features = level.columns.front();
+    const Xxh3 found = xxh3(own.bytes.subspan(with_features.offset, with_features.bytes));
+    if (found != with_features.checksum) {
+      take.refuse(fmt::format("/index/{:02}/{}", out.index.size(), kLevelColumns.front().name),
+                  wrong_checksum(with_features.checksum, found));
+      return *take.fault();
+    }
     out.index.push_back(
         map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
     level_columns.push_back(level.columns);

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <string>
 
 #include "storage/library.hpp"
+#include "support/craft_library.hpp"
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"
 
@@ -90,6 +92,25 @@ TEST_F(LibraryIndex, RefusesALevelThatBreaksTheFormat) {
   ASSERT_FALSE(added);
   EXPECT_EQ(added.error().code, ErrorCode::internal);
   EXPECT_EQ(added.error().message, "model: expected numbers below 2");
+}
+
+// What is looked at before a level is checked: it says whether the level is needed.
+TEST_F(LibraryIndex, IsRefusedAtOnceWhereItNamesOtherModels) {
+  ASSERT_TRUE(add(103, 2, 10 * kRow));
+  ASSERT_TRUE(writer_.publish());
+  std::string bytes = test::read_bytes(file());
+  haddr_t at = 0;
+  test::edit_library(file(), [&](hid_t root) {
+    const hdf5::Handle models(H5Dopen2(root, "index/00/models", H5P_DEFAULT));
+    at = H5Dget_offset(models.get());
+  });
+  bytes.at(at) = 5;
+  write_file(bytes);
+  const auto library = open_library(file());
+  ASSERT_FALSE(library);
+  EXPECT_EQ(library.error().code, ErrorCode::bad_data);
+  EXPECT_NE(library.error().message.find("/index/00/models"), std::string::npos)
+      << library.error().message;
 }
 
 }  // namespace
