@@ -134,7 +134,7 @@ struct Library {
   /// Errors: bad_data (names the model, the dataset and what is wrong).
   Result<void> check(std::uint32_t model, ModelPart part) const;
   /// Whether the file's bytes are still those that were opened: others may write it in place, while
-  /// it is mapped. To be asked before an answer is worked out, and before it is given: 300 ns. Where
+  /// it is mapped. To be asked before an answer is worked out, and before it is given: 2 us. Where
   /// the file's names or rights were changed, what was checked is compared with its checksums again.
   /// Once changed it stays so; a file that takes its place by rename changes nothing.
   /// Errors: changed (says what to do).

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <ctime>
 #include <thread>
 
 #include "storage/files/errno_text.hpp"
@@ -16,12 +17,15 @@ std::int64_t nanoseconds(const timespec& time) {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
-/// Within one step of the system's clock a second change gives a file no other time.
-constexpr std::chrono::nanoseconds kClockStep = std::chrono::milliseconds(20);
-constexpr int kMostSteps = 50;
+constexpr std::chrono::milliseconds kLookAgain{1};
+constexpr int kMostLooks = 1000;
 
-std::int64_t nanoseconds_now() {
-  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+/// By the clock that files take their times from. It goes in steps of some milliseconds, of more on a
+/// machine that is held up: within one a second change gives a file no other time.
+std::int64_t time_for_files() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME_COARSE, &now);
+  return nanoseconds(now);
 }
 
 }  // namespace
@@ -62,10 +66,10 @@ Result<OpenedFile> open_regular(const std::filesystem::path& file, std::uint64_t
 }
 
 bool wait_for_rest(OpenedFile& opened) {
-  for (int step = 0; step < kMostSteps; ++step) {
-    const std::int64_t age = nanoseconds_now() - opened.identity.written;
-    if (age < 0 || age > kClockStep.count()) return true;
-    std::this_thread::sleep_for(kClockStep - std::chrono::nanoseconds(age));
+  for (int look = 0; look < kMostLooks; ++look) {
+    // What has a time to come, by another machine's clock, gets one before it.
+    if (time_for_files() != opened.identity.written) return true;
+    std::this_thread::sleep_for(kLookAgain);
     struct stat status {};
     if (::fstat(opened.descriptor.get(), &status) != 0) return false;
     opened.identity = FileIdentity::of(status);
