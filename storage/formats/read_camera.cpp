@@ -97,9 +97,9 @@ Result<Camera> read_camera(std::span<const std::byte> bytes, const std::string& 
 }
 
 Result<Camera> read_camera(const std::filesystem::path& file, std::optional<int> image_id) {
-  const auto mapped = MappedFile::open(file, kMaxCameraBytes);
-  if (!mapped) return mapped.error();
-  return read_camera(mapped->bytes(), file.string(), image_id);
+  const auto bytes = read_file(file, kMaxCameraBytes);
+  if (!bytes) return bytes.error();
+  return read_camera(*bytes, file.string(), image_id);
 }
 
 std::optional<int> image_id_of(const std::filesystem::path& image) {

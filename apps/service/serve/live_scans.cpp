@@ -123,6 +123,7 @@ std::optional<LiveScans::Scan> LiveScans::recognize(const Arrival& arrival,
   }
   Scan scan;
   scan.file = arrival.file;
+  scan.stamp = arrival.stamp;
   scan.time = now_since_1970();
   scan.error = fmt::format("{}: {}", shown_name(arrival.file), valid_utf8(reason));
   return scan;
@@ -138,8 +139,7 @@ std::optional<LiveScans::Scan> LiveScans::try_recognize(const Arrival& arrival,
   if (!arrival.is_whole) {
     scan.error = fmt::format(
         "{}: is written again and again and never rests, so it is never whole; write each scan "
-        "under "
-        "another name and rename it, or let --watch-rest-ms be less",
+        "under another name and rename it, or let --watch-rest-ms be less",
         name);
     return scan;
   }
