@@ -87,9 +87,9 @@ std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
 }
 
 TruthInstance parse_truth(const JsonNode& node) {
-  node.only({"model", "T_scene_model", "occlusion", "visible_fraction", "clutter", "ignore",
-             // How it was made and what it is worth, for people.
-             "name", "origin", "seen_through", "median_error", "median_nn_mm"});
+  // What people write beside it, such as how it was made, is theirs.
+  node.without_misspelled(
+      {"model", "T_scene_model", "occlusion", "visible_fraction", "clutter", "ignore"});
   const FilePose pose = node.at("T_scene_model").file_pose();
   TruthInstance truth{node.at("model").string(), pose.cast<float>(), {}, false};
   truth.rounded_off = pose.translation() - truth.T_scene_model.translation().cast<double>();

@@ -65,6 +65,15 @@ const JsonNode& JsonNode::only(std::initializer_list<std::string_view> known) co
   return *this;
 }
 
+const JsonNode& JsonNode::without_misspelled(std::initializer_list<std::string_view> known) const {
+  for (const auto& [key, value] : object().value_->items()) {
+    const bool is_known = std::ranges::find(known, key) != known.end();
+    if (!is_known && !nearest_name(key, known).empty())
+      throw JsonFault{fmt::format("{}: {}", place(), unknown_name(key, known))};
+  }
+  return *this;
+}
+
 bool JsonNode::has(std::string_view key) const {
   const auto found = object().value_->find(key);
   return found != value_->end() && !found->is_null();

@@ -35,6 +35,9 @@ class JsonNode {
   /// Itself, if it is an object of such members alone: refuse a name that nobody reads, and tell the
   /// nearest. Names that begin with '_' are notes.
   const JsonNode& only(std::initializer_list<std::string_view> known) const;
+  /// Itself, if it is an object without a misspelled member: refuse a name that is nearly one of these.
+  /// All others are notes.
+  const JsonNode& without_misspelled(std::initializer_list<std::string_view> known) const;
   /// Whether the member is there and not null.
   bool has(std::string_view key) const;
   JsonNode at(std::string_view key) const;
