@@ -1,4 +1,4 @@
-/// Work that is told to stop is left where it looks whether it was.
+/// Cooperative cancellation: work ends at the next check after its stop token was requested.
 #pragma once
 
 #include <cstddef>
@@ -6,11 +6,12 @@
 
 namespace trivet {
 
-/// What look() throws. No std::exception, as it is no error: who gave the token takes it.
+/// What check_stop() throws. It is no std::exception, since it is no error: the owner of the token
+/// catches it.
 struct Stopped {};
 
-/// What this thread works for until the scope ends. The engine's loops hand it on to the threads
-/// that help them, so that no stage has to name it.
+/// Makes a stop token the one that this thread checks until the scope ends. The engine's parallel
+/// loops pass it on to their threads, so that no stage needs it as a parameter.
 class StopScope {
  public:
   /// stop  outlives the scope; null: the work goes on to its end
@@ -23,19 +24,20 @@ class StopScope {
   const std::stop_token* const before_;
 };
 
+/// The token of the innermost StopScope of this thread; null: none.
 const std::stop_token* current_stop() noexcept;
 
-/// Throws Stopped where the work is to stop. Cheap; a loop that may take 50 ms calls it.
-void look();
+/// Throw Stopped if stop was requested. Costs nanoseconds; a loop that may run for 50 ms calls it.
+void check_stop();
 
-/// The same from within a loop of short steps: looks at every so many of them.
-class LookEvery {
+/// Calls check_stop() once in every num_steps calls: for loops of short steps.
+class StopCheck {
  public:
-  explicit LookEvery(std::size_t num_steps) noexcept : num_steps_(num_steps) {}
+  explicit StopCheck(std::size_t num_steps) noexcept : num_steps_(num_steps) {}
   void operator()() {
     if (++step_ < num_steps_) return;
     step_ = 0;
-    look();
+    check_stop();
   }
 
  private:
@@ -43,7 +45,7 @@ class LookEvery {
   std::size_t step_ = 0;
 };
 
-/// For tests: called with each look, from the thread that looks; null: nothing.
-void observe_looks(void (*observer)()) noexcept;
+/// For tests: called at each check, on the checking thread; null: nothing is called.
+void observe_stop_checks(void (*observer)()) noexcept;
 
 }  // namespace trivet

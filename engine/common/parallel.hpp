@@ -41,15 +41,15 @@ class FirstFault {
   std::exception_ptr fault_;
 };
 
-/// Call body(first, count) for chunks that cover [0, n), of at most a grain each, and look before
-/// each whether the work is to stop. Kernels give the same bits for any chunking, so the scheduler
+/// Call body(first, count) for chunks that cover [0, n), of at most a grain each, with
+/// check_stop() before each. Kernels give the same bits for any chunking, so the scheduler
 /// may split as it likes; inputs of one grain run on the calling thread. Throws what the body throws
 /// first, and Stopped.
 template <class Body>
 void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
   if (n == 0) return;
   if (n <= grain) {
-    look();
+    check_stop();
     body(std::size_t{0}, n);
     return;
   }
@@ -59,7 +59,7 @@ void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
         const StopScope scope(stop);
         fault.keep([&] {
           for (std::size_t first = range.begin(); first < range.end(); first += grain) {
-            look();
+            check_stop();
             body(first, std::min(grain, range.end() - first));
           }
         });

@@ -85,7 +85,7 @@ void vote_from(const SceneLevel& level, std::uint32_t reference, const Library& 
   for (std::size_t m = 0; m < models.size(); ++m) {
     const Model& model = library.models[models[m]];
     if (model.ppf.entries.empty()) continue;
-    look();
+    check_stop();
     scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
     scratch.num_votes +=
         kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);

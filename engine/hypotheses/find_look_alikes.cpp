@@ -50,7 +50,7 @@ std::vector<LookAlike> find_look_alikes(const Library& library,
   const kernels::ShapeAligner aligner(own.samples, own.sample_normals, frames[model], own.diameter);
   std::vector<std::pair<float, LookAlike>> found;
   for (const std::uint32_t m : spread_alike(frames, model, own.diameter)) {
-    look();
+    check_stop();
     for (const auto& [T_this_other, distance] : aligner.align(library.models[m].samples, frames[m]))
       found.emplace_back(distance, LookAlike{m, T_this_other});
   }

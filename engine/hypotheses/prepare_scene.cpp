@@ -90,9 +90,9 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   const Column<float> measured = image.depth;
   kernels::fill_small_holes(image.geometry, max_step, 4, image.depth);
   const std::size_t width = image.geometry.width;
-  LookEvery look(kPixelGrain);
+  StopCheck check_stop(kPixelGrain);
   for (std::size_t pixel = width + 1; pixel + width + 1 < measured.size(); ++pixel) {
-    look();
+    check_stop();
     if (measured[pixel] > 0 || !(image.depth[pixel] > 0)) continue;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (const std::size_t row : {pixel - width, pixel, pixel + width}) {
@@ -222,7 +222,7 @@ void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& opti
   for (const float d : image.depth) {
     if (d > 0) ranges.push_back(d);
   }
-  look();
+  check_stop();
   sensor.range = kernels::median(std::span(ranges));
   if (!options.correlated_noise) return;
   const std::size_t height = image.geometry.height;
@@ -274,7 +274,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
     });
   };
   estimate(kNoiseWindow);
-  look();
+  check_stop();
   Column<float> scratch;
   scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
@@ -457,10 +457,10 @@ Triangles take_surface(const Cloud& cloud, PreparedScene& scene) {
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
                                     const PrepareOptions& options) {
   const StageTimer timer(times, "prepare");
-  look();
+  check_stop();
   PreparedScene scene;
   scene.points = cloud.points;
-  look();
+  check_stop();
   scene.scale = input.scale;
   scene.offset = cloud.offset;
   if (input.scale != 1) {
@@ -511,7 +511,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
     return sample;
   }
 
-  look();
+  check_stop();
   std::vector<std::uint8_t> labels(points.size(), 0);
   kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,
                         labels);
@@ -543,9 +543,9 @@ SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
                          const VoteOptions& options, std::span<const std::uint8_t> explained) {
   SceneLevel level;
   level.step = sample.step;
-  LookEvery look(kPixelGrain);
+  StopCheck check_stop(kPixelGrain);
   for (std::size_t i = 0; i < sample.points.size(); ++i) {
-    look();
+    check_stop();
     if (!explained.empty() && is_explained(scene, explained, sample.points[i], sample.step))
       continue;
     level.points.push_back(sample.points[i]);

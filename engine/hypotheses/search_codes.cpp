@@ -48,7 +48,7 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
     const std::size_t end =
         std::min<std::size_t>(index.offsets[l + 1], index.codes.size() / stride);
     for (std::size_t first = index.offsets[l]; first < end; first += kTile) {
-      look();
+      check_stop();
       const std::size_t count = std::min(kTile, end - first);
       const auto codes = index.codes.subspan(first * stride, count * stride);
       const std::span squared = std::span(scratch.local()).first(count);

@@ -125,7 +125,7 @@ Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& c
         among_ == Among::few_models && holder != index && sibling == candidates_[holder].model;
     double best = first ? 0 : std::numeric_limits<double>::lowest();
     for (const std::uint32_t c : poses) {
-      look();
+      check_stop();
       const kernels::PoseComparison comparison = kernels::compare_poses(
           scene_.images, {**other_surface, samples, candidates_[c].T_scene_model},
           {**surface, tester.samples(), candidate.T_scene_model},

@@ -118,7 +118,7 @@ Selection select_claims(std::span<const ImageSize> images, std::span<const Claim
   PixelMarks marks(images, claims.size());
   std::map<std::uint32_t, std::uint32_t> instances;  // by model
   for (const std::uint32_t c : order) {
-    look();
+    check_stop();
     const Claim& claim = claims[c];
     const Cover cover = marks.cover_of(*claim.explained);
     const bool explained =

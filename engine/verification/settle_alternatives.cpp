@@ -93,7 +93,7 @@ class AmbiguityTest {
   };
 
   kernels::PoseComparison compare(const Pose& pose, const Candidate& with) {
-    look();
+    check_stop();
     return kernels::compare_poses(tester_.scene().images, {surface_, tester_.samples(), pose},
                                   {surface_, tester_.samples(), with.T_scene_model},
                                   tester_.errors_of(with.T_scene_model),
@@ -105,7 +105,7 @@ class AmbiguityTest {
   }
 
   Candidate examine(const Pose& pose, const Candidate& instead_of) {
-    look();
+    check_stop();
     Candidate candidate = tester_.examine(surface_, score_, pose, examine_scratch_);
     candidate.model = instead_of.model;
     candidate.source = instead_of.source;
@@ -187,7 +187,7 @@ class AmbiguityTest {
         add(other.T_scene_model);
     }
     for (const Pose& motion : model_.near_symmetries) {
-      look();
+      check_stop();
       add(tester_.polished(tester_.refined(pose * motion)));
     }
     return alternatives;

@@ -43,7 +43,7 @@ Result<void> settle_rivals(const Recognizer& recognizer, const PreparedScene& sc
     kernels::CompareScratch scratch;
     for (const std::uint32_t rival :
          rivals_of(selection.chosen[k], candidates, selection.refused)) {
-      look();
+      check_stop();
       const Candidate& a = candidates[rival];
       const Candidate& b = candidates[winner];
       const auto surface = recognizer.surface(a.model);

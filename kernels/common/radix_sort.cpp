@@ -5,7 +5,6 @@
 #include <bit>
 
 #include "storage/precondition.hpp"
-
 #include "storage/stop.hpp"
 
 namespace trivet::kernels {
@@ -15,7 +14,7 @@ void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std:
   TRIVET_REQUIRE(keys.size() == values.size(), "one value per key");
   // 2^11 counters stay in the first-level cache beside the keys that stream past.
   constexpr int kMaxDigitBits = 11;
-  constexpr std::size_t kSteps = 1 << 20;  // keys between two looks
+  constexpr std::size_t kSteps = 1 << 20;  // keys between two checks
   const std::size_t n = keys.size();
   const int key_bits = static_cast<int>(std::bit_width(max_key));
   const int num_passes = (key_bits + kMaxDigitBits - 1) / kMaxDigitBits;
@@ -28,7 +27,7 @@ void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std:
   for (int pass = 0; pass < num_passes; ++pass) {
     const int shift = pass * digit_bits;
     std::array<std::uint32_t, std::size_t{1} << kMaxDigitBits> next{};
-    look();
+    check_stop();
     for (const std::uint64_t key : keys) ++next[(key >> shift) & mask];
     std::uint32_t total = 0;
     for (std::uint32_t& slot : next) {
@@ -37,7 +36,7 @@ void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std:
       total += count;
     }
     for (std::size_t first = 0; first < n; first += kSteps) {
-      look();
+      check_stop();
       for (std::size_t i = first; i < std::min(n, first + kSteps); ++i) {
         const std::uint32_t to = next[(keys[i] >> shift) & mask]++;
         scratch.keys[to] = keys[i];

@@ -15,9 +15,9 @@ VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(point
   group_by_voxel(points, lattice_, voxels, scratch);
 
   sorted_.resize(voxels.order.size());
-  LookEvery look(1 << 18);
+  StopCheck check_stop(1 << 18);
   for (std::size_t i = 0; i < voxels.order.size(); ++i) {
-    look();
+    check_stop();
     sorted_.set(i, points[voxels.order[i]]);
   }
 
@@ -26,7 +26,7 @@ VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(point
   rows_in_layer_ = static_cast<std::uint64_t>(lattice_.counts[1]);
   voxel_x_.reserve(voxels.size());
   for (std::uint32_t v = 0; v < voxels.size(); ++v) {
-    look();
+    check_stop();
     const std::uint64_t key = voxels.keys[v] / row_length;
     if (rows_.empty() || rows_.back().key != key) rows_.push_back({key, v, v});
     rows_.back().last = v + 1;
@@ -38,7 +38,7 @@ VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(point
   table_.resize(std::bit_ceil(2 * rows_.size() + 2));
   table_shift_ = 64 - std::countr_zero(table_.size());
   for (const Row& row : rows_) {
-    look();
+    check_stop();
     std::uint64_t s = slot(row.key);
     while (table_[s].key != kNoRow) s = (s + 1) & (table_.size() - 1);
     table_[s] = row;

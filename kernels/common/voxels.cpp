@@ -65,7 +65,7 @@ VoxelLattice fit_lattice(PointsView points, double cell) {
 namespace {
 
 constexpr std::size_t kNumbered = 256;   // points numbered at a time
-constexpr std::size_t kSteps = 1 << 18;  // points between two looks
+constexpr std::size_t kSteps = 1 << 18;  // points between two checks
 constexpr std::uint64_t kNoVoxel = ~std::uint64_t{0};
 constexpr double kMaxFast = 4503599627370496.0;  // 2^52
 constexpr std::uint64_t kLowBits = (std::uint64_t{1} << 52) - 1;
@@ -93,9 +93,9 @@ void number_voxels(const VoxelLattice& lattice, std::size_t n, const float* __re
 void sort_runs(PointsView points, const VoxelLattice& lattice, Voxels& out, VoxelScratch& scratch) {
   std::array<std::uint64_t, kNumbered> numbers;
   std::uint64_t last = kNoVoxel;
-  LookEvery look(kSteps / kNumbered);
+  StopCheck check_stop(kSteps / kNumbered);
   for (std::size_t begin = 0; begin < points.size(); begin += kNumbered) {
-    look();
+    check_stop();
     const std::size_t n = std::min(kNumbered, points.size() - begin);
     number_voxels(lattice, n, &points.x[begin], &points.y[begin], &points.z[begin], numbers.data());
     for (std::size_t k = 0; k < n; ++k) {
@@ -124,9 +124,9 @@ void sort_points(PointsView points, const VoxelLattice& lattice, Voxels& out,
     return static_cast<std::uint64_t>(std::min(lattice.counts[axis], kMaxAxis));
   };
   const std::uint64_t nx = axis_count(0), ny = axis_count(1), nz = axis_count(2);
-  LookEvery look(kSteps);
+  StopCheck check_stop(kSteps);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    look();
+    check_stop();
     if (!finite(points, i)) continue;
     std::uint64_t key = voxel_on_axis(lattice, points.y[i], 1);
     if (fits) key += ny * voxel_on_axis(lattice, points.z[i], 2);
@@ -161,9 +161,9 @@ void group_by_voxel(PointsView points, const VoxelLattice& lattice, Voxels& out,
   order.clear();
   out.offsets.clear();
   std::size_t num_voxels = 0;
-  LookEvery look(kSteps);
+  StopCheck check_stop(kSteps);
   for (std::size_t k = 0; k < out.keys.size(); ++k) {
-    look();
+    check_stop();
     if (k == 0 || out.keys[k] != out.keys[num_voxels - 1]) {
       out.keys[num_voxels++] = out.keys[k];
       out.offsets.push_back(static_cast<std::uint32_t>(order.size()));

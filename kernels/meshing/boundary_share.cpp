@@ -13,15 +13,15 @@ double boundary_share(const Triangles& triangles) {
   const auto add = [&](std::uint32_t i, std::uint32_t j) {
     edges.push_back(static_cast<std::uint64_t>(std::min(i, j)) << 32 | std::max(i, j));
   };
-  LookEvery look(1 << 18);
+  StopCheck check_stop(1 << 18);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    look();
+    check_stop();
     add(triangles.a[t], triangles.b[t]);
     add(triangles.b[t], triangles.c[t]);
     add(triangles.c[t], triangles.a[t]);
   }
   std::sort(edges.begin(), edges.end(), [&](std::uint64_t a, std::uint64_t b) {
-    look();
+    check_stop();
     return a < b;
   });
   std::size_t num_edges = 0, num_boundary = 0;

@@ -123,7 +123,7 @@ CorrelatedNoise measure_correlated_noise(const RangeImage& image, std::span<cons
   const std::size_t side = kPatch * window;
   std::vector<double> heights, slopes;
   for (std::size_t v = 0; v + side <= image.geometry.height; v += side) {
-    look();
+    check_stop();
     for (std::size_t u = 0; u + side <= image.geometry.width; u += side) {
       const std::optional<Patch> patch = patches.measure(u, v);
       if (!patch) continue;

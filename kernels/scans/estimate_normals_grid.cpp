@@ -124,7 +124,7 @@ void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out) 
   out.y.assign(num_pixels, kNaN);
   out.z.assign(num_pixels, kNaN);
   for (std::size_t v = 0; v < grid.height; ++v) {
-    look();
+    check_stop();
     for (std::size_t u = 0; u < grid.width; ++u) {
       const std::int32_t index = grid.point_index[v * grid.width + u];
       if (index == PixelGrid::kNone) continue;

@@ -12,7 +12,7 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kSteps = 1 << 18;  // points between two looks: some milliseconds
+constexpr std::size_t kSteps = 1 << 18;  // points between two checks: some milliseconds
 
 }  // namespace
 
@@ -20,9 +20,9 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
   // Two separate lines: u against x/z, v against y/z.
   double n = 0, sx = 0, sxx = 0, su = 0, sxu = 0, sy = 0, syy = 0, sv = 0, syv = 0;
   const auto each = [&](auto&& body) {
-    LookEvery look(kSteps);
+    StopCheck check_stop(kSteps);
     for (std::size_t pixel = 0; pixel < grid.point_index.size(); ++pixel) {
-      look();
+      check_stop();
       const std::int32_t i = grid.point_index[pixel];
       if (i == PixelGrid::kNone) continue;
       const Eigen::Vector3f p = points[static_cast<std::size_t>(i)];
@@ -65,9 +65,9 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
   seen.assign(std::size_t{width} * height, false);
   constexpr std::size_t kNone = 2 * std::size_t{kMaxSide};  // past the last row and column
   std::size_t occupied = 0;
-  LookEvery look(kSteps);
+  StopCheck check_stop(kSteps);
   for (std::size_t i = 0; i < tangents.size(); ++i) {
-    look();
+    check_stop();
     const auto u = whole_number((tangents.x[i] - low.x()) / pitch, std::size_t{0}, kNone);
     const auto v = whole_number((tangents.y[i] - low.y()) / pitch, std::size_t{0}, kNone);
     if (u >= width || v >= height || seen[v * width + u]) continue;
@@ -145,9 +145,9 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   Points tangents;
   tangents.reserve(points.size());
   Eigen::Array2f t_low(kMaxTangent, kMaxTangent), t_high(-kMaxTangent, -kMaxTangent);
-  LookEvery look(kSteps);
+  StopCheck check_stop(kSteps);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    look();
+    check_stop();
     const Eigen::Vector3f p = geometry.T_camera_scene * points[i];
     if (!(p.z() > 0)) continue;
     const Eigen::Array2f t(p.x() / p.z(), p.y() / p.z());
@@ -179,9 +179,9 @@ PixelGrid rasterize(const ImageGeometry& geometry, PointsView points, NormalsVie
   grid.point_index.assign(num_pixels, PixelGrid::kNone);
   Column<float> nearest(num_pixels, std::numeric_limits<float>::infinity());
   const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
-  LookEvery look(kSteps);
+  StopCheck check_stop(kSteps);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    look();
+    check_stop();
     const Eigen::Vector3f p = geometry.T_camera_scene * points[i];
     const std::int64_t pixel = geometry.pixel_of(p);
     if (pixel < 0) continue;
@@ -201,7 +201,7 @@ std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int 
   std::size_t filled = 0;
   const std::size_t width = geometry.width;
   for (std::size_t v = 1; v + 1 < geometry.height; ++v) {
-    look();
+    check_stop();
     for (std::size_t u = 1; u + 1 < width; ++u) {
       const std::size_t pixel = v * width + u;
       if (measured[pixel] > 0) continue;

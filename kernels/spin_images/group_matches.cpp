@@ -43,7 +43,7 @@ std::vector<Hypothesis> group_by_consistency(const PointMatches& matches, float 
   std::vector<Hypothesis> found;
   for (std::uint32_t first = 0; first < n; ++first) {
     if (is_grouped[first] != 0) continue;
-    look();
+    check_stop();
     group.assign(1, first);
     for (std::uint32_t i = first + 1; i < n; ++i) {
       if (is_grouped[i] != 0) continue;
@@ -77,7 +77,7 @@ std::vector<Hypothesis> group_by_ransac(const PointMatches& matches, float toler
              agree(matches, i, j, tolerance);
     };
     if (!holds(a, b) || !holds(b, c) || !holds(c, a)) continue;
-    look();
+    check_stop();
     const Pose pose = fit_pose(matches, triple);
     inliers.clear();
     for (std::uint32_t i = 0; i < n; ++i) {

@@ -36,9 +36,9 @@ void subsample_by_normals(PointsView points, NormalsView normals, float cell, fl
   group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.grouping);
   out_points.resize(0);
   out_normals.resize(0);
-  LookEvery look(1 << 12);
+  StopCheck check_stop(1 << 12);
   for (std::size_t v = 0; v < voxels.size(); ++v) {
-    look();
+    check_stop();
     group_by_normal(points, normals, voxels.points_of(v), min_cosine, scratch.groups);
     for (const OrientedGroup& group : scratch.groups) {
       const Eigen::Vector3d position = group.position_sum / static_cast<double>(group.num_points);

@@ -50,7 +50,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
   std::vector<Cluster> clusters;
   std::unordered_map<std::int64_t, std::vector<std::uint32_t>> clusters_of_cell;
   for (const std::uint32_t i : order) {
-    look();
+    check_stop();
     const Eigen::Vector3f center = hypotheses[i].T_scene_model * model_center;
     const Eigen::Array3f scaled = (center / options.max_translation).array().floor();
     const auto cell = [](float coordinate) {

@@ -33,12 +33,12 @@ class Inflater {
   Inflater& operator=(const Inflater&) = delete;
   ~Inflater() { inflateEnd(&stream_); }
 
-  /// Unpack into `out` until it is full, a member ends or much was unpacked, after a look whether the
+  /// Unpack into `out` until it is full, a member ends or much was unpacked, after a check whether the
   /// work is to stop.
   /// produced  bytes that `out` has now
   /// Returns zlib's answer. Throws std::bad_alloc.
   int step(std::span<std::byte> out, std::size_t& produced) {
-    look();
+    check_stop();
     const std::size_t given = std::min<std::size_t>(rest_.size(), kMostAtOnce);
     const std::size_t room = std::min<std::size_t>(out.size(), kMostAtOnce);
     // zlib's input is not const, and is not written to either.

@@ -7,7 +7,7 @@ namespace trivet {
 namespace {
 
 thread_local const std::stop_token* current = nullptr;
-std::atomic<void (*)()> look_observer{nullptr};
+std::atomic<void (*)()> stop_observer{nullptr};
 
 }  // namespace
 
@@ -17,11 +17,11 @@ StopScope::~StopScope() { current = before_; }
 
 const std::stop_token* current_stop() noexcept { return current; }
 
-void look() {
-  if (auto* const observer = look_observer.load(std::memory_order_relaxed)) observer();
+void check_stop() {
+  if (auto* const observer = stop_observer.load(std::memory_order_relaxed)) observer();
   if (current != nullptr && current->stop_requested()) throw Stopped();
 }
 
-void observe_looks(void (*observer)()) noexcept { look_observer = observer; }
+void observe_stop_checks(void (*observer)()) noexcept { stop_observer = observer; }
 
 }  // namespace trivet

@@ -31,7 +31,7 @@ std::string_view TextCursor::next_word() {
 }
 
 bool TextCursor::next_line() {
-  look_();
+  check_stop_();
   at_ = std::find(at_, end_, break_);
   if (at_ == end_) return false;
   ++at_;

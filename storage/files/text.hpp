@@ -37,7 +37,7 @@ class TextCursor {
   char break_ = '\n';
   std::size_t line_ = 1;
   std::array<bool, 256> separates_{};
-  LookEvery look_{1 << 14};  // lines
+  StopCheck check_stop_{1 << 14};  // lines
 };
 
 /// A letter of ASCII or a digit.

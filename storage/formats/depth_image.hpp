@@ -15,7 +15,7 @@
 
 namespace trivet::formats {
 
-inline constexpr std::size_t kLookPixels = 1 << 18;  ///< between two looks whether to stop
+inline constexpr std::size_t kStopCheckPixels = 1 << 18;  ///< between two checks
 
 /// Whether there are pixels, and no more than allowed. Errors: bad_data.
 Result<void> check_pixels(const Input& input, std::uint64_t width, std::uint64_t height);
@@ -38,9 +38,9 @@ Result<Cloud> back_project_pinhole(const Input& input, std::uint32_t width, std:
   const std::size_t num_pixels = std::size_t{width} * height;
   std::size_t num_measured = 0, num_negative = 0;
   const auto is_measured = [](double raw) { return raw > 0 && std::isfinite(raw); };
-  LookEvery look(kLookPixels);
+  StopCheck check_stop(kStopCheckPixels);
   for (std::size_t pixel = 0; pixel < num_pixels; ++pixel) {
-    look();
+    check_stop();
     const double raw = depth_at(pixel);
     num_measured += is_measured(raw);
     num_negative += raw < 0;
@@ -51,7 +51,7 @@ Result<Cloud> back_project_pinhole(const Input& input, std::uint32_t width, std:
   cloud.points.reserve(num_measured);
   cloud.grid = PixelGrid{width, height, Column<std::int32_t>(num_pixels, PixelGrid::kNone)};
   for (std::size_t pixel = 0; pixel < num_pixels; ++pixel) {
-    look();
+    check_stop();
     const double raw = depth_at(pixel);
     if (!is_measured(raw)) continue;
     const std::size_t u = pixel % width, v = pixel / width;

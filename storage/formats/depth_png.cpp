@@ -112,7 +112,7 @@ Result<Cloud> read_depth_png(const Input& input) {
   }
   Source source{input.bytes, {}};
   if (!decode(source, rows, header->width)) {
-    look();
+    check_stop();
     return input.refuse(fmt::format("cannot be decoded as PNG: {}", source.fault.data()));
   }
   return back_project(input, header->width, header->height, *camera,

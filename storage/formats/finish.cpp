@@ -18,9 +18,9 @@ constexpr float kSmallestExtent = 1e-5F, kSmallestModel = 1e-3F;
 
 void drop_invalid(Cloud& cloud) {
   std::vector<std::uint8_t> is_finite(cloud.points.size());
-  LookEvery look(1 << 18);
+  StopCheck check_stop(1 << 18);
   for (std::size_t i = 0; i < is_finite.size(); ++i) {
-    look();
+    check_stop();
     is_finite[i] = cloud.points[i].allFinite();
     cloud.num_invalid += is_finite[i] == 0;
   }
@@ -44,9 +44,9 @@ void drop_unused(Cloud& cloud) {
 Result<void> check_range(const Cloud& cloud, const Input& input) {
   const PointsView points = cloud.points;
   Eigen::Vector3f low = points[0], high = points[0];
-  LookEvery look(1 << 18);
+  StopCheck check_stop(1 << 18);
   for (std::size_t i = 1; i < points.size(); ++i) {
-    look();
+    check_stop();
     low = low.cwiseMin(points[i]);
     high = high.cwiseMax(points[i]);
   }

@@ -72,9 +72,9 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
 
   const Table table(input, header, columns);
   Positions positions, normals;
-  LookEvery look(1 << 18);
+  StopCheck check_stop(1 << 18);
   for (std::size_t i = 0; i < count; ++i) {
-    look();
+    check_stop();
     positions.push_back(table.vector(i, 0));
     if (columns != 6) continue;
     const Eigen::Vector3d normal = table.vector(i, 3);

@@ -65,9 +65,9 @@ Result<void> read_ascii(const Input& input, const PcdHeader& header,
 
 /// Value i of a field lies at first + i * stride.
 void copy_column(const std::byte* first, std::size_t stride, const Target& target) {
-  LookEvery look(1 << 18);
+  StopCheck check_stop(1 << 18);
   for (std::size_t i = 0; i < target.column.size(); ++i) {
-    look();
+    check_stop();
     target.column[i] = load(first + i * stride, target.field->type, std::endian::little);
   }
 }

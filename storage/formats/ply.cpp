@@ -30,7 +30,7 @@ class PlyBody {
         first_line_(header.body_line) {}
 
   void begin_row() {
-    look_();
+    check_stop_();
     row_begins_ = true;
   }
   /// Of text: an error where the line goes on.
@@ -103,7 +103,7 @@ class PlyBody {
   std::span<const std::byte> bytes_;
   TextCursor text_;
   std::endian order_;
-  LookEvery look_{1 << 14};  // rows
+  StopCheck check_stop_{1 << 14};  // rows
   bool ascii_, row_begins_ = true;
   std::size_t first_byte_, first_line_;
   std::size_t at_ = 0;

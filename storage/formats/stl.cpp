@@ -155,9 +155,9 @@ Cloud weld(PointsView corners) {
   };
   std::vector<std::uint32_t> order(corners.size());
   std::iota(order.begin(), order.end(), 0U);
-  LookEvery look(1 << 16);
+  StopCheck check_stop(1 << 16);
   std::sort(order.begin(), order.end(), [&](auto i, auto j) {
-    look();
+    check_stop();
     return key(i) < key(j);
   });
 
@@ -169,7 +169,7 @@ Cloud weld(PointsView corners) {
   }
   Cloud cloud;
   for (std::uint32_t i = 0; i < corners.size(); ++i) {
-    look();
+    check_stop();
     if (first[i] == i) {
       point[i] = static_cast<std::uint32_t>(cloud.points.size());
       cloud.points.push_back(corners[i]);

@@ -1,4 +1,4 @@
-/// Recognition that is told to stop, at any of its looks.
+/// Recognition that is told to stop, at any of its checks.
 #include "storage/stop.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace trivet {
 namespace {
 
-std::atomic<std::int64_t> num_looks{0}, stop_at{0}, most_nanoseconds{0};
+std::atomic<std::int64_t> num_checks{0}, stop_at{0}, most_nanoseconds{0};
 std::stop_source stop;
 
 /// Of this thread.
@@ -25,7 +25,7 @@ std::int64_t work_nanoseconds() {
   return 1'000'000'000 * now.tv_sec + now.tv_nsec;
 }
 
-void on_look() {
+void on_check() {
   thread_local std::int64_t last = 0;
   const std::int64_t now = work_nanoseconds();
   if (last > 0) {
@@ -34,26 +34,26 @@ void on_look() {
     }
   }
   last = now;
-  if (++num_looks == stop_at) stop.request_stop();
+  if (++num_checks == stop_at) stop.request_stop();
 }
 
 class Stop : public test::TwoParts {
  protected:
-  ~Stop() override { observe_looks(nullptr); }
+  ~Stop() override { observe_stop_checks(nullptr); }
 
-  /// at  the look at which it is told to stop; 0: none
+  /// at  the check at which it is told to stop; 0: none
   static Result<SceneResult> recognize(std::int64_t at) {
     static const Cloud scene = clutter();
     RecognizeOptions options;
     options.max_rejected = 2;
     options.explain.point = Eigen::Vector3d(0, 0, 0.9);
     stop = std::stop_source();
-    num_looks = 0;
+    num_checks = 0;
     most_nanoseconds = 0;
     stop_at = at;
-    observe_looks(on_look);
+    observe_stop_checks(on_check);
     auto result = trivet::recognize(recognizer_, scene, {}, options, stop.get_token());
-    observe_looks(nullptr);
+    observe_stop_checks(nullptr);
     return result;
   }
 };
@@ -62,18 +62,18 @@ TEST_F(Stop, EndsWhicheverLookItComesAt) {
   ASSERT_TRUE(recognize(0));  // what is made once
   const auto whole = recognize(0);
   ASSERT_TRUE(whole);
-  const std::int64_t all = num_looks;
-  RecordProperty("looks", static_cast<int>(all));
+  const std::int64_t all = num_checks;
+  RecordProperty("checks", static_cast<int>(all));
   RecordProperty("longest_ms", static_cast<int>(most_nanoseconds / 1'000'000));
-  // 50 ms are meant; a loop without a look takes a large part of the whole.
-  EXPECT_LT(most_nanoseconds, 500'000'000) << "between two looks of a thread";
+  // 50 ms are meant; a loop without a check takes a large part of the whole.
+  EXPECT_LT(most_nanoseconds, 500'000'000) << "between two checks of a thread";
   const auto num_threads = static_cast<std::int64_t>(std::thread::hardware_concurrency());
   std::int64_t num_stopped = 0;
   for (std::int64_t at = 1; at < all * 9 / 10; at += std::max<std::int64_t>(1, at / 3)) {
     const auto stopped = recognize(at);
     ASSERT_FALSE(stopped) << at;
     EXPECT_EQ(stopped.error().code, ErrorCode::resumable) << stopped.error().message;
-    EXPECT_LE(num_looks, at + 4 * num_threads) << "each thread leaves at its next look";
+    EXPECT_LE(num_checks, at + 4 * num_threads) << "each thread leaves at its next check";
     ++num_stopped;
   }
   EXPECT_GT(num_stopped, 15);
@@ -89,9 +89,9 @@ TEST_F(Stop, EndsWhicheverLookItComesAt) {
 }
 
 TEST(ForChunks, LooksBeforeEachGrainOnEveryThread) {
-  num_looks = 0;
+  num_checks = 0;
   stop_at = 0;
-  observe_looks(on_look);
+  observe_stop_checks(on_check);
   std::atomic<std::size_t> most{0}, sum{0};
   engine::for_chunks(10'000, 10, [&](std::size_t, std::size_t count) {
     std::size_t before = most;
@@ -99,10 +99,10 @@ TEST(ForChunks, LooksBeforeEachGrainOnEveryThread) {
     }
     sum += count;
   });
-  observe_looks(nullptr);
+  observe_stop_checks(nullptr);
   EXPECT_EQ(sum, 10'000U);
   EXPECT_LE(most, 10U);
-  EXPECT_GE(num_looks, 1000);
+  EXPECT_GE(num_checks, 1000);
 }
 
 TEST(ForChunks, LeavesWithWhatWasThrownFirstAndStopsNoOtherLoop) {
