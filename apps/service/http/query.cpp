@@ -14,6 +14,18 @@ namespace {
 
 constexpr std::size_t kMaxShownPath = 100;
 
+/// What the escape at the beginning of a text stands for. Errors: usage (it is broken).
+Result<char> unescape(std::string_view text) {
+  unsigned value = 0;
+  const std::string_view digits = text.substr(1, 2);
+  const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16).ptr;
+  if (digits.size() < 2 || end != digits.data() + 2) {
+    return Error{ErrorCode::usage,
+                 fmt::format("expected two hexadecimal digits after '%', found '{}'", digits)};
+  }
+  return static_cast<char>(value);
+}
+
 Result<std::string> decode(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -21,14 +33,9 @@ Result<std::string> decode(std::string_view text) {
       out += text[i];
       continue;
     }
-    unsigned value = 0;
-    const std::string_view digits = text.substr(i + 1, 2);
-    const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16).ptr;
-    if (digits.size() < 2 || end != digits.data() + 2) {
-      return Error{ErrorCode::usage,
-                   fmt::format("expected two hexadecimal digits after '%', found '{}'", digits)};
-    }
-    out += static_cast<char>(value);
+    const Result<char> unescaped = unescape(text.substr(i));
+    if (!unescaped) return unescaped.error();
+    out += *unescaped;
     i += 2;
   }
   if (!is_utf8(out)) {
@@ -96,14 +103,14 @@ Result<void> check_path(std::string_view target) {
       continue;
     }
     const std::string_view escape = path.substr(i, 3);
-    const Result<std::string> decoded = decode(escape);
-    if (!decoded) return decoded.error();
-    const char c = decoded->front();
+    const Result<char> unescaped = unescape(escape);
+    if (!unescaped) return unescaped.error();
+    const char c = *unescaped;
     const auto code = static_cast<unsigned char>(c);
     if (is_unreserved(c)) return refuse("letters, digits and -._~ as they are", escape);
     if (c == '/' || c == '\\' || code < ' ' || code == 0x7F)
       return refuse("no escaped slash, backslash or control character", escape);
-    if (c == '%' && decode(fmt::format("%{}", path.substr(i + 3, 2))))
+    if (c == '%' && unescape(fmt::format("%{}", path.substr(i + 3, 2))))
       return refuse("no escape of an escape", path.substr(i, 5));
     i += 2;
   }

@@ -45,7 +45,7 @@ TEST_F(ServeStuck, AnswersAtTheDeadlineAndEndsInTime) {
         EXPECT_NE(metrics.body.find("\ntrivet_inflight 1\n"), std::string::npos) << metrics.body;
         // What is on its way when the service is told to end is answered.
         const Connection last(port);
-        last.send("POST " + query_ + " HTTP/1.1\r\nHost: x\r\nContent-Length: " +
+        last.send("POST " + query_ + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
                   std::to_string(packed.size()) + "\r\n\r\n" + packed);
         std::this_thread::sleep_for(milliseconds(20));
         told = steady_clock::now();

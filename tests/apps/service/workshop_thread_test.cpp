@@ -34,6 +34,7 @@ class WorkshopThread : public test::ServeFixture {
     auto opened = PartWorkshop::open(settings, folder_ / "l.h5", std::move(reload), log_);
     ASSERT_TRUE(opened) << opened.error().message;
     workshop_ = *std::move(opened);
+    workshop_->start();
   }
 
   /// Of a model of the library, to a name that none has.

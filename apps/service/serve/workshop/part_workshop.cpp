@@ -167,6 +167,8 @@ void PartWorkshop::take_up(const std::string& name) {
 
 Result<void> PartWorkshop::write_manifest_of(const std::string& name, const Draft& draft,
                                              const std::optional<Symmetry>& symmetry) const {
+  const Result<void> good = check_below(settings_.folder, fs::path(name) / kManifest);
+  if (!good) return good;
   Manifest manifest;
   manifest.unit = unit_;
   manifest.models.push_back(
