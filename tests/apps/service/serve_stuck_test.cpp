@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "apps/service/daemon.hpp"
-#include "apps/service/gzip.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
 
@@ -26,27 +25,28 @@ class ServeStuck : public test::ServeFixture {};
 TEST_F(ServeStuck, AnswersAtTheDeadlineAndEndsInTime) {
   if (std::string(TRIVET_STUCK_INFLATE).empty()) GTEST_SKIP() << "not with sanitizers";
   environment_ = {std::string("LD_PRELOAD=") + TRIVET_STUCK_INFLATE, "STUCK_FROM=stuck"};
-  const std::string packed = test::pack(test::Packing::gzip, read_bytes(depth_));
+  const std::string image = read_bytes(depth_);
   steady_clock::time_point told;
   const test::Outcome outcome =
       serve({"--exit-timeout-ms", "500", "--parallel", "1"}, [&](int port) {
-        EXPECT_EQ(ask(port, "POST", query_, packed).status, 200);
+        EXPECT_EQ(ask(port, "POST", query_, image).status, 200);
         std::ofstream(folder_ / "stuck") << "";
         const auto begun = steady_clock::now();
-        const Answer late = ask(port, "POST", query_, packed, "X-Deadline-Ms: 300\r\n");
+        const Answer late = ask(port, "POST", query_, image, "X-Deadline-Ms: 300\r\n");
         const auto seconds = std::chrono::duration<double>(steady_clock::now() - begun).count();
         EXPECT_EQ(late.status, 504) << late.body;
         EXPECT_GE(seconds, 0.3);
         EXPECT_LT(seconds, 5) << "the work goes on for ever";
         // Who waits for the worker is answered in time, too.
-        EXPECT_EQ(ask(port, "POST", query_, packed, "X-Deadline-Ms: 300\r\n").status, 504);
+        const Answer next = ask(port, "POST", query_, image, "X-Deadline-Ms: 300\r\n");
+        EXPECT_TRUE(next.status == 504 || next.status == 503) << "or at once: " << next.body;
         EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
         const Answer metrics = ask(port, "GET", "/metrics");
         EXPECT_NE(metrics.body.find("\ntrivet_inflight 1\n"), std::string::npos) << metrics.body;
         // What is on its way when the service is told to end is answered.
         const Connection last(port);
         last.send("POST " + query_ + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
-                  std::to_string(packed.size()) + "\r\n\r\n" + packed);
+                  std::to_string(image.size()) + "\r\n\r\n" + image);
         std::this_thread::sleep_for(milliseconds(20));
         told = steady_clock::now();
         tell_to_end();

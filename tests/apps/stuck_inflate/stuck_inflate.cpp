@@ -1,5 +1,5 @@
 /// Preloaded into a program: from when the file that STUCK_FROM names is there, zlib's inflate does
-/// not return. A scan that is packed is work then that looks at nothing.
+/// not return. An image is work then that looks at nothing.
 #include <dlfcn.h>
 #include <unistd.h>
 
