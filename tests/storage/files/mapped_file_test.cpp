@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using State = MappedFile::State;
 
-constexpr std::size_t kPages = 64, kPage = 4096;
+constexpr std::size_t kPages = 64, kPageBytes = 4096;
 
 Result<MappedFile> map(const fs::path& file, Writers writers) {
   return MappedFile::open(file, std::size_t{1} << 30U, writers);
@@ -35,18 +35,19 @@ void overwrite(const fs::path& file, std::string_view bytes) {
 
 TEST(MappedFile, ReadsAsZerosWhereItsFileWasCutOffAndIsTorn) {
   const test::TempDir folder;
-  const fs::path file = folder.write("a", std::string(kPages * kPage, 'x'));
-  const fs::path other = folder.write("b", std::string(kPages * kPage, 'y'));
+  const fs::path file = folder.write("a", std::string(kPages * kPageBytes, 'x'));
+  const fs::path other = folder.write("b", std::string(kPages * kPageBytes, 'y'));
   for (const Writers writers : {Writers::none, Writers::others}) {
-    overwrite(file, std::string(kPages * kPage, 'x'));
+    overwrite(file, std::string(kPages * kPageBytes, 'x'));
     const auto cut = map(file, writers), whole = map(other, writers);
     ASSERT_TRUE(cut && whole);
-    fs::resize_file(file, 2 * kPage);
-    EXPECT_EQ(cut->bytes()[kPage], std::byte{'x'});
+    fs::resize_file(file, 2 * kPageBytes);
+    EXPECT_EQ(cut->bytes()[kPageBytes], std::byte{'x'});
     // From behind, then before it, then from the first page on: each time anew.
-    for (const std::size_t at : {kPages * kPage - 1, 10 * kPage, 2 * kPage, 63 * kPage})
+    for (const std::size_t at :
+         {kPages * kPageBytes - 1, 10 * kPageBytes, 2 * kPageBytes, 63 * kPageBytes})
       EXPECT_EQ(cut->bytes()[at], std::byte{0}) << at;
-    EXPECT_EQ(cut->bytes()[kPage], std::byte{'x'});
+    EXPECT_EQ(cut->bytes()[kPageBytes], std::byte{'x'});
     EXPECT_EQ(cut->state(), State::changed);
     EXPECT_EQ(whole->state(), State::same);
     EXPECT_EQ(whole->bytes().back(), std::byte{'y'});
@@ -55,11 +56,11 @@ TEST(MappedFile, ReadsAsZerosWhereItsFileWasCutOffAndIsTorn) {
 
 TEST(MappedFile, LeavesTheFaultsOfOthersToThem) {
   const test::TempDir folder;
-  const fs::path file = folder.write("a", std::string(kPage, 'x'));
+  const fs::path file = folder.write("a", std::string(kPageBytes, 'x'));
   const auto guarded = map(file, Writers::others);  // the handler is there
   ASSERT_TRUE(guarded);
-  const int descriptor = ::open(folder.write("b", std::string(kPage, 'x')).c_str(), O_RDWR);
-  void* const memory = ::mmap(nullptr, kPage, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  const int descriptor = ::open(folder.write("b", std::string(kPageBytes, 'x')).c_str(), O_RDWR);
+  void* const memory = ::mmap(nullptr, kPageBytes, PROT_READ, MAP_PRIVATE, descriptor, 0);
   ASSERT_NE(memory, MAP_FAILED);
   ASSERT_EQ(::ftruncate(descriptor, 0), 0);
 #ifdef __SANITIZE_ADDRESS__
@@ -67,17 +68,17 @@ TEST(MappedFile, LeavesTheFaultsOfOthersToThem) {
 #else
   EXPECT_EXIT((void)*static_cast<volatile char*>(memory), testing::KilledBySignal(SIGBUS), "");
 #endif
-  ::munmap(memory, kPage);
+  ::munmap(memory, kPageBytes);
   ::close(descriptor);
 }
 
 TEST(MappedFile, SeesWhatWasChangedInPlace) {
   const test::TempDir folder;
-  const std::string bytes(3 * kPage, 'x');
+  const std::string bytes(3 * kPageBytes, 'x');
   const auto changes = {
-      +[](const fs::path& file) { overwrite(file, std::string(3 * kPage, 'y')); },
-      +[](const fs::path& file) { fs::resize_file(file, kPage); },
-      +[](const fs::path& file) { fs::resize_file(file, 5 * kPage); },
+      +[](const fs::path& file) { overwrite(file, std::string(3 * kPageBytes, 'y')); },
+      +[](const fs::path& file) { fs::resize_file(file, kPageBytes); },
+      +[](const fs::path& file) { fs::resize_file(file, 5 * kPageBytes); },
       +[](const fs::path& file) { std::fstream(file).seekp(17) << 'y'; },
   };
   for (const auto change : changes) {
@@ -119,7 +120,7 @@ TEST(MappedFile, IsTouchedByWhatMayHaveSetItsTimeBack) {
 
 TEST(ReadFile, GivesTheWholeFileWithinBounds) {
   const test::TempDir folder;
-  const std::string bytes(100 * kPage, 'a');
+  const std::string bytes(100 * kPageBytes, 'a');
   const fs::path file = folder.write("a", bytes);
   EXPECT_EQ(read_text_file(file, bytes.size()).value(), bytes);
   EXPECT_EQ(read_file(file, bytes.size()).value().size(), bytes.size());
