@@ -87,7 +87,7 @@ std::string stl_of(const Cloud& cloud) {
 
 std::string glb_of(const Cloud& cloud) {
   const std::string points = packed_points(cloud), faces = packed_faces(cloud, false);
-  const std::string json = fmt::format(
+  const std::string document = fmt::format(
       R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],)"
       R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"accessors":[)"
       R"({{"bufferView":0,"componentType":5126,"count":{},"type":"VEC3"}},)"
@@ -96,7 +96,7 @@ std::string glb_of(const Cloud& cloud) {
       R"("buffers":[{{"byteLength":{}}}]}})",
       cloud.points.size(), 3 * cloud.triangles.size(), points.size(), points.size(), faces.size(),
       points.size() + faces.size());
-  return test::glb_file(json, points + faces);
+  return test::glb_file(document, points + faces);
 }
 
 std::vector<std::uint16_t> some_depths(std::size_t n) {

@@ -70,7 +70,7 @@ struct Tetrahedron {
     for (const float v : coordinates()) buffer += test::little(v);
     const std::size_t faces_at = buffer.size();
     for (const std::uint32_t i : indices()) buffer += test::little(i);
-    const std::string json = fmt::format(
+    const std::string document = fmt::format(
         R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],)"
         R"("nodes":[{{"mesh":0}}],)"
         R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],)"
@@ -80,7 +80,7 @@ struct Tetrahedron {
         R"({{"buffer":0,"byteOffset":{},"byteLength":{}}}],"buffers":[{{"byteLength":{}}}]}})",
         num_points(), indices().size(), faces_at, faces_at, buffer.size() - faces_at,
         buffer.size());
-    return test::glb_file(json, buffer);
+    return test::glb_file(document, buffer);
   }
 };
 
