@@ -13,7 +13,7 @@
 namespace trivet::fuzz {
 namespace {
 
-constexpr std::array<std::string_view, 6> kFormats{"ply", "obj", "stl", "off", "xyz", "png"};
+constexpr std::array<std::string_view, 6> kSceneFormats{"ply", "obj", "stl", "off", "xyz", "png"};
 constexpr char kFirstChoice = 'a';  // then closed, viewpoint and another unit, a bit each
 constexpr int kNumChoices = 8;
 
@@ -59,9 +59,9 @@ void recognize_scene(std::string_view input) {
   if (input.size() < 2) return;
   const auto format = static_cast<std::size_t>(static_cast<unsigned char>(input[0]) - '0');
   const int choice = input[1] - kFirstChoice;
-  if (format >= kFormats.size() || choice < 0 || choice >= kNumChoices) return;
+  if (format >= kSceneFormats.size() || choice < 0 || choice >= kNumChoices) return;
 
-  SceneInput scene{.file = "body." + std::string(kFormats[format])};
+  SceneInput scene{.file = "body." + std::string(kSceneFormats[format])};
   scene.closed_surface = (choice & 1) != 0;
   if ((choice & 2) != 0) scene.viewpoint = Eigen::Vector3d(0, 0, 0);
   scene.scale = (choice & 4) != 0 ? 1000 : 1;

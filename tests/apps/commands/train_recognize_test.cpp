@@ -364,7 +364,8 @@ TEST_F(TrainRecognize, IsTheSameWhereTheDecimalSignIsAComma) {
   const std::string place = folder_->path().string();
   const std::string make =
       "cd " + place + " && localedef -c -i ./comma -f ./ascii ./xx_XX >localedef.log 2>&1";
-  (void)std::system(make.c_str());  // it also fails for want of categories that do not matter here
+  // It also fails for want of categories that do not matter here.
+  [[maybe_unused]] const int ignored = std::system(make.c_str());
   if (!std::filesystem::exists(*folder_ / "xx_XX/LC_NUMERIC"))
     GTEST_SKIP() << "localedef made no locale";
 
