@@ -321,7 +321,8 @@ TEST_F(TrainLibrary, WarnsOfSizesThatDoNotFit) {
   const auto report = train_library(request({"bracket", "huge", "lever", "third"}));
   ASSERT_TRUE(report);
   for (const ModelFacts& model : report->models)
-    EXPECT_EQ(model.warnings.empty(), model.name != "huge") << model.name;
+    EXPECT_EQ(model.warnings.empty(), model.name != "huge")
+        << model.name << (model.warnings.empty() ? "" : ": " + model.warnings.front());
 }
 
 TEST(Fingerprint, ChangesWithAllThatAModelComesFrom) {
