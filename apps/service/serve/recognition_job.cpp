@@ -27,8 +27,10 @@ ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metr
     if (!cloud) return cloud.error();
     metrics.observe_stage("decode",
                           std::chrono::duration<double>(ServiceClock::now() - begun).count());
-    Result<SceneResult> result = trivet::recognize(
-        generation.recognizer, *cloud, scan.scene.input(unit), recognition->request.options, stop);
+    SceneInput input = scan.scene.input(unit);
+    input.file = scan.name;  // of which errors speak
+    Result<SceneResult> result =
+        trivet::recognize(generation.recognizer, *cloud, input, recognition->request.options, stop);
     if (!result) return result.error();
     recognition->results[i] = std::move(*result);
     return {};

@@ -71,11 +71,18 @@ TEST_F(LibraryChanges, MergeWhatWasSplit) {
 }
 
 TEST_F(LibraryChanges, ExportWhatTrainsToTheSame) {
-  does({"library", "export", "library.h5", "bracket", "-o", "surfaces"});
-  does({"library", "export", "library.h5", "lever", "-o", "surfaces"});
-  does({"train", "surfaces/bracket.ply", "surfaces/lever.ply", "-o", "again.h5", "--preset",
-        "fast"});
-  EXPECT_NE(does({"library", "diff", "library.h5", "again.h5"}).find("2 models are the same"),
+  // Of these shapes some triangles have no area, which training leaves out: so the first surfaces are
+  // not the files that were trained, but all that follow are.
+  const auto export_and_train = [](const std::string& from, const std::string& surfaces,
+                                   const std::string& to) {
+    for (const std::string name : {"bracket", "lever"})
+      does({"library", "export", from, name, "-o", surfaces});
+    does({"train", surfaces + "/bracket.ply", surfaces + "/lever.ply", "-o", to, "--preset",
+          "fast"});
+  };
+  export_and_train("library.h5", "first", "again.h5");
+  export_and_train("again.h5", "second", "third.h5");
+  EXPECT_NE(does({"library", "diff", "again.h5", "third.h5"}).find("2 models are the same"),
             std::string::npos);
 }
 

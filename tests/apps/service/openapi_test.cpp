@@ -66,8 +66,12 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
     if (schema.contains("maximum")) bad.push_back(schema["maximum"].get<std::int64_t>() + 1);
     if (schema.contains("exclusiveMinimum")) bad.push_back(schema["exclusiveMinimum"]);
     if (schema.contains("enum")) bad.push_back("other");
+    // What says how a camera's image is to be read stands beside a camera.
+    const bool is_of_camera = name == "depth" || name == "distortion" || name == "image-size";
     for (const nlohmann::json& value : good) {
-      const auto query = apps::service::parse_recognize_query({{name, text(value)}});
+      apps::service::Parameters parameters{{name, text(value)}};
+      if (is_of_camera) parameters.emplace_back("camera", "500,500,320,240");
+      const auto query = apps::service::parse_recognize_query(parameters);
       EXPECT_TRUE(query) << name << "=" << value << ": " << query.error().message;
     }
     for (const nlohmann::json& value : bad)
