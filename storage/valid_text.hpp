@@ -14,11 +14,11 @@ bool is_utf8(std::string_view bytes) noexcept;
 std::string valid_utf8(std::string_view bytes);
 
 /// The same as one line that does nothing to a terminal or a log: control characters (C0, DEL, C1),
-/// breaks of lines and paragraphs, and the marks that reorder text are told as \n or \u001B, as JSON
-/// has it. Backslashes stay single.
+/// breaks of lines and paragraphs, and the marks that reorder text are escaped as in JSON, such as
+/// ESC by u001B behind a backslash. Backslashes stay single.
 std::string printable(std::string_view bytes);
 
-/// The same of text of several lines: \n and tabs stay.
+/// The same of text of several lines: line feeds and tabs stay.
 std::string printable_lines(std::string_view bytes);
 
 }  // namespace trivet

@@ -70,9 +70,10 @@ Result<void> check_own_folder(const fs::path& folder, const FolderKind& kind) {
   if (!error && look_at_folder(there, kind) != FolderState::foreign) return {};
   const std::optional<std::string> marker = marker_of(there, kind);
   const std::string found =
-      marker ? fmt::format("{} that begins with '{}'", kind.marker,
-                           marker->substr(0, std::min<std::size_t>(marker->find('\n'), 80)))
-             : fmt::format("'{}' without it", foreign_name(there));
+      !fs::is_directory(there, error) ? "a file"
+      : marker                        ? fmt::format("{} that begins with '{}'", kind.marker,
+                                                    marker->substr(0, std::min<std::size_t>(marker->find('\n'), 80)))
+                                      : fmt::format("'{}' without it", foreign_name(there));
   return Error{ErrorCode::cannot_create,
                fmt::format("{0}: expected an empty folder or one that {1} has made, with the file "
                            "{2}, found {3}; name another folder, or, if an earlier version made "

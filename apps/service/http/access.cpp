@@ -4,22 +4,16 @@
 
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
-#include <cctype>
 #include <utility>
 
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/query.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
 
 constexpr std::size_t kMaxHostSize = 255, kMaxShownHost = 100;
-
-std::string in_lower_case(std::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
 
 /// An address as others are compared with; none: it is a name.
 std::optional<boost::asio::ip::address> address_of(const std::string& text) {
@@ -70,10 +64,10 @@ bool only_reads(const HttpRequest& head) {
 
 /// What changes something, or costs more than a look, is for no page but our own.
 std::optional<AccessRefusal> refuse_foreign_page(const HttpRequest& head) {
-  const std::string origin = in_lower_case(head.header("origin"));
+  const std::string origin = formats::lower_case(head.header("origin"));
   const std::string host =
-      in_lower_case(head.named_host.empty() ? head.header("host") : head.named_host);
-  const std::string site = in_lower_case(head.header("sec-fetch-site"));
+      formats::lower_case(head.named_host.empty() ? head.header("host") : head.named_host);
+  const std::string site = formats::lower_case(head.header("sec-fetch-site"));
   const bool is_foreign = (!origin.empty() && !is_origin_of(origin, host)) ||
                           site == "cross-site" || site == "same-site";
   if (is_foreign) {
@@ -104,14 +98,14 @@ HttpResponse AccessRefusal::response() const {
 }
 
 Result<std::string> parse_host_name(std::string_view text) {
-  std::string name = in_lower_case(text);
+  std::string name = formats::lower_case(text);
   if (name.starts_with('[') && name.ends_with(']')) name = name.substr(1, name.size() - 2);
   if (const auto address = address_of(name)) return address->to_string();
   if (name.ends_with('.')) name.pop_back();
-  const bool is_name = !name.empty() && name.size() <= kMaxHostSize &&
-                       std::ranges::all_of(name, [](unsigned char c) {
-                         return std::isalnum(c) != 0 || c == '-' || c == '.' || c == '_';
-                       });
+  const bool is_name =
+      !name.empty() && name.size() <= kMaxHostSize && std::ranges::all_of(name, [](char c) {
+        return formats::is_alphanumeric(c) || c == '-' || c == '.' || c == '_';
+      });
   if (is_name) return name;
   return Error{ErrorCode::usage,
                fmt::format("host-name: expected a name or an IP address, as cell.example, without "

@@ -6,13 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 #include "storage/file.hpp"
 #include "storage/files/errno_text.hpp"
+#include "storage/files/text.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -20,9 +20,9 @@ namespace {
 constexpr std::uint64_t kMaxTokenFile = 1 << 20;
 
 bool is_token(std::string_view text) {
-  return std::ranges::all_of(text, [](unsigned char c) {
-    return std::isalnum(c) != 0 ||
-           std::string_view("-._~+/=").find(static_cast<char>(c)) != std::string_view::npos;
+  return std::ranges::all_of(text, [](char c) {
+    return formats::is_alphanumeric(c) ||
+           std::string_view("-._~+/=").find(c) != std::string_view::npos;
   });
 }
 
@@ -89,8 +89,7 @@ void BearerTokens::set(std::vector<std::string> tokens) {
 bool BearerTokens::allow(std::string_view authorization) const {
   constexpr std::string_view kScheme = "bearer ";
   const bool is_bearer = authorization.size() > kScheme.size() &&
-                         std::equal(kScheme.begin(), kScheme.end(), authorization.begin(),
-                                    [](char a, unsigned char b) { return a == std::tolower(b); });
+                         formats::lower_case(authorization.substr(0, kScheme.size())) == kScheme;
   if (!is_bearer) return false;
   const std::string_view given = without_blanks(authorization.substr(kScheme.size()));
   if (given.empty()) return false;

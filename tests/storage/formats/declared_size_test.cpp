@@ -1,10 +1,11 @@
 /// What memory a scan will take is known before it is read.
+#include "storage/declared_size.hpp"
+
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "storage/declared_size.hpp"
 #include "storage/read_cloud.hpp"
 #include "storage/stop.hpp"
 #include "support/geometry_files.hpp"

@@ -43,7 +43,7 @@ TEST_F(ReadDepthPng, SaysHowToGiveACamera) {
   const std::string image = test::depth_png(1, 1, {1});
   EXPECT_TRUE(is_refused(read(image, {}), "--camera CAMERA.json"));
   for (const Camera& broken : {Camera{0, 1, 0, 0, 1}, Camera{1, -1, 0, 0, 1},
-                              Camera{1, 1, 0.0 / 0.0, 0, 1}, Camera{1, 1, 0, 0, 0}}) {
+                               Camera{1, 1, 0.0 / 0.0, 0, 1}, Camera{1, 1, 0, 0, 0}}) {
     EXPECT_TRUE(is_refused(read(image, {.camera = broken}), "above zero"));
   }
 }
