@@ -144,7 +144,7 @@ def test_a_check_of_settings_says_what_a_start_would(scans):
             assert checked.returncode == started.returncode != 0, what
         everything = run("serve", "l.h5", "--session", "file", "--watch", "nowhere", "--examples",
                          "file", "--allow-training", "file", "--check-config", cwd=scans).stderr
-        assert everything.count(b"error: ") == 3, everything  # the same of session and workshop
+        assert everything.count(b"error: ") == 4, everything
     (scans / "l.h5").write_bytes(b"no library")
     everything = run("serve", "l.h5", "--watch", "nowhere", "--check-config", cwd=scans).stderr
     assert everything.count(b"error: ") == 2, everything
