@@ -13,7 +13,7 @@ target_link_options(trivet_compiler INTERFACE -Wl,--gc-sections)
 
 # What makes a fault hard to use (tests/hardening.sh): the program ends at an overrun of the stack or of an array whose size is known;
 # its addresses are others at each start, and what the loader wrote is read-only. Containers are checked in storage and apps, where
-# what is not trusted comes in; in the loops of the kernels that cost a tenth of the time.
+# what is not trusted comes in: with checks in the kernels, too, training took 13 % and recognition 26 % more instructions.
 include(CheckPIESupported)
 check_pie_supported(LANGUAGES CXX)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
