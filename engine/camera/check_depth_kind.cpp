@@ -6,50 +6,22 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/scans/plane_samples.hpp"
+
 namespace trivet::engine {
 namespace {
 
-constexpr double kSamples = 6000;       // pixels that planes are searched in
+using kernels::PlaneSamples;
+
 constexpr float kLeastShare = 1 / 7.F;  // of the scene
 constexpr float kLarger = 1.5F;
 constexpr double kFlatter = 3;
 
-/// Pixels spread over an image, as oriented points in the camera's frame.
-struct Samples {
-  Points points;
-  Normals normals;
-  std::vector<float> areas;  // that each stands for
-  float total_area = 0;
-};
-
-Samples sample_image(const kernels::RangeImage& image) {
-  const kernels::ImageGeometry& geometry = image.geometry;
-  const auto measured = static_cast<double>(
-      std::ranges::count_if(image.depth, [](float depth) { return depth > 0; }));
-  const auto stride =
-      static_cast<std::size_t>(std::max(1.0, std::floor(std::sqrt(measured / kSamples))));
-  Samples samples;
-  for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
-    for (std::size_t u = stride / 2; u < geometry.width; u += stride) {
-      const std::size_t pixel = v * geometry.width + u;
-      const Eigen::Vector3f n = image.normals[pixel];
-      if (!(image.depth[pixel] > 0) || !std::isfinite(n.x())) continue;
-      const Eigen::Vector3f p = geometry.back_project(pixel, image.depth[pixel]);
-      const float facing = std::max(0.2F, -n.dot(p.normalized()));
-      samples.points.push_back(p);
-      samples.normals.push_back(n);
-      samples.areas.push_back(p.z() * p.z() / (geometry.fx * geometry.fy) / facing);
-      samples.total_area += samples.areas.back();
-    }
-  }
-  return samples;
-}
-
 /// The same depths in the other reading. A point p moves along its ray to s(p) p, where s, the cosine
 /// to the axis or its inverse, is the same all along the ray; so a normal n goes over into
 /// n - grad s (p . n) / s.
-Samples read_otherwise(const Samples& samples, DepthKind said) {
-  Samples other;
+PlaneSamples read_otherwise(const PlaneSamples& samples, DepthKind said) {
+  PlaneSamples other;
   other.areas = samples.areas;
   other.total_area = samples.total_area;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
@@ -92,7 +64,7 @@ struct LargestPlane {
   std::vector<std::uint8_t> on_it;
 };
 
-LargestPlane find_largest(const Samples& samples, float tolerance) {
+LargestPlane find_largest(const PlaneSamples& samples, float tolerance) {
   kernels::PlaneOptions options;
   options.tolerance = tolerance;
   options.min_area = kLeastShare * samples.total_area;
@@ -112,9 +84,9 @@ LargestPlane find_largest(const Samples& samples, float tolerance) {
 
 DepthReading check_depth_kind(const PreparedScene& scene, const Camera& camera) {
   DepthReading reading;
-  const Samples said = sample_image(scene.images.front());
+  const PlaneSamples said = kernels::sample_for_planes(scene.images.front());
   if (said.points.size() < 100) return reading;
-  const Samples other = read_otherwise(said, camera.depth);
+  const PlaneSamples other = read_otherwise(said, camera.depth);
   const float tolerance = std::max(4 * scene.sensor.noise, scene.spacing);
   const LargestPlane as_said = find_largest(said, tolerance),
                      otherwise = find_largest(other, tolerance);

@@ -13,6 +13,7 @@
 #include "engine/hypotheses/find_view.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/scans/plane_samples.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
@@ -30,7 +31,6 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 8;          // image rows a task
 constexpr std::size_t kPixelGrain = 1 << 16;  // pixels a task, where each is little work
 constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
-constexpr std::size_t kPlaneSamples = 6000;   // pixels that planes are searched in
 constexpr std::size_t kFewestPoints = 50;
 constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // of a closed surface
 constexpr std::size_t kMostPairs = 16;  // with a point in its voxel; 2 or 3 of one surface
@@ -133,40 +133,6 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
 }
 
-/// Pixels spread over an image as oriented points in the camera's frame.
-struct PixelSamples {
-  Points points;
-  Normals normals;
-  std::vector<float> areas;  // that each stands for
-  float total_area = 0;
-};
-
-PixelSamples sample_pixels(const kernels::RangeImage& image) {
-  const kernels::ImageGeometry& geometry = image.geometry;
-  std::size_t measured = 0;
-  for (const float d : image.depth) measured += d > 0;
-  const std::size_t stride =
-      whole_number(std::sqrt(static_cast<double>(measured) / kPlaneSamples), std::size_t{1},
-                   std::size_t{geometry.width} + geometry.height);
-  PixelSamples samples;
-  for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
-    for (std::size_t u = stride / 2; u < geometry.width; u += stride) {
-      const std::size_t pixel = v * geometry.width + u;
-      const float d = image.depth[pixel];
-      const Eigen::Vector3f n = image.normals[pixel];
-      if (!(d > 0) || !std::isfinite(n.x())) continue;
-      const Eigen::Vector3f p = geometry.back_project(pixel, d);
-      const float facing = std::max(0.2F, -n.dot(p.normalized()));
-      samples.points.push_back(p);
-      samples.normals.push_back(n);
-      samples.areas.push_back(d * d / (geometry.fx * geometry.fy) / facing *
-                              static_cast<float>(stride * stride));
-      samples.total_area += samples.areas.back();
-    }
-  }
-  return samples;
-}
-
 /// planes  in the camera's frame
 void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
                   kernels::RangeImage& image) {
@@ -189,7 +155,7 @@ void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
 
 void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& options,
                           PreparedScene& scene) {
-  const PixelSamples samples = sample_pixels(image);
+  const kernels::PlaneSamples samples = kernels::sample_for_planes(image);
   if (samples.points.size() < 100) return;
   scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
   kernels::PlaneOptions plane_options;
