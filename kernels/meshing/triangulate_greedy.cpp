@@ -125,7 +125,7 @@ class Growth {
       normals_.push_back(normals[i].cast<double>().normalized());
   }
 
-  /// Errors: internal (out of memory).
+  /// Errors: no_memory.
   Result<void> measure();
   Triangles grow();
 
@@ -195,8 +195,10 @@ Result<void> Growth::measure() {
     const auto a = coordinates(i), b = coordinates(j);
     return a != b ? a < b : i < j;
   });
-  const auto repeated = std::ranges::unique(order, {}, coordinates);
-  order.erase(repeated.begin(), repeated.end());
+  const auto is_same_place = [&](std::uint32_t i, std::uint32_t j) {
+    return coordinates(i) == coordinates(j);
+  };
+  order.erase(std::unique(order.begin(), order.end(), is_same_place), order.end());
   std::ranges::sort(order);
   for (const std::uint32_t i : order) places.push_back(points_[i]);
 

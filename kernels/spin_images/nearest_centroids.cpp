@@ -72,7 +72,7 @@ struct Nearest {
 /// Compare all 64 codes with some centroids, as one multiplies matrices: what is loaded is used for
 /// all pairs of a tile.
 template <std::size_t Tile>
-TRIVET_BYTE_PRODUCTS [[gnu::always_inline]] inline void compare(const Quads& quads,
+[[gnu::always_inline]] TRIVET_BYTE_PRODUCTS inline void compare(const Quads& quads,
                                                                 const std::uint8_t* centroids,
                                                                 const std::int32_t* norms,
                                                                 std::size_t first,
