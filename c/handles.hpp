@@ -56,6 +56,7 @@ constexpr trivet_status status_of(ErrorCode code) noexcept {
       return TRIVET_CANNOT_CREATE;
     case ErrorCode::io:
     case ErrorCode::no_space:
+    case ErrorCode::no_memory:
       return TRIVET_IO;
     case ErrorCode::resumable:
       return TRIVET_STOPPED;
@@ -82,7 +83,7 @@ trivet_status hand_out(T** out, trivet_error* error, Make&& make) noexcept {
     *out = made->release();
     return tell(TRIVET_OK, "", error);
   } catch (const std::bad_alloc&) {
-    return tell(TRIVET_IO, "out of memory", error);
+    return tell(TRIVET_IO, kOutOfMemory, error);
   } catch (const std::exception& fault) {
     return tell(TRIVET_INTERNAL, fault.what(), error);
   } catch (...) {

@@ -66,7 +66,7 @@ struct Surface {
 /// the cloud's own normals point; those of `faces` stay as they are. Same bytes for any number of
 /// threads.
 /// Errors: usage (an option out of range; a method that the cloud has not what it takes for),
-/// bad_data (fewer than 3 points; no triangle), internal (out of memory).
+/// bad_data (fewer than 3 points; no triangle), no_memory.
 Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
                                     const SurfaceOptions& options = {});
 

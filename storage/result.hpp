@@ -21,7 +21,11 @@ enum class ErrorCode {
   internal,       ///< a bug
   changed,        ///< others changed a file while it was used
   no_space,       ///< what is written has no room: a full disk, a quota, a limit on files
+  no_memory,      ///< memory ran out; the same may succeed later, or on a larger machine
 };
+
+/// The words of no_memory, short enough to need no memory themselves.
+inline constexpr const char* kOutOfMemory = "out of memory";
 
 /// A sentence that names the file, the place, what was expected, what was found and what to do.
 struct Error {

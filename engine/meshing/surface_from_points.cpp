@@ -79,7 +79,7 @@ Column<float> measure_noise(const PixelGrid& grid, PointsView points,
   return noise;
 }
 
-/// Errors: bad_data (a point is not finite), internal (out of memory).
+/// Errors: bad_data (a point is not finite), no_memory.
 Result<Normals> estimate_normals(PointsView points, const Eigen::Vector3f& viewpoint) {
   const std::size_t n = points.size(), k = std::min(kNormalNeighbors, n);
   const Result<kernels::NearestNeighbors> tree = kernels::NearestNeighbors::build(points);

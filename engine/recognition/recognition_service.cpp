@@ -121,6 +121,7 @@ std::optional<Failure> failure_of(const Work& work) noexcept {
     try {
       const Result<void> done = work();
       if (done) return std::nullopt;
+      if (done.error().code == ErrorCode::no_memory) return Refusal::no_memory;
       return done.error();
     } catch (const Stopped&) {
       return Refusal::gone;  // it is answered already
@@ -256,6 +257,7 @@ struct RecognitionService::State {
   }
 
   void work(Worker& worker) {
+    if (options.on_thread_start) options.on_thread_start();
     // Each may use all cores: a scene alone has them to itself, and many share them.
     tbb::task_arena arena(num_cores);
     while (const std::optional<std::size_t> part = begin(worker)) {
@@ -330,6 +332,7 @@ struct RecognitionService::State {
 
   /// Answer in time, and notice what hangs.
   void look_after(const std::stop_token& stop) {
+    if (options.on_thread_start) options.on_thread_start();
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(kLookInterval);
       const auto now = ServiceClock::now();

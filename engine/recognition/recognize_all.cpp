@@ -51,7 +51,7 @@ Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const Scene
 } catch (const Stopped&) {
   return Error{ErrorCode::resumable, "stopped on request"};
 } catch (const std::bad_alloc&) {
-  return Error{ErrorCode::io, fmt::format("{}: out of memory", input.file.string())};
+  return Error{ErrorCode::no_memory, fmt::format("{}: {}", input.file.string(), kOutOfMemory)};
 } catch (const std::exception& error) {
   return Error{ErrorCode::internal,
                fmt::format("{}: internal: {}; please report it with the scene and the library",

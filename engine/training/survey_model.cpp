@@ -69,7 +69,7 @@ SpreadPoints thin_cloud(PointsView points, float cell) {
 
 /// The faces of a surface that came as points: normals from the nearest points, turned to the
 /// outside. None if the points lie on no surface; parts of it may stay open.
-/// Errors: internal (out of memory).
+/// Errors: no_memory.
 Result<Triangles> faces_of_cloud(PointsView points) {
   const kernels::Delaunay delaunay = kernels::find_delaunay(points);
   const std::size_t n = delaunay.places.size();

@@ -85,8 +85,10 @@ Column<float> interleave(PointsView points) {
   return vectors;
 }
 
+/// FLANN throws for want of memory, and for nothing else that is asked of it here.
 Error out_of_memory(std::string_view task, const std::exception& reason) {
-  return {ErrorCode::internal, fmt::format("cannot {} nearest neighbors: {}", task, reason.what())};
+  return {ErrorCode::no_memory,
+          fmt::format("cannot {} nearest neighbors: {} ({})", task, kOutOfMemory, reason.what())};
 }
 
 }  // namespace

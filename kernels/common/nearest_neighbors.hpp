@@ -25,7 +25,7 @@ class NearestNeighbors {
 
   /// Build over n vectors, n < 2^31. Keeps a copy of them.
   /// Errors: bad_data (a value is not finite, or the length is not a multiple of the dimension),
-  /// internal (out of memory).
+  /// no_memory.
   static Result<NearestNeighbors> build(std::span<const float> vectors, std::size_t dimension);
   static Result<NearestNeighbors> build(PointsView points);
 
@@ -41,21 +41,21 @@ class NearestNeighbors {
   /// queries            m vectors; one that is not finite has no neighbors
   /// indices            m * k; kNone past the last neighbor
   /// squared_distances  m * k; infinite past the last neighbor
-  /// Errors: internal (out of memory).
+  /// Errors: no_memory.
   Result<void> k_nearest(std::span<const float> queries, std::size_t k,
                          std::span<std::uint32_t> indices,
                          std::span<float> squared_distances) const;
   Result<void> k_nearest(PointsView queries, std::size_t k, std::span<std::uint32_t> indices,
                          std::span<float> squared_distances) const;
 
-  /// Count the vectors within radius of each query. Errors: internal (out of memory).
+  /// Count the vectors within radius of each query. Errors: no_memory.
   Result<void> count_within(std::span<const float> queries, float radius,
                             std::span<std::uint32_t> counts) const;
 
   /// Write the vectors within radius of each query, rising by index.
   ///
   /// offsets  m + 1, exclusive sums of the counts; row i goes to indices[offsets[i] .. offsets[i +
-  /// 1]) Errors: internal (out of memory).
+  /// 1]) Errors: no_memory.
   Result<void> fill_within(std::span<const float> queries, float radius,
                            std::span<const std::uint32_t> offsets,
                            std::span<std::uint32_t> indices) const;

@@ -53,7 +53,7 @@ class Faces {
   Faces(const Delaunay& delaunay, float max_radius)
       : tetrahedra_(delaunay.tetrahedra), max_radius_(max_radius) {}
 
-  /// Errors: internal (out of memory).
+  /// Errors: no_memory.
   Result<void> measure(PointsView points, const Delaunay& delaunay);
 
   std::size_t num_places() const { return spacings_.size(); }

@@ -34,7 +34,7 @@ struct TriangulateOptions {
 /// delaunay  find_delaunay(points)
 /// normals   n unit vectors, correct up to their sign; turned in place, NaN where the ball comes to
 ///           both sides alike, as on an open sheet, or to none, as inside
-/// Errors: internal (out of memory). Cost: n log n. Takes memory.
+/// Errors: no_memory. Cost: n log n. Takes memory.
 /// Method: what a ball of `max_radius` local spacings reaches from far away, through the faces of
 /// the Delaunay tetrahedra (Edelsbrunner and Muecke, ACM TOG 1994), weighted by solid angles.
 Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, float max_radius,
@@ -48,7 +48,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
 ///           apart and give the winding
 /// Returns triangles over the points, counter-clockwise seen from outside: every edge is in one of
 /// them or in two, in opposite directions. Without a surface, none.
-/// Errors: internal (out of memory).
+/// Errors: no_memory.
 /// Nothing depends on the order of the points but the numbers of the corners. Cost: n log n, some
 /// 500 bytes a point. Takes memory.
 ///

@@ -39,7 +39,7 @@ struct GreedyOptions {
 ///          or not finite get no triangle
 /// Returns triangles over the points, counter-clockwise seen from where the normals of their
 /// corners point: every edge is in one of them or in two, in opposite directions.
-/// Errors: internal (out of memory). Takes memory. Cost: n log n.
+/// Errors: no_memory. Takes memory. Cost: n log n.
 /// Depends on the order of the points only in where the surface starts to grow.
 ///
 /// Method: from point to point, along a growing front, the neighbors of a point are projected on

@@ -18,7 +18,7 @@ double mean_edge_length(PointsView vertices, const Triangles& triangles);
 /// The mean distance of a cloud's points to their nearest neighbors; 0 for fewer than two points.
 ///
 /// points   finite positions
-/// Cost: n log n. Errors: bad_data (a point is not finite), internal (out of memory).
+/// Cost: n log n. Errors: bad_data (a point is not finite), no_memory.
 Result<double> mean_neighbor_distance(PointsView points);
 
 }  // namespace trivet::kernels

@@ -19,6 +19,7 @@ void raise(const Error& error) {
         return "CannotCreateError";
       case ErrorCode::io:
       case ErrorCode::no_space:
+      case ErrorCode::no_memory:
         return "InputOutputError";
       case ErrorCode::resumable:
         return "Stopped";

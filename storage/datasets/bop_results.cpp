@@ -162,8 +162,7 @@ Result<std::vector<BopResult>> read_bop_results(const std::filesystem::path& fil
     return Error{ErrorCode::bad_data,
                  fmt::format("{}, line {}: {}", file.string(), line_number, fault.message)};
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}: needs more memory than there is", file.string())};
+    return Error{ErrorCode::no_memory, fmt::format("{}: {}", file.string(), kOutOfMemory)};
   }
 }
 

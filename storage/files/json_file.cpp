@@ -33,6 +33,29 @@ Matrix3d nearest_rotation(const Matrix3d& m) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
+/// Give a document's memory back, from the leaves to the root: nlohmann's destructor collects what
+/// a document holds in an array of its own, and where there is no memory for it the process ends.
+void release(nlohmann::json& value) noexcept {
+  if (value.is_array()) {
+    auto& elements = value.get_ref<nlohmann::json::array_t&>();
+    for (nlohmann::json& element : elements) release(element);
+    elements.clear();
+  } else if (value.is_object()) {
+    auto& members = value.get_ref<nlohmann::json::object_t&>();
+    for (auto& [key, member] : members) release(member);
+    members.clear();
+  }
+}
+
+/// A document that is parsed and given back so.
+struct ParsedJson {
+  explicit ParsedJson(nlohmann::json parsed) noexcept : document(std::move(parsed)) {}
+  ~ParsedJson() { release(document); }
+  ParsedJson(const ParsedJson&) = delete;
+  ParsedJson& operator=(const ParsedJson&) = delete;
+  nlohmann::json document;
+};
+
 }  // namespace
 
 void JsonNode::refuse(std::string_view what) const {
@@ -250,11 +273,11 @@ Result<void> with_json(std::span<const std::byte> bytes, const std::string& name
   };
   try {
     const auto* const first = reinterpret_cast<const char*>(bytes.data());
-    const nlohmann::json document = [&] {
+    const ParsedJson parsed([&] {
       const PlainLocale plain;
       return nlohmann::json::parse(first, first + bytes.size(), on_event);
-    }();
-    walk(JsonNode(document, ""));
+    }());
+    walk(JsonNode(parsed.document, ""));
     return {};
   } catch (const JsonFault& fault) {
     return refuse(fault.message);
@@ -267,7 +290,7 @@ Result<void> with_json(std::span<const std::byte> bytes, const std::string& name
   } catch (const nlohmann::json::exception& fault) {
     return refuse(formats::quote(fault.what()));
   } catch (const std::bad_alloc&) {
-    return refuse("needs more memory than there is");
+    return Error{ErrorCode::no_memory, fmt::format("{}: {}", name, kOutOfMemory)};
   }
 }
 

@@ -17,15 +17,15 @@ namespace trivet::formats {
 /// beside its distance from the origin that float cannot tell its points apart.
 Result<Cloud> finish(Cloud cloud, const Input& input);
 
-/// What `read` gives, or bad_data where the memory does not suffice for it.
+/// What `read` gives, or no_memory where the memory does not suffice for it.
 template <class Read>
 Result<Cloud> within_memory(const Input& input, Read&& read) {
   try {
     return read();
   } catch (const std::bad_alloc&) {
-    return input.refuse("needs more memory than there is");
+    return Error{ErrorCode::no_memory, input.refuse(kOutOfMemory).message};
   } catch (const std::length_error&) {
-    return input.refuse("needs more memory than there is");
+    return Error{ErrorCode::no_memory, input.refuse(kOutOfMemory).message};
   }
 }
 

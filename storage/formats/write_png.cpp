@@ -38,7 +38,7 @@ void on_write(png_structp png, png_bytep data, std::size_t count) {
   } catch (const std::bad_alloc&) {
     fits = false;  // not thrown on: libpng is C
   }
-  if (!fits) png_error(png, "out of memory");
+  if (!fits) png_error(png, kOutOfMemory);
 }
 
 void on_flush(png_structp) {}

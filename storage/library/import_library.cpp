@@ -45,8 +45,7 @@ Result<Library> read_repacked_library(const std::filesystem::path& file) {
   try {
     return read_repacked(file);
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::io,
-                 fmt::format("{}: not enough memory to unpack the library", file.string())};
+    return Error{ErrorCode::no_memory, fmt::format("{}: {}", file.string(), kOutOfMemory)};
   }
 }
 

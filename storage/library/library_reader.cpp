@@ -317,8 +317,7 @@ Result<Library> within_memory(const fs::path& file, F&& read) {
   try {
     return read();
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::io,
-                 fmt::format("{}: not enough memory to open the library", file.string())};
+    return Error{ErrorCode::no_memory, fmt::format("{}: {}", file.string(), kOutOfMemory)};
   }
 }
 

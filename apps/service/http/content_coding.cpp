@@ -118,7 +118,7 @@ Result<std::string> unpack(ContentCoding coding, std::string_view packed, std::s
   try {
     return inflate_all(coding, packed, max_bytes);
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::internal, "the body needs more memory than there is"};
+    return Error{ErrorCode::no_memory, fmt::format("body: {}", kOutOfMemory)};
   }
 }
 

@@ -35,6 +35,7 @@ unsigned status_of(ErrorCode code) {
     case ErrorCode::internal:
       return 500;
     case ErrorCode::changed:
+    case ErrorCode::no_memory:
       return 503;
     case ErrorCode::no_space:
       return 507;
@@ -67,7 +68,7 @@ HttpResponse refusal_response(Refusal refusal) {
     case Refusal::too_large:
       return error_response(413, "needs more memory than scenes may take; see --memory");
     case Refusal::no_memory: {
-      HttpResponse response = error_response(503, "out of memory");
+      HttpResponse response = error_response(503, kOutOfMemory);
       response.headers.emplace_back("Retry-After", "1");
       return response;
     }

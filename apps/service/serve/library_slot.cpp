@@ -70,8 +70,7 @@ void LibrarySlot::read_anew(const std::vector<Done>& asked) {
     try {
       return load_generation(files_, next_number_);
     } catch (const std::bad_alloc&) {
-      return Error{ErrorCode::io,
-                   fmt::format("{}: not enough memory to read the library", files_.library)};
+      return Error{ErrorCode::no_memory, fmt::format("{}: {}", files_.library, kOutOfMemory)};
     } catch (const std::exception& error) {
       return Error{ErrorCode::internal, error.what()};
     }

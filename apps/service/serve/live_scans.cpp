@@ -48,7 +48,7 @@ std::string reason_of_no_answer(const ServiceOutcome& outcome) {
     case Refusal::too_large:
       return "it needs more memory than scenes may take: serve with a larger --memory";
     case Refusal::no_memory:
-      return "out of memory";
+      return kOutOfMemory;
     default:
       return "the service had no room for it: too many requests wait";
   }
@@ -117,7 +117,7 @@ std::optional<LiveScans::Scan> LiveScans::recognize(const Arrival& arrival,
   try {
     return try_recognize(arrival, stop);
   } catch (const std::bad_alloc&) {
-    reason = "not enough memory for this scan; give the service more, or send smaller scans";
+    reason = "out of memory for this scan; give the service more, or send smaller scans";
   } catch (const std::exception& error) {
     reason = error.what();
   }

@@ -80,7 +80,7 @@ Result<void> outcome_of(F&& job) {
   try {
     return job();
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::io, "out of memory"};  // short: no memory is taken for it
+    return Error{ErrorCode::no_memory, kOutOfMemory};  // short: no memory is taken for it
   } catch (const std::exception& error) {
     return Error{ErrorCode::internal, error.what()};
   }
@@ -447,7 +447,7 @@ void PartWorkshop::fail_training() noexcept {
   for (auto& [name, draft] : drafts_) {
     if (draft.state != State::training) continue;
     draft.state = State::failed;
-    draft.error = "out of memory";  // short: none is taken for it
+    draft.error = kOutOfMemory;  // short: none is taken for it
   }
 }
 
