@@ -164,7 +164,7 @@ class Deadline {
 
 }  // namespace
 
-struct HttpServer::State {
+struct HttpServer::State : std::enable_shared_from_this<State> {
   State(const HttpLimits& http_limits, HttpHandler http_handler)
       : limits(http_limits), handler(std::move(http_handler)) {}
 
@@ -396,7 +396,8 @@ struct HttpServer::State {
     auto initiate = [this](auto completion, HttpRequest asked) {
       // A handler may be copied; a completion may not.
       auto shared = std::make_shared<decltype(completion)>(std::move(completion));
-      const HttpAnswer answer = [this, shared](HttpResponse response) {
+      // Who answers may outlive the server: what it holds needs the context until it is let go.
+      const HttpAnswer answer = [self = shared_from_this(), this, shared](HttpResponse response) {
         asio::post(context, [shared, response = std::move(response)]() mutable {
           (*shared)(std::move(response));
         });
@@ -405,7 +406,7 @@ struct HttpServer::State {
       try {
         handler.handle(std::move(asked), answer);
       } catch (const std::bad_alloc&) {
-        answer(busy("out of memory"));
+        answer(busy(kOutOfMemory));
       } catch (const std::exception& fault) {
         answer(refusal(500, fmt::format("internal: {}", fault.what())));
       }
@@ -525,7 +526,7 @@ Result<void> check_address(const std::string& address, std::uint16_t port) {
 Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t port,
                                      const HttpLimits& limits, HttpHandler handler) {
   if (const Result<void> good = check_address(address, port); !good) return good.error();
-  auto state = std::make_unique<State>(limits, std::move(handler));
+  auto state = std::make_shared<State>(limits, std::move(handler));
   asio::post(state->coder, [] { wait_for_memory_on_this_thread(); });
   error_code error;
   const tcp::endpoint endpoint(asio::ip::make_address(address), port);
@@ -554,10 +555,15 @@ Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t p
   return HttpServer(std::move(state));
 }
 
-HttpServer::HttpServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+HttpServer::HttpServer(std::shared_ptr<State> state) : state_(std::move(state)) {}
 HttpServer::HttpServer(HttpServer&&) noexcept = default;
-HttpServer& HttpServer::operator=(HttpServer&&) noexcept = default;
-HttpServer::~HttpServer() = default;
+HttpServer& HttpServer::operator=(HttpServer&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+HttpServer::~HttpServer() {
+  if (state_) state_->stop();
+}
 
 std::uint16_t HttpServer::port() const { return state_->port; }
 std::size_t HttpServer::num_connections() const { return state_->num_connections; }
