@@ -20,7 +20,8 @@ struct ServiceOptions {
   std::size_t max_waiting_bytes = 512 << 20;  ///< that jobs hold, waiting and running, >= 1
   /// That the parts which are worked on may need together, >= 1.
   std::size_t max_working_bytes = std::size_t{1} << 62U;
-  unsigned num_parallel = 0;  ///< parts at a time, 0..1024; 0: one a core
+  unsigned num_parallel = 0;                     ///< parts at a time, 0..1024; 0: one a core
+  void (*on_thread_start)() noexcept = nullptr;  ///< each thread of the service calls it first
   bool operator==(const ServiceOptions&) const = default;
 };
 

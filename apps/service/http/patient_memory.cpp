@@ -1,8 +1,10 @@
 #include "apps/service/http/patient_memory.hpp"
 
 #include <chrono>
+#include <exception>
 #include <new>
 #include <thread>
+#include <utility>
 
 namespace trivet::apps::service {
 namespace {
@@ -17,7 +19,7 @@ thread_local Clock::time_point first_try{}, last_try{};
 
 /// Called by operator new wherever memory is missing; it tries again when this returns.
 void wait_or_throw() {
-  if (!is_patient) throw std::bad_alloc();
+  if (!is_patient && std::uncaught_exceptions() == 0) throw std::bad_alloc();
   const auto now = Clock::now();
   if (now - last_try > 2 * kRetryAfter) first_try = now;  // another allocation than before
   last_try = now;
@@ -31,5 +33,8 @@ void wait_for_memory_on_this_thread() noexcept {
   is_patient = true;
   std::set_new_handler(wait_or_throw);
 }
+
+FailWithoutMemory::FailWithoutMemory() noexcept : was_patient_(std::exchange(is_patient, false)) {}
+FailWithoutMemory::~FailWithoutMemory() { is_patient = was_patient_; }
 
 }  // namespace trivet::apps::service

@@ -7,6 +7,7 @@
 
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/results/detections_json.hpp"
+#include "apps/service/http/patient_memory.hpp"
 
 namespace trivet::apps::service {
 
@@ -19,6 +20,7 @@ ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metr
   }
   job.work = [&metrics, recognition](std::size_t i, const LibraryGeneration& generation,
                                      const std::stop_token& stop) -> Result<void> {
+    const FailWithoutMemory scope;
     const ScanPart& scan = recognition->request.scans[i];
     const LengthUnit unit = generation.recognizer.library().header.unit;
     const auto begun = ServiceClock::now();

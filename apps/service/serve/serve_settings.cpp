@@ -4,11 +4,13 @@
 
 #include <filesystem>
 
+#include "apps/service/http/patient_memory.hpp"
+
 namespace trivet::apps::service {
 
 ServiceOptions ServeSettings::service() const {
   return {max_waiting, std::size_t{max_waiting_mb} << 20, (std::size_t{memory_mb} << 20) / 4 * 3,
-          parallel};
+          parallel, wait_for_memory_on_this_thread};
 }
 
 std::vector<Setting> settings_of(ServeSettings& settings) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/service/http/http_messages.hpp"
+#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/serve/openapi.hpp"
 #include "apps/service/serve/page.hpp"
 
@@ -206,6 +207,7 @@ void ServiceRoutes::submit_one(const CallPtr& call,
   job.part_bytes = part_bytes;
   job.work = [work = std::move(work), response](std::size_t, const LibraryGeneration& generation,
                                                 const std::stop_token&) -> Result<void> {
+    const FailWithoutMemory scope;
     const Library& library = generation.recognizer.library();
     if (const Result<void> same = library.unchanged(); !same) return same.error();
     Result<HttpResponse> done = work(generation);

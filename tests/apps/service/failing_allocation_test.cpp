@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/service/http/http_server.hpp"
+#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve/library_slot.hpp"
@@ -30,7 +31,8 @@ TEST_F(FailingAllocation, FailsAJobAtMost) {
   const LibraryFiles files{(folder_ / "l.h5").string(), {}};
   auto first = load_generation(files, 1);
   ASSERT_TRUE(first) << first.error().message;
-  RecognitionService service({.num_parallel = 2}, *first);
+  RecognitionService service({.num_parallel = 2, .on_thread_start = wait_for_memory_on_this_thread},
+                             *first);
   ServiceRoutes routes(service, metrics, log,
                        {std::chrono::milliseconds(60'000), 512 << 20, std::size_t{4} << 30U}, {},
                        {});
