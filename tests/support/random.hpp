@@ -29,7 +29,7 @@ class Random {
   float uniform(float low, float high) {
     return low + (high - low) * std::uniform_real_distribution<float>(0, 1)(engine_);
   }
-  float normal(float sigma) { return std::normal_distribution<float>(0, sigma)(engine_); }
+  float normal(float sigma) { return sigma * std::normal_distribution<float>()(engine_); }
   std::uint32_t below(std::uint32_t limit) { return static_cast<std::uint32_t>(engine_() % limit); }
 
   Eigen::Vector3f direction() {

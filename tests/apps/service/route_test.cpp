@@ -243,7 +243,8 @@ TEST_F(Route, AsksModelsOfTheShardThatHoldsThem) {
   const Answer one = ask(router->port(), "POST", query_ + "&models=" + name, scan(0));
   EXPECT_EQ(one.status, 200) << one.body;
   EXPECT_EQ(one.json()["partial"], false) << one.body;
-  for (const Json& detection : one.json()["scenes"][0]["detections"])
+  const Json all = one.json();
+  for (const Json& detection : all["scenes"][0]["detections"])
     EXPECT_EQ(detection["model"], name);
   EXPECT_EQ(second.num_asked(), 0);
   const Answer none = ask(router->port(), "POST", query_ + "&models=spoon", scan(0));

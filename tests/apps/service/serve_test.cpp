@@ -165,7 +165,8 @@ TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
     ASSERT_EQ(both.status, 200) << both.body;
     ASSERT_EQ(both.json()["scenes"].size(), 2U);
     EXPECT_EQ(both.json()["scenes"][0]["scene"], "a.png");
-    for (const nlohmann::json& answered : both.json()["scenes"])
+    const nlohmann::json all = both.json();
+    for (const nlohmann::json& answered : all["scenes"])
       EXPECT_EQ(answered["detections"], one["detections"]);
     // Each scan may have a camera of its own: with half the focal length nothing is as it was.
     nlohmann::json wide = camera;

@@ -16,7 +16,8 @@ const std::string kMark = "\xEF\xBB\xBF";
 
 TEST(TextCursor, EndsLinesAsTheFirstOneEnds) {
   for (const std::string end : {"\n", "\r\n", "\r"}) {
-    formats::TextCursor cursor("a b" + end + end + "c" + end);
+    const std::string text = "a b" + end + end + "c" + end;  // a cursor only refers to it
+    formats::TextCursor cursor(text);
     EXPECT_EQ(cursor.rest_of_line(), "a b");
     EXPECT_EQ(cursor.word(), "a");
     EXPECT_EQ(cursor.rest_of_line(), " b");
