@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
@@ -16,9 +17,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::chrono::seconds kLastAnswers{1};  ///< for clients to take them
-constexpr std::chrono::seconds kLastSteps{1};    ///< for threads to end
-constexpr milliseconds kLogged{100};             ///< for the last line to be written
+constexpr milliseconds kLastAnswers{1000};  ///< for clients to take them
+constexpr milliseconds kLastSteps{1000};    ///< for threads to end
+constexpr milliseconds kLogged{100};        ///< for the last line to be written
 
 std::atomic<bool> hung_up{false};
 
@@ -95,11 +96,13 @@ void Daemon::drain(const std::function<void()>& set_closing,
   set_closing();
   std::this_thread::sleep_for(milliseconds(settings_.drain_grace_ms));
   server_->stop_accepting();
-  const auto deadline = Clock::now() + milliseconds(settings_.exit_timeout_ms);
-  end_by(deadline + kLastAnswers + kLastSteps);
+  const milliseconds timeout(settings_.exit_timeout_ms);
+  const auto end = Clock::now() + timeout, last_answers = end - std::min(kLastSteps, timeout / 4),
+             deadline = last_answers - std::min(kLastAnswers, timeout / 4);
+  end_by(end);
   if (finish) {
     is_all_answered_ = finish(deadline);
-    server_->wait_until_idle(deadline + kLastAnswers);
+    server_->wait_until_idle(last_answers);
   } else {
     is_all_answered_ = server_->wait_until_idle(deadline);
   }
@@ -111,7 +114,7 @@ void Daemon::end_by(Clock::time_point last) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
     std::condition_variable_any ended;
-    ended.wait_until(lock, stop, last, [] { return false; });
+    ended.wait_until(lock, stop, last - kLogged, [] { return false; });
     if (stop.stop_requested()) return;
     try {
       log_.write("error", "some work did not end: the process ends without it");

@@ -74,9 +74,10 @@ class Daemon {
   /// Be ready no more, so that balancers go elsewhere; after the grace take no more connections;
   /// then answer what came in. From then on the routes are asked no more.
   ///
-  /// Whatever goes on two seconds after exit-timeout-ms, of which one is for clients to take the last
-  /// answers, such as work that does not look whether it is to stop, ends with the process: with
-  /// exit code kExitUnfinished.
+  /// Work ends two seconds before exit-timeout-ms is over, or at half of it if that is later: one is
+  /// for clients to take the last answers, one for threads to end. What goes on at its end, such as
+  /// work that does not check whether it is to stop, ends with the process: with exit code
+  /// kExitUnfinished.
   ///
   /// finish  returns whether all was answered by the deadline; none: each connection's answer
   ///         counts
