@@ -244,8 +244,7 @@ TEST_F(Route, AsksModelsOfTheShardThatHoldsThem) {
   EXPECT_EQ(one.status, 200) << one.body;
   EXPECT_EQ(one.json()["partial"], false) << one.body;
   const Json all = one.json();
-  for (const Json& detection : all["scenes"][0]["detections"])
-    EXPECT_EQ(detection["model"], name);
+  for (const Json& detection : all["scenes"][0]["detections"]) EXPECT_EQ(detection["model"], name);
   EXPECT_EQ(second.num_asked(), 0);
   const Answer none = ask(router->port(), "POST", query_ + "&models=spoon", scan(0));
   EXPECT_EQ(none.status, 400);
