@@ -31,7 +31,8 @@ bool is_of_one_scene(const Error& error) {
 
 /// Exceptions must not reach the graph, whose other scenes would end with them.
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
-                                       const RecognizeOptions& options, std::stop_token stop) try {
+                                       const RecognizeOptions& options,
+                                       const std::stop_token& stop) try {
   const auto start = std::chrono::steady_clock::now();
   const StopScope scope(&stop);
   const Result<Cloud> cloud = read_scene(input);

@@ -31,7 +31,8 @@ struct ImageGeometry {
   }
   /// The camera-frame point at depth z that projects to the center of a pixel.
   Eigen::Vector3f back_project(std::size_t pixel, float z) const noexcept {
-    const auto u = static_cast<float>(pixel % width), v = static_cast<float>(pixel / width);
+    const std::size_t row = pixel / width, column = pixel % width;
+    const auto u = static_cast<float>(column), v = static_cast<float>(row);
     return {(u - cx) * z / fx, (v - cy) * z / fy, z};
   }
 };
