@@ -88,6 +88,7 @@ struct RayScene::State {
 
   State() {
     last_message.clear();
+    is_out_of_memory = false;
     if (!device()) return;
     scene = rtcNewScene(device());
     if (scene) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
@@ -105,7 +106,7 @@ struct RayScene::State {
   }
   bool commit() {
     rtcCommitScene(scene);
-    return last_message.empty();
+    return last_message.empty() && !is_out_of_memory;
   }
 };
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <new>
+
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_model.hpp"
@@ -25,6 +28,51 @@ Shape triangle_soup(Random& random, std::size_t n) {
     soup.add(a, a + 0.5F * corner(), a + 0.5F * corner());
   }
   return soup;
+}
+
+/// Embree catches what its own allocations throw: a scene without them must not pass for a whole one.
+TEST(RayScene, IsWholeOrNoneWhereverMemoryIsMissing) {
+  Random random(1);
+  const Shape soup = triangle_soup(random, 300);
+  Points origins, directions;
+  for (int k = 0; k < 100; ++k) {
+    origins.push_back(2 * random.direction());
+    directions.push_back(random.direction() - origins[origins.size() - 1]);
+  }
+  /// The distances that rays go in a mesh and, beside it, in an instance of it.
+  const auto distances = [&]() -> Result<std::vector<float>> {
+    const Result<RayScene> mesh = RayScene::from_mesh(soup.vertices, soup.triangles);
+    if (!mesh) return mesh.error();
+    const Result<RayScene> placed =
+        RayScene::from_instances(std::array{RayScene::Instance{&*mesh, Pose::Identity()}});
+    if (!placed) return placed.error();
+    std::vector<float> found;
+    for (std::size_t k = 0; k < origins.size(); ++k) {
+      found.push_back(mesh->intersect(origins[k], directions[k], 0, kFar).distance);
+      found.push_back(placed->intersect(origins[k], directions[k], 0, kFar).distance);
+    }
+    return found;
+  };
+  const Result<std::vector<float>> whole = distances();
+  ASSERT_TRUE(whole) << whole.error().message;
+  int num_failed = 0;
+  for (std::int64_t n = 1;; ++n) {
+    test::fail_allocation(n);
+    try {
+      const Result<std::vector<float>> found = distances();
+      if (!found) {
+        ++num_failed;
+      } else {
+        ASSERT_EQ(*found, *whole) << "allocation " << n;
+      }
+    } catch (const std::bad_alloc&) {
+      ++num_failed;
+    }
+    const bool has_failed = test::has_failed_allocation();
+    test::fail_allocation(0);
+    if (!has_failed) break;
+  }
+  EXPECT_GT(num_failed, 10);
 }
 
 TEST(RayScene, AgreesWithReferenceOnRandomTriangles) {
