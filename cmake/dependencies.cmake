@@ -30,6 +30,7 @@ endfunction()
 trivet_library(hdf5 hdf5.h hdf5/serial hdf5_serial)
 # FLANN's index serialization uses LZ4, which its CMake target does not name.
 trivet_library(flann flann/flann.hpp "" flann_cpp lz4)
+trivet_library(utf8proc utf8proc.h "" utf8proc)
 trivet_library(xxhash xxhash.h "" xxhash)
 if(TRIVET_BUILD_STEP)  # OpenCASCADE; its own CMake files ask for what only viewers need
   trivet_library(occt STEPControl_Reader.hxx opencascade TKSTEP TKSTEPBase TKXSBase TKMesh TKBO TKPrim TKTopAlgo

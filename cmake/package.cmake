@@ -83,7 +83,7 @@ if(TRIVET_BUILD_C)
     "Headers, static libraries and CMake files of Trivet for C++, and what it takes
 to build with its C interface.")
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library_package} (= ${debian_version}), libeigen3-dev, libtbb-dev, libfmt-dev, \
-libhdf5-dev, libflann-dev, liblz4-dev, libembree-dev, libpng-dev, libtiff-dev, zlib1g-dev, libxxhash-dev")
+libhdf5-dev, libflann-dev, liblz4-dev, libembree-dev, libpng-dev, libtiff-dev, zlib1g-dev, libutf8proc-dev, libxxhash-dev")
 endif()
 if(TRIVET_BUILD_MPI)
   deb(mpi trivet-mpi science

@@ -1,7 +1,11 @@
 #include "storage/model_name.hpp"
 
+#include <utf8proc.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <memory>
 
 #include "storage/files/text.hpp"
 #include "storage/read_cloud.hpp"
@@ -56,6 +60,14 @@ bool is_allowed(std::string_view character) {
   return !is_unseen(code_point_of(character)) && printable(character) == character;
 }
 
+/// The same text with each letter and its accents as one character (Unicode's normal form C): macOS
+/// takes them apart in names of files.
+std::string composed(const std::string& text) {
+  const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> form(
+      utf8proc_NFC(reinterpret_cast<const utf8proc_uint8_t*>(text.c_str())), &std::free);
+  return form ? reinterpret_cast<const char*>(form.get()) : text;
+}
+
 }  // namespace
 
 bool is_model_name(std::string_view name) {
@@ -70,7 +82,7 @@ bool is_model_name(std::string_view name) {
 }
 
 std::string model_name_of(const std::filesystem::path& file) {
-  const std::string stem = valid_utf8(cloud_name(file));
+  const std::string stem = composed(valid_utf8(cloud_name(file)));
   if (is_model_name(stem)) return stem;
   std::string name;
   bool replaced = false;  // the last character

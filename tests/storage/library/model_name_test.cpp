@@ -23,6 +23,7 @@ TEST(ModelName, IsMadeFromAnyOtherFile) {
   EXPECT_EQ(model_name_of("\xE9\x9B\xB6 (1).obj"), "\xE9\x9B\xB6_1");
   EXPECT_EQ(model_name_of("(1).obj"), "1");
   EXPECT_EQ(model_name_of("()[].obj"), "model");
+  EXPECT_EQ(model_name_of("Schlu\xCC\x88ssel.stl"), "Schl\xC3\xBCssel") << "as macOS writes it";
   EXPECT_EQ(model_name_of("a\xFF\xFE"
                           "b\xC3.obj"),
             "a_b")
