@@ -13,7 +13,6 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/daemon.hpp"
-#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/library_slot.hpp"
 #include "apps/service/serve/memory_trim.hpp"
@@ -24,6 +23,7 @@
 #include "apps/service/serve/session/session.hpp"
 #include "engine/method.hpp"
 #include "engine/recognition_service.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -18,8 +18,8 @@
 namespace trivet::engine {
 
 /// What a loop's body throws on any thread, kept until all threads have left the loop. TBB would
-/// cancel the loops within it instead, and what is made once there (collaborative_call_once) would
-/// be waited for for ever.
+/// cancel the loops within it instead, and what is made once there (MadeOnce) would be waited for
+/// for ever.
 class FirstFault {
  public:
   template <class Work>

@@ -1,10 +1,8 @@
 #include "engine/recognizer.hpp"
 
-#include <tbb/collaborative_call_once.h>
-
-#include <optional>
 #include <utility>
 
+#include "engine/common/made_once.hpp"
 #include "engine/hypotheses/find_look_alikes.hpp"
 #include "engine/libraries/index_features.hpp"
 #include "engine/recognition/surface_cache.hpp"
@@ -16,10 +14,7 @@ namespace {
 
 constexpr std::size_t kSurfaceShare = 4;  // a fourth of the memory is for ray-tracing trees
 
-struct LookAlikes {
-  tbb::collaborative_once_flag once;
-  std::vector<engine::LookAlike> models;
-};
+using LookAlikes = engine::MadeOnce<std::vector<engine::LookAlike>>;
 
 }  // namespace
 
@@ -28,10 +23,8 @@ struct Recognizer::Parts {
       : surfaces(memory.bytes / kSurfaceShare), look_alikes(new LookAlikes[num_models]) {}
 
   engine::SurfaceCache surfaces;
-  tbb::collaborative_once_flag indexed;
-  Result<FeatureIndex> index = FeatureIndex();
-  tbb::collaborative_once_flag framed;
-  Result<std::vector<kernels::ShapeFrame>> frames = std::vector<kernels::ShapeFrame>();
+  engine::MadeOnce<Result<FeatureIndex>> index;
+  engine::MadeOnce<Result<std::vector<kernels::ShapeFrame>>> frames;
   std::unique_ptr<LookAlikes[]> look_alikes;
 };
 
@@ -61,25 +54,22 @@ Result<std::shared_ptr<const kernels::RayScene>> Recognizer::surface(std::uint32
 
 Result<const FeatureIndex*> Recognizer::features() const {
   if (!library_.index.empty()) return &library_.index;
-  tbb::collaborative_call_once(parts_->indexed, [&] {
+  const Result<FeatureIndex>& index = parts_->index.get([&] {
     const StopScope for_all(nullptr);
-    parts_->index = engine::index_features(library_);
+    return engine::index_features(library_);
   });
-  if (!parts_->index) return parts_->index.error();
-  return &*parts_->index;
+  if (!index) return index.error();
+  return &*index;
 }
 
 Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint32_t model) const {
-  tbb::collaborative_call_once(parts_->framed, [&] {
+  const Result<std::vector<kernels::ShapeFrame>>& frames = parts_->frames.get([&] {
     const StopScope for_all(nullptr);
-    parts_->frames = engine::shape_frames(library_);
+    return engine::shape_frames(library_);
   });
-  if (!parts_->frames) return parts_->frames.error();
-  LookAlikes& look_alikes = parts_->look_alikes[model];
-  tbb::collaborative_call_once(look_alikes.once, [&] {
-    look_alikes.models = engine::find_look_alikes(library_, *parts_->frames, model);
-  });
-  return &look_alikes.models;
+  if (!frames) return frames.error();
+  return &parts_->look_alikes[model].get(
+      [&] { return engine::find_look_alikes(library_, *frames, model); });
 }
 
 void Recognizer::give_back() const {

@@ -1,9 +1,8 @@
 #include "engine/recognition/surface_cache.hpp"
 
-#include <tbb/collaborative_call_once.h>
-
-#include <optional>
 #include <utility>
+
+#include "engine/common/made_once.hpp"
 
 namespace trivet::engine {
 
@@ -11,11 +10,8 @@ struct SurfaceCache::Slot {
   explicit Slot(std::uint32_t of_model) : model(of_model) {}
 
   const std::uint32_t model;
-  // Embree builds with TBB: a waiting thread may take up another scene that asks for this model,
-  // which std::call_once would never come back from.
-  tbb::collaborative_once_flag once;
-  std::optional<Result<Surface>> surface;
-  std::size_t bytes = 0;  // counted in taken_
+  MadeOnce<Result<Surface>> surface;  // Embree builds it with TBB
+  std::size_t bytes = 0;              // counted in taken_
 };
 
 std::shared_ptr<SurfaceCache::Slot> SurfaceCache::slot_of(std::uint32_t model) {
@@ -33,22 +29,19 @@ Result<SurfaceCache::Surface> SurfaceCache::get(
     std::uint32_t model, const std::function<Result<kernels::RayScene>()>& make) {
   const std::shared_ptr<Slot> slot = slot_of(model);
   bool is_new = false;
-  tbb::collaborative_call_once(slot->once, [&] {
-    Result<kernels::RayScene> made = make();
-    if (made) {
-      slot->surface = Result<Surface>(std::make_shared<const kernels::RayScene>(std::move(*made)));
-    } else {
-      slot->surface = Result<Surface>(made.error());
-    }
+  const Result<Surface>& surface = slot->surface.get([&]() -> Result<Surface> {
     is_new = true;
+    Result<kernels::RayScene> made = make();
+    if (!made) return made.error();
+    return std::make_shared<const kernels::RayScene>(*std::move(made));
   });
-  if (is_new && *slot->surface) {
+  if (is_new && surface) {
     const std::lock_guard lock(mutex_);
-    slot->bytes = (**slot->surface)->memory_bytes();
+    slot->bytes = (*surface)->memory_bytes();
     taken_ += slot->bytes;
     make_room();
   }
-  return *slot->surface;
+  return surface;
 }
 
 void SurfaceCache::make_room() {

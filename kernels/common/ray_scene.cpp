@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "storage/precondition.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -99,12 +100,27 @@ struct RayScene::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
+  /// Building a tree crashes in Embree 3.13 where memory is missing. Throws std::bad_alloc instead, if
+  /// what it will need is not there before.
+  void require_memory() const {
+    void* volatile probe = ::operator new(bytes());
+    ::operator delete(probe);
+  }
+  std::size_t bytes() const noexcept {
+    // Corners, indices and the tree over them: Embree counts 85 to 93 bytes a triangle for meshes of
+    // 450 to 100,000 triangles.
+    constexpr std::size_t kBytesAPrimitive = 96, kBytesAScene = 4096;
+    return kBytesAScene + num_primitives * kBytesAPrimitive;
+  }
+
   /// Attach under the next index, in the order of the calls.
   void attach(const Geometry& geometry) {
     rtcCommitGeometry(geometry.handle);
     rtcAttachGeometry(scene, geometry.handle);
   }
   bool commit() {
+    const WaitForMemoryEverywhere scope;
+    require_memory();
     rtcCommitScene(scene);
     return last_message.empty() && !is_out_of_memory;
   }
@@ -115,12 +131,7 @@ RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 RayScene::~RayScene() = default;
 
-std::size_t RayScene::memory_bytes() const noexcept {
-  // Corners, indices and the tree over them: Embree counts 85 to 93 bytes a triangle for meshes of
-  // 450 to 100,000 triangles.
-  constexpr std::size_t kBytesAPrimitive = 96, kBytesAScene = 4096;
-  return kBytesAScene + state_->num_primitives * kBytesAPrimitive;
-}
+std::size_t RayScene::memory_bytes() const noexcept { return state_->bytes(); }
 
 Result<RayScene> RayScene::from_mesh(PointsView vertices, TrianglesView triangles) {
   if (triangles.empty()) {

@@ -28,9 +28,9 @@
 
 #include "apps/service/http/content_coding.hpp"
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/http/query.hpp"
 #include "storage/files/text.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -7,7 +7,7 @@
 #include <new>
 #include <utility>
 
-#include "apps/service/http/patient_memory.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/results/detections_json.hpp"
-#include "apps/service/http/patient_memory.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "apps/service/http/patient_memory.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 

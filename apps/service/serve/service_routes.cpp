@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/serve/openapi.hpp"
 #include "apps/service/serve/page.hpp"
+#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "apps/service/http/http_server.hpp"
-#include "apps/service/http/patient_memory.hpp"
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve/library_slot.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve_fixture.hpp"
+#include "storage/wait_for_memory.hpp"
 #include "support/allocations.hpp"
 
 namespace trivet {
