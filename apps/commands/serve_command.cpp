@@ -137,6 +137,7 @@ Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& setting
   if (const Result<void> read = opened->daemon.read_tokens(); !read) faults.push_back(read.error());
   if (faults.empty()) return opened;
   std::vector<std::string_view> sentences;
+  sentences.reserve(faults.size());
   for (const Error& fault : faults) sentences.emplace_back(fault.message);
   return Error{faults.front().code, fmt::format("{}", fmt::join(sentences, "\nerror: "))};
 }
