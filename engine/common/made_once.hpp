@@ -16,25 +16,27 @@ namespace trivet::engine {
 template <class T>
 class MadeOnce {
  public:
-  /// The value, by make() if it is not there. What that throws goes to all who ask meanwhile; who
-  /// asks later makes it anew.
+  /// The value, by make() if it is not there. What that throws, such as Stopped at a deadline, goes to
+  /// whose make() it was; another who asks makes it anew.
   ///
   /// make  () -> T
   template <class Make>
   const T& get(const Make& make) {
-    const std::shared_ptr<Attempt> attempt = current();
-    tbb::collaborative_call_once(attempt->once, [&]() noexcept {
-      try {
-        attempt->value.emplace(make());
-      } catch (...) {
-        attempt->fault = std::current_exception();
-      }
-    });
-    if (attempt->fault) {
+    for (;;) {
+      const std::shared_ptr<Attempt> attempt = current();
+      bool is_mine = false;
+      tbb::collaborative_call_once(attempt->once, [&]() noexcept {
+        is_mine = true;
+        try {
+          attempt->value.emplace(make());
+        } catch (...) {
+          attempt->fault = std::current_exception();
+        }
+      });
+      if (!attempt->fault) return *attempt->value;
       give_up(attempt);
-      std::rethrow_exception(attempt->fault);
+      if (is_mine) std::rethrow_exception(attempt->fault);
     }
-    return *attempt->value;
   }
 
  private:

@@ -119,8 +119,8 @@ struct RayScene::State {
     rtcAttachGeometry(scene, geometry.handle);
   }
   bool commit() {
-    const WaitForMemoryEverywhere scope;
     require_memory();
+    const WaitForMemoryEverywhere scope;
     rtcCommitScene(scene);
     return last_message.empty() && !is_out_of_memory;
   }

@@ -54,7 +54,9 @@ HttpResponse error_response(unsigned status, const std::string& reason) {
 }
 
 HttpResponse error_response(const Error& error) {
-  return error_response(status_of(error.code), error.message);
+  HttpResponse response = error_response(status_of(error.code), error.message);
+  if (error.code == ErrorCode::no_memory) response.headers.emplace_back("Retry-After", "1");
+  return response;
 }
 
 HttpResponse refusal_response(Refusal refusal) {
@@ -67,11 +69,8 @@ HttpResponse refusal_response(Refusal refusal) {
     }
     case Refusal::too_large:
       return error_response(413, "needs more memory than scenes may take; see --memory");
-    case Refusal::no_memory: {
-      HttpResponse response = error_response(503, kOutOfMemory);
-      response.headers.emplace_back("Retry-After", "1");
-      return response;
-    }
+    case Refusal::no_memory:
+      return error_response(Error{ErrorCode::no_memory, kOutOfMemory});
     case Refusal::too_late:
       return error_response(504, "the deadline passed");
     case Refusal::gone:
