@@ -166,7 +166,7 @@ std::optional<LiveScans::Scan> LiveScans::try_recognize(const Arrival& arrival,
     scan.seconds = answer->work_seconds;
     scan.num_detections = recognition->results.front().detections.size();
     scan.answer = std::make_shared<const std::string>(
-        json_text(recognition_json(*recognition, *answer, name)));
+        json_text(*recognition_json(*recognition, *answer, name)));
   } else {
     scan.error = valid_utf8(reason_of_no_answer(outcome));
   }

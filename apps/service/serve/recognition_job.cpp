@@ -7,9 +7,34 @@
 
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/results/detections_json.hpp"
+#include "apps/results/failed_scenes.hpp"
 #include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
+
+namespace {
+
+Result<SceneResult> recognize_scan(const ScanPart& scan, const RecognizeOptions& options,
+                                   const LibraryGeneration& generation, const std::stop_token& stop,
+                                   Metrics& metrics) {
+  const LengthUnit unit = generation.recognizer.library().header.unit;
+  const auto begun = ServiceClock::now();
+  const Result<Cloud> cloud =
+      read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene, unit);
+  if (!cloud) return cloud.error();
+  metrics.observe_stage("decode",
+                        std::chrono::duration<double>(ServiceClock::now() - begun).count());
+  SceneInput input = scan.scene.input(unit);
+  input.file = scan.name;  // of which errors speak
+  return trivet::recognize(generation.recognizer, *cloud, input, options, stop);
+}
+
+/// Whether the client sent what is wrong; all else (no memory, a library that changed) another try may mend.
+bool is_of_scan(const Error& error) {
+  return error.code == ErrorCode::bad_data || error.code == ErrorCode::usage;
+}
+
+}  // namespace
 
 ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metrics& metrics) {
   ServiceJob job;
@@ -21,40 +46,45 @@ ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metr
   job.work = [&metrics, recognition](std::size_t i, const LibraryGeneration& generation,
                                      const std::stop_token& stop) -> Result<void> {
     const FailWithoutMemory scope;
-    const ScanPart& scan = recognition->request.scans[i];
-    const LengthUnit unit = generation.recognizer.library().header.unit;
-    const auto begun = ServiceClock::now();
-    const Result<Cloud> cloud =
-        read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene, unit);
-    if (!cloud) return cloud.error();
-    metrics.observe_stage("decode",
-                          std::chrono::duration<double>(ServiceClock::now() - begun).count());
-    SceneInput input = scan.scene.input(unit);
-    input.file = scan.name;  // of which errors speak
+    const ScanRequest& request = recognition->request;
     Result<SceneResult> result =
-        trivet::recognize(generation.recognizer, *cloud, input, recognition->request.options, stop);
-    if (!result) return result.error();
-    recognition->results[i] = std::move(*result);
+        recognize_scan(request.scans[i], request.options, generation, stop, metrics);
+    if (result) {
+      recognition->results[i] = std::move(*result);
+    } else if (request.scans.size() > 1 && is_of_scan(result.error())) {
+      recognition->failures[i] = result.error();
+    } else {
+      return result.error();
+    }
     return {};
   };
   return job;
 }
 
-nlohmann::ordered_json recognition_json(const Recognition& done, const ServiceAnswer& answer,
-                                        const std::string& request_id) {
+Result<nlohmann::ordered_json> recognition_json(const Recognition& done,
+                                                const ServiceAnswer& answer,
+                                                const std::string& request_id) {
+  std::vector<Error> failures;
+  for (const std::optional<Error>& failure : done.failures)
+    if (failure) failures.push_back(*failure);
+  const std::size_t num_scenes = done.results.size();
+  if (failures.size() == num_scenes) return failed_scenes(failures, num_scenes).error();
   const Recognizer& recognizer = answer.generation->recognizer;
   nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < done.results.size(); ++i) {
-    scenes.push_back(scene_json(done.request.scans[i].name, done.results[i], recognizer.score(),
-                                done.request.options));
+  for (std::size_t i = 0; i < num_scenes; ++i) {
+    const std::string& name = done.request.scans[i].name;
+    scenes.push_back(done.failures[i] ? failed_scene_json(name, *done.failures[i])
+                                      : scene_json(name, done.results[i], recognizer.score(),
+                                                   done.request.options));
   }
-  return {{"request_id", request_id},
-          {"library",
-           {{"file", recognizer.library().file.filename().string()},
-            {"generation", answer.generation->number},
-            {"calibration", calibration_json(recognizer)}}},
-          {"seconds", {{"queue", answer.queue_seconds}, {"work", answer.work_seconds}}},
-          {"scenes", std::move(scenes)}};
+  return nlohmann::ordered_json{
+      {"request_id", request_id},
+      {"library",
+       {{"file", recognizer.library().file.filename().string()},
+        {"generation", answer.generation->number},
+        {"calibration", calibration_json(recognizer)}}},
+      {"seconds", {{"queue", answer.queue_seconds}, {"work", answer.work_seconds}}},
+      {"scenes", std::move(scenes)}};
 }
 
 }  // namespace trivet::apps::service

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,17 +15,21 @@ namespace trivet::apps::service {
 
 struct Recognition {
   explicit Recognition(ScanRequest asked)
-      : request(std::move(asked)), results(request.scans.size()) {}
+      : request(std::move(asked)), results(request.scans.size()), failures(request.scans.size()) {}
 
   ScanRequest request;
-  std::vector<SceneResult> results;  ///< by scan, once the job is done
+  // By scan, once the job is done.
+  std::vector<SceneResult> results;
+  std::vector<std::optional<Error>> failures;  ///< what was wrong with a scan, of several
 };
 
-/// A part of the job a scan. `metrics` outlives the job.
+/// A part of the job a scan. One that cannot be read or recognized fails the job if it is the only one; of several, each keeps its
+/// failure to itself. `metrics` outlives the job.
 ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metrics& metrics);
 
-/// What a client is told once the job is done.
-nlohmann::ordered_json recognition_json(const Recognition& done, const ServiceAnswer& answer,
-                                        const std::string& request_id);
+/// What a client is told once the job is done. Errors: every scan failed; those of failed_scenes.
+Result<nlohmann::ordered_json> recognition_json(const Recognition& done,
+                                                const ServiceAnswer& answer,
+                                                const std::string& request_id);
 
 }  // namespace trivet::apps::service

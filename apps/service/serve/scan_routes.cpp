@@ -74,7 +74,8 @@ void ServiceRoutes::recognize(const CallPtr& call, std::string_view) {
   submit(
       call, recognition_job(recognition, metrics_),
       [call, recognition](const ServiceAnswer& found) {
-        return json_response(200, recognition_json(*recognition, found, call->id));
+        const auto answer = recognition_json(*recognition, found, call->id);
+        return answer ? json_response(200, *answer) : error_response(answer.error());
       },
       [this, call, recognition](const ServiceAnswer& found) {
         tell_recognition(call, found, recognition->results);

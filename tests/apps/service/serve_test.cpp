@@ -178,6 +178,16 @@ TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
     EXPECT_EQ(apart[0]["detections"], one["detections"]);
     EXPECT_NE(apart[1]["detections"], one["detections"]);
 
+    // One that cannot be read takes nothing from the others.
+    const Answer mixed = post(options({{"method", "ppf"}, {"camera", camera}}) +
+                              scene("a.png", scan) + scene("b.png", "no") + scene("c.png", scan));
+    ASSERT_EQ(mixed.status, 200) << mixed.body;
+    EXPECT_EQ(mixed.json()["scenes"][0]["detections"], one["detections"]);
+    EXPECT_EQ(mixed.json()["scenes"][1]["scene"], "b.png");
+    EXPECT_NE(mixed.json()["scenes"][1]["error"].get<std::string>().find("b.png"),
+              std::string::npos);
+    EXPECT_EQ(mixed.json()["scenes"][2]["detections"], one["detections"]);
+
     const auto refuses = [&](const std::string& reason, const std::string& body) {
       const Answer answer = post(body);
       EXPECT_EQ(answer.status, 400) << answer.body;
@@ -185,7 +195,8 @@ TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
     };
     refuses("part scene", "");
     refuses("part scene", options({{"method", "ppf"}}));
-    refuses("b.png", options({{"camera", camera}}) + scene("a.png", scan) + scene("b.png", "no"));
+    refuses("b.png", options({{"camera", camera}}) + scene("a.png", "no") + scene("b.png", "no"));
+    refuses("b.png", options({{"camera", camera}}) + scene("b.png", "no"));
     refuses("'a'", scene("a", scan));
     refuses("'../a.exe'", scene("../a.exe", scan));
     refuses("'other'", part("name=other", "x"));
