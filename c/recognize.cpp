@@ -10,7 +10,9 @@
 #include "storage/memory_cloud.hpp"
 
 using trivet::ArrayView;
+using trivet::Camera;
 using trivet::Cloud;
+using trivet::DepthKind;
 using trivet::Error;
 using trivet::ErrorCode;
 using trivet::RecognizeOptions;
@@ -136,6 +138,19 @@ FoundInScene recognize_scene(const Call& call, SceneInput input, TakeCloud&& tak
   return result;
 }
 
+Camera camera_of(const trivet_camera& c) {
+  const auto& d = c.distortion;
+  return {.fx = c.fx,
+          .fy = c.fy,
+          .cx = c.cx,
+          .cy = c.cy,
+          .depth_scale = c.depth_scale,
+          .depth = c.depth_along_ray == 0 ? DepthKind::z : DepthKind::ray,
+          .distortion = {d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]},
+          .width = c.width,
+          .height = c.height};
+}
+
 }  // namespace
 
 trivet_status trivet_recognize_points(const trivet_library* library, const void* xyz,
@@ -164,7 +179,7 @@ trivet_status trivet_recognize_depth(const trivet_library* library, const void* 
     if (!camera) return usage("expected a camera, found null");
     SceneInput input;
     input.file = "depth image";
-    input.camera = {camera->fx, camera->fy, camera->cx, camera->cy, camera->depth_scale};
+    input.camera = camera_of(*camera);
     return recognize_scene({library, unit, options, stopper}, input, [&]() -> Result<Cloud> {
       const Result<ArrayView> array = depths_array(depths, number, width, height, stride);
       if (!array) return array.error();

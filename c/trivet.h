@@ -87,13 +87,20 @@ typedef struct trivet_result trivet_result;
 /** Asks calls to end early. */
 typedef struct trivet_stopper trivet_stopper;
 
-/** Pinhole camera, x right, y down, z forward: u = fx x / z + cx, v = fy y / z + cy [pixel]. */
+/**
+ * Pinhole camera, x right, y down, z forward: u = fx x / z + cx, v = fy y / z + cy [pixel]. What is zero from `distortion` on is not
+ * said: no distortion, depths along z, images of any size.
+ */
 typedef struct trivet_camera {
   double fx; /**< focal length along a row [pixel], above 0 */
   double fy; /**< focal length along a column [pixel], above 0 */
   double cx; /**< column of the principal point [pixel], 0 at the center of the first pixel */
   double cy; /**< row of the principal point [pixel] */
-  double depth_scale; /**< a depth times it is a length in the scene's unit, above 0 */
+  double depth_scale;   /**< a depth times it is a length in the scene's unit, above 0 */
+  double distortion[8]; /**< Brown-Conrady, in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6; undone */
+  uint32_t depth_along_ray; /**< 1: depths are distances from the camera, along the ray; 0: z */
+  uint32_t width;           /**< of the images that the other numbers are for [pixel], or 0 */
+  uint32_t height;          /**< likewise; an image of another size is refused */
 } trivet_camera;
 
 /** An object that was found. Lengths are in the scene's unit. */
@@ -221,7 +228,8 @@ TRIVET_API trivet_status trivet_recognize_points(const trivet_library* library, 
  * @param stopper  or NULL
  * @param[out] result  to be freed by trivet_free_result; NULL after an error
  * @param[out] error   or NULL
- * @return as above; TRIVET_BAD_DATA also of a camera that cannot be, and of negative depths only
+ * @return as above; TRIVET_BAD_DATA also of a camera that cannot be or is of another image's size, and of
+ *         negative depths only
  */
 TRIVET_API trivet_status trivet_recognize_depth(const trivet_library* library, const void* depths,
                                                 trivet_number number, size_t width, size_t height,

@@ -29,7 +29,9 @@ class Error(ctypes.Structure):
 
 
 class Camera(ctypes.Structure):
-    _fields_ = [(name, c_double) for name in ("fx", "fy", "cx", "cy", "depth_scale")]
+    _fields_ = [*((name, c_double) for name in ("fx", "fy", "cx", "cy", "depth_scale")),
+                ("distortion", c_double * 8),
+                *((name, c_uint32) for name in ("depth_along_ray", "width", "height"))]
 
 
 class Detection(ctypes.Structure):
@@ -214,6 +216,22 @@ def test_depths_in_another_unit_give_poses_in_it(data):
     assert expected["detections"]
     assert_same(recognize_depth(data.library, data.depths, in_meters, unit=METER), expected,
                 data.library)
+
+
+def test_a_camera_says_its_distortion_its_kind_of_depth_and_its_size(data):
+    height, width = data.depths.shape
+    said = dict(data.camera, distortion=[-0.1, 0.02, 0.001, 0, 0, 0, 0, 0])
+    for more, in_c in ((dict(said), said), (dict(data.camera, depth="ray"),
+                                            dict(data.camera, depth_along_ray=1))):
+        (data.folder / "camera.json").write_text(json.dumps(more))
+        expected = program(data, data.scene["scene"], "--camera", "camera.json")
+        values = dict(in_c, width=width, height=height)
+        if "distortion" in values:
+            values["distortion"] = (c_double * 8)(*values["distortion"])
+        assert_same(recognize_depth(data.library, data.depths, values), expected, data.library)
+        assert expected["detections"] != data.scene["detections"]
+    with pytest.raises(Failure, match=f"{width} x {height}"):
+        recognize_depth(data.library, data.depths, dict(data.camera, width=2 * width, height=height))
 
 
 def test_points_give_what_the_program_finds(data):
