@@ -464,15 +464,18 @@ Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models,
 Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   const auto& [models, unit, options, clutter, bodies, meshes, areas] = *state_;
   const engine::SensorTraits& sensor = engine::traits_of(options.sensor.sensor);
-  const auto random_of = [&](Item item) { return CounterRandom(options.seed, index, item); };
+  const auto random_of = [&options = options, index](Item item) {
+    return CounterRandom(options.seed, index, item);
+  };
 
   CounterRandom choice = random_of(kChoice);
   const std::vector<std::uint32_t> order =
       choose_bodies(models.size(), clutter.size(), options, choice);
   const engine::BinSize bin = options.bin ? engine::choose_bin(bodies, order) : engine::kTable;
   std::vector<PlacedBody> placed = engine::pile_up(bodies, order, bin, options.seed, index);
-  std::stable_partition(placed.begin(), placed.end(),
-                        [&](const PlacedBody& instance) { return instance.body < models.size(); });
+  std::stable_partition(
+      placed.begin(), placed.end(),
+      [&models = models](const PlacedBody& instance) { return instance.body < models.size(); });
 
   CounterRandom drawn = random_of(kSetting);
   const Setting setting = draw_setting(options, sensor, drawn);

@@ -85,7 +85,7 @@ Symmetry turns_and_flips(std::uint32_t n) {
 
 Symmetry any_turn(bool flip) {
   Symmetry out = flip ? half_turn_x() : no_symmetry();
-  out.axis.emplace();  // z through the origin
+  out.axis = Symmetry::Axis{};  // z through the origin
   return out;
 }
 
