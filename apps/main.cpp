@@ -29,8 +29,6 @@ int main(int argc, char** argv) {
   apps::add_fit_score(app, context);
   apps::add_study(app, context);
   apps::add_serve(app, context);
-  apps::add_route(app, context);
-  apps::add_load(app, context);
   apps::add_library(app, context);
   apps::add_documents(app);
 

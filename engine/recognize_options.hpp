@@ -125,7 +125,6 @@ struct RecognizeOptions {
   std::uint32_t max_instances = 100;  ///< per model
   std::uint32_t max_rejected = 0;     ///< poses per model that are told with the reason
   PlaceQuestion explain{};            ///< answered in SceneResult::explanation
-  bool tell_claims = false;           ///< in SceneResult::claims; without doubtful_score
   /// Report only detections of which this very pose has min_score: score * pose_share.
   bool require_pose = false;
   std::vector<std::string> models{};  ///< names to look for; empty: all

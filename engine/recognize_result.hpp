@@ -14,7 +14,6 @@
 #include "engine/rejected_pose.hpp"
 #include "engine/scene_view.hpp"
 #include "kernels/scans/sensor_model.hpp"
-#include "kernels/verification/examine_pose.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "storage/model.hpp"
 
@@ -55,27 +54,6 @@ struct Detection {
   float pose_score() const noexcept { return score * pose_share; }
 };
 
-/// A pose that was taken, also if it is not reported: what decides between it and others in its
-/// place.
-struct PoseClaim {
-  std::string model;
-  float rank = 0;                      ///< higher ones choose first; depends on the library's unit
-  kernels::ExplainedPixels explained;  ///< none where Improvement::explained is left out
-  std::optional<std::size_t> detection{};  ///< index of the detection that it became
-};
-
-/// Of an image that a scene was looked at in.
-struct ImageSize {
-  std::uint32_t width = 0, height = 0;  ///< [pixel]
-  bool operator==(const ImageSize&) const = default;
-};
-
-/// What the poses that were taken claim of the images that the scene was looked at in.
-struct SceneClaims {
-  std::vector<ImageSize> images;
-  std::vector<PoseClaim> poses;  ///< in the order of taking
-};
-
 /// What the scene was, and what recognizing it took.
 struct SceneStats {
   std::optional<SceneView> view{};  ///< what saw the scene; none of too few measurements
@@ -97,7 +75,6 @@ struct SceneStats {
 struct SceneResult {
   std::vector<Detection> detections;              ///< by falling score, then model name
   std::vector<RejectedPose> rejected;             ///< by falling score; no two of one placement
-  std::optional<SceneClaims> claims{};            ///< if they are asked for
   std::optional<PlaceExplanation> explanation{};  ///< of the place that was asked about
   SceneStats stats;
   Eigen::Vector3d offset{0, 0, 0};  ///< of the cloud (Cloud::offset)

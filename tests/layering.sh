@@ -60,5 +60,5 @@ folders() {
 folders storage files formats library datasets
 folders kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
 folders engine common options libraries training hypotheses verification camera recognition evaluation calibration pictures meshing simulation/parts simulation
-folders apps inputs words results help options report study program service/http service service/route service/serve/inference service/serve/session service/serve/workshop service/serve commands mpi
+folders apps inputs words results help options report study program service/http service service/serve/inference service/serve/session service/serve/workshop service/serve commands mpi
 exit $failed

@@ -19,8 +19,6 @@ void add_mesh(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
 void add_fit_score(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
-void add_route(CLI::App& app, Context& context);
-void add_load(CLI::App& app, Context& context);
 void add_study(CLI::App& app, Context& context);
 /// Options that print what all commands say of themselves: after the commands.
 void add_documents(CLI::App& app);

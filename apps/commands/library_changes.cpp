@@ -12,7 +12,6 @@
 #include "engine/libraries/assemble_library.hpp"
 #include "engine/libraries/edit_library.hpp"
 #include "engine/libraries/export_models.hpp"
-#include "engine/libraries/split_library.hpp"
 #include "engine/training/provenance.hpp"
 #include "storage/library/import_library.hpp"
 
@@ -23,7 +22,6 @@ struct ChangeArguments {
   std::string file, name, to, output, json, format = "ply";
   std::vector<std::string> names;
   bool keep_going = false;
-  std::size_t num_parts = 2;
 };
 
 Progress written(const Context& context) {
@@ -69,16 +67,6 @@ Result<void> merge(const ChangeArguments& arguments, const Context& context) {
   std::vector<std::filesystem::path> files{arguments.file};
   files.insert(files.end(), arguments.names.begin(), arguments.names.end());
   return merge_libraries(files, arguments.output, written(context));
-}
-
-Result<void> split(const ChangeArguments& arguments, const Context&) {
-  const Result<Library> library = open_library(arguments.file);
-  if (!library) return library.error();
-  const auto files = split_library(*library, arguments.num_parts, arguments.output);
-  if (!files) return files.error();
-  std::string text;
-  for (const auto& part : *files) text += part.string() + '\n';
-  return write_output(text);
 }
 
 Result<void> export_surfaces(const ChangeArguments& arguments, const Context&) {
@@ -149,11 +137,6 @@ void add_library_changes(CLI::App& library, Context& context) {
       add("merge", "Write the models of several libraries, trained alike, into one", merge);
   merge_command->add_option("OTHER", arguments->names, "Further library files")->required();
   add_output(merge_command, "Library file to write; it appears whole or not at all");
-  CLI::App* const split_command = add(
-      "split", "Write parts for several machines (`trivet route`) and print their files", split);
-  split_command->add_option("-n,--parts", arguments->num_parts, "Parts, of about equal size")
-      ->capture_default_str();
-  add_output(split_command, "Folder for them");
   CLI::App* const export_command = add(
       "export",
       "Write the surfaces of models and print the paths of what trivet train takes\n\n"

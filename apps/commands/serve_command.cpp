@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -9,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/commands/daemon_command.hpp"
+#include "apps/commands/commands.hpp"
 #include "apps/inputs/inputs.hpp"
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/daemon.hpp"
@@ -142,8 +143,9 @@ Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& setting
   return Error{faults.front().code, fmt::format("{}", fmt::join(sentences, "\nerror: "))};
 }
 
-/// Open all that a service with these settings opens, with all of the library checked.
-Result<std::string> check(const ServeSettings& settings, const Context& context) {
+/// Open all that a service with these settings opens, with all of the library checked, and tell what
+/// was found.
+Result<void> check(const ServeSettings& settings, const Context& context) {
   LibraryFiles files = settings.files();
   files.options.verify = true;
   const auto opened = open_service(settings, files, context);
@@ -164,7 +166,9 @@ Result<std::string> check(const ServeSettings& settings, const Context& context)
     found += fmt::format("\nscans are taken from {}", settings.live.folder);
   if (!settings.examples.empty())
     found += fmt::format("\n{}: examples: {}", settings.examples, (*opened)->examples.size());
-  return found;
+  context.console.line(found);
+  context.console.line("the configuration is good");
+  return {};
 }
 
 Result<void> serve(const ServeSettings& settings, const Context& context) {
@@ -203,14 +207,23 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
 }  // namespace
 
 void add_serve(CLI::App& app, Context& context) {
-  add_daemon<ServeSettings>(
-      app, context, "serve",
+  CLI::App* const command = app.add_subcommand(
+      "serve",
       "Recognize over HTTP, with a page to try it\n\n"
       "POST /v1/recognize?format=ply takes a scan as its body and the options of `trivet "
       "recognize`\n"
       "as parameters; / is the page. SIGHUP or POST /v1/library/reload read the library anew;\n"
-      "SIGTERM answers what came in, then ends.",
-      {serve, check});
+      "SIGTERM answers what came in, then ends.");
+  auto arguments = std::make_shared<SettingArguments>();
+  ServeSettings defaults;
+  add_settings(*command, settings_of(defaults), *arguments);
+  command->callback([arguments, &context] {
+    context.run = [arguments, &context]() -> Result<void> {
+      ServeSettings settings;
+      if (const Result<void> good = read_settings(settings, *arguments); !good) return good.error();
+      return arguments->check_config ? check(settings, context) : serve(settings, context);
+    };
+  });
 }
 
 }  // namespace trivet::apps

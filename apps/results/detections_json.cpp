@@ -5,7 +5,6 @@
 #include <limits>
 #include <set>
 
-#include "apps/results/claims_json.hpp"
 #include "apps/words/camera_words.hpp"
 #include "apps/words/explanation_words.hpp"
 #include "apps/words/rejection_words.hpp"
@@ -287,7 +286,6 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
     json["offset"] = {o.x(), o.y(), o.z()};
   if (options.max_rejected > 0) json["rejected"] = rejected_json(score, result, options);
   if (result.explanation) json["explanation"] = explanation_json(result, score, options);
-  if (result.claims) json["claims"] = claims_json(*result.claims);
   return json;
 }
 

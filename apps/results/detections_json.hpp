@@ -21,7 +21,7 @@ std::string_view name_of(Rejection reason);
 nlohmann::ordered_json matrix_json(const FilePose& pose);
 
 /// One element of "scenes", with the evidence of the score that it was recognized with, and with
-/// "claims" and "explanation" where the result holds them.
+/// "explanation" where the result holds one.
 ///
 /// options  that it was asked for with; what was rejected is told, with the reasons in words, where
 ///          they say so

@@ -86,7 +86,7 @@ void Daemon::wait(const std::stop_token& stop, milliseconds interval,
                   const std::function<void()>& look) {
   while (!stop.stop_requested()) {
     std::this_thread::sleep_for(interval);
-    if (look) look();
+    look();
   }
 }
 
@@ -100,12 +100,8 @@ void Daemon::drain(const std::function<void()>& set_closing,
   const auto end = Clock::now() + timeout, last_answers = end - std::min(kLastSteps, timeout / 4),
              deadline = last_answers - std::min(kLastAnswers, timeout / 4);
   end_by(end);
-  if (finish) {
-    is_all_answered_ = finish(deadline);
-    server_->wait_until_idle(last_answers);
-  } else {
-    is_all_answered_ = server_->wait_until_idle(deadline);
-  }
+  is_all_answered_ = finish(deadline);
+  server_->wait_until_idle(last_answers);
   server_->stop();
 }
 

@@ -37,8 +37,6 @@ class Daemon {
   Daemon& operator=(const Daemon&) = delete;
 
   RequestLog& log() { return log_; }
-  /// Those that clients show; without a file there are none.
-  const BearerTokens& tokens() const { return tokens_; }
   /// Read the file of tokens, if there is one. Where that fails, the old ones stay. Errors: those of
   /// read_token_file.
   Result<void> read_tokens();
@@ -69,7 +67,7 @@ class Daemon {
 
   /// Look again and again, until told to stop.
   static void wait(const std::stop_token& stop, std::chrono::milliseconds interval,
-                   const std::function<void()>& look = {});
+                   const std::function<void()>& look);
 
   /// Be ready no more, so that balancers go elsewhere; after the grace take no more connections;
   /// then answer what came in. From then on the routes are asked no more.
@@ -79,10 +77,9 @@ class Daemon {
   /// work that does not check whether it is to stop, ends with the process: with exit code
   /// kExitUnfinished.
   ///
-  /// finish  returns whether all was answered by the deadline; none: each connection's answer
-  ///         counts
+  /// finish  returns whether all was answered by the deadline
   void drain(const std::function<void()>& set_closing,
-             const std::function<bool(Clock::time_point deadline)>& finish = {});
+             const std::function<bool(Clock::time_point deadline)>& finish);
   void tell_end();  ///< of the drain, to the log
 
   static constexpr int kExitUnfinished = 75;  ///< as of what is stopped before its end

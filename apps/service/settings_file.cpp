@@ -1,7 +1,6 @@
 #include "apps/service/settings_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include <CLI/CLI.hpp>
@@ -138,15 +137,14 @@ void add_settings(CLI::App& command, std::span<const Setting> settings,
           std::string(setting.meaning));
       continue;
     }
-    const bool is_repeated = setting.is_list && setting.argument.empty();
     command
         .add_option(setting.argument.empty() ? "--" + name : std::string(setting.argument), take,
                     std::string(setting.meaning))
         ->type_name("TEXT")
-        ->expected(1, setting.is_list && !is_repeated ? CLI::detail::expected_max_vector_size : 1)
-        ->multi_option_policy(is_repeated ? CLI::MultiOptionPolicy::TakeAll
-                                          : CLI::MultiOptionPolicy::Throw)
-        ->allow_extra_args(setting.is_list && !is_repeated)
+        ->expected(1)
+        ->multi_option_policy(setting.is_list ? CLI::MultiOptionPolicy::TakeAll
+                                              : CLI::MultiOptionPolicy::Throw)
+        ->allow_extra_args(false)
         ->default_str(setting.text);
   }
   command.add_option("--config", arguments.config,
@@ -163,11 +161,6 @@ Result<SettingFaults> set_values(std::span<const Setting> settings,
   }
   reader.read_flags();
   return reader.faults();
-}
-
-Result<void> without_faults(const SettingFaults& faults) {
-  if (faults.empty()) return {};
-  return Error{ErrorCode::usage, fmt::format("{}", fmt::join(faults, "\nerror: "))};
 }
 
 }  // namespace trivet::apps::service

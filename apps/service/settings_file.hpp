@@ -25,7 +25,7 @@ struct Setting {
   /// Errors: usage (its name, what was expected, and the value).
   std::function<Result<void>(const std::string& value)> set;
   std::string_view argument{};  ///< where it is none of the flags: its place, as LIBRARY
-  bool is_list = false;         ///< `set` adds a value
+  bool is_list = false;         ///< `set` adds a value; of flags, which may be given again
   bool is_flag = false;         ///< its values are true and false
 };
 
@@ -63,18 +63,5 @@ using SettingFaults = std::vector<std::string>;
 /// Set what the file says, and what flags say in its place. Errors: missing_input, io (the file).
 Result<SettingFaults> set_values(std::span<const Setting> settings,
                                  const SettingArguments& arguments);
-
-/// Errors: usage (the faults).
-Result<void> without_faults(const SettingFaults& faults);
-
-/// Of a kind that has settings_of and faults_of. Errors: missing_input, io; usage: everything that
-/// is wrong, a line each, also of what contradicts itself.
-template <class Settings>
-Result<void> read_settings(Settings& settings, const SettingArguments& arguments) {
-  Result<SettingFaults> faults = set_values(settings_of(settings), arguments);
-  if (!faults) return faults.error();
-  for (std::string& fault : faults_of(settings)) faults->push_back(std::move(fault));
-  return without_faults(*faults);
-}
 
 }  // namespace trivet::apps::service

@@ -36,14 +36,10 @@ Error stopped(const std::filesystem::path& file, std::size_t num_written, std::s
 
 }  // namespace
 
-ModelCopy copy_of(const Library& library, std::uint32_t index) {
-  const Model& model = library.models[index];
-  return {&library, index, model.name, model.source};
-}
-
 std::vector<ModelCopy> copies_of(const Library& library) {
   std::vector<ModelCopy> all;
-  for (std::uint32_t m = 0; m < library.models.size(); ++m) all.push_back(copy_of(library, m));
+  for (std::uint32_t m = 0; m < library.models.size(); ++m)
+    all.push_back({&library, m, library.models[m].name, library.models[m].source});
   return all;
 }
 

@@ -23,9 +23,7 @@ struct ModelCopy {
   const Model& model() const { return library->models[index]; }
 };
 
-/// A model as it is called there.
-ModelCopy copy_of(const Library& library, std::uint32_t index);
-/// All models of a library.
+/// All models of a library, as they are called there.
 std::vector<ModelCopy> copies_of(const Library& library);
 
 /// Write models into one library with the index over their features. The bytes depend on the

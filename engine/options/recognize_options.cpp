@@ -181,12 +181,6 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
                                              .help = "Of the place to explain: only these models",
                                              .unset_help = "all that come near it",
                                              .place = OptionPlace::not_in_studies}),
-      declare<TRIVET_FIELD(tell_claims)>(
-          {.name = "claims",
-           .group = kAnswers,
-           .label = "pixels that poses explain are told",
-           .help = "Tell which pixels each pose explains, as trivet route needs it to join answers",
-           .place = OptionPlace::service_only}),
       declare<TRIVET_FIELD(method)>({.name = "method",
                                      .group = kSearch,
                                      .label = "method",
@@ -481,10 +475,8 @@ Result<void> validate(const RecognizeOptions& options) {
       tilt && !(is_direction(tilt->model_direction) && is_direction(tilt->scene_direction) &&
                 tilt->max_angle_deg >= 0))
     return refuse("tilt: expected two directions of a length above 0 and an angle of at least 0");
-  if (!options.doubtful_score) return {};
-  if (!(*options.doubtful_score >= 0 && *options.doubtful_score <= 1))
+  if (options.doubtful_score && !(*options.doubtful_score >= 0 && *options.doubtful_score <= 1))
     return refuse("doubtful score: expected 0 to 1");
-  if (options.tell_claims) return refuse("doubtful score: expected none where claims are told");
   return {};
 }
 

@@ -222,7 +222,6 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
     SceneResult nothing;
     nothing.offset = cloud.offset;
     nothing.stats = std::move(stats);
-    if (options.tell_claims) nothing.claims = SceneClaims{};
     if (asked.explain.point) nothing.explanation = explained_place(asked, options, cloud);
     return nothing;
   }

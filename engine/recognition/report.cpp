@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine/verification/select_detections.hpp"
-
 namespace trivet::engine {
 namespace {
 
@@ -80,14 +78,6 @@ ModelExplanation report_explained(const Library& library, const ExplainedModel& 
   return out;
 }
 
-/// place  as for report_rejected
-PoseClaim report_claim(const Library& library, TakenClaim taken,
-                       std::span<const std::size_t> place) {
-  PoseClaim claim{library.models[taken.model].name, taken.rank, std::move(taken.explained)};
-  if (taken.detection) claim.detection = place[*taken.detection];
-  return claim;
-}
-
 /// Indices of candidates by falling score, ties by index.
 std::vector<std::size_t> by_score(std::span<const Candidate> candidates) {
   std::vector<std::size_t> order(candidates.size());
@@ -111,11 +101,6 @@ SceneResult report(const Library& library, const PreparedScene& scene, SearchRes
   }
   for (const RefusedCandidate& refused : found.rejected)
     result.rejected.push_back(report_rejected(library, refused, place, scene.scale));
-  if (found.claims) {
-    result.claims = SceneClaims{sizes_of(scene), {}};
-    for (TakenClaim& claim : *found.claims)
-      result.claims->poses.push_back(report_claim(library, std::move(claim), place));
-  }
   if (found.explained) {
     result.explanation.emplace();
     for (const ExplainedModel& explained : *found.explained)

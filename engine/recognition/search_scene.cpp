@@ -96,9 +96,6 @@ class SceneSearch {
   /// Test what looks like the candidates that were taken in their place.
   Result<void> test_look_alikes();
 
-  /// What the detections claim as they were taken, since alternatives change scores and move poses,
-  /// and what was one too many.
-  std::vector<TakenClaim> claims(std::span<const std::uint32_t> chosen) const;
   /// Candidates, moved to where the scan speaks for them and scored anew.
   /// others  none where poses are not compared
   Result<std::vector<Candidate>> hold_against_alternatives(
@@ -383,7 +380,6 @@ Result<SearchResult> SceneSearch::conclude() {
     next = take_unexplained(sizes_of(scene_), claims_of(library_, candidates_, select_options_),
                             standing, select_options_, selection_.refused);
   }
-  if (options_.tell_claims) result.claims = claims(chosen);
   for (auto& [c, candidate] : refused) candidates_[c] = std::move(candidate);
   if (watch_) {
     auto explained = explain(chosen, result.detections);
@@ -392,21 +388,6 @@ Result<SearchResult> SceneSearch::conclude() {
   }
   if (options_.max_rejected > 0) result.rejected = best_rejected(chosen, result.detections);
   return result;
-}
-
-std::vector<TakenClaim> SceneSearch::claims(std::span<const std::uint32_t> chosen) const {
-  std::vector<TakenClaim> claims;
-  const auto tell = [&](std::uint32_t c, std::optional<std::size_t> detection) {
-    const Candidate& candidate = candidates_[c];
-    const Model& model = library_.models[candidate.model];
-    claims.push_back({candidate.model, rank_of(model, candidate, select_options_), {}, detection});
-    if (select_options_.by_pixels) claims.back().explained = candidate.explained;
-  };
-  for (std::size_t d = 0; d < chosen.size(); ++d) tell(chosen[d], d);
-  for (const RejectedCandidate& refusal : selection_.refused) {
-    if (refusal.reason == Rejection::too_many) tell(refusal.candidate, std::nullopt);
-  }
-  return claims;
 }
 
 Result<std::vector<Candidate>> SceneSearch::hold_against_alternatives(

@@ -28,14 +28,6 @@ struct RefusedCandidate {
   float explained_share = 0;
 };
 
-/// What a candidate that was taken claims, by the pose that it was taken with.
-struct TakenClaim {
-  std::uint32_t model = 0;
-  float rank = 0;                          ///< higher ones choose first
-  kernels::ExplainedPixels explained;      ///< none where poses alone choose
-  std::optional<std::size_t> detection{};  ///< index of the one that it became
-};
-
 /// What became of a model's poses at the place that was asked about.
 struct ExplainedModel {
   std::uint32_t model = 0;
@@ -51,8 +43,6 @@ struct ExplainedModel {
 struct SearchResult {
   std::vector<Candidate> detections;       ///< in the order of taking
   std::vector<RefusedCandidate> rejected;  ///< the best of each model, by falling score
-  /// Of the detections and of candidates that were one too many, if they are asked for.
-  std::optional<std::vector<TakenClaim>> claims{};
   std::optional<std::vector<ExplainedModel>> explained{};  ///< if a place was asked about
 };
 

@@ -98,6 +98,13 @@ class PixelMarks {
   std::vector<std::uint32_t> counts_;  // by mark; all zero between calls
 };
 
+/// Score x area^0.25: large surfaces prove more; by poses alone the score.
+float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options) {
+  if (!options.by_pixels) return candidate.score;
+  const float area = candidate.examination.area * model.diameter * model.diameter;
+  return candidate.score * std::pow(area, 0.25F);
+}
+
 }  // namespace
 
 Selection select_claims(std::span<const ImageSize> images, std::span<const Claim> claims,
@@ -185,12 +192,6 @@ std::vector<std::uint32_t> take_unexplained(std::span<const ImageSize> images,
     if (k >= num_standing) taken.push_back(which[k]);
   }
   return taken;
-}
-
-float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options) {
-  if (!options.by_pixels) return candidate.score;
-  const float area = candidate.examination.area * model.diameter * model.diameter;
-  return candidate.score * std::pow(area, 0.25F);
 }
 
 std::vector<ImageSize> sizes_of(const PreparedScene& scene) {

@@ -22,6 +22,11 @@ struct SelectOptions {
   bool operator==(const SelectOptions&) const = default;
 };
 
+/// Of an image that a scene was looked at in.
+struct ImageSize {
+  std::uint32_t width = 0, height = 0;  ///< [pixel]
+};
+
 /// A candidate as the selection sees it.
 struct Claim {
   std::uint32_t model = 0;
@@ -69,9 +74,6 @@ std::vector<std::uint32_t> take_unexplained(std::span<const ImageSize> images,
                                             std::span<const std::uint32_t> standing,
                                             const SelectOptions& options,
                                             std::vector<RejectedCandidate>& refused);
-
-/// The rank of a candidate, score x area^0.25: large surfaces prove more; by poses alone the score.
-float rank_of(const Model& model, const Candidate& candidate, const SelectOptions& options);
 
 std::vector<ImageSize> sizes_of(const PreparedScene& scene);
 

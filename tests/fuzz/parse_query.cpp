@@ -29,10 +29,10 @@ void parse_query(std::string_view input) {
 
 std::vector<std::string> parse_query_seeds() {
   return {"method=ppf&preset=fast&min-score=0.5&max-instances=3&unit=mm",
-          "camera=525,525,319.5,239.5,0.001&viewpoint=0,0,1&claims=true&rejected=5",
+          "camera=525,525,319.5,239.5,0.001&viewpoint=0,0,1&rejected=5",
           "models=a,b&region=0,0,0,1,1,1&tilt=0,0,1,0,0,1,20&ablate=rays,correlated-noise&rounds=1",
           "keypoints=iss&grouping=ransac&max-ratio=0.9&weigh-by-ratio=true&max-lean=0.15",
-          R"({"camera":{"fx":1,"fy":1,"cx":0,"cy":0},"viewpoint":[0,0,1],"claims":true})"};
+          R"({"camera":{"fx":1,"fy":1,"cx":0,"cy":0},"viewpoint":[0,0,1],"require-pose":true})"};
 }
 
 }  // namespace trivet::fuzz

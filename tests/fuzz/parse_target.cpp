@@ -24,10 +24,9 @@ void parse_target(std::string_view input) {
     require(target->parameter(name).has_value() && is_utf8(name) && is_utf8(value),
             "a parameter is text, and found by its name");
   const Result<apps::service::Target> again =
-      apps::service::parse_target(apps::service::write_target(*target));
-  require(
-      again.has_value() && again->path == target->path && again->parameters == target->parameters,
-      "what was read can be written");
+      apps::service::parse_target(apps::service::encode_path(target->path));
+  require(again.has_value() && again->path == target->path && again->parameters.empty(),
+          "a path that was read can be written");
 }
 
 std::vector<std::string> parse_target_seeds() {

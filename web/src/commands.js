@@ -12,7 +12,7 @@ const kContentTypes = {
   glb: "model/gltf-binary",
   gltf: "model/gltf+json",
 };
-const kServiceOnly = ["format", "rejected", "claims"];
+const kServiceOnly = ["format", "rejected"];
 
 /** A word of a POSIX shell. */
 export const quoted = (text) =>

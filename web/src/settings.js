@@ -21,7 +21,7 @@ const kOfScan = ["unit", "viewpoint", ...kCameraKeys];
 const kOwn = { method: ChoiceField, "min-score": NumberField }; // beside the options, always sent
 // What the form asks for by other fields, or the page by itself.
 const kReading = ["camera", ...kImageParameters, "viewpoint", "unit"];
-const kElsewhere = ["format", ...kReading, "rejected", "claims", ...Object.keys(kOwn)];
+const kElsewhere = ["format", ...kReading, "rejected", ...Object.keys(kOwn)];
 
 const triple = (text) => text.trim().split(/[\s,;]+/);
 

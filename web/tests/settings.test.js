@@ -25,7 +25,6 @@ const kElsewhere = [
   "viewpoint",
   "unit",
   "rejected",
-  "claims",
 ];
 
 /** The parameters that the form is for, as the service describes them. */

@@ -99,9 +99,4 @@ bool BearerTokens::allow(std::string_view authorization) const {
   return is_one;
 }
 
-std::string BearerTokens::first() const {
-  const std::lock_guard lock(mutex_);
-  return tokens_.empty() ? "" : tokens_.front();
-}
-
 }  // namespace trivet::apps::service

@@ -30,8 +30,6 @@ class BearerTokens {
   void set(std::vector<std::string> tokens);
   /// Whether a header Authorization has one of them. The time tells nothing but the tokens' lengths.
   bool allow(std::string_view authorization) const;
-  /// What asks others that have the same file; empty: there is none.
-  std::string first() const;
 
  private:
   mutable std::mutex mutex_;

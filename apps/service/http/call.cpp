@@ -33,13 +33,9 @@ void Replies::send(const Call& call, HttpResponse response) const {
 }
 
 void Replies::tell(const Call& call, unsigned status) const {
-  const bool with_body = words_ == RequestWords::route_and_body;
-  nlohmann::ordered_json fields{{"request_id", call.id}};
-  if (with_body) fields["method"] = call.request.method;
-  fields["route"] = call.route;
-  fields["code"] = status;
-  fields["seconds"] = call.seconds();
-  if (with_body) fields["body_bytes"] = call.num_bytes;
+  nlohmann::ordered_json fields{{"request_id", call.id},     {"method", call.request.method},
+                                {"route", call.route},       {"code", status},
+                                {"seconds", call.seconds()}, {"body_bytes", call.num_bytes}};
   if (!call.trace.empty()) fields["traceparent"] = call.trace;
   fields.update(call.told);
   log_.write(status >= 500 ? "warning" : "info", "request", fields);

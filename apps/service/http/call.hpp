@@ -37,16 +37,12 @@ struct Call {
 };
 using CallPtr = std::shared_ptr<Call>;
 
-/// What the log tells of a request.
-enum class RequestWords { route, route_and_body };
-
 /// Answers calls: counts them, tells of them in the log, and says to which request an answer
 /// belongs. From any thread.
 class Replies {
  public:
   /// Both outlive it.
-  Replies(RequestMetrics& metrics, RequestLog& log, RequestWords words)
-      : metrics_(metrics), log_(log), words_(words) {}
+  Replies(RequestMetrics& metrics, RequestLog& log) : metrics_(metrics), log_(log) {}
   /// Once for each call.
   void send(const Call& call, HttpResponse response) const;
 
@@ -55,7 +51,6 @@ class Replies {
 
   RequestMetrics& metrics_;
   RequestLog& log_;
-  const RequestWords words_;
 };
 
 }  // namespace trivet::apps::service

@@ -1,4 +1,4 @@
-/// What all our services read from requests and answer with.
+/// What the service reads from requests and answers with.
 #pragma once
 
 #include <chrono>

@@ -55,15 +55,6 @@ bool is_plain_in_path(char c) {
   return is_unreserved(c) || std::string_view("!$&'()*+,;=:@").find(c) != std::string_view::npos;
 }
 
-std::string encode(std::string_view text, std::string_view also_plain = "") {
-  std::string out;
-  for (const char c : text) {
-    const bool is_plain = is_unreserved(c) || also_plain.find(c) != std::string_view::npos;
-    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return out;
-}
-
 }  // namespace
 
 std::optional<std::string> Target::parameter(std::string_view name) const {
@@ -150,12 +141,11 @@ Result<Target> parse_target(std::string_view target) {
   return out;
 }
 
-std::string write_target(const Target& target) {
-  std::string out = encode(target.path, "/");
-  char mark = '?';
-  for (const auto& [key, value] : target.parameters) {
-    out += mark + encode(key) + "=" + encode(value, ",");
-    mark = '&';
+std::string encode_path(std::string_view path) {
+  std::string out;
+  for (const char c : path) {
+    const bool is_plain = is_unreserved(c) || c == '/';
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return out;
 }

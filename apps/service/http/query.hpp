@@ -43,7 +43,7 @@ std::optional<std::size_t> whole_number(std::string_view text);
 /// Split and decode (RFC 3986, 2.1; plus signs stay). Errors: usage (a broken
 /// escape; what is no UTF-8).
 Result<Target> parse_target(std::string_view target);
-/// The reverse.
-std::string write_target(const Target& target);
+/// A path as it stands in a target, of which parse_target makes it again.
+std::string encode_path(std::string_view path);
 
 }  // namespace trivet::apps::service

@@ -72,15 +72,10 @@ prometheus::Histogram& duration_of(Durations& durations, const prometheus::Label
   return durations.Add(labels, kDurationBounds);
 }
 
-prometheus::MetricFamily gauge_now(std::string name, std::string help,
-                                   std::vector<prometheus::ClientMetric> values) {
-  return {std::move(name), std::move(help), prometheus::MetricType::Gauge, std::move(values)};
-}
-
 prometheus::MetricFamily gauge_now(std::string name, std::string help, std::size_t value) {
   prometheus::ClientMetric metric;
   metric.gauge.value = static_cast<double>(value);
-  return gauge_now(std::move(name), std::move(help), {std::move(metric)});
+  return {std::move(name), std::move(help), prometheus::MetricType::Gauge, {std::move(metric)}};
 }
 
 prometheus::MetricFamily counter_now(std::string name, std::string help, std::uint64_t value) {

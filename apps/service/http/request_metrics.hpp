@@ -21,8 +21,8 @@ namespace trivet::apps::service {
 using Counters = prometheus::Family<prometheus::Counter>;
 using Durations = prometheus::Family<prometheus::Histogram>;
 
-/// What every service counts of its requests; it counts the rest in the same registry. All members
-/// may be called from any thread.
+/// What is counted of requests, whatever they ask for; the rest is counted in the same registry. All
+/// members may be called from any thread.
 class RequestMetrics {
  public:
   RequestMetrics();
@@ -54,11 +54,8 @@ inline constexpr std::array<unsigned, 3> kUsualCodes{200, 400, 404};
 inline constexpr std::array<unsigned, 3> kCodesOfOthers{400, 404, 405};
 inline constexpr std::array<unsigned, 7> kCodesOfWork{200, 400, 404, 499, 500, 503, 504};
 
-/// A gauge of as many values as are told.
-prometheus::MetricFamily gauge_now(std::string name, std::string help,
-                                   std::vector<prometheus::ClientMetric> values);
+/// A gauge and a counter that are kept elsewhere.
 prometheus::MetricFamily gauge_now(std::string name, std::string help, std::size_t value);
-/// A counter that is kept elsewhere.
 prometheus::MetricFamily counter_now(std::string name, std::string help, std::uint64_t value);
 
 }  // namespace trivet::apps::service

@@ -28,7 +28,7 @@ void ServiceRoutes::list_models(const CallPtr& call, std::string_view) {
   Json models = Json::array();
   for (const Model& model : library.models) {
     const auto view = [&](const char* what) {
-      return write_target({fmt::format("/v1/models/{}/{}", model.name, what), {}});
+      return encode_path(fmt::format("/v1/models/{}/{}", model.name, what));
     };
     Json told = model_json(model);
     told["thumbnail"] = view("thumbnail.png");

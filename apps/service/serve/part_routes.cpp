@@ -61,7 +61,7 @@ void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
     part["model"] = library ? model_json(library->models.front()) : Json();
     if (library)
       part["model"]["mesh"] =
-          write_target({fmt::format("/v1/parts/{}/mesh.ply", part["name"].get<std::string>()), {}});
+          encode_path(fmt::format("/v1/parts/{}/mesh.ply", part["name"].get<std::string>()));
   }
   const WorkshopSettings& limits = commissioning_.workshop->settings();
   reply(call, json_response(200, {{"allowed", true},

@@ -1,6 +1,7 @@
 #include "apps/service/serve/serve_settings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -71,6 +72,9 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
   return all;
 }
 
+namespace {
+
+/// What is missing or contradicts itself.
 SettingFaults faults_of(const ServeSettings& settings) {
   SettingFaults faults = faults_of(settings.listen, "max-waiting-mb", settings.max_waiting_mb);
   const auto check_file = [&](const char* setting, const std::string& file) {
@@ -91,6 +95,16 @@ SettingFaults faults_of(const ServeSettings& settings) {
     faults.emplace_back(
         "read-only: expected no allow-training, which lets clients change the library");
   return faults;
+}
+
+}  // namespace
+
+Result<void> read_settings(ServeSettings& settings, const SettingArguments& arguments) {
+  Result<SettingFaults> faults = set_values(settings_of(settings), arguments);
+  if (!faults) return faults.error();
+  for (std::string& fault : faults_of(settings)) faults->push_back(std::move(fault));
+  if (faults->empty()) return {};
+  return Error{ErrorCode::usage, fmt::format("{}", fmt::join(*faults, "\nerror: "))};
 }
 
 }  // namespace trivet::apps::service

@@ -32,7 +32,8 @@ struct ServeSettings {
 /// They write to `settings`, which outlives them.
 std::vector<Setting> settings_of(ServeSettings& settings);
 
-/// What is missing or contradicts itself.
-SettingFaults faults_of(const ServeSettings& settings);
+/// Set what a command line and its file say. Errors: missing_input, io (the file); usage: everything
+/// that is wrong, a line each, also what is missing or contradicts itself.
+Result<void> read_settings(ServeSettings& settings, const SettingArguments& arguments);
 
 }  // namespace trivet::apps::service

@@ -81,7 +81,7 @@ ServiceRoutes::ServiceRoutes(RecognitionService& service, Metrics& metrics, Requ
     : service_(service),
       metrics_(metrics),
       log_(log),
-      replies_(metrics, log, RequestWords::route_and_body),
+      replies_(metrics, log),
       options_(options),
       examples_(std::move(examples)),
       reload_(std::move(reload)),

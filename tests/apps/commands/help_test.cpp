@@ -11,9 +11,9 @@
 namespace trivet {
 namespace {
 
-const std::vector<std::string> kPages{"trivet", "train", "recognize", "evaluate",  "compare",
-                                      "scan",   "mesh",  "calibrate", "fit-score", "study",
-                                      "serve",  "route", "load",      "library"};
+const std::vector<std::string> kPages{"trivet",    "train", "recognize", "evaluate",
+                                      "compare",   "scan",  "mesh",      "calibrate",
+                                      "fit-score", "study", "serve",     "library"};
 
 class Help : public testing::Test {
  protected:

@@ -62,11 +62,11 @@ TEST_F(LibraryChanges, RenameAModel) {
   fails({"library", "rename", "library.h5", "handle", "arm"}, "handle");
 }
 
-TEST_F(LibraryChanges, MergeWhatWasSplit) {
-  const std::string parts = does({"library", "split", "library.h5", "-n", "2", "-o", "parts"});
-  const std::size_t end = parts.find('\n');
-  does({"library", "merge", parts.substr(0, end), parts.substr(end + 1, parts.size() - end - 2),
-        "-o", "merged.h5"});
+TEST_F(LibraryChanges, MergeWhatWasTakenApart) {
+  for (const std::string file : {"one.h5", "other.h5"}) folder_->write(file, bytes_);
+  does({"library", "remove", "one.h5", "bracket"});
+  does({"library", "remove", "other.h5", "lever"});
+  does({"library", "merge", "one.h5", "other.h5", "-o", "merged.h5"});
   EXPECT_TRUE(bytes("merged.h5") == bytes_);
 }
 

@@ -64,7 +64,7 @@ TEST_F(StandardOutput, IsAnErrorOfInputAndOutputWhereItCannotBeWritten) {
            "library list library.h5",
            "library info library.h5",
            "library info library.h5 --json -",
-           "library split library.h5 --parts 1 -o parts",
+           "library export library.h5 -o parts",
            "recognize library.h5 scan.ply",
            "recognize library.h5 scan.ply --json -",
            "evaluate library.h5 set.json",

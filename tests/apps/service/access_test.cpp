@@ -15,7 +15,6 @@
 #include "apps/service/http/query.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "apps/service/service.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet::apps::service {
@@ -296,17 +295,6 @@ TEST_F(AccessToAService, IsForThoseWithAToken) {
     }));
     EXPECT_EQ(status("/v1/models", "second-token"), 200);
     EXPECT_GE(refused(port, "token", "Authorization: Bearer second-token\r\n"), 8);
-
-    folder_.write("shown", "second-token\n");
-    const std::vector<std::string> load{
-        "load", depth_.string(), "--port",   std::to_string(port), "--rate", "1", "--seconds",
-        "1",    "--query",       parameters_};
-    const auto run = [&](std::vector<std::string> more) {
-      more.insert(more.begin(), load.begin(), load.end());
-      return test::run_trivet(more, {.folder = folder_.path(), .environment = {}, .watch = {}}).out;
-    };
-    EXPECT_NE(run({}).find("1 with 401"), std::string::npos);
-    EXPECT_NE(run({"--token-file", "shown"}).find("1 with 200"), std::string::npos);
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
   for (const char* const token : {"first-token", "second-token", "wrong-token"})
@@ -315,25 +303,6 @@ TEST_F(AccessToAService, IsForThoseWithAToken) {
   folder_.write("tokens", "\n");
   const auto refused = serve({"--token-file", "tokens", "--check-config"}, [](int) {});
   EXPECT_EQ(refused.exit_code, 2) << refused.error;
-}
-
-TEST_F(AccessToAService, GoesThroughARouterWithItsFirstToken) {
-  folder_.write("tokens", "first-token\n");
-  folder_.write("more", "first-token\nof-clients\n");
-  test::Service shard({"serve", "l.h5", "--token-file", "tokens"}, folder_.path());
-  test::Service router({"route", shard.address(), "--token-file", "more"}, folder_.path());
-  ASSERT_GT(router.port(), 0);
-  EXPECT_TRUE(
-      test::comes([&] { return ask(router.port(), "GET", "/v2/health/ready").status == 200; }));
-  const std::string scan = test::read_bytes(depth_), token = "Authorization: Bearer of-clients\r\n";
-  EXPECT_EQ(ask(router.port(), "POST", query_, scan).status, 401);
-  const Answer found =
-      ask(router.port(), "POST", query_, scan, token + "X-Deadline-Ms: 300000\r\n");
-  EXPECT_EQ(found.status, 200) << found.body;
-  EXPECT_EQ(found.json()["partial"], false) << found.body.substr(0, 300);
-  EXPECT_NE(ask(router.port(), "GET", "/metrics", "", token)
-                .body.find("trivet_refused_total{reason=\"token\"} 1"),
-            std::string::npos);
 }
 
 TEST_F(AccessToAService, ChangesNothingIfItOnlyReads) {

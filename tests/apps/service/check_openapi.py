@@ -171,7 +171,7 @@ def check_answers():
     found = json.loads(expect(200, "POST", "/v1/recognize", recognize, scan))
     if not found["scenes"][0]["detections"]:
         fault("expected detections, or nothing is tested")
-    expect(200, "POST", "/v1/recognize", recognize + "&rejected=9&claims=true", scan)
+    expect(200, "POST", "/v1/recognize", recognize + "&rejected=9", scan)
     edge = "--edge\r\nContent-Disposition: form-data; name=scene; filename="
     form = edge.encode() + b"a.png\r\n\r\n" + scan + b"\r\n" + edge.encode() + b"b.png\r\n\r\n" + scan + b"\r\n--edge--\r\n"
     unformatted = re.sub("format=[a-z]+&?", "", query)

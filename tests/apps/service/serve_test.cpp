@@ -458,28 +458,6 @@ TEST_F(Serve, RefusesAtOnceWhatWouldOnlyWait) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(Serve, IsMeasuredUnderLoad) {
-  const test::Outcome outcome = serve({"--parallel", "1", "--max-waiting", "2"}, [&](int port) {
-    const auto load = [&](const std::vector<std::string>& more) {
-      std::vector<std::string> arguments{"load",    depth_.string(), "--port", std::to_string(port),
-                                         "--query", parameters_,     "--json", "load.json"};
-      arguments.insert(arguments.end(), more.begin(), more.end());
-      const test::Outcome run =
-          test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
-      EXPECT_EQ(run.exit_code, 0) << run.error;
-      return nlohmann::json::parse(read_bytes(folder_ / "load.json"))["runs"];
-    };
-    const nlohmann::json gentle = load({"--rate", "1", "--seconds", "2"})[0];
-    EXPECT_EQ(gentle["codes"]["200"], 2);
-    EXPECT_LE(gentle["p50"], gentle["p99"]);
-    // Far more than one thread can do: what is too much is refused, nothing is lost.
-    const nlohmann::json storm = load({"--rate", "300", "--seconds", "1"})[0];
-    EXPECT_EQ(storm["codes"]["200"].get<int>() + storm["codes"]["503"].get<int>(), 300);
-    EXPECT_GT(storm["codes"]["503"].get<int>(), 100);
-  });
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-}
-
 TEST_F(Serve, SlowClientsHoldUpNobody) {
   const test::Outcome outcome = serve({}, [&](int port) {
     std::vector<std::unique_ptr<Connection>> slow;

@@ -37,7 +37,7 @@ class Background {
   std::thread thread_;
 };
 
-/// A `trivet serve` or `trivet route`.
+/// A `trivet serve`.
 class Service {
  public:
   /// Start `trivet ARGUMENTS... --port PORT`; returns when it listens, or has ended. Port 0: any.

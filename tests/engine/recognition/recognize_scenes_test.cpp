@@ -138,7 +138,6 @@ TEST_F(RecognizeScenes, RefusesUnusableScenesAndOptions) {
   const auto wrong = recognize(recognizer_, clutter(), {}, {.min_score = std::nanf("")});
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code, ErrorCode::usage);
-  EXPECT_FALSE(validate(RecognizeOptions{.doubtful_score = 0.5F, .tell_claims = true}));
 
   for (const float window : {0.9F, 20.1F, std::nanf("")}) {
     const Result<void> valid = validate(RecognizeOptions{.normal_window = window});
