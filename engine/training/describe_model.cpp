@@ -177,10 +177,12 @@ ModelDescriber::ModelDescriber(const SurveyedModel& model, const DescribeOptions
   ViewMask directions{};
   for (std::size_t v = 0; v < kNumPartialViews; ++v)
     directions[partial_view(v) / 64] |= std::uint64_t{1} << (partial_view(v) % 64);
-  state_ = std::unique_ptr<State>(new State{
-      .options = options,
-      .surface = ViewedSurface(visible_surface(model, kPointSpacing * resolution, directions),
-                               options.support * resolution)});
+  state_ = std::unique_ptr<State>(
+      new State{options,
+                ViewedSurface(visible_surface(model, kPointSpacing * resolution, directions),
+                              options.support * resolution),
+                {},
+                {}});
   Column<std::uint32_t> keypoints;
   kernels::UniformScratch scratch;
   kernels::find_uniform_keypoints(state_->surface.surface.points, options.spacing * resolution,

@@ -362,7 +362,7 @@ TEST_F(ServeHostile, UnpacksNoBombs) {
     const Answer unpacked = ask(port, "POST", query_, packed, "Content-Encoding: gzip\r\n");
     EXPECT_EQ(unpacked.status, 200) << unpacked.body;
     EXPECT_EQ(unpacked.json()["scenes"][0]["detections"], plain.json()["scenes"][0]["detections"]);
-    const std::size_t before = peak_memory();
+    [[maybe_unused]] const std::size_t before = peak_memory();
     std::vector<std::thread> clients;
     for (int i = 0; i < 20; ++i) {
       clients.emplace_back([&, i] {
