@@ -13,7 +13,7 @@
 #include "engine/simulation/make_parts.hpp"
 #include "engine/training/find_basis.hpp"
 #include "engine/training/standard_basis.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace {
 

@@ -7,7 +7,8 @@
 #include <random>
 #include <stdexcept>
 
-#include "engine/train.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/training/train.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "storage/library.hpp"
+#include "engine/scene/prepare_scene.hpp"
+#include "storage/library/library.hpp"
 #include "support/shapes.hpp"
 
 namespace trivet::bench {

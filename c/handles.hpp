@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "c/trivet.h"
-#include "engine/recognize.hpp"
-#include "storage/valid_text.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/common/valid_text.hpp"
 
 struct trivet_library {
   trivet::Recognizer recognizer;

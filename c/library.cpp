@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "c/handles.hpp"
-#include "engine/calibration/score_calibration.hpp"
+#include "engine/loaded_library/score_calibration.hpp"
 
 using trivet::Error;
 using trivet::ErrorCode;

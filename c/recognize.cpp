@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "c/handles.hpp"
-#include "engine/presets.hpp"
-#include "storage/memory_cloud.hpp"
+#include "engine/options/presets.hpp"
+#include "storage/formats/memory_cloud.hpp"
 
 using trivet::ArrayView;
 using trivet::Camera;

@@ -1,7 +1,7 @@
 #include <Eigen/Core>
 
 #include "c/handles.hpp"
-#include "storage/file_pose.hpp"
+#include "storage/data/file_pose.hpp"
 
 namespace {
 

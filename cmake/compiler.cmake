@@ -67,11 +67,10 @@ function(compile_lightly target)
   endif()
 endfunction()
 
-# add_layer(NAME LIBRARIES...): a static library from all sources of this folder.
+# add_layer(NAME SOURCES...): a static library of them.
 function(add_layer name)
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
-  add_library(trivet_${name} STATIC ${sources})
-  compile_folders_together(trivet_${name} ${sources})
+  add_library(trivet_${name} STATIC ${ARGN})
+  compile_folders_together(trivet_${name} ${ARGN})
   add_library(trivet::${name} ALIAS trivet_${name})
   target_include_directories(trivet_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/trivet>)

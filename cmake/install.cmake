@@ -17,7 +17,21 @@ install(CODE "set(TRIVET \"$<TARGET_FILE:trivet>\")
   set(UNIT \"${PROJECT_SOURCE_DIR}/docs/deploy/trivet.service\")" COMPONENT program)
 install(SCRIPT "${PROJECT_SOURCE_DIR}/cmake/install_pages.cmake" COMPONENT program)
 install(TARGETS trivet_storage trivet_kernels trivet_engine EXPORT trivet_targets ARCHIVE)
-# The public headers, which stand at the top of storage and engine, and what they include.
+# The public headers, and what they include.
+set(public_headers
+  engine/common/progress.hpp engine/common/thread_limit.hpp
+  engine/loaded_library/default_score.hpp engine/loaded_library/recognizer.hpp
+  engine/meshing/surface_from_points.hpp
+  engine/options/improvements.hpp engine/options/method.hpp engine/options/option.hpp engine/options/pose_limits.hpp
+  engine/options/presets.hpp engine/options/recognize_options.hpp engine/options/train_options.hpp
+  engine/recognition/estimate_camera.hpp engine/recognition/recognition_service.hpp engine/recognition/recognize.hpp
+  engine/results/camera_check.hpp engine/results/explanation.hpp engine/results/recognize_result.hpp
+  engine/results/rejected_pose.hpp engine/results/scene_view.hpp engine/results/stage_times.hpp
+  engine/scene/read_scene.hpp
+  engine/training/train.hpp engine/training/training_run.hpp
+  storage/datasets/manifest.hpp
+  storage/formats/declared_size.hpp storage/formats/memory_cloud.hpp storage/formats/read_cloud.hpp storage/formats/write_png.hpp
+  storage/library/library.hpp storage/library/model_name.hpp)
 function(install_header header)
   get_property(installed GLOBAL PROPERTY trivet_installed_headers)
   if(NOT header IN_LIST installed)
@@ -31,8 +45,7 @@ function(install_header header)
     endforeach()
   endif()
 endfunction()
-file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" storage/*.hpp engine/*.hpp)
-foreach(header IN LISTS headers)
+foreach(header IN LISTS public_headers)
   install_header("${header}")
 endforeach()
 

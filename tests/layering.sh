@@ -33,32 +33,36 @@ only - 'std::(is(alnum|alpha|digit|space|upper|lower|punct)|to(upper|lower))\b' 
 only 'storage/files/json_text.cpp' '\.dump\(' 'JSON is written by storage/files/json_text.hpp, whatever bytes it holds'
 only 'storage/files/json_(text.hpp|file.cpp)' '[jJ]son::parse\(' 'JSON is read by storage/files/json_text.hpp, whatever the locale'
 
-# folders LAYER FOLDER...: a folder includes only itself, the layer's own headers, which include no folder, and folders
-# before it.
+# folders LAYER FOLDER...: every source lies in a folder of its layer, but main.cpp, and a folder includes only itself and folders
+# before it. A header stands beside its source, which includes it first.
 folders() {
   layer=$1
   shift
   listed=" $* " below=
+  for file in $(find "$layer" -maxdepth 1 -name '*.[ch]pp' ! -name main.cpp ! -name make_basis.cpp); do
+    fail "$file: expected in one of the folders of $layer"
+  done
   for folder in $(find "$layer" -mindepth 2 -name '*.[ch]pp' -exec dirname {} + | sort -u); do
     case "$listed" in *" ${folder#"$layer"/} "*) ;; *) fail "$folder: a folder that tests/layering.sh does not list" ;; esac
   done
-  for above in . "$@"; do
-    if [ "$above" = . ]; then
-      files=$(find "$layer" -maxdepth 1 -name '*.[ch]pp' ! -name main.cpp)
-      allowed="$layer/[^/\"]+\""
-    else
-      below="$below|$above"
-      files=$(find "$layer/$above" -maxdepth 1 -name '*.[ch]pp')
-      allowed="$layer/((${below#|})/)?[^/\"]+\""
+  for source in $(find "$layer" -name '*.cpp'); do
+    own=$(sed -n "/^#include/{s#^\#include \"\($layer/.*\)\"#\1#p;q}" "$source")
+    if [ "$(basename "$own" .hpp)" = "$(basename "$source" .cpp)" ] && [ "$own" != "${source%.cpp}.hpp" ]; then
+      fail "$own: expected beside its source $source"
     fi
+  done
+  for above in "$@"; do
+    below="$below|$above"
+    files=$(find "$layer/$above" -maxdepth 1 -name '*.[ch]pp')
     # shellcheck disable=SC2086
-    if grep -nE "#include \"$layer/" $files /dev/null | grep -vE "#include \"$allowed"; then
+    if grep -nE "#include \"$layer/" $files /dev/null | grep -vE "#include \"$layer/(${below#|})/[^/\"]+\""; then
       fail "$layer/$above may include only$(echo " $below" | tr '|' ' ')"
     fi
   done
 }
-folders storage files formats library datasets
+folders storage common data files formats library datasets
 folders kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
-folders engine common options libraries training hypotheses verification camera recognition evaluation calibration pictures meshing simulation/parts simulation
+folders engine options results common libraries loaded_library scene hypotheses verification selection camera recognition \
+  meshing training evaluation calibration pictures simulation/parts simulation
 folders apps inputs words results help options report study program service/http service service/serve/inference service/serve/session service/serve/workshop service/serve commands mpi
 exit $failed

@@ -12,8 +12,8 @@
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/results/standard_output.hpp"
 #include "apps/words/commission_text.hpp"
-#include "engine/calibration/score_calibration.hpp"
-#include "engine/default_score.hpp"
+#include "engine/loaded_library/score_calibration.hpp"
+#include "engine/loaded_library/default_score.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -13,7 +13,7 @@
 #include "apps/results/standard_output.hpp"
 #include "engine/common/scaled.hpp"
 #include "engine/evaluation/evaluation_meshes.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 namespace {

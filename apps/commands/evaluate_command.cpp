@@ -21,7 +21,7 @@
 #include "apps/results/standard_output.hpp"
 #include "engine/evaluation/bop_scores.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -13,14 +13,14 @@
 
 #include "apps/commands/commands.hpp"
 #include "engine/calibration/calibrate_score.hpp"
-#include "engine/calibration/score_file.hpp"
-#include "engine/default_score.hpp"
+#include "engine/loaded_library/default_score.hpp"
+#include "engine/loaded_library/score_file.hpp"
 #include "kernels/verification/fit_score.hpp"
-#include "storage/counted.hpp"
-#include "storage/file.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/text.hpp"
-#include "storage/library.hpp"
-#include "storage/manifest.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -194,7 +194,7 @@ void add_fit_score(CLI::App& app, Context& context) {
                       "What --csv of earlier runs wrote, to fit to as well or alone");
   command->add_option(
       "-o,--output", arguments->output,
-      "The score as JSON, engine/calibration/default_score.json; without it nothing is fitted");
+      "The score as JSON, engine/loaded_library/default_score.json; without it nothing is fitted");
   command->add_option("--csv", arguments->csv,
                       "Write the parts of every detection's score and the outcome to this file");
   command->add_option("--rounds", arguments->rounds, "Of recognizing and fitting")

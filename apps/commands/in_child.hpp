@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

@@ -9,8 +9,8 @@
 #include "apps/results/standard_output.hpp"
 #include "apps/words/library_summary.hpp"
 #include "engine/libraries/edit_library.hpp"
-#include "storage/counted.hpp"
-#include "storage/library.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "apps/commands/commands.hpp"
 #include "apps/options/add_options.hpp"
-#include "engine/surface_from_points.hpp"
-#include "storage/counted.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/meshing/surface_from_points.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps {
 namespace {

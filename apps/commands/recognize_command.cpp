@@ -19,10 +19,10 @@
 #include "apps/words/explanation_words.hpp"
 #include "apps/words/recognition_text.hpp"
 #include "apps/words/reported_part.hpp"
-#include "engine/estimate_camera.hpp"
 #include "engine/libraries/edit_library.hpp"
 #include "engine/options/declare_option.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/recognition/estimate_camera.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps {
 namespace {

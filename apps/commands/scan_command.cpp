@@ -11,7 +11,7 @@
 #include "apps/options/add_options.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "engine/simulation/render_scenes.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 namespace {

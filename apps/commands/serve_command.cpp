@@ -22,9 +22,9 @@
 #include "apps/service/serve/serve_settings.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve/session/session.hpp"
-#include "engine/method.hpp"
-#include "engine/recognition_service.hpp"
-#include "storage/wait_for_memory.hpp"
+#include "engine/options/method.hpp"
+#include "engine/recognition/recognition_service.hpp"
+#include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::apps {
 namespace {

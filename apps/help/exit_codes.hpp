@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

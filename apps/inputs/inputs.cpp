@@ -12,11 +12,11 @@
 
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "storage/datasets/read_bop.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/gunzip.hpp"
 #include "storage/files/text.hpp"
-#include "storage/model_name.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
+#include "storage/library/model_name.hpp"
 
 namespace trivet::apps {
 namespace {

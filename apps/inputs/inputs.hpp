@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
-#include "storage/library.hpp"
-#include "storage/manifest.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/training/train.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 

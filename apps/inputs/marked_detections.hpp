@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "engine/calibration/calibrate_score.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
-#include "engine/calibration/score_calibration.hpp"
-#include "engine/default_score.hpp"
-#include "storage/library.hpp"
+#include "engine/loaded_library/default_score.hpp"
+#include "engine/loaded_library/score_calibration.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 

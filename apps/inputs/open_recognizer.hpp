@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "engine/recognizer.hpp"
-#include "storage/result.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "storage/common/result.hpp"
 
 namespace CLI {
 class App;

@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <string>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::mpi {
 

@@ -1,4 +1,4 @@
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@
 #include "apps/results/failed_scenes.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/words/reported_part.hpp"
-#include "engine/camera_check.hpp"
+#include "engine/results/camera_check.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps::mpi {

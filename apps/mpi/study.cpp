@@ -7,7 +7,7 @@
 
 #include "apps/mpi/commands.hpp"
 #include "apps/program/study_request.hpp"
-#include "engine/progress.hpp"
+#include "engine/common/progress.hpp"
 
 namespace trivet::apps::mpi {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "apps/mpi/commands.hpp"
 #include "apps/program/train_request.hpp"
-#include "engine/training_run.hpp"
+#include "engine/training/training_run.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps::mpi {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 
 namespace CLI {
 class App;

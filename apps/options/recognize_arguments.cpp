@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/results/detections_json.hpp"
-#include "engine/presets.hpp"
+#include "engine/options/presets.hpp"
 
 namespace trivet::apps {
 namespace {

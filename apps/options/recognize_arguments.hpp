@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/options/add_options.hpp"
-#include "engine/recognize_options.hpp"
+#include "engine/options/recognize_options.hpp"
 
 namespace trivet::apps {
 

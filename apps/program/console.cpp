@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
+#include "storage/common/valid_text.hpp"
 #include "storage/files/json_text.hpp"
-#include "storage/valid_text.hpp"
 
 namespace trivet::apps {
 namespace {

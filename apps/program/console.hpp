@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "engine/progress.hpp"
+#include "engine/common/progress.hpp"
 
 namespace trivet::apps {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "apps/program/console.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

@@ -11,7 +11,7 @@
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
 #include "apps/results/robot_poses.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps {
 

@@ -7,7 +7,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/program/console.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace CLI {
 class App;

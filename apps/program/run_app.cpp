@@ -17,7 +17,7 @@
 #include "apps/help/exit_codes.hpp"
 #include "apps/options/add_options.hpp"
 #include "apps/results/standard_output.hpp"
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "storage/files/nearest_name.hpp"
 #include "storage/files/numbers.hpp"
 #include "storage/files/text.hpp"

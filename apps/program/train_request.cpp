@@ -8,8 +8,8 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/results/json_output.hpp"
 #include "apps/words/train_summary.hpp"
-#include "engine/presets.hpp"
-#include "storage/counted.hpp"
+#include "engine/options/presets.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 

@@ -7,8 +7,8 @@
 
 #include "apps/options/add_options.hpp"
 #include "apps/program/console.hpp"
-#include "engine/train.hpp"
-#include "storage/result.hpp"
+#include "engine/training/train.hpp"
+#include "storage/common/result.hpp"
 
 namespace CLI {
 class App;

@@ -8,7 +8,7 @@
 #include "apps/report/evaluation_pictures.hpp"
 #include "apps/report/html.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::apps {
 namespace {

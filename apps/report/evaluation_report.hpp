@@ -7,10 +7,10 @@
 #include <string>
 
 #include "apps/results/missed_whys.hpp"
+#include "engine/common/progress.hpp"
 #include "engine/evaluation/bop_scores.hpp"
 #include "engine/evaluation/evaluate.hpp"
-#include "engine/progress.hpp"
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet::apps {
 

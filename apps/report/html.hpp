@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "apps/report/html.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::apps {
 namespace {

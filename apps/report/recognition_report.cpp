@@ -11,7 +11,7 @@
 #include "apps/report/pictures.hpp"
 #include "apps/report/recognition_scene.hpp"
 #include "apps/words/score_words.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::apps {
 namespace {

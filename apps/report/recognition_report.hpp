@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 namespace trivet::apps {
 

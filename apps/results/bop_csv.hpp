@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "apps/inputs/inputs.hpp"
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "storage/datasets/bop_results.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "apps/inputs/inputs.hpp"
-#include "engine/recognize.hpp"
-#include "engine/recognizer.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "storage/datasets/coco.hpp"
 
 namespace trivet::apps {

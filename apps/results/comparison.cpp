@@ -6,8 +6,8 @@
 #include <set>
 
 #include "kernels/common/quantile.hpp"
-#include "storage/counted.hpp"
-#include "storage/file_pose.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/data/file_pose.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps {

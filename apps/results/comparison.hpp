@@ -10,7 +10,7 @@
 #include "apps/results/detections_json.hpp"
 #include "engine/evaluation/compare_paired.hpp"
 #include "engine/evaluation/match_detections.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "storage/file.hpp"
-#include "storage/valid_text.hpp"
+#include "storage/common/valid_text.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::apps {
 

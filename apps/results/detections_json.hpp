@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/recognize.hpp"
-#include "storage/file_pose.hpp"
-#include "storage/manifest.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/data/file_pose.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet::apps {
 

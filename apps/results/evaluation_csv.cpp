@@ -7,7 +7,7 @@
 
 #include "apps/results/csv_table.hpp"
 #include "apps/results/evaluation_json.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::apps {
 namespace {

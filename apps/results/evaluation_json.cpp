@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 namespace {

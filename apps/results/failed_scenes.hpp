@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

@@ -1,7 +1,7 @@
 #include "apps/results/json_output.hpp"
 
 #include "apps/results/standard_output.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps {

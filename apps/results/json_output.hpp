@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

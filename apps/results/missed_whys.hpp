@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "engine/evaluation/evaluate.hpp"
-#include "engine/recognize.hpp"
-#include "storage/manifest.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/common/result.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet::apps {
 

@@ -7,9 +7,9 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/results/robot_poses.hpp"
-#include "engine/recognize.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 

@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/option.hpp"
-#include "storage/file_pose.hpp"
-#include "storage/length_unit.hpp"
-#include "storage/result.hpp"
+#include "engine/options/option.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/file_pose.hpp"
+#include "storage/data/length_unit.hpp"
 
 namespace trivet::apps {
 

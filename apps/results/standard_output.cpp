@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <string>
 
+#include "storage/common/valid_text.hpp"
 #include "storage/files/errno_text.hpp"
-#include "storage/valid_text.hpp"
 
 namespace trivet::apps {
 

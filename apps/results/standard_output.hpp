@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps {
 

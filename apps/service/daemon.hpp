@@ -18,7 +18,7 @@
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/listen_settings.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

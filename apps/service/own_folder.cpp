@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::apps::service {
 namespace {

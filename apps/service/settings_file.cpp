@@ -8,7 +8,7 @@
 #include <charconv>
 #include <filesystem>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/nearest_name.hpp"
 
 namespace trivet::apps::service {

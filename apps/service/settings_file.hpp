@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace CLI {
 class App;

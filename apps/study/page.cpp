@@ -11,7 +11,7 @@
 #include "apps/study/charts.hpp"
 #include "apps/study/headline.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/text.hpp"
 
 namespace trivet::apps::study {

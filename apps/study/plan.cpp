@@ -7,7 +7,7 @@
 #include <map>
 
 #include "apps/inputs/inputs.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps::study {

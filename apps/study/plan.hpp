@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/study/study.hpp"
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
 
 namespace trivet::apps::study {
 

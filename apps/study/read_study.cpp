@@ -10,7 +10,7 @@
 
 #include "apps/study/study.hpp"
 #include "engine/simulation/make_parts.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/nearest_name.hpp"
 
 namespace trivet::apps::study {

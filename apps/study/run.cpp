@@ -9,10 +9,10 @@
 #include "apps/report/html.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/json_output.hpp"
-#include "engine/default_score.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/evaluation/recognize_cells.hpp"
-#include "storage/file.hpp"
+#include "engine/loaded_library/default_score.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet::apps::study {

@@ -11,7 +11,7 @@
 #include "apps/study/study.hpp"
 #include "engine/evaluation/evaluate.hpp"
 #include "engine/evaluation/recognize_cells.hpp"
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet::apps::study {
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "engine/evaluation/degrade_scene.hpp"
-#include "engine/option.hpp"
-#include "engine/recognize_options.hpp"
+#include "engine/options/option.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/options/train_options.hpp"
 #include "engine/simulation/render_scenes.hpp"
-#include "engine/train_options.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::study {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/study/settings.hpp"
-#include "engine/method.hpp"
+#include "engine/options/method.hpp"
 
 namespace trivet::apps::study {
 

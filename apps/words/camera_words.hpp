@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/camera_check.hpp"
+#include "engine/results/camera_check.hpp"
 
 namespace trivet::apps {
 

@@ -8,7 +8,7 @@
 
 #include "apps/words/score_words.hpp"
 #include "engine/evaluation/score_curves.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "apps/words/rejection_words.hpp"
 #include "apps/words/score_words.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 namespace {

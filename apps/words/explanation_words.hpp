@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 namespace trivet::apps {
 

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "apps/inputs/inputs.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "storage/file_pose.hpp"
+#include "storage/data/file_pose.hpp"
 
 namespace trivet::apps {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/recognize_result.hpp"
+#include "engine/results/recognize_result.hpp"
 
 namespace trivet::apps {
 

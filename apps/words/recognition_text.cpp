@@ -13,7 +13,7 @@
 #include "apps/words/camera_words.hpp"
 #include "apps/words/place_text.hpp"
 #include "apps/words/view_words.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/camera_check.hpp"
-#include "engine/recognize.hpp"
-#include "storage/library.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/results/camera_check.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps {
 

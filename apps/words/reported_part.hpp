@@ -1,8 +1,8 @@
 /// Of detections that were kept for files that take every pose, those that a person is told.
 #pragma once
 
-#include "engine/recognize_options.hpp"
-#include "engine/recognize_result.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/results/recognize_result.hpp"
 
 namespace trivet::apps {
 

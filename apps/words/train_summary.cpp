@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "apps/inputs/inputs.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::apps {
 namespace {

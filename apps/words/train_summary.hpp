@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
 
 namespace trivet::apps {
 

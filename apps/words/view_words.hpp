@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/scene_view.hpp"
+#include "engine/results/scene_view.hpp"
 
 namespace trivet::apps {
 

@@ -3,7 +3,7 @@
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "rows.hpp"
-#include "storage/neighborhoods.hpp"
+#include "storage/data/neighborhoods.hpp"
 #include "support/reference.hpp"
 
 namespace trivet::bench {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/mesh.hpp"
-#include "storage/model.hpp"
+#include "storage/data/mesh.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::bench {
 

@@ -18,7 +18,7 @@
 #include "kernels/common/projector.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/surfaces/mesh_resolution.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "descriptors/keypoint_surface.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::bench {
 

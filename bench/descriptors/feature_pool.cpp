@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "engine/common/parallel.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::bench {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/evaluation/score_curves.hpp"
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::bench {
 

@@ -11,7 +11,7 @@
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
-#include "storage/neighborhoods.hpp"
+#include "storage/data/neighborhoods.hpp"
 
 namespace trivet::bench {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "storage/mesh.hpp"
-#include "storage/points.hpp"
+#include "storage/data/mesh.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::bench {
 

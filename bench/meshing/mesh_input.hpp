@@ -5,7 +5,7 @@
 
 #include "parts.hpp"
 #include "scan.hpp"
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::bench {
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/training/train.hpp"
 #include "kernels/verification/refine_pose.hpp"
 #include "parts.hpp"
 #include "support/rendered_scene.hpp"

@@ -4,7 +4,7 @@
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "rows.hpp"
-#include "storage/neighborhoods.hpp"
+#include "storage/data/neighborhoods.hpp"
 #include "support/reference.hpp"
 
 namespace trivet::bench {

@@ -5,6 +5,7 @@
 #include "engine/evaluation/evaluate.hpp"
 #include "engine/evaluation/evaluation_meshes.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
+#include "engine/recognition/recognize.hpp"
 
 namespace trivet {
 namespace {

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognize.hpp"
+#include "engine/common/progress.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/options/recognize_options.hpp"
 #include "kernels/verification/pose_score.hpp"
-#include "storage/manifest.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet {
 

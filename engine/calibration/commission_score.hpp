@@ -5,7 +5,7 @@
 
 #include "engine/calibration/calibrate_score.hpp"
 #include "kernels/verification/adapt_score.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "engine/camera_check.hpp"
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognizer.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/results/camera_check.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "engine/verification/candidate.hpp"
 
 namespace trivet::engine {

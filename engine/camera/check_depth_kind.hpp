@@ -1,8 +1,8 @@
 /// Whether depths are along the axis or along the ray, by the planes that a scene shows.
 #pragma once
 
-#include "engine/camera_check.hpp"
-#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/results/camera_check.hpp"
+#include "engine/scene/prepare_scene.hpp"
 
 namespace trivet::engine {
 

@@ -5,8 +5,8 @@
 #include "engine/common/scaled.hpp"
 #include "kernels/surfaces/diameter.hpp"
 #include "storage/datasets/write_bop.hpp"
-#include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/files/file.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::engine {
 

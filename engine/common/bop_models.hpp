@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "storage/length_unit.hpp"
-#include "storage/manifest.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/length_unit.hpp"
+#include "storage/data/model.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet::engine {
 

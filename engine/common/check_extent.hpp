@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::engine {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

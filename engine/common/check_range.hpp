@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::engine {
 

@@ -12,8 +12,8 @@
 #include <exception>
 #include <span>
 
-#include "storage/columns.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::engine {
 

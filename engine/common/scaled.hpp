@@ -1,8 +1,8 @@
 /// From one unit of length to another.
 #pragma once
 
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::engine {
 

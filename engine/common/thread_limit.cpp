@@ -1,6 +1,6 @@
-#include <tbb/global_control.h>
+#include "engine/common/thread_limit.hpp"
 
-#include "engine/progress.hpp"
+#include <tbb/global_control.h>
 
 namespace trivet {
 

@@ -14,7 +14,7 @@
 #include "engine/evaluation/object_view.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/verification/pose_errors.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet {
 namespace {

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "engine/evaluation/evaluation_meshes.hpp"
-#include "engine/recognize.hpp"
-#include "storage/cloud.hpp"
-#include "storage/manifest.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "engine/results/recognize_result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet {
 

@@ -13,9 +13,9 @@
 #include "kernels/surfaces/subsample_grid_minimum.hpp"
 #include "kernels/surfaces/subsample_local_maximum.hpp"
 #include "kernels/surfaces/subsample_voxel_grid.hpp"
-#include "storage/file_pose.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/data/file_pose.hpp"
 #include "storage/formats/keep_points.hpp"
-#include "storage/precondition.hpp"
 
 namespace trivet {
 namespace {

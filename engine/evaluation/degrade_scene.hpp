@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "engine/option.hpp"
-#include "storage/cloud.hpp"
-#include "storage/result.hpp"
+#include "engine/options/option.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet {
 

@@ -10,7 +10,7 @@
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/evaluation/pose_error.hpp"
 #include "kernels/common/quantile.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet {
 namespace {

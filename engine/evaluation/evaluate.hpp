@@ -11,9 +11,9 @@
 
 #include "engine/evaluation/evaluation_meshes.hpp"
 #include "engine/evaluation/score_curves.hpp"
-#include "engine/recognize.hpp"
-#include "storage/manifest.hpp"
-#include "storage/result.hpp"
+#include "engine/results/recognize_result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet {
 

@@ -8,7 +8,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/common/scaled.hpp"
 #include "kernels/surfaces/diameter.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "storage/library.hpp"
-#include "storage/manifest.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/model.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
-#include "storage/manifest.hpp"
+#include "engine/scene/read_scene.hpp"
+#include "engine/training/train.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet {
 

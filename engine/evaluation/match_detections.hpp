@@ -10,7 +10,7 @@
 
 #include "engine/evaluation/evaluation_meshes.hpp"
 #include "engine/evaluation/pose_error.hpp"
-#include "engine/recognize_result.hpp"
+#include "engine/results/recognize_result.hpp"
 
 namespace trivet {
 

@@ -2,7 +2,7 @@
 
 #include "kernels/scans/pixel_window.hpp"
 #include "kernels/scans/render_depth.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::engine {
 

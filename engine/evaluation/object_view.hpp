@@ -16,9 +16,9 @@
 
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/verification/pose_errors.hpp"
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::engine {
 

@@ -6,7 +6,7 @@
 
 #include "engine/evaluation/evaluation_meshes.hpp"
 #include "kernels/common/voxel_hash.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::engine {
 

@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/file_pose.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/data/file_pose.hpp"
 
 namespace trivet {
 namespace {

@@ -7,10 +7,12 @@
 #include <functional>
 #include <span>
 
+#include "engine/common/progress.hpp"
 #include "engine/evaluation/degrade_scene.hpp"
-#include "engine/progress.hpp"
-#include "engine/recognize.hpp"
-#include "storage/result.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/results/recognize_result.hpp"
+#include "engine/scene/read_scene.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

@@ -6,7 +6,7 @@
 #include "engine/common/parallel.hpp"
 #include "kernels/pair_features/scene_pairs.hpp"
 #include "kernels/pair_features/vote.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "kernels/common/hypothesis.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/common/describe_surface.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/search_codes.hpp"
 #include "engine/libraries/index_features.hpp"
-#include "engine/training/describe_surface.hpp"
 #include "kernels/common/projector.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/group_matches.hpp"

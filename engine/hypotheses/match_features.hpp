@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "kernels/common/hypothesis.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
-#include "storage/feature_index.hpp"
-#include "storage/tri_spin_features.hpp"
+#include "storage/data/feature_index.hpp"
+#include "storage/data/tri_spin_features.hpp"
 
 namespace trivet::engine {
 

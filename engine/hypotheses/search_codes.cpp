@@ -4,7 +4,7 @@
 
 #include "engine/common/by_group.hpp"
 #include "engine/common/parallel.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::engine {
 namespace {

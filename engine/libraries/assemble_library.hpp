@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/progress.hpp"
-#include "storage/file_lock.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "engine/common/progress.hpp"
+#include "storage/common/result.hpp"
+#include "storage/files/file_lock.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet {
 

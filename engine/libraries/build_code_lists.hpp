@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/libraries/code_source.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::engine {
 

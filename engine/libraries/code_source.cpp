@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/common/parallel.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::engine {
 

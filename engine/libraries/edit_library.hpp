@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/progress.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "engine/common/progress.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet {
 

@@ -2,8 +2,8 @@
 
 #include "engine/common/bop_models.hpp"
 #include "engine/libraries/edit_library.hpp"
-#include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/files/file.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -15,7 +15,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/libraries/build_code_lists.hpp"
 #include "kernels/spin_images/rotation_code.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::engine {
 namespace {

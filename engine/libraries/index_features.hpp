@@ -4,9 +4,9 @@
 #include <cstddef>
 
 #include "kernels/spin_images/code_index.hpp"
-#include "storage/feature_index.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/feature_index.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

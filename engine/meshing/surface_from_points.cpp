@@ -1,4 +1,4 @@
-#include "engine/surface_from_points.hpp"
+#include "engine/meshing/surface_from_points.hpp"
 
 #include <fmt/format.h>
 
@@ -9,13 +9,13 @@
 
 #include "engine/common/check_extent.hpp"
 #include "engine/common/check_range.hpp"
-#include "engine/common/find_viewpoint.hpp"
 #include "engine/common/parallel.hpp"
+#include "engine/scene/find_viewpoint.hpp"
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/meshing/boundary_share.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet {
 namespace {

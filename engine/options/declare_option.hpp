@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 
 namespace trivet::engine {
 

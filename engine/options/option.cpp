@@ -1,4 +1,4 @@
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "engine/presets.hpp"
+#include "engine/options/presets.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <iterator>
 #include <set>
 
+#include "storage/common/valid_text.hpp"
 #include "storage/files/nearest_name.hpp"
-#include "storage/valid_text.hpp"
 
 namespace trivet {
 

@@ -1,4 +1,4 @@
-#include "engine/recognize_options.hpp"
+#include "engine/options/recognize_options.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "engine/train_options.hpp"
+#include "engine/options/train_options.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "kernels/common/ray_scene.hpp"
-#include "storage/points.hpp"
-#include "storage/write_png.hpp"
+#include "storage/data/points.hpp"
+#include "storage/formats/write_png.hpp"
 
 namespace trivet {
 

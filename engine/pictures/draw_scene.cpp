@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "engine/common/parallel.hpp"
-#include "engine/hypotheses/prepare_scene.hpp"
 #include "engine/pictures/innermost_pixels.hpp"
 #include "engine/pictures/shade.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/render_depth.hpp"
 #include "kernels/surfaces/visibility.hpp"

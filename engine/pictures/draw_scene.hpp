@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "engine/evaluation/evaluation_meshes.hpp"
-#include "engine/recognize.hpp"
-#include "storage/cloud.hpp"
-#include "storage/result.hpp"
-#include "storage/write_png.hpp"
+#include "engine/scene/read_scene.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/formats/write_png.hpp"
 
 namespace trivet {
 

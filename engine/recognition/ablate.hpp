@@ -1,7 +1,7 @@
 /// Improvements that are left out by a value of the options.
 #pragma once
 
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 namespace trivet::engine {
 

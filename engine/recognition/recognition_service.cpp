@@ -1,4 +1,4 @@
-#include "engine/recognition_service.hpp"
+#include "engine/recognition/recognition_service.hpp"
 
 #include <fmt/format.h>
 #include <tbb/info.h>
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "engine/common/check_range.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet {
 namespace {

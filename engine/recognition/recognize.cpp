@@ -1,4 +1,4 @@
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 #include <fmt/format.h>
 
@@ -17,9 +17,10 @@
 #include "engine/recognition/report.hpp"
 #include "engine/recognition/search_scene.hpp"
 #include "engine/recognition/stage_options.hpp"
+#include "engine/results/stage_times.hpp"
 #include "kernels/common/median.hpp"
+#include "storage/common/stop.hpp"
 #include "storage/formats/keep_points.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet {
 namespace {
@@ -205,7 +206,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
     return asked_about.error();
 
   std::optional<Cloud> without_stray;
-  const bool is_seen = scan.points.size() >= kFewestPoints || !scan.triangles.empty();
+  const bool is_seen = scan.points.size() >= engine::kFewestPoints || !scan.triangles.empty();
   if (is_seen) {
     if (const Result<void> sizes = check_sizes(library, scan, input, without_stray); !sizes)
       return sizes.error();

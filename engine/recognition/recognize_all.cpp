@@ -7,8 +7,9 @@
 #include <new>
 
 #include "engine/common/parallel.hpp"
-#include "engine/recognize.hpp"
-#include "storage/stop.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/results/stage_times.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet {
 namespace {

@@ -1,10 +1,10 @@
 /// What a search found, as its user sees it.
 #pragma once
 
-#include "engine/hypotheses/prepare_scene.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "engine/recognition/search_scene.hpp"
-#include "engine/recognize.hpp"
-#include "storage/library.hpp"
+#include "engine/scene/prepare_scene.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/recognize_options.hpp"
+#include "engine/options/recognize_options.hpp"
 #include "engine/verification/pose_pool.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

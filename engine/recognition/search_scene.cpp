@@ -11,15 +11,16 @@
 #include "engine/common/check_models.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
-#include "engine/hypotheses/find_look_alikes.hpp"
 #include "engine/hypotheses/match_features.hpp"
+#include "engine/loaded_library/find_look_alikes.hpp"
 #include "engine/recognition/search_budget.hpp"
 #include "engine/recognition/stage_options.hpp"
-#include "engine/verification/other_answers.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/selection/other_answers.hpp"
+#include "engine/selection/select_detections.hpp"
+#include "engine/selection/settle_alternatives.hpp"
+#include "engine/selection/settle_rivals.hpp"
 #include "engine/verification/pose_pool.hpp"
-#include "engine/verification/select_detections.hpp"
-#include "engine/verification/settle_alternatives.hpp"
-#include "engine/verification/settle_rivals.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
-#include "engine/recognizer.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "engine/verification/candidate.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::engine {
 

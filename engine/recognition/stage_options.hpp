@@ -1,10 +1,10 @@
 /// The options of recognition as its stages take them: here ends what is left out by name.
 #pragma once
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/scene/prepare_scene.hpp"
+#include "engine/selection/select_detections.hpp"
 #include "engine/verification/model_stages.hpp"
-#include "engine/verification/select_detections.hpp"
 
 namespace trivet::engine {
 

@@ -9,7 +9,7 @@
 #include "kernels/meshing/decimate_mesh.hpp"
 #include "kernels/simulation/mesh_solid.hpp"
 #include "kernels/surfaces/diameter.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "storage/cloud.hpp"
-#include "storage/mesh.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/mesh.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet {
 

@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 #include "engine/simulation/sensor_flaws.hpp"
 #include "kernels/common/ray_scene.hpp"
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet {
 

@@ -9,7 +9,7 @@
 #include "kernels/simulation/descend.hpp"
 #include "kernels/simulation/pile.hpp"
 #include "kernels/surfaces/diameter.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::engine {
 

@@ -17,9 +17,9 @@
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/deform_surface.hpp"
 #include "storage/datasets/write_bop.hpp"
-#include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
-#include "storage/write_png.hpp"
+#include "storage/files/file.hpp"
+#include "storage/formats/read_cloud.hpp"
+#include "storage/formats/write_png.hpp"
 
 namespace trivet {
 namespace {

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "engine/progress.hpp"
+#include "engine/common/progress.hpp"
 #include "engine/simulation/measure_scene.hpp"
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/mesh.hpp"
+#include "storage/data/model.hpp"
 #include "storage/datasets/bop.hpp"
-#include "storage/library.hpp"
-#include "storage/manifest.hpp"
-#include "storage/mesh.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet {
 

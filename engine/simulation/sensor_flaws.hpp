@@ -10,8 +10,8 @@
 #include <cstdint>
 
 #include "kernels/common/counter_random.hpp"
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet {
 enum class Sensor;

@@ -3,7 +3,7 @@
 #include <system_error>
 #include <utility>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::engine {
 namespace {

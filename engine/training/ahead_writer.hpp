@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "engine/training/training_parts.hpp"
-#include "engine/training_run.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "engine/training/training_run.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

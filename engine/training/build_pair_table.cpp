@@ -11,7 +11,7 @@
 #include "engine/common/parallel.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/pair_features/ppf_table.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <memory>
 
-#include "engine/progress.hpp"
-#include "engine/train.hpp"
+#include "engine/results/stage_times.hpp"
 #include "engine/training/survey_model.hpp"
-#include "storage/points.hpp"
-#include "storage/ppf_table.hpp"
-#include "storage/result.hpp"
+#include "engine/training/train.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/points.hpp"
+#include "storage/data/ppf_table.hpp"
 
 namespace trivet::engine {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "engine/training/describe_surface.hpp"
+#include "engine/common/describe_surface.hpp"
 #include "engine/training/survey_model.hpp"
 
 namespace trivet::engine {

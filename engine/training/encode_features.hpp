@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/training/describe_surface.hpp"
+#include "engine/common/describe_surface.hpp"
 #include "kernels/common/projector.hpp"
-#include "storage/tri_spin_features.hpp"
+#include "storage/data/tri_spin_features.hpp"
 
 namespace trivet::engine {
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "engine/train.hpp"
-#include "storage/cloud.hpp"
-#include "storage/result.hpp"
-#include "storage/tri_spin_features.hpp"
+#include "engine/training/train.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/tri_spin_features.hpp"
 
 namespace trivet::engine {
 

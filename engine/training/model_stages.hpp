@@ -4,11 +4,11 @@
 #include <array>
 #include <optional>
 
-#include "engine/train.hpp"
 #include "engine/training/build_pair_table.hpp"
 #include "engine/training/describe_model.hpp"
 #include "engine/training/survey_model.hpp"
-#include "storage/tri_spin_features.hpp"
+#include "engine/training/train.hpp"
+#include "storage/data/tri_spin_features.hpp"
 
 namespace trivet::engine {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/training/standard_basis.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
 #include "storage/files/nearest_name.hpp"
 #include "storage/files/text.hpp"

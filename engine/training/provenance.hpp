@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
 
 namespace trivet::engine {
 

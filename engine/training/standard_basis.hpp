@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "engine/train_options.hpp"
-#include "storage/result.hpp"
-#include "storage/tri_spin_features.hpp"
+#include "engine/options/train_options.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/tri_spin_features.hpp"
 
 namespace trivet::engine {
 

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "engine/progress.hpp"
-#include "engine/train.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/training/train.hpp"
 #include "kernels/common/ray_scene.hpp"
-#include "storage/cloud.hpp"
-#include "storage/columns.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::engine {
 

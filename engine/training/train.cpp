@@ -1,4 +1,4 @@
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
 
 #include <cmath>
 #include <utility>

@@ -13,12 +13,12 @@
 #include "engine/training/provenance.hpp"
 #include "engine/training/standard_basis.hpp"
 #include "engine/training/training_parts.hpp"
+#include "engine/training/training_run.hpp"
 #include "engine/training/warn_of_model.hpp"
-#include "engine/training_run.hpp"
-#include "storage/counted.hpp"
-#include "storage/file.hpp"
-#include "storage/file_lock.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/files/file.hpp"
+#include "storage/files/file_lock.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

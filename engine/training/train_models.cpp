@@ -11,9 +11,9 @@
 #include "engine/training/provenance.hpp"
 #include "engine/training/standard_basis.hpp"
 #include "engine/training/training_parts.hpp"
-#include "engine/training_run.hpp"
-#include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/training/training_run.hpp"
+#include "storage/files/file.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "engine/common/parallel.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

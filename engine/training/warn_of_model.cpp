@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "kernels/surfaces/visibility.hpp"
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/training/survey_model.hpp"
-#include "storage/length_unit.hpp"
+#include "storage/data/length_unit.hpp"
 
 namespace trivet::engine {
 

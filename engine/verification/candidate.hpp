@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "engine/recognize.hpp"
+#include "engine/results/recognize_result.hpp"
 #include "kernels/verification/examine_pose.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "kernels/verification/verify_pose.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::engine {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
-#include "engine/recognizer.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "engine/verification/candidate.hpp"
 #include "engine/verification/pose_tester.hpp"
 #include "kernels/verification/cluster_poses.hpp"

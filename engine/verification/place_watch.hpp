@@ -7,8 +7,8 @@
 #include <map>
 #include <optional>
 
-#include "engine/explanation.hpp"
-#include "storage/library.hpp"
+#include "engine/results/explanation.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 

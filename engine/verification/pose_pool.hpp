@@ -8,14 +8,14 @@
 #include <span>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
-#include "engine/recognizer.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "engine/verification/candidate.hpp"
 #include "engine/verification/model_stages.hpp"
 #include "engine/verification/place_watch.hpp"
 #include "kernels/verification/examine_pose.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::engine {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernels/scans/estimate_normals_grid.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::engine {
 namespace {

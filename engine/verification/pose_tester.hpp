@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/recognize.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "engine/verification/candidate.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/verification/compare_poses.hpp"

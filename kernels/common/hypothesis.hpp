@@ -1,7 +1,7 @@
 /// A pose that a method proposes.
 #pragma once
 
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

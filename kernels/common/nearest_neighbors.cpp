@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <span>
 
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "storage/pca_basis.hpp"
+#include "storage/data/pca_basis.hpp"
 
 namespace trivet::kernels {
 

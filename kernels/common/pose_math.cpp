@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "storage/precondition.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/pca_basis.hpp"
+#include "storage/data/pca_basis.hpp"
 
 namespace trivet::kernels {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <bit>
 
-#include "storage/precondition.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 

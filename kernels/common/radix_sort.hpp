@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::kernels {
 

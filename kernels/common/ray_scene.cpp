@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "storage/precondition.hpp"
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -7,10 +7,10 @@
 #include <memory>
 #include <span>
 
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

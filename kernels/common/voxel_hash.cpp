@@ -3,8 +3,8 @@
 #include <bit>
 #include <limits>
 
-#include "storage/precondition.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 

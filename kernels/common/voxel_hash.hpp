@@ -10,8 +10,8 @@
 #include <span>
 
 #include "kernels/common/voxels.hpp"
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

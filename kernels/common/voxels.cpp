@@ -4,9 +4,9 @@
 #include <bit>
 #include <limits>
 
-#include "storage/precondition.hpp"
-#include "storage/simd.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/simd.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 
 #include "kernels/common/radix_sort.hpp"
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "storage/stop.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 

@@ -1,7 +1,7 @@
 /// How open a mesh is.
 #pragma once
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::kernels {
 

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "storage/mesh.hpp"
+#include "storage/data/mesh.hpp"
 
 namespace trivet::kernels {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

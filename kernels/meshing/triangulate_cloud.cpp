@@ -12,7 +12,7 @@
 
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/meshing/delaunay.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

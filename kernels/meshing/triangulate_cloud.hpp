@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "kernels/meshing/delaunay.hpp"
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

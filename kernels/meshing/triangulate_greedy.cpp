@@ -11,7 +11,7 @@
 #include "kernels/common/median.hpp"
 #include "kernels/common/nearest_neighbors.hpp"
 #include "kernels/common/voxel_hash.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

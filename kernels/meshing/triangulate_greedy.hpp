@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

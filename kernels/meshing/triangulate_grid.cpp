@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kernels/common/fast_angle.hpp"
-#include "storage/precondition.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 

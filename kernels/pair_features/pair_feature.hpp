@@ -7,9 +7,9 @@
 #include <span>
 
 #include "kernels/common/fast_angle.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
-#include "storage/ppf_table.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
+#include "storage/data/ppf_table.hpp"
 
 namespace trivet::kernels {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "kernels/common/voxel_hash.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 

@@ -8,9 +8,9 @@
 #include <span>
 
 #include "kernels/pair_features/pair_feature.hpp"
-#include "storage/columns.hpp"
-#include "storage/model.hpp"
-#include "storage/ppf_table.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/ppf_table.hpp"
 
 namespace trivet::kernels {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "kernels/pair_features/ppf_table.hpp"
-#include "storage/points.hpp"
-#include "storage/ppf_table.hpp"
+#include "storage/data/points.hpp"
+#include "storage/data/ppf_table.hpp"
 
 namespace trivet::kernels {
 

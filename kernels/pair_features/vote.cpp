@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "kernels/common/fast_angle.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "kernels/pair_features/scene_pairs.hpp"
-#include "storage/columns.hpp"
-#include "storage/ppf_table.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/ppf_table.hpp"
 
 namespace trivet::kernels {
 

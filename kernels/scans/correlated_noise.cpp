@@ -8,7 +8,7 @@
 
 #include "kernels/common/median.hpp"
 #include "kernels/common/slope_fit.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 namespace {

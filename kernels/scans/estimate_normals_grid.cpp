@@ -8,9 +8,9 @@
 
 #include "kernels/common/median.hpp"
 #include "kernels/common/plane_fit.hpp"
-#include "storage/precondition.hpp"
-#include "storage/simd.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/simd.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/cloud.hpp"
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

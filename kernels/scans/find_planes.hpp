@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

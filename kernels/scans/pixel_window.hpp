@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::kernels {
 

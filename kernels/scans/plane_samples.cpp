@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "storage/stop.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/stop.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "storage/cloud.hpp"
-#include "storage/columns.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "kernels/common/ray_scene.hpp"
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::kernels {
 

@@ -1,7 +1,7 @@
 #include "kernels/simulation/add_noise.hpp"
 
 #include "kernels/common/counter_random.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

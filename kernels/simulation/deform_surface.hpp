@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

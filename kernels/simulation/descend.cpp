@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

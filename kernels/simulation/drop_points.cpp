@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "kernels/common/counter_random.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

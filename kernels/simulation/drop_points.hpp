@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

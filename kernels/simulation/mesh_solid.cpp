@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/simulation/solid.hpp"
-#include "storage/mesh.hpp"
+#include "storage/data/mesh.hpp"
 
 namespace trivet::kernels {
 

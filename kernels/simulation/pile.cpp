@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

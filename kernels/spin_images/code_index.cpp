@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "kernels/spin_images/byte_products.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

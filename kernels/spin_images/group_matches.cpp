@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "kernels/common/counter_random.hpp"
-#include "storage/precondition.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/common/hypothesis.hpp"
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

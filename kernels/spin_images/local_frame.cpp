@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

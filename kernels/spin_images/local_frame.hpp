@@ -5,8 +5,8 @@
 #include <span>
 
 #include "kernels/spin_images/support.hpp"
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <numbers>
 
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

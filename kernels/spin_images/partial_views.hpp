@@ -9,7 +9,7 @@
 
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/spin_images/support.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::kernels {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "storage/feature_index.hpp"
+#include "storage/data/feature_index.hpp"
 
 namespace trivet::kernels {
 

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "kernels/common/voxel_hash.hpp"
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

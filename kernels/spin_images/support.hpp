@@ -6,7 +6,7 @@
 #include <span>
 
 #include "kernels/common/voxel_hash.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::kernels {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

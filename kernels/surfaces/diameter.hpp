@@ -1,7 +1,7 @@
 /// How large a model is.
 #pragma once
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

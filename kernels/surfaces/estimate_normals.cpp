@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "kernels/common/plane_fit.hpp"
-#include "storage/precondition.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

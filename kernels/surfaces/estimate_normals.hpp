@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "storage/neighborhoods.hpp"
-#include "storage/points.hpp"
+#include "storage/data/neighborhoods.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

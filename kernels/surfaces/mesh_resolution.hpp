@@ -1,9 +1,9 @@
 /// How far apart the points of a mesh or a cloud lie: the unit in which the literature gives noise.
 #pragma once
 
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

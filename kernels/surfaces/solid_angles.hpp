@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -1,7 +1,7 @@
 /// Subsample by voxels in one pass, without sorting.
 #pragma once
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

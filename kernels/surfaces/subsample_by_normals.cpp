@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "storage/precondition.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/surfaces/subsample_scratch.hpp"
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

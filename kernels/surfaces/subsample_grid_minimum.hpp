@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "kernels/surfaces/subsample_scratch.hpp"
-#include "storage/columns.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

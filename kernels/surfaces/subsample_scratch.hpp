@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "kernels/common/voxels.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 
 namespace trivet::kernels {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "storage/precondition.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "kernels/symmetry/turn_screen.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -15,7 +15,7 @@
 #include "kernels/surfaces/visibility.hpp"
 #include "kernels/symmetry/angles.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

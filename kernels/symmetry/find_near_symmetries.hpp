@@ -6,7 +6,7 @@
 
 #include "kernels/surfaces/model_samples.hpp"
 #include "kernels/symmetry/turn_screen.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

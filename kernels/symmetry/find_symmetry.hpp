@@ -3,7 +3,7 @@
 
 #include "kernels/symmetry/sampled_surface.hpp"
 #include "kernels/symmetry/turn_screen.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

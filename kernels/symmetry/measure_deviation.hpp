@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

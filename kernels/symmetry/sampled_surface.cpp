@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "kernels/common/pose_math.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "kernels/common/voxel_hash.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "kernels/symmetry/sampled_surface.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "kernels/symmetry/angles.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "kernels/verification/object_scale.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "kernels/common/pose_math.hpp"
-#include "storage/stop.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/stop.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/common/hypothesis.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

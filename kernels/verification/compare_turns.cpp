@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "kernels/symmetry/turn_axis.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {

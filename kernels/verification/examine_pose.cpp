@@ -7,7 +7,7 @@
 
 #include "kernels/common/slope_fit.hpp"
 #include "kernels/verification/ray_crop.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

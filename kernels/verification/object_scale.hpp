@@ -8,9 +8,9 @@
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
 #include "kernels/verification/verify_pose.hpp"
-#include "storage/columns.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

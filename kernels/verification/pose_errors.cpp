@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::kernels {
 namespace {

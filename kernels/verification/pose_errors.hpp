@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "kernels/scans/pixel_window.hpp"
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::kernels {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "kernels/surfaces/visibility.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "kernels/scans/range_image.hpp"
 #include "kernels/surfaces/model_samples.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {

@@ -10,7 +10,7 @@
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
 #include "kernels/verification/verify_pose.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::kernels {
 

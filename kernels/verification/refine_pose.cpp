@@ -7,7 +7,7 @@
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/verification/posed_samples.hpp"
-#include "storage/simd.hpp"
+#include "storage/common/simd.hpp"
 
 namespace trivet::kernels {
 namespace {

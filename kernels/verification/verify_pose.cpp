@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "kernels/verification/posed_samples.hpp"
-#include "storage/simd.hpp"
-#include "storage/whole_number.hpp"
+#include "storage/common/simd.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "python/src/call.hpp"
-#include "storage/cloud.hpp"
-#include "storage/file_pose.hpp"
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/file_pose.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::python {
 

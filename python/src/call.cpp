@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "storage/valid_text.hpp"
+#include "storage/common/valid_text.hpp"
 
 namespace trivet::python {
 

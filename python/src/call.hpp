@@ -11,8 +11,8 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/progress.hpp"
-#include "storage/result.hpp"
+#include "engine/common/progress.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::python {
 

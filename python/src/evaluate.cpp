@@ -10,7 +10,7 @@
 #include "engine/evaluation/bop_scores.hpp"
 #include "engine/evaluation/evaluate.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "python/src/call.hpp"
 #include "python/src/library.hpp"
 #include "python/src/recognize.hpp"

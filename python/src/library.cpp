@@ -9,7 +9,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/call.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::python {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "apps/inputs/open_recognizer.hpp"
-#include "engine/recognizer.hpp"
+#include "engine/loaded_library/recognizer.hpp"
 
 namespace trivet::python {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 #include "python/src/call.hpp"
 #include "storage/files/nearest_name.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <stop_token>
 
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 namespace trivet::python {
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/surface_from_points.hpp"
+#include "engine/meshing/surface_from_points.hpp"
 #include "python/src/arrays.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::python {
 namespace {

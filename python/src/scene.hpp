@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "python/src/call.hpp"
-#include "storage/memory_cloud.hpp"
+#include "storage/formats/memory_cloud.hpp"
 
 namespace trivet::python {
 

@@ -9,8 +9,8 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/words/train_summary.hpp"
-#include "engine/presets.hpp"
-#include "engine/train.hpp"
+#include "engine/options/presets.hpp"
+#include "engine/training/train.hpp"
 #include "python/src/arrays.hpp"
 #include "python/src/call.hpp"
 #include "python/src/options.hpp"

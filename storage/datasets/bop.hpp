@@ -20,8 +20,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet {
 

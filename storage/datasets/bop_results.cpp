@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "storage/datasets/bop.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/text.hpp"
 

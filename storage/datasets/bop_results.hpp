@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

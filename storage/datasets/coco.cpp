@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet {

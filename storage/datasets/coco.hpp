@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

@@ -1,4 +1,4 @@
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "storage/datasets/parse_truth.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/formats/camera_json.hpp"
-#include "storage/model_name.hpp"
+#include "storage/library/model_name.hpp"
 
 namespace trivet {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "storage/data/model.hpp"
 #include "storage/files/json_file.hpp"
-#include "storage/model.hpp"
 
 namespace trivet {
 

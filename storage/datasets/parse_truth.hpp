@@ -1,8 +1,8 @@
 /// What a manifest says of one object of a scene.
 #pragma once
 
+#include "storage/datasets/manifest.hpp"
 #include "storage/files/json_file.hpp"
-#include "storage/manifest.hpp"
 
 namespace trivet {
 

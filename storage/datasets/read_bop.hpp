@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "storage/common/result.hpp"
 #include "storage/datasets/bop.hpp"
-#include "storage/manifest.hpp"
-#include "storage/result.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet {
 

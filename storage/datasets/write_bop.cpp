@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <span>
 
+#include "storage/common/result.hpp"
 #include "storage/datasets/bop.hpp"
-#include "storage/result.hpp"
 
 namespace trivet {
 

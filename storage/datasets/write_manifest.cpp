@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
-#include "storage/file.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
 #include "storage/formats/camera_json.hpp"
-#include "storage/manifest.hpp"
 
 namespace trivet {
 namespace {

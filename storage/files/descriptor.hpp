@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <system_error>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

@@ -1,4 +1,4 @@
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "storage/file_lock.hpp"
+#include "storage/files/file_lock.hpp"
 
 #include <fcntl.h>
 #include <fmt/chrono.h>
@@ -13,8 +13,8 @@
 #include <string>
 #include <system_error>
 
-#include "storage/file.hpp"
 #include "storage/files/errno_text.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet {
 namespace {

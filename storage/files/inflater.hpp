@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-#include "storage/stop.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet {
 

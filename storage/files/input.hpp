@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "storage/read_cloud.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/read_options.hpp"
 
 namespace trivet::formats {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <new>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/json_text.hpp"
 #include "storage/files/looks_like.hpp"

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "storage/cloud.hpp"
-#include "storage/file_pose.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/file_pose.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet {
 

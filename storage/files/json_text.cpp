@@ -1,6 +1,6 @@
 #include "storage/files/json_text.hpp"
 
-#include "storage/valid_text.hpp"
+#include "storage/common/valid_text.hpp"
 
 namespace trivet {
 namespace {

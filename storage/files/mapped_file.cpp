@@ -5,9 +5,9 @@
 #include <atomic>
 #include <cerrno>
 
-#include "storage/file.hpp"
 #include "storage/files/descriptor.hpp"
 #include "storage/files/errno_text.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/mapping_guard.hpp"
 
 namespace trivet {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "storage/valid_text.hpp"
+#include "storage/common/valid_text.hpp"
 
 namespace trivet {
 namespace {

@@ -5,9 +5,9 @@
 #include <cerrno>
 #include <exception>
 
-#include "storage/file.hpp"
 #include "storage/files/descriptor.hpp"
 #include "storage/files/errno_text.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet {
 namespace {

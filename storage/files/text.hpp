@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "storage/common/stop.hpp"
 #include "storage/files/numbers.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/json_file.hpp"
 
 namespace trivet {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/whole_number.hpp"
+#include "storage/common/whole_number.hpp"
 
 namespace trivet::formats {
 

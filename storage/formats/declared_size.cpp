@@ -1,4 +1,4 @@
-#include "storage/declared_size.hpp"
+#include "storage/formats/declared_size.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "storage/cloud.hpp"
+#include "storage/common/result.hpp"
+#include "storage/common/stop.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/undistort.hpp"
-#include "storage/result.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 

@@ -6,10 +6,10 @@
 #include <cstring>
 #include <vector>
 
+#include "storage/common/stop.hpp"
 #include "storage/files/scalar.hpp"
 #include "storage/formats/depth_image.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {

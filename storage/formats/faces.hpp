@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "storage/cloud.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/input.hpp"
-#include "storage/result.hpp"
 
 namespace trivet::formats {
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "storage/common/stop.hpp"
 #include "storage/formats/keep_points.hpp"
 #include "storage/formats/used_vertices.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {

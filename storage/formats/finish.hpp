@@ -4,7 +4,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/input.hpp"
 
 namespace trivet::formats {

@@ -10,12 +10,12 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/file.hpp"
+#include "storage/common/result.hpp"
+#include "storage/common/whole_number.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/files/scalar.hpp"
-#include "storage/result.hpp"
-#include "storage/whole_number.hpp"
 
 namespace trivet::formats {
 

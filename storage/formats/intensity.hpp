@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 #include "storage/formats/positions.hpp"
 
 namespace trivet::formats {

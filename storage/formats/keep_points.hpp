@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet {
 

@@ -1,4 +1,4 @@
-#include "storage/memory_cloud.hpp"
+#include "storage/formats/memory_cloud.hpp"
 
 #include <fmt/format.h>
 

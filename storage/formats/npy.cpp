@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "storage/common/stop.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/arrange_points.hpp"
 #include "storage/formats/depth_image.hpp"
 #include "storage/formats/npy_header.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "storage/common/result.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/scalar.hpp"
-#include "storage/result.hpp"
 
 namespace trivet::formats {
 

@@ -3,10 +3,10 @@
 
 #include <cstddef>
 
-#include "storage/cloud.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/input.hpp"
 #include "storage/formats/off_header.hpp"
-#include "storage/result.hpp"
 
 namespace trivet::formats {
 

@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "storage/common/stop.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/intensity.hpp"
 #include "storage/formats/lzf.hpp"
 #include "storage/formats/pcd_header.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {

@@ -5,13 +5,13 @@
 #include <span>
 #include <utility>
 
+#include "storage/common/stop.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/faces.hpp"
 #include "storage/formats/intensity.hpp"
 #include "storage/formats/ply_header.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {

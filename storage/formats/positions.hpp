@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "storage/cloud.hpp"
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/input.hpp"
 
 namespace trivet::formats {

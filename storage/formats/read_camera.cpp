@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/files/numbers.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/camera_json.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -1,4 +1,4 @@
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/gunzip.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/looks_like.hpp"

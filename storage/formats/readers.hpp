@@ -2,9 +2,9 @@
 /// takes memory, and every index against its bound; errors are bad_data and name the place.
 #pragma once
 
-#include "storage/cloud.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
 #include "storage/files/input.hpp"
-#include "storage/result.hpp"
 
 namespace trivet::formats {
 

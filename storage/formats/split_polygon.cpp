@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
 
 namespace trivet::formats {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "storage/data/points.hpp"
 #include "storage/formats/corner_grid.hpp"
-#include "storage/points.hpp"
 
 namespace trivet::formats {
 

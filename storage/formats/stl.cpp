@@ -9,11 +9,11 @@
 #include <tuple>
 #include <vector>
 
+#include "storage/common/stop.hpp"
 #include "storage/files/scalar.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/positions.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/stop.hpp"
 
 namespace trivet::formats {
 namespace {

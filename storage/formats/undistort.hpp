@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::formats {
 

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <utility>
 
-#include "storage/file.hpp"
 #include "storage/files/append.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "storage/file.hpp"
 #include "storage/files/append.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/files/file.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -1,4 +1,4 @@
-#include "storage/write_png.hpp"
+#include "storage/formats/write_png.hpp"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -9,8 +9,8 @@
 #include <cstring>
 #include <new>
 
-#include "storage/file.hpp"
-#include "storage/precondition.hpp"
+#include "storage/common/precondition.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet {
 namespace {

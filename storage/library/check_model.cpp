@@ -5,11 +5,11 @@
 #include <cmath>
 #include <string>
 
-#include "storage/counted.hpp"
-#include "storage/file.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/common/simd.hpp"
+#include "storage/files/file.hpp"
 #include "storage/library/library_format.hpp"
-#include "storage/model_name.hpp"
-#include "storage/simd.hpp"
+#include "storage/library/model_name.hpp"
 
 namespace trivet::format {
 namespace {

@@ -7,7 +7,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/library/parse_library.hpp"
 #include "storage/library/stored_tree.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "storage/file.hpp"
-#include "storage/library.hpp"
+#include "storage/files/file.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/model_record.hpp"
 
 namespace trivet {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 namespace trivet::format {
 namespace {

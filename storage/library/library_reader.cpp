@@ -8,9 +8,9 @@
 #include <optional>
 #include <span>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/looks_like.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/library_checks.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/model_record.hpp"

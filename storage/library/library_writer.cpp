@@ -8,9 +8,9 @@
 #include <span>
 #include <system_error>
 
-#include "storage/file.hpp"
-#include "storage/library.hpp"
+#include "storage/files/file.hpp"
 #include "storage/library/directory_columns.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/packed_model.hpp"
 #include "storage/library/write_hdf5.hpp"

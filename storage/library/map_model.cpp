@@ -1,7 +1,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 #include "storage/library/model_record.hpp"
 
 namespace trivet {

@@ -1,4 +1,4 @@
-#include "storage/model_name.hpp"
+#include "storage/library/model_name.hpp"
 
 #include <utf8proc.h>
 
@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <memory>
 
+#include "storage/common/valid_text.hpp"
 #include "storage/files/text.hpp"
-#include "storage/read_cloud.hpp"
-#include "storage/valid_text.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "storage/data/model.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/taker.hpp"
-#include "storage/model.hpp"
 
 namespace trivet {
 

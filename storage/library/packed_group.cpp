@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/library/write_hdf5.hpp"
 
 namespace trivet {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 #include "storage/library/hdf5.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/stored_tree.hpp"

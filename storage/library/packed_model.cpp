@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/write_hdf5.hpp"
 
 namespace trivet {

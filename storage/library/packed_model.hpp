@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "storage/data/model.hpp"
 #include "storage/library/packed_group.hpp"
-#include "storage/model.hpp"
 
 namespace trivet {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/stored_tree.hpp"
 
 namespace trivet {

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <set>
 
-#include "storage/library.hpp"
 #include "storage/library/hdf5.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/library_format.hpp"
 
 namespace trivet {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/columns.hpp"
-#include "storage/result.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet {
 

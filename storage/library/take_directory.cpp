@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "storage/counted.hpp"
+#include "storage/common/counted.hpp"
 #include "storage/library/model_record.hpp"
 
 namespace trivet {

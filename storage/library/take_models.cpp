@@ -1,7 +1,7 @@
 // What is known of models, from their groups.
 #include <algorithm>
 
-#include "storage/columns.hpp"
+#include "storage/common/columns.hpp"
 #include "storage/library/model_record.hpp"
 
 namespace trivet {

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/file.hpp"
-#include "storage/library.hpp"
+#include "storage/files/file.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/stored_tree.hpp"
 

@@ -11,12 +11,12 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/columns.hpp"
-#include "storage/library.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/data/model.hpp"
 #include "storage/library/hdf5.hpp"
+#include "storage/library/library.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/stored_tree.hpp"
-#include "storage/model.hpp"
 
 namespace trivet::hdf5 {
 

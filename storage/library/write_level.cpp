@@ -6,8 +6,8 @@
 #include <limits>
 #include <span>
 
-#include "storage/columns.hpp"
-#include "storage/file.hpp"
+#include "storage/common/columns.hpp"
+#include "storage/files/file.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/write_hdf5.hpp"
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "storage/feature_index.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/feature_index.hpp"
 #include "storage/library/hdf5.hpp"
 #include "storage/library/stored_tree.hpp"
-#include "storage/result.hpp"
 
 namespace trivet {
 

@@ -11,7 +11,7 @@
 
 #include "apps/program.hpp"
 #include "engine/evaluation/evaluation_meshes.hpp"
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 #include "support/random.hpp"
 #include "support/temp_dir.hpp"
 

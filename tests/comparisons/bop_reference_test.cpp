@@ -9,7 +9,7 @@
 
 #include "engine/evaluation/bop_scores.hpp"
 #include "kernels/scans/render_depth.hpp"
-#include "storage/write_png.hpp"
+#include "storage/formats/write_png.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
 #include "support/temp_dir.hpp"

@@ -16,10 +16,11 @@
 #include <vector>
 
 #include "engine/evaluation/manifest_inputs.hpp"
+#include "engine/results/stage_times.hpp"
 #include "engine/simulation/make_parts.hpp"
 #include "engine/simulation/render_scenes.hpp"
 #include "engine/training/survey_model.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "apps/service/http/query.hpp"
 #include "fuzz/targets.hpp"
-#include "storage/valid_text.hpp"
+#include "storage/common/valid_text.hpp"
 
 namespace trivet::fuzz {
 

@@ -1,6 +1,6 @@
 // A scan in the body of a request, in any format.
 #include "fuzz/targets.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/degenerate_geometry.hpp"
 #include "support/geometry_files.hpp"
 

@@ -1,11 +1,11 @@
 // A scan or mesh in the body of a request, read, prepared and searched with a library of one model.
 #include <cmath>
 
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "engine/training/standard_basis.hpp"
+#include "engine/training/train.hpp"
 #include "fuzz/targets.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/degenerate_geometry.hpp"
 #include "support/geometry_files.hpp"
 #include "support/shapes.hpp"

@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/training/train.hpp"
 
 int main() {
   trivet::TrainOptions options;

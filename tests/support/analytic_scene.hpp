@@ -13,7 +13,7 @@
 #include "kernels/scans/range_image.hpp"
 #include "kernels/surfaces/visibility.hpp"
 #include "kernels/verification/verify_pose.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::test {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 
 namespace trivet::test {
 

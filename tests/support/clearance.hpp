@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::reference {
 

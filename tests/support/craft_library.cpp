@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/library/library_format.hpp"
 
 namespace trivet::test {

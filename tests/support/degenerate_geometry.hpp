@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::test {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::test {
 

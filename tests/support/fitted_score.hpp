@@ -9,7 +9,8 @@
 
 namespace trivet::test {
 
-inline constexpr const char* kFittedScore = TRIVET_SOURCES "/engine/calibration/default_score.json";
+inline constexpr const char* kFittedScore =
+    TRIVET_SOURCES "/engine/loaded_library/default_score.json";
 
 inline const kernels::ScoreModel& fitted_score() {
   static const kernels::ScoreModel model = [] {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/cloud.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::test {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/model.hpp"
-#include "storage/points.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::test {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::test {
 

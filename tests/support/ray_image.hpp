@@ -8,7 +8,7 @@
 
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::test {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "storage/points.hpp"
+#include "storage/data/points.hpp"
 #include "support/reference_matrices.hpp"
 
 namespace trivet::reference {

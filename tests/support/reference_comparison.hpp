@@ -12,7 +12,7 @@
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
 #include "kernels/verification/ray_crop.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::reference {
 

@@ -13,7 +13,7 @@
 
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 #include "support/reference_matrices.hpp"
 
 namespace trivet::reference {

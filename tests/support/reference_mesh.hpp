@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/mesh.hpp"
+#include "storage/data/mesh.hpp"
 #include "support/reference_model.hpp"
 
 namespace trivet::reference {

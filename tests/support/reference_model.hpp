@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 
 namespace trivet::reference {
 

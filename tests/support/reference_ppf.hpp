@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
-#include "storage/model.hpp"
-#include "storage/ppf_table.hpp"
+#include "storage/data/model.hpp"
+#include "storage/data/ppf_table.hpp"
 #include "support/random.hpp"
 #include "support/reference_matrices.hpp"
 

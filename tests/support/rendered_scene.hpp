@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernels/scans/render_depth.hpp"
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 #include "support/shapes.hpp"
 
 namespace trivet::test {

@@ -12,8 +12,8 @@
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/visibility.hpp"
 #include "kernels/verification/verify_pose.hpp"
-#include "storage/cloud.hpp"
-#include "storage/points.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::test {
 

@@ -8,8 +8,8 @@
 #include <functional>
 #include <numbers>
 
-#include "storage/cloud.hpp"
-#include "storage/model.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::test {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/train.hpp"
 #include "engine/training/standard_basis.hpp"
-#include "storage/library.hpp"
+#include "engine/training/train.hpp"
+#include "storage/library/library.hpp"
 #include "support/rendered_scene.hpp"
 
 namespace trivet::test {

@@ -9,7 +9,7 @@
 
 #include "apps/service/http/bearer_tokens.hpp"
 #include "apps/service/http/http_server.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "storage/file.hpp"
 #include "storage/files/errno_text.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/text.hpp"
 
 namespace trivet::apps::service {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "apps/service/http/http_server.hpp"
-#include "engine/recognition_service.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognition_service.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -29,8 +29,8 @@
 #include "apps/service/http/content_coding.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/query.hpp"
+#include "storage/common/wait_for_memory.hpp"
 #include "storage/files/text.hpp"
-#include "storage/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 namespace {

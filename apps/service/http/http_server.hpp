@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -6,8 +6,8 @@
 #include <charconv>
 #include <sstream>
 
+#include "storage/common/valid_text.hpp"
 #include "storage/files/text.hpp"
-#include "storage/valid_text.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

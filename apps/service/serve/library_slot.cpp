@@ -7,7 +7,7 @@
 #include <new>
 #include <utility>
 
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -13,7 +13,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/serve/metrics.hpp"
-#include "engine/recognition_service.hpp"
+#include "engine/recognition/recognition_service.hpp"
 
 namespace trivet::apps::service {
 

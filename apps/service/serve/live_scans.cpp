@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "apps/service/serve/recognition_job.hpp"
-#include "storage/file.hpp"
+#include "storage/common/valid_text.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"
-#include "storage/valid_text.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -16,8 +16,8 @@
 #include "apps/service/http/request_log.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/scan_folder.hpp"
-#include "engine/recognition_service.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognition_service.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::apps::service {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/pictures/draw_model.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps::service {
 namespace {

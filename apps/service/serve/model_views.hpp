@@ -7,9 +7,9 @@
 #include <mutex>
 #include <string>
 
-#include "engine/recognition_service.hpp"
-#include "storage/model.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognition_service.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::apps::service {
 

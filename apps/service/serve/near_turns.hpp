@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "apps/service/http/http_messages.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps::service {
 

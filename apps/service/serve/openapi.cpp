@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/service/serve/recognize_query.hpp"
-#include "engine/presets.hpp"
+#include "engine/options/presets.hpp"
 #include "storage/files/json_text.hpp"
 
 namespace trivet::apps::service {

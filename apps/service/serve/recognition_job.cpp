@@ -8,7 +8,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/failed_scenes.hpp"
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 

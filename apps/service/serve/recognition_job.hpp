@@ -9,7 +9,7 @@
 
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/scan_request.hpp"
-#include "engine/recognition_service.hpp"
+#include "engine/recognition/recognition_service.hpp"
 
 namespace trivet::apps::service {
 

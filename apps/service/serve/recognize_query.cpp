@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/presets.hpp"
+#include "engine/options/presets.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "apps/service/http/query.hpp"
 #include "apps/service/serve/served_scene.hpp"
-#include "engine/recognize_options.hpp"
-#include "storage/result.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -13,7 +13,7 @@
 #include <tuple>
 #include <utility>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "apps/service/http/json_parameters.hpp"
 #include "apps/service/http/multipart.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps::service {
 namespace {

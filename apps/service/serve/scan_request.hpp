@@ -9,7 +9,7 @@
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/query.hpp"
 #include "apps/service/serve/recognize_query.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 

@@ -10,7 +10,7 @@
 #include "apps/service/serve/library_slot.hpp"
 #include "apps/service/serve/live_scans.hpp"
 #include "apps/service/serve/workshop/part_workshop.hpp"
-#include "engine/recognition_service.hpp"
+#include "engine/recognition/recognition_service.hpp"
 
 namespace trivet::apps::service {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "apps/inputs/inputs.hpp"
-#include "storage/declared_size.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/declared_size.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -8,11 +8,11 @@
 #include <span>
 #include <string>
 
-#include "engine/option.hpp"
-#include "engine/recognize.hpp"
-#include "storage/cloud.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "engine/options/option.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/cloud.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps::service {
 

@@ -7,7 +7,7 @@
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/openapi.hpp"
 #include "apps/service/serve/page.hpp"
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -18,9 +18,9 @@
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/model_views.hpp"
 #include "apps/service/serve/workshop/part_workshop.hpp"
-#include "engine/recognition_service.hpp"
-#include "engine/recognize.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognition_service.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/common/result.hpp"
 
 namespace trivet::apps::service {
 

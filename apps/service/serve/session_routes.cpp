@@ -10,7 +10,7 @@
 #include "apps/service/serve/scan_request.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve/session/session.hpp"
-#include "engine/hypotheses/find_view.hpp"
+#include "engine/scene/find_view.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/solid.hpp"
-#include "storage/model.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::engine::parts {
 

@@ -7,8 +7,8 @@
 #include "apps/program.hpp"
 #include "storage/datasets/bop_results.hpp"
 #include "storage/datasets/write_bop.hpp"
-#include "storage/read_cloud.hpp"
-#include "storage/write_png.hpp"
+#include "storage/formats/read_cloud.hpp"
+#include "storage/formats/write_png.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/program.hpp"
-#include "engine/calibration/score_calibration.hpp"
-#include "engine/default_score.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/loaded_library/default_score.hpp"
+#include "engine/loaded_library/score_calibration.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"

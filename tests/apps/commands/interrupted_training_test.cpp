@@ -7,7 +7,7 @@
 #include <random>
 
 #include "apps/program.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

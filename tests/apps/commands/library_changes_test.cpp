@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/program.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

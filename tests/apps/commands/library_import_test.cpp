@@ -4,7 +4,7 @@
 
 #include "apps/commands/in_child.hpp"
 #include "apps/program.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "apps/program.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/program.hpp"
-#include "storage/read_cloud.hpp"
-#include "storage/write_png.hpp"
+#include "storage/formats/read_cloud.hpp"
+#include "storage/formats/write_png.hpp"
 #include "support/geometry_files.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"

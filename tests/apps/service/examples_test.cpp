@@ -8,7 +8,7 @@
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

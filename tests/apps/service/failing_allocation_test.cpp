@@ -12,7 +12,7 @@
 #include "apps/service/serve/library_slot.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/wait_for_memory.hpp"
 #include "support/allocations.hpp"
 
 namespace trivet {

@@ -16,7 +16,7 @@
 #include "apps/service/serve/inference/metadata.hpp"
 #include "apps/service/serve/inference/protocol.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 
 namespace trivet {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "apps/program.hpp"
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet::test {

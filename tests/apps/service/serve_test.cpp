@@ -17,8 +17,8 @@
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "engine/calibration/score_calibration.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/loaded_library/score_calibration.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 
 namespace trivet {

@@ -12,7 +12,7 @@
 #include "apps/service/serve/model_views.hpp"
 #include "apps/service/serve/workshop/part_workshop.hpp"
 #include "apps/service/serve_fixture.hpp"
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 #include "support/allocations.hpp"
 
 namespace trivet::apps::service {

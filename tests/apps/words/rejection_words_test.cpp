@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/words/score_words.hpp"
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 namespace trivet::apps {
 namespace {

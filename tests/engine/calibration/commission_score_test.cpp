@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "engine/default_score.hpp"
+#include "engine/loaded_library/default_score.hpp"
 #include "support/random.hpp"
 
 namespace trivet {

@@ -4,7 +4,8 @@
 
 #include <array>
 
-#include "engine/recognize.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "storage/formats/keep_points.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"

@@ -1,3 +1,5 @@
+#include "engine/common/thread_limit.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <thread>
 
 #include "engine/common/parallel.hpp"
-#include "engine/progress.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -5,7 +5,8 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "storage/write_png.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "storage/formats/write_png.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
 #include "support/temp_dir.hpp"

@@ -10,8 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "kernels/surfaces/subsample_approximate_voxel_grid.hpp"
 #include "kernels/surfaces/subsample_grid_minimum.hpp"
 #include "kernels/surfaces/subsample_local_maximum.hpp"

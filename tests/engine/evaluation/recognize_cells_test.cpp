@@ -6,9 +6,12 @@
 #include <mutex>
 
 #include "engine/evaluation/manifest_inputs.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/scene/read_scene.hpp"
 #include "engine/simulation/render_scenes.hpp"
-#include "engine/train.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/training/train.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {

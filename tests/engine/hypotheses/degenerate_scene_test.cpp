@@ -1,8 +1,10 @@
 // Whatever a client sends as a scene is prepared, or refused by name, within bounds.
 #include <gtest/gtest.h>
 
-#include "engine/hypotheses/prepare_scene.hpp"
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/scene/prepare_scene.hpp"
+#include "engine/scene/read_scene.hpp"
 #include "support/allocations.hpp"
 #include "support/degenerate_geometry.hpp"
 #include "support/random.hpp"

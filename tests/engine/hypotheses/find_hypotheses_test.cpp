@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "engine/progress.hpp"
-#include "engine/train.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/training/train.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/common/thread_limit.hpp"
 #include "engine/libraries/index_features.hpp"
+#include "engine/results/stage_times.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"

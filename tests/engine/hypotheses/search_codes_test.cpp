@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/common/thread_limit.hpp"
 #include "engine/libraries/build_code_lists.hpp"
-#include "engine/progress.hpp"
 #include "kernels/spin_images/nearest_centroids.hpp"
 #include "support/random.hpp"
 

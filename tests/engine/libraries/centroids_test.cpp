@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/common/parallel.hpp"
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "kernels/spin_images/code_index.hpp"
 #include "support/random.hpp"
 

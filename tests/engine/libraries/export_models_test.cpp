@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/train.hpp"
-#include "engine/training_run.hpp"
-#include "storage/manifest.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/training/train.hpp"
+#include "engine/training/training_run.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"

@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "kernels/spin_images/rotation_code.hpp"
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"

@@ -1,11 +1,11 @@
-#include "engine/surface_from_points.hpp"
+#include "engine/meshing/surface_from_points.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "engine/progress.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/random.hpp"
 #include "support/reference_mesh.hpp"
 #include "support/rendered_scene.hpp"

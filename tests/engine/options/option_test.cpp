@@ -1,13 +1,13 @@
-#include "engine/option.hpp"
+#include "engine/options/option.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "engine/evaluation/degrade_scene.hpp"
-#include "engine/recognize_options.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/options/train_options.hpp"
 #include "engine/simulation/render_scenes.hpp"
-#include "engine/train_options.hpp"
 #include "support/changed_option.hpp"
 
 namespace trivet {

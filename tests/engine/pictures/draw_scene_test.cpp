@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/scene/read_scene.hpp"
 #include "support/shapes.hpp"
 
 namespace trivet {

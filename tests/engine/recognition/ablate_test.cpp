@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/train.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/training/train.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"

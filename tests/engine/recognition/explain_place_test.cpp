@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "engine/recognition/recognize.hpp"
 #include "engine/recognition/two_parts.hpp"
+#include "engine/scene/read_scene.hpp"
 
 namespace trivet {
 namespace {

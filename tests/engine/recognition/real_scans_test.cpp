@@ -9,8 +9,8 @@
 
 #include "engine/evaluation/evaluate.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "engine/training/train.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {

@@ -1,5 +1,5 @@
 /// The queue of the service: what is taken, refused, stopped and answered, and by which library.
-#include "engine/recognition_service.hpp"
+#include "engine/recognition/recognition_service.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,8 @@
 #include <optional>
 #include <thread>
 #include <vector>
+
+#include "engine/loaded_library/recognizer.hpp"
 
 namespace trivet {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "engine/recognition/recognize.hpp"
 #include "engine/recognition/two_parts.hpp"
-#include "engine/recognize.hpp"
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
 #include "engine/verification/candidate.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <functional>
 
+#include "engine/meshing/surface_from_points.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "engine/recognition/two_parts.hpp"
-#include "engine/recognize.hpp"
-#include "engine/surface_from_points.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

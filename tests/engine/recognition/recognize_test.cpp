@@ -1,9 +1,10 @@
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
+#include "engine/common/thread_limit.hpp"
 #include "engine/recognition/two_parts.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/random.hpp"

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <string>
 
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"

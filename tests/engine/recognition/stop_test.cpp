@@ -1,5 +1,5 @@
 /// Recognition that is told to stop, at any of its checks.
-#include "storage/stop.hpp"
+#include "storage/common/stop.hpp"
 
 #include <gtest/gtest.h>
 #include <time.h>
@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "engine/common/parallel.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "engine/recognition/two_parts.hpp"
 
 namespace trivet {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "engine/recognize.hpp"
+#include "engine/recognition/recognize.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"

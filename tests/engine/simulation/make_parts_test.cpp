@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "engine/simulation/parts/design.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/visibility.hpp"

@@ -9,9 +9,9 @@
 #include <map>
 #include <numbers>
 
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "kernels/surfaces/diameter.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/shapes.hpp"
 #include "support/temp_dir.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "engine/simulation/echo_scene.hpp"
 #include "engine/simulation/match_scene.hpp"
 #include "engine/simulation/measure_scene.hpp"

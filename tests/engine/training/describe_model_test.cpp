@@ -4,7 +4,9 @@
 
 #include <cmath>
 
-#include "engine/train.hpp"
+#include "engine/common/thread_limit.hpp"
+#include "engine/results/stage_times.hpp"
+#include "engine/training/train.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"

@@ -4,12 +4,13 @@
 #include <fstream>
 #include <thread>
 
+#include "engine/common/thread_limit.hpp"
 #include "engine/libraries/edit_library.hpp"
-#include "engine/train.hpp"
 #include "engine/training/provenance.hpp"
+#include "engine/training/train.hpp"
 #include "engine/training/training_parts.hpp"
-#include "engine/training_run.hpp"
-#include "storage/read_cloud.hpp"
+#include "engine/training/training_run.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/temp_dir.hpp"
 

@@ -1,13 +1,13 @@
-#include "engine/train.hpp"
+#include "engine/training/train.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/progress.hpp"
+#include "engine/common/thread_limit.hpp"
 #include "kernels/common/pose_math.hpp"
-#include "storage/file.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/files/file.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/polygon_mesh.hpp"
 #include "support/random.hpp"
 #include "support/random_model.hpp"

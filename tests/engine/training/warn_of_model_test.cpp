@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/cloud.hpp"
+#include "storage/data/cloud.hpp"
 #include "support/rendered_scene.hpp"
 
 namespace trivet::engine {

@@ -6,7 +6,7 @@
 #include <new>
 #include <thread>
 
-#include "storage/wait_for_memory.hpp"
+#include "storage/common/wait_for_memory.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_model.hpp"

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "storage/neighborhoods.hpp"
+#include "storage/data/neighborhoods.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference.hpp"

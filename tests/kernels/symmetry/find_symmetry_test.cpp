@@ -7,8 +7,8 @@
 #include <set>
 
 #include "kernels/common/pose_math.hpp"
-#include "storage/manifest.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/random.hpp"
 #include "support/reference_model.hpp"
 #include "support/sampled_shape.hpp"

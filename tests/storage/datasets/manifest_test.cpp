@@ -1,4 +1,4 @@
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {

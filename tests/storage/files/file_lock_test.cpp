@@ -1,4 +1,4 @@
-#include "storage/file_lock.hpp"
+#include "storage/files/file_lock.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

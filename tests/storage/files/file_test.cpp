@@ -1,4 +1,4 @@
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 
 #include <gtest/gtest.h>
 

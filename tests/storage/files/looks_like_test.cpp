@@ -6,7 +6,7 @@
 #include <string>
 
 #include "storage/files/json_file.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/temp_dir.hpp"
 

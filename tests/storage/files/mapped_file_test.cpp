@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {

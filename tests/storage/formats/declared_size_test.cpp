@@ -1,13 +1,13 @@
 /// What memory a scan will take is known before it is read.
-#include "storage/declared_size.hpp"
+#include "storage/formats/declared_size.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "storage/read_cloud.hpp"
-#include "storage/stop.hpp"
+#include "storage/common/stop.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 
 namespace trivet {

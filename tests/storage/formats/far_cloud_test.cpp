@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "storage/formats/positions.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/random.hpp"
 #include "support/temp_dir.hpp"

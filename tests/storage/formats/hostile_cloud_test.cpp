@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "storage/formats/read_cloud.hpp"
 #include "storage/formats/readers.hpp"
-#include "storage/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/random.hpp"
 #include "support/temp_dir.hpp"

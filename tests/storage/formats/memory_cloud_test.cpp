@@ -1,5 +1,5 @@
 // Arrays in memory give the clouds that files of the same content give.
-#include "storage/memory_cloud.hpp"
+#include "storage/formats/memory_cloud.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/random.hpp"
 #include "support/temp_dir.hpp"

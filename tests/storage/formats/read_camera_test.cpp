@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "storage/formats/camera_json.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/polygon_mesh.hpp"
 #include "support/temp_dir.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "storage/formats/lzf.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/temp_dir.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/temp_dir.hpp"
 

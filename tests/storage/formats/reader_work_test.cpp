@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/allocations.hpp"
 #include "support/degenerate_geometry.hpp"
 #include "support/geometry_files.hpp"

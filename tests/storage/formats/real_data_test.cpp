@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <set>
 
-#include "storage/manifest.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 
 namespace trivet {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "storage/memory_cloud.hpp"
+#include "storage/formats/memory_cloud.hpp"
 
 namespace trivet {
 namespace {

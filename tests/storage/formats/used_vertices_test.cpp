@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "storage/memory_cloud.hpp"
-#include "storage/read_cloud.hpp"
+#include "storage/formats/memory_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 
 namespace trivet {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/geometry_files.hpp"
 #include "support/random.hpp"
 #include "support/temp_dir.hpp"

@@ -1,9 +1,9 @@
-#include "storage/write_png.hpp"
+#include "storage/formats/write_png.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "storage/read_cloud.hpp"
+#include "storage/formats/read_cloud.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet {
 namespace {

@@ -12,7 +12,7 @@
 #include <span>
 #include <string>
 
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 #include "support/craft_library.hpp"
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"

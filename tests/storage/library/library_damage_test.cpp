@@ -6,7 +6,7 @@
 #include <cstring>
 #include <random>
 
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 #include "support/craft_library.hpp"
 #include "support/library_file.hpp"
 #include "support/random_model.hpp"

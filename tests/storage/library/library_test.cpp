@@ -1,5 +1,5 @@
 // The library round trip, its publication and what the writer refuses.
-#include "storage/library.hpp"
+#include "storage/library/library.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "storage/model_name.hpp"
+#include "storage/library/model_name.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "apps/service/http/query.hpp"
-#include "engine/recognize.hpp"
-#include "storage/points.hpp"
-#include "storage/result.hpp"
+#include "engine/recognition/recognize.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/points.hpp"
 
 namespace trivet::apps::service {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "storage/manifest.hpp"
+#include "storage/datasets/manifest.hpp"
 
 namespace trivet::apps::service {
 

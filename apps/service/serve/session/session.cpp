@@ -13,10 +13,10 @@
 #include "apps/service/serve/session/tar.hpp"
 #include "engine/common/scaled.hpp"
 #include "storage/datasets/parse_truth.hpp"
-#include "storage/file.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/files/json_text.hpp"
-#include "storage/model_name.hpp"
+#include "storage/library/model_name.hpp"
 
 namespace trivet::apps::service {
 namespace {

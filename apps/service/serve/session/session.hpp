@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "apps/service/http/http_server.hpp"
-#include "storage/file_lock.hpp"
-#include "storage/manifest.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/files/file_lock.hpp"
 
 namespace trivet::apps::service {
 

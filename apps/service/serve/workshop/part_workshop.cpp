@@ -17,11 +17,11 @@
 #include "engine/libraries/edit_library.hpp"
 #include "engine/training/provenance.hpp"
 #include "engine/training/training_parts.hpp"
-#include "storage/file.hpp"
+#include "storage/datasets/manifest.hpp"
+#include "storage/files/file.hpp"
 #include "storage/files/json_file.hpp"
 #include "storage/files/json_text.hpp"
-#include "storage/manifest.hpp"
-#include "storage/model_name.hpp"
+#include "storage/library/model_name.hpp"
 
 namespace trivet::apps::service {
 namespace {

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "apps/service/http/request_log.hpp"
-#include "storage/length_unit.hpp"
-#include "storage/library.hpp"
-#include "storage/result.hpp"
+#include "storage/common/result.hpp"
+#include "storage/data/length_unit.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::apps::service {
 

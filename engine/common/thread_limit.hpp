@@ -1,0 +1,21 @@
+/// How many threads may work.
+#pragma once
+
+#include <memory>
+
+namespace trivet {
+
+/// Bounds the number of threads of everything that runs while it lives; 0 means all cores.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(unsigned num_threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trivet

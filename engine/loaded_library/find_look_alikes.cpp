@@ -1,0 +1,65 @@
+#include "engine/loaded_library/find_look_alikes.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "engine/common/check_models.hpp"
+#include "engine/common/parallel.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kSpreadAlike = 0.06F;      // difference of the deviations [diameters]
+constexpr std::size_t kMostCompared = 60;  // of those that are spread most alike
+constexpr std::size_t kMostLookAlikes = 40;
+
+/// Models by how little their spread differs from that of one, without itself.
+std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> frames,
+                                        std::uint32_t model, float diameter) {
+  std::vector<std::pair<float, std::uint32_t>> near;
+  for (std::uint32_t m = 0; m < frames.size(); ++m) {
+    const float difference = (frames[m].deviations - frames[model].deviations).norm() / diameter;
+    if (m != model && difference < kSpreadAlike) near.emplace_back(difference, m);
+  }
+  std::ranges::sort(near);
+  near.resize(std::min(near.size(), kMostCompared));
+  std::vector<std::uint32_t> models;
+  for (const auto& [difference, m] : near) models.push_back(m);
+  return models;
+}
+
+}  // namespace
+
+Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library) {
+  std::vector<std::uint32_t> all(library.models.size());
+  std::iota(all.begin(), all.end(), 0U);
+  if (const Result<void> good = check_models(library, all, ModelPart::samples); !good)
+    return good.error();
+  std::vector<kernels::ShapeFrame> frames(all.size());
+  for_each_index(all.size(), [&](std::size_t m) {
+    frames[m] = kernels::shape_frame(library.models[m].samples);
+  });
+  return frames;
+}
+
+std::vector<LookAlike> find_look_alikes(const Library& library,
+                                        std::span<const kernels::ShapeFrame> frames,
+                                        std::uint32_t model) {
+  const Model& own = library.models[model];
+  const kernels::ShapeAligner aligner(own.samples, own.sample_normals, frames[model], own.diameter);
+  std::vector<std::pair<float, LookAlike>> found;
+  for (const std::uint32_t m : spread_alike(frames, model, own.diameter)) {
+    check_stop();
+    for (const auto& [T_this_other, distance] : aligner.align(library.models[m].samples, frames[m]))
+      found.emplace_back(distance, LookAlike{m, T_this_other});
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  found.resize(std::min(found.size(), kMostLookAlikes));
+  std::vector<LookAlike> look_alikes;
+  for (const auto& [distance, look_alike] : found) look_alikes.push_back(look_alike);
+  return look_alikes;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,105 @@
+#include "engine/scene/find_view.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <vector>
+
+#include "engine/common/parallel.hpp"
+#include "engine/scene/find_viewpoint.hpp"
+#include "kernels/meshing/boundary_share.hpp"
+#include "kernels/surfaces/solid_angles.hpp"
+
+namespace trivet::engine {
+namespace {
+
+using Eigen::Vector3d;
+using kernels::SolidAngles;
+
+// A sensor sees no face from behind; noise, and what writers put across the steps of a scan, turn a
+// few. Of a whole surface every other one is turned away.
+constexpr double kTurnedAway = 0.1;
+// Scanned models have a few holes; most single scans have a long border.
+constexpr double kMostlyClosed = 0.02;
+constexpr std::size_t kGrain = 8192;  // triangles a sum
+
+SolidAngles solid_angles(const Cloud& cloud, const Vector3d& eye) {
+  const std::size_t n = cloud.triangles.size();
+  std::vector<SolidAngles> parts((n + kGrain - 1) / kGrain);
+  for_each_index(parts.size(), [&](std::size_t k) {
+    parts[k] = kernels::sum_solid_angles(cloud.points, cloud.triangles, eye, k * kGrain,
+                                         std::min(kGrain, n - k * kGrain));
+  });
+  SolidAngles sum;
+  for (const SolidAngles& part : parts) {
+    sum.front += part.front;
+    sum.back += part.back;
+  }
+  return sum;
+}
+
+Eigen::AlignedBox3d box_of(const Cloud& cloud) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) box.extend(cloud.points[i].cast<double>());
+  return box;
+}
+
+/// From the origin, whichever way its writer winds triangles; but not from among the points, as no
+/// sensor sees more than half of all directions.
+bool seen_from_origin(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
+  if (box.contains(Vector3d::Zero().eval())) return false;
+  const SolidAngles angles = solid_angles(cloud, Vector3d::Zero());
+  const double all = angles.front + angles.back;
+  return all > 0 && all < 2 * std::numbers::pi &&
+         std::min(angles.front, angles.back) <= kTurnedAway * all;
+}
+
+/// A far place where the triangles point to on average, if they turn their fronts to it.
+std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
+  Vector3d area = Vector3d::Zero();
+  for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
+    const Vector3d a = cloud.points[cloud.triangles.a[t]].cast<double>(),
+                   b = cloud.points[cloud.triangles.b[t]].cast<double>(),
+                   c = cloud.points[cloud.triangles.c[t]].cast<double>();
+    area += (b - a).cross(c - a);
+  }
+  if (!(area.norm() > 0)) return std::nullopt;
+  const Vector3d eye = box.center() + 10 * box.diagonal().norm() * area.normalized();
+  const SolidAngles angles = solid_angles(cloud, eye);
+  if (angles.back > kTurnedAway * (angles.front + angles.back)) return std::nullopt;
+  return eye;
+}
+
+/// Nothing where the faces do not tell.
+std::optional<SceneView> view_of_faces(const Cloud& cloud) {
+  const Eigen::AlignedBox3d box = box_of(cloud);
+  // What has an offset is far from its origin, and seen from elsewhere.
+  if (cloud.offset.isZero(0) && seen_from_origin(cloud, box))
+    return SceneView{SceneKind::points, ViewSource::faces, Vector3d::Zero().eval()};
+  if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud, box))
+    return SceneView{SceneKind::points, ViewSource::faces, *eye + cloud.offset};
+  if (!cloud.grid && kernels::boundary_share(cloud.triangles) < kMostlyClosed)
+    return SceneView{SceneKind::surface, ViewSource::faces};
+  return std::nullopt;
+}
+
+/// What says where the sensor stood, triangles left aside.
+ViewSource source_of(const Cloud& cloud, const SceneInput& input) {
+  if (input.viewpoint || cloud.camera) return ViewSource::given;
+  return cloud.viewpoint ? ViewSource::file : ViewSource::assumed;
+}
+
+}  // namespace
+
+Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
+  const ViewSource source = source_of(cloud, input);
+  if (source == ViewSource::assumed && !cloud.triangles.empty()) {
+    if (input.closed_surface && !cloud.grid)
+      return SceneView{SceneKind::surface, ViewSource::given};
+    if (const std::optional<SceneView> view = view_of_faces(cloud)) return *view;
+  }
+  const Result<Eigen::Vector3f> place = find_viewpoint(cloud, input.viewpoint, input.file.string());
+  if (!place) return place.error();
+  return SceneView{SceneKind::points, source, place->cast<double>() + cloud.offset};
+}
+
+}  // namespace trivet::engine

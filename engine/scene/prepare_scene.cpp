@@ -1,0 +1,533 @@
+#include "engine/scene/prepare_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "engine/common/check_extent.hpp"
+#include "engine/common/parallel.hpp"
+#include "engine/scene/find_view.hpp"
+#include "kernels/common/median.hpp"
+#include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/scans/plane_samples.hpp"
+#include "kernels/surfaces/estimate_normals.hpp"
+#include "kernels/surfaces/sample_mesh.hpp"
+#include "kernels/surfaces/subsample_by_normals.hpp"
+#include "storage/common/counted.hpp"
+#include "storage/common/stop.hpp"
+#include "storage/common/whole_number.hpp"
+#include "storage/data/file_pose.hpp"
+#include "storage/formats/keep_points.hpp"
+#include "storage/formats/used_vertices.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kRowGrain = 8;          // image rows a task
+constexpr std::size_t kPixelGrain = 1 << 16;  // pixels a task, where each is little work
+constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
+constexpr std::size_t kFewestPoints = 50;
+constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // of a closed surface
+constexpr std::size_t kMostPairs = 16;  // with a point in its voxel; 2 or 3 of one surface
+constexpr double kMostPixels = 256;     // of a side of a closed surface, for each point
+
+/// Half-width of the window that the scene's noise is measured in, in pixels or spacings.
+constexpr std::uint32_t kNoiseWindow = 2;
+
+/// The same of the window for normals: wide enough that noise of this size turns them by about as
+/// much as the quantization of the pair's angles, no wider, since corners round off.
+float choose_window(float noise, float spacing) {
+  return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
+}
+
+struct Bounds {
+  Eigen::Vector3f low, high;
+};
+
+Bounds bounds(PointsView points) {
+  Bounds box{points[0], points[0]};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    box.low = box.low.cwiseMin(points[i]);
+    box.high = box.high.cwiseMax(points[i]);
+  }
+  return box;
+}
+
+/// Depth and normals of each pixel from the points that the grid names.
+kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid,
+                               PointsView points, NormalsView normals) {
+  kernels::RangeImage image;
+  image.geometry = geometry;
+  const std::size_t n = grid.point_index.size();
+  image.depth.assign(n, 0);
+  image.plane.assign(n, 0);
+  image.near_plane.assign(n, 0);
+  image.normals.resize(n);
+  const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
+  for_chunks(n, kPixelGrain, [&](std::size_t first, std::size_t count) {
+    for (std::size_t pixel = first; pixel < first + count; ++pixel) {
+      const std::int32_t i = grid.point_index[pixel];
+      if (i == PixelGrid::kNone) {
+        image.normals.set(pixel, Eigen::Vector3f::Constant(kNaN));
+        continue;
+      }
+      const auto at = static_cast<std::size_t>(i);
+      image.depth[pixel] = (geometry.T_camera_scene * points[at]).z();
+      image.normals.set(pixel, R * normals[at]);
+    }
+  });
+  return image;
+}
+
+/// Close single missing pixels, which scattered points leave between them, with their neighbors'
+/// normals.
+void close_holes(float max_step, kernels::RangeImage& image) {
+  const Column<float> measured = image.depth;
+  kernels::fill_small_holes(image.geometry, max_step, 4, image.depth);
+  const std::size_t width = image.geometry.width;
+  StopCheck check_stop(kPixelGrain);
+  for (std::size_t pixel = width + 1; pixel + width + 1 < measured.size(); ++pixel) {
+    check_stop();
+    if (measured[pixel] > 0 || !(image.depth[pixel] > 0)) continue;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const std::size_t row : {pixel - width, pixel, pixel + width}) {
+      for (const std::size_t at : {row - 1, row, row + 1}) {
+        if (std::isfinite(image.normals.view().x[at])) sum += image.normals[at];
+      }
+    }
+    if (sum.norm() > 0) image.normals.set(pixel, sum.normalized());
+  }
+}
+
+/// What the sensor's pixels are: given, recovered from the grid, or made up for scattered points.
+struct SensorView {
+  kernels::ImageGeometry geometry;
+  PixelGrid grid;
+  bool scattered = false;
+};
+
+std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
+                                      const Eigen::Vector3f& viewpoint) {
+  std::optional<Camera> camera = cloud.camera;
+  if (!camera && cloud.grid && viewpoint.isZero())
+    camera = kernels::fit_camera(*cloud.grid, points);
+  if (camera && cloud.grid) {
+    if (std::max(camera->fx, camera->fy) > kernels::kLargestFocalLength) return std::nullopt;
+    SensorView view;
+    view.grid = *cloud.grid;
+    view.geometry.fx = static_cast<float>(camera->fx);
+    view.geometry.fy = static_cast<float>(camera->fy);
+    view.geometry.cx = static_cast<float>(camera->cx);
+    view.geometry.cy = static_cast<float>(camera->cy);
+    view.geometry.width = view.grid.width;
+    view.geometry.height = view.grid.height;
+    return view;
+  }
+  const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
+  if (!geometry) return std::nullopt;
+  return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
+}
+
+/// planes  in the camera's frame
+void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
+                  kernels::RangeImage& image) {
+  const kernels::ImageGeometry& geometry = image.geometry;
+  PerThread<Points> points([&] { return Points(geometry.width); });
+  for_each_index(geometry.height, [&](std::size_t v) {
+    Points& at = points.local();
+    for (std::size_t u = 0; u < geometry.width; ++u) {
+      const std::size_t pixel = v * geometry.width + u;
+      at.set(u, image.depth[pixel] > 0 ? geometry.back_project(pixel, image.depth[pixel])
+                                       : Eigen::Vector3f::Constant(kNaN));
+    }
+    const std::size_t row = v * geometry.width;
+    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), planes, tolerance,
+                          kPlaneAngleRad, std::span(image.plane).subspan(row, geometry.width));
+    kernels::label_planes(at, planes, tolerance,
+                          std::span(image.near_plane).subspan(row, geometry.width));
+  });
+}
+
+void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& options,
+                          PreparedScene& scene) {
+  const kernels::PlaneSamples samples = kernels::sample_for_planes(image);
+  if (samples.points.size() < 100) return;
+  scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
+  kernels::PlaneOptions plane_options;
+  plane_options.tolerance = scene.plane_tolerance;
+  plane_options.min_area = 0.01F * samples.total_area;  // the walls of a bin on a large table
+  plane_options.max_planes = 8;  // table, floor and four walls of a bin, and two more
+  scene.planes =
+      kernels::find_planes(samples.points, samples.normals, samples.areas, plane_options);
+  label_pixels(scene.planes, scene.plane_tolerance, image);
+  constexpr std::size_t kMaxWindow = kernels::GridNormalOptions::kMaxWindow;
+  if (options.correlated_noise)
+    scene.sensor.correlated_noise = kernels::measure_correlated_noise(
+        image, scene.planes,
+        2 * whole_number(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1);
+
+  // The image held planes in the camera's frame, the scene holds them in its own.
+  const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
+  for (kernels::Plane& plane : scene.planes) {
+    const Eigen::Vector3f n = T_scene_camera.linear() * plane.normal;
+    plane.offset += n.dot(T_scene_camera.translation());
+    plane.normal = n;
+  }
+}
+
+/// How the sensor errs by range and from pixel to pixel; noise and correlated noise are measured
+/// already.
+void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& options,
+                    kernels::SensorModel& sensor) {
+  std::vector<float> ranges;
+  for (const float d : image.depth) {
+    if (d > 0) ranges.push_back(d);
+  }
+  check_stop();
+  sensor.range = kernels::median(std::span(ranges));
+  if (!options.correlated_noise) return;
+  const std::size_t height = image.geometry.height;
+  std::vector<std::vector<kernels::SmoothPatch>> rows((height + kRowGrain - 1) / kRowGrain);
+  for_each_index(rows.size(), [&](std::size_t k) {
+    const std::size_t first = k * kRowGrain;
+    kernels::measure_patches(image, first, std::min(kRowGrain, height - first), rows[k]);
+  });
+  std::vector<kernels::SmoothPatch> patches;
+  for (const auto& row : rows) patches.insert(patches.end(), row.begin(), row.end());
+  kernels::fit_sensor_model(patches, sensor);
+}
+
+Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
+                                  const PrepareOptions& options, PreparedScene& scene) {
+  const Eigen::Vector3f viewpoint =
+      in_cloud_frame(*scene.view.viewpoint, cloud.offset) * static_cast<float>(input.scale);
+  const auto cannot_be_seen = [&] {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} "
+                             "points that no camera "
+                             "there can see; give the sensor's position with --viewpoint",
+                             input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
+                             cloud.points.size())};
+  };
+  const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
+  if (!view) return cannot_be_seen();
+  if (!view->scattered) scene.view.kind = SceneKind::image;
+  const kernels::ImageGeometry& geometry = view->geometry;
+
+  Column<float> footprints;
+  for (std::size_t i = 0; i < scene.points.size(); i += 1 + scene.points.size() / 20000) {
+    footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
+  }
+  scene.spacing = kernels::median(std::span(footprints));
+  if (!(scene.spacing > 0)) return cannot_be_seen();  // most points lie behind the sensor
+
+  kernels::PixelPoints pixels;
+  kernels::arrange_pixels(view->grid, scene.points, pixels);
+  scene.normals.resize(scene.points.size());
+  std::fill(scene.normals.span().x.begin(), scene.normals.span().x.end(), kNaN);
+  Column<float> residuals(scene.points.size(), kNaN);
+  const auto estimate = [&](std::uint32_t window) {
+    kernels::GridNormalOptions window_options;
+    window_options.window = window;
+    for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
+      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, window_options, first, count,
+                                     scene.normals, residuals);
+    });
+  };
+  estimate(kNoiseWindow);
+  check_stop();
+  Column<float> scratch;
+  scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
+  scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
+  const auto window =
+      whole_number(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
+  if (window != kNoiseWindow) estimate(window);
+
+  scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
+  if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
+  find_dominant_planes(scene.images.back(), options, scene);
+  measure_sensor(scene.images.back(), options, scene.sensor);
+  return {};
+}
+
+/// Unit normals of the vertices: the sum of their faces' normals, by area.
+Normals vertex_normals(PointsView points, const Triangles& triangles) {
+  Normals normals(points.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Eigen::Vector3f a = points[triangles.a[t]];
+    const Eigen::Vector3f n = (points[triangles.b[t]] - a).cross(points[triangles.c[t]] - a);
+    for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]}) {
+      normals.set(corner, normals[corner] + n);
+    }
+  }
+  return normals;
+}
+
+/// Where surfaces lie on one another, keep one of those that look the same way: as many points as
+/// there are layers would be neighbors of each. Returns whether that was so; the points then are
+/// about `cell` apart.
+bool keep_one_layer(float cell, Points& points, Normals& outward) {
+  if (points.empty()) return false;
+  kernels::SubsampleScratch scratch;
+  kernels::group_by_voxel(points, kernels::fit_lattice(points, cell), scratch.voxels,
+                          scratch.grouping);
+  std::size_t num_pairs = 0;  // of points that share a voxel
+  for (std::size_t v = 0; v < scratch.voxels.size(); ++v) {
+    const std::size_t count = scratch.voxels.points_of(v).size();
+    num_pairs += count * count;
+  }
+  if (num_pairs <= kMostPairs * points.size()) return false;
+  for (std::size_t i = 0; i < outward.size(); ++i) {
+    const float length = outward[i].norm();  // of a vertex without faces 0, which gives NaN
+    outward.set(i, outward[i] / length);
+  }
+  Points kept;
+  Normals kept_outward;
+  kernels::subsample_by_normals(points, outward, cell, kNormalClusterRad, kept, kept_outward,
+                                scratch);
+  points = std::move(kept);
+  outward = std::move(kept_outward);
+  return true;
+}
+
+/// Points with outward directions all over a closed mesh: its vertices where they are dense enough
+/// to be a scan, else samples of its faces, as a CAD mesh has vertices at its corners only. Few or
+/// none of a mesh without area.
+Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
+  std::vector<double> area_sums(triangles.size());
+  const double area = kernels::sum_areas(scene.points, triangles, area_sums);
+  const auto [low, high] = bounds(scene.points);
+  const double extent = static_cast<double>((high - low).norm());
+  const double widest_spacing = 0.01 * extent;
+  const std::size_t num_needed =
+      whole_number(area / (widest_spacing * widest_spacing), std::size_t{0}, kMostSamples / 2);
+  const bool shares_vertices =
+      scene.points.size() <= triangles.size();  // else points would lie on one another
+  Normals normals;
+  float cell = 0;  // as far apart as points of a single layer are
+  if (shares_vertices && scene.points.size() >= num_needed) {
+    // What has next to no area beside its extent has not so many pixels more than points.
+    const auto n = static_cast<double>(scene.points.size());
+    scene.spacing =
+        static_cast<float>(std::max(std::sqrt(area / n), extent / std::sqrt(kMostPixels * n)));
+    cell = scene.spacing;
+    normals = vertex_normals(scene.points, triangles);
+  } else {
+    const std::size_t n = 2 * num_needed;
+    Points points(n);
+    normals.resize(n);
+    for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
+      kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n,
+                           points.span().slice(first, count), normals.span().slice(first, count));
+    });
+    scene.points = std::move(points);
+    scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
+    cell = static_cast<float>(widest_spacing / std::numbers::sqrt2);
+  }
+  if (keep_one_layer(cell, scene.points, normals)) scene.spacing = cell;
+  return normals;
+}
+
+/// Normals of the planes through the points within a radius, of open sign, and what these leave.
+void fit_normals(const Points& points, float radius, NormalsSpan normals,
+                 std::span<float> residuals) {
+  const kernels::VoxelHash grid(points, radius);
+  for_chunks(points.size(), 512, [&](std::size_t first, std::size_t count) {
+    const PointsView queries = points.view().slice(first, count);
+    Neighborhoods rows;  // of this chunk alone, as all at once would be large
+    rows.offsets.assign(count + 1, 0);
+    kernels::count_radius_neighbors(grid, queries, radius, std::span(rows.offsets).first(count));
+    rows.indices.resize(counts_to_offsets(rows.offsets));
+    kernels::fill_radius_neighbors(grid, queries, radius, rows.offsets, rows.indices);
+    kernels::estimate_normals(points, rows, normals.slice(first, count),
+                              residuals.subspan(first, count));
+  });
+}
+
+/// Prepare what is seen from all around.
+///
+/// triangles  of scene.points
+Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& input,
+                                  const PrepareOptions& options, PreparedScene& scene) {
+  const Normals outward = cover_surface(triangles, scene);
+  const std::size_t n = scene.points.size();
+  if (n < kFewestPoints) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format("{}: expected a closed surface, found {} with next to no area; give a "
+                    "scan, or a mesh of what is to be searched",
+                    input.file.string(), counted(triangles.size(), "triangle", "triangles"))};
+  }
+  scene.normals.resize(n);
+  Column<float> residuals(n);
+  const auto estimate = [&](float window) {
+    fit_normals(scene.points, window * scene.spacing, scene.normals, residuals);
+  };
+  estimate(kNoiseWindow);
+  Column<float> finite;
+  for (const float r : residuals) {
+    if (std::isfinite(r)) finite.push_back(r);
+  }
+  scene.sensor.noise = kernels::median(std::span(finite));
+  scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
+  // Windows that differ by less hold much the same points.
+  if (std::abs(scene.window - kNoiseWindow) > 0.25F) estimate(scene.window);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
+  }
+
+  // Six far cameras around the surface see it as sensors would.
+  const auto [low, high] = bounds(scene.points);
+  const Eigen::Vector3f middle = (low + high) / 2;
+  const float distance = 10 * (high - low).norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0F, 1.0F}) {
+      const Eigen::Vector3f eye = middle + side * distance * Eigen::Vector3f::Unit(axis);
+      std::optional<kernels::ImageGeometry> geometry =
+          kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
+      if (!geometry) continue;
+      const PixelGrid grid = kernels::rasterize(*geometry, scene.points, scene.normals);
+      scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
+      close_holes(3 * scene.spacing, scene.images.back());
+    }
+  }
+  if (scene.images.empty()) {
+    return Error{
+        ErrorCode::bad_data,
+        fmt::format("{}: expected a closed surface that can be seen from some side, found "
+                    "{} that cannot",
+                    input.file.string(), counted(triangles.size(), "triangle", "triangles"))};
+  }
+  return {};
+}
+
+/// The faces of a closed scene; what lies on none is left out of its points.
+Triangles take_surface(const Cloud& cloud, PreparedScene& scene) {
+  const UsedVertices used = find_used_vertices(scene.points, cloud.triangles);
+  if (used.num_unused == 0 || used.num_unused == scene.points.size()) return cloud.triangles;
+  Cloud surface;
+  surface.points = std::move(scene.points);
+  surface.triangles = cloud.triangles;
+  keep_points(used.marks, surface);
+  scene.points = std::move(surface.points);
+  return std::move(surface.triangles);
+}
+
+}  // namespace
+
+Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
+                                    const PrepareOptions& options) {
+  const StageTimer timer(times, "prepare");
+  check_stop();
+  PreparedScene scene;
+  scene.points = cloud.points;
+  check_stop();
+  scene.scale = input.scale;
+  scene.offset = cloud.offset;
+  if (input.scale != 1) {
+    const PointsSpan span = scene.points;
+    const auto scale = static_cast<float>(input.scale);
+    for (const std::span<float> column : {span.x, span.y, span.z}) {
+      for (float& value : column) value *= scale;
+    }
+  }
+  Result<SceneView> view = find_view(cloud, input);
+  if (!view) return view.error();
+  scene.view = *view;
+  const bool closed = scene.view.kind == SceneKind::surface;
+  if (!closed && cloud.points.size() < kFewestPoints) {
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: expected a scan of at least {} points, found {}",
+                             input.file.string(), kFewestPoints, cloud.points.size())};
+  }
+  if (const Result<void> checked = check_extent(scene.points, input.file.string()); !checked)
+    return checked.error();
+  const Result<void> prepared =
+      closed ? prepare_closed_scene(take_surface(cloud, scene), input, options, scene)
+             : prepare_sensor_scene(cloud, input, options, scene);
+  if (!prepared) return prepared.error();
+  return scene;
+}
+
+std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter) {
+  std::vector<std::uint8_t> background;
+  for (const kernels::Plane& plane : scene.planes)
+    background.push_back(plane.area > 0.8F * diameter * diameter);
+  return background;
+}
+
+SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
+                         LargePlanes large_planes) {
+  SceneSample sample;
+  sample.step = step;
+  sample.largest_diameter = largest_diameter;
+  Points points;
+  Normals normals;
+  kernels::SubsampleScratch scratch;
+  kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
+                                normals, scratch);
+  if (large_planes == LargePlanes::kept) {
+    sample.points = std::move(points);
+    sample.normals = std::move(normals);
+    return sample;
+  }
+
+  check_stop();
+  std::vector<std::uint8_t> labels(points.size(), 0);
+  kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,
+                        labels);
+  const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
+    sample.points.push_back(points[i]);
+    sample.normals.push_back(normals[i]);
+  }
+  return sample;
+}
+
+bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
+                  const Eigen::Vector3f& point, float tolerance) {
+  std::size_t first = 0;  // of the image's pixels among those of all images
+  for (const kernels::RangeImage& image : scene.images) {
+    const Eigen::Vector3f p = image.geometry.T_camera_scene * point;
+    const std::int64_t pixel = image.geometry.pixel_of(p);
+    if (pixel >= 0) {
+      const auto at = static_cast<std::size_t>(pixel);
+      if (explained[first + at] != 0 && std::abs(image.depth[at] - p.z()) <= tolerance) return true;
+    }
+    first += image.depth.size();
+  }
+  return false;
+}
+
+SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
+                         const VoteOptions& options, std::span<const std::uint8_t> explained) {
+  SceneLevel level;
+  level.step = sample.step;
+  StopCheck check_stop(kPixelGrain);
+  for (std::size_t i = 0; i < sample.points.size(); ++i) {
+    check_stop();
+    if (!explained.empty() && is_explained(scene, explained, sample.points[i], sample.step))
+      continue;
+    level.points.push_back(sample.points[i]);
+    level.normals.push_back(sample.normals[i]);
+  }
+
+  const std::size_t num_references =
+      whole_number(std::ceil(options.reference_share * static_cast<float>(level.points.size())),
+                   std::size_t{0}, std::size_t{options.max_references});
+  for (std::size_t k = 0; k < num_references; ++k) {
+    level.references.push_back(
+        static_cast<std::uint32_t>(k * level.points.size() / num_references));
+  }
+  level.grid =
+      kernels::VoxelHash(level.points, std::max(sample.step, 0.25F * sample.largest_diameter));
+  return level;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,87 @@
+/// A value or the reason why there is none, with the names of std::expected (absent in C++20).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "storage/common/precondition.hpp"
+
+namespace trivet {
+
+/// What kind of thing went wrong; the command line maps each to a sysexits code.
+enum class ErrorCode {
+  usage,          ///< an option or argument is wrong
+  bad_data,       ///< a file or cloud breaks its format or cannot be used
+  missing_input,  ///< a named input does not exist
+  cannot_create,  ///< an output cannot be created
+  io,             ///< reading or writing failed
+  resumable,      ///< stopped before the end; running again continues
+  internal,       ///< a bug
+  changed,        ///< others changed a file while it was used
+  no_space,       ///< what is written has no room: a full disk, a quota, a limit on files
+  no_memory,      ///< memory ran out; the same may succeed later, or on a larger machine
+};
+
+/// The words of no_memory, short enough to need no memory themselves.
+inline constexpr const char* kOutOfMemory = "out of memory";
+
+/// A sentence that names the file, the place, what was expected, what was found and what to do.
+struct Error {
+  ErrorCode code;
+  std::string message;
+};
+
+/// A value or an error: ask it whether it has a value before taking one.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}      // NOLINT: implicit
+  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT: implicit
+
+  bool has_value() const noexcept { return content_.index() == 0; }
+  explicit operator bool() const noexcept { return has_value(); }
+
+  T& value() & { return get(*this); }
+  const T& value() const& { return get(*this); }
+  T&& value() && { return std::move(get(*this)); }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T&& operator*() && { return std::move(*this).value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+
+  const Error& error() const {
+    TRIVET_REQUIRE(!has_value(), "a result that holds an error where its error is asked for");
+    return *std::get_if<1>(&content_);
+  }
+
+ private:
+  template <class Self>
+  static auto& get(Self& self) {
+    TRIVET_REQUIRE(self.has_value(), "a result that holds a value where its value is asked for");
+    return *std::get_if<0>(&self.content_);
+  }
+  std::variant<T, Error> content_;
+};
+
+/// Of what gives no value: success or an error.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}  // NOLINT: implicit
+
+  bool has_value() const noexcept { return !error_.has_value(); }
+  explicit operator bool() const noexcept { return has_value(); }
+  const Error& error() const {
+    TRIVET_REQUIRE(error_.has_value(), "a result that holds an error where its error is asked for");
+    return *error_;
+  }
+
+ private:
+  std::optional<Error> error_;
+};
+
+}  // namespace trivet
