@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 namespace trivet::bench {
@@ -79,7 +80,7 @@ double angle_rmse_deg(const Scan& scan, NormalsView normals) {
     sum += angle * angle;
     ++count;
   }
-  return std::sqrt(sum / count) * 180 / 3.14159265358979;
+  return std::sqrt(sum / count) * 180 / std::numbers::pi;
 }
 
 }  // namespace trivet::bench

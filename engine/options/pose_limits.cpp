@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace trivet {
 
@@ -18,7 +19,7 @@ bool PoseLimits::allow(const Pose& T_scene_model, const Eigen::Vector3f& model_c
     const Eigen::Vector3f turned = T_scene_model.linear() * tilt->model_direction;
     const float angle =
         std::atan2(turned.cross(tilt->scene_direction).norm(), turned.dot(tilt->scene_direction));
-    if (!(angle <= tilt->max_angle_deg * (3.14159265F / 180))) return false;
+    if (!(angle <= tilt->max_angle_deg * (std::numbers::pi_v<float> / 180))) return false;
   }
   return true;
 }

@@ -29,7 +29,6 @@ using engine::ModelGroups;
 using engine::PreparedScene;
 
 /// Fewer measurements show nothing: the sensor looks at nothing within its range, or is covered.
-constexpr std::size_t kFewestPoints = 50;
 
 Result<ModelGroups> group_models(const Library& library, const std::vector<std::string>& wanted) {
   ModelGroups groups;

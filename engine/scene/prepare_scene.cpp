@@ -31,7 +31,6 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 8;          // image rows a task
 constexpr std::size_t kPixelGrain = 1 << 16;  // pixels a task, where each is little work
 constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
-constexpr std::size_t kFewestPoints = 50;
 constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // of a closed surface
 constexpr std::size_t kMostPairs = 16;  // with a point in its voxel; 2 or 3 of one surface
 constexpr double kMostPixels = 256;     // of a side of a closed surface, for each point

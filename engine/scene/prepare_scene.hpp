@@ -36,6 +36,8 @@ struct PreparedScene {
 };
 
 inline constexpr float kPlaneAngleRad = 0.35F;
+inline constexpr std::size_t kFewestPoints =
+    50;  ///< a scan of fewer measurements is as good as empty
 
 struct PrepareOptions {
   /// Radius of the windows that normals are fitted to [spacing]; absent: as wide as the noise asks

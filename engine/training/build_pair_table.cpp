@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -16,7 +17,7 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kRadiansPerDegree = 3.14159265358979F / 180;
+constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 constexpr std::size_t kPairGrain = 16;  // references a task; each pairs with all points
 constexpr std::size_t kTableChunks =
     8;  // fixed, so that the table does not depend on the number of threads

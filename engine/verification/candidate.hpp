@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -35,7 +36,7 @@ float scale_odds(float probability, float factor) noexcept;
 
 /// Limits within which a pose is right [diameters], [rad].
 inline constexpr float kRightTranslation = 0.1F;
-inline constexpr float kRightRotationRad = 12 * 3.14159265F / 180;
+inline constexpr float kRightRotationRad = 12 * std::numbers::pi_v<float> / 180;
 
 /// Whether two poses of a model are one placement of it, up to the limits within which a detection
 /// is right, modulo symmetry.

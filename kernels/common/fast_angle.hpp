@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 namespace trivet::kernels {
-
-inline constexpr float kPi = 3.14159265358979323846F;
 
 /// atan2 by an odd polynomial of degree 13; |error| < 1e-6 rad (minimax fit on [0, 1], test
 /// `FastAngle`). atan2(0, 0) gives 0. Training and recognition both use it, so a pair lands in the
@@ -23,8 +22,8 @@ inline float fast_atan2(float y, float x) noexcept {
   r = r * s + 0.19807815551757812F;
   r = r * s - 0.3331736922264099F;
   r = (r * s + 0.9999961256980896F) * q;
-  r = ay > ax ? 0.5F * kPi - r : r;
-  r = x < 0 ? kPi - r : r;
+  r = ay > ax ? 0.5F * std::numbers::pi_v<float> - r : r;
+  r = x < 0 ? std::numbers::pi_v<float> - r : r;
   return y < 0 ? -r : r;
 }
 

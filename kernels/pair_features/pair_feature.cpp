@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "kernels/common/fast_angle.hpp"
 #include "storage/common/precondition.hpp"
@@ -83,7 +84,7 @@ void quantize_pair_features(const PpfQuantization& quantization, const PairFeatu
   TRIVET_REQUIRE(cells.size() == n && rotations.size() == n, "one cell and one rotation per pair");
   const float per_distance = 1.0F / quantization.distance_step;
   const std::int32_t num_angles = static_cast<std::int32_t>(quantization.num_angle_bins);
-  const float per_angle = static_cast<float>(num_angles) / kPi;
+  const float per_angle = static_cast<float>(num_angles) / std::numbers::pi_v<float>;
   const std::int32_t num_distances = static_cast<std::int32_t>(quantization.num_distance_bins);
   const float* __restrict distance = features.distance.data();
   const float* __restrict angle1 = features.angle_n1_d.data();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include "kernels/common/fast_angle.hpp"
@@ -50,7 +51,7 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
 /// Angles as fractions of a full turn: differences wrap by themselves in 16-bit arithmetic.
 inline std::uint16_t quantize_rotation(float angle_rad) noexcept {
   // Two turns more keep the number positive, so that cutting the fraction off rounds to nearest.
-  constexpr float kPerRadian = 65536.0F / (2 * kPi);
+  constexpr float kPerRadian = 65536.0F / (2 * std::numbers::pi_v<float>);
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(angle_rad * kPerRadian + 131072.5F));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "kernels/common/fast_angle.hpp"
 
@@ -33,7 +34,7 @@ void collect_with_neighbor_cells(const PpfQuantization& q, const PairFeaturesSpa
                                  std::span<const std::uint16_t> rotations,
                                  std::vector<std::uint64_t>& keys) {
   const std::uint32_t angles = q.num_angle_bins;
-  const float per_angle = static_cast<float>(angles) / kPi;
+  const float per_angle = static_cast<float>(angles) / std::numbers::pi_v<float>;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cells[i] == kNoCell) continue;
     const Bins d = bins_of(f.distance[i], 1.0F / q.distance_step, q.num_distance_bins, share);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include "kernels/common/fast_angle.hpp"
 #include "storage/common/simd.hpp"
@@ -101,7 +102,8 @@ VotePeak peak_of_row(std::span<const std::uint16_t> bins, std::uint32_t model_po
   const float right = bins[(best_bin + 1) % kRotationBins];
   const float bin = static_cast<float>(best_bin) + 0.5F +
                     (right - left) / std::max(1.0F, static_cast<float>(best));
-  return {model_point, bin * (2 * kPi / static_cast<float>(kRotationBins)), best};
+  return {model_point, bin * (2 * std::numbers::pi_v<float> / static_cast<float>(kRotationBins)),
+          best};
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ class Search {
 
   /// The axis of a candidate after refinement, if its turn is a symmetry that is not known yet.
   std::optional<Axis> verify(const TurnScreen::Candidate& candidate) const {
-    const float angle = 2 * kPi / static_cast<float>(candidate.order);
+    const float angle = 2 * std::numbers::pi_v<float> / static_cast<float>(candidate.order);
     const Pose start = turn_about({candidate.direction, Vector3f::Zero()}, angle);
     if (known(start, kSameAxis)) return {};
 
@@ -105,7 +105,7 @@ class Search {
     std::array<float, kNumTried> angles;
     for (int k = 0; k < kNumTried; ++k) {
       angles[static_cast<std::size_t>(k)] =
-          std::remainder(kGoldenAngle * static_cast<float>(k + 1), 2 * kPi);
+          std::remainder(kGoldenAngle * static_cast<float>(k + 1), 2 * std::numbers::pi_v<float>);
     }
     const Axis better = refine_axis(surface_, axis, angles);
     for (const float angle : angles) {
@@ -143,9 +143,10 @@ class Search {
 
   /// Half a turn about a line across the axis, at the height along it that fits best.
   Pose flip_about(const Axis& axis, const Vector3f& across) const {
-    const Pose refined = surface_.refine(turn_about({across, axis.point}, kPi), kRefineQueries, 5);
+    const Pose refined = surface_.refine(
+        turn_about({across, axis.point}, std::numbers::pi_v<float>), kRefineQueries, 5);
     const float along = 0.5F * axis.direction.dot(refined * axis.point - axis.point);
-    return turn_about({across, axis.point + along * axis.direction}, kPi);
+    return turn_about({across, axis.point + along * axis.direction}, std::numbers::pi_v<float>);
   }
 
   bool is_sphere(const Axis& axis, const Vector3f& across) const {
@@ -160,7 +161,8 @@ class Search {
   /// Whether all powers of a turn of some order may be symmetries: a small turn alone always is.
   bool powers_may_hold(const Axis& axis, int order, float limit) const {
     for (int k = 1; k <= order / 2; ++k) {
-      if (!may_hold(turn_about(axis, 2 * kPi * static_cast<float>(k) / static_cast<float>(order)),
+      if (!may_hold(turn_about(axis, 2 * std::numbers::pi_v<float> * static_cast<float>(k) /
+                                         static_cast<float>(order)),
                     limit)) {
         return false;
       }
@@ -184,7 +186,7 @@ class Search {
   /// nothing, and say so.
   bool add_turns(const Axis& axis, int order, float limit) {
     const auto angle = [order](int k) {
-      return 2 * kPi * static_cast<float>(k) / static_cast<float>(order);
+      return 2 * std::numbers::pi_v<float> * static_cast<float>(k) / static_cast<float>(order);
     };
     std::vector<float> angles;
     for (int k = 1; k <= std::min(order / 2, 6); ++k) angles.push_back(angle(k));

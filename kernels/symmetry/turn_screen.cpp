@@ -140,7 +140,7 @@ std::vector<TurnScreen::Candidate> TurnScreen::candidates() const {
   const Eigen::Matrix3f principal = principal_axes();
   std::vector<Candidate> result, rated;
   for (const int order : {31, 29, 23, 19, 17, 13, 11, 7, 5, 3, 2}) {
-    const float angle = 2 * kPi / static_cast<float>(order);
+    const float angle = 2 * std::numbers::pi_v<float> / static_cast<float>(order);
     rated.clear();
     const auto rate = [&](const Eigen::Vector3f& direction) {
       const float s = score(Pose(Eigen::AngleAxisf(angle, direction)), kMaxScore);

@@ -61,8 +61,12 @@ Solid shifted(const Solid& solid, float x, float y, float z) {
   return moved(solid, motion);
 }
 
-Solid along_x(const Solid& solid) { return moved(solid, turn(kPi / 2, Vector3f::UnitY())); }
-Solid along_y(const Solid& solid) { return moved(solid, turn(-kPi / 2, Vector3f::UnitX())); }
+Solid along_x(const Solid& solid) {
+  return moved(solid, turn(std::numbers::pi_v<float> / 2, Vector3f::UnitY()));
+}
+Solid along_y(const Solid& solid) {
+  return moved(solid, turn(-std::numbers::pi_v<float> / 2, Vector3f::UnitX()));
+}
 
 Symmetry no_symmetry() { return declared({}); }
 
@@ -70,14 +74,15 @@ Symmetry turns(std::uint32_t n) {
   std::vector<Pose> poses;
   for (std::uint32_t k = 1; k < n; ++k) {
     poses.push_back(
-        turn(2 * kPi * static_cast<float>(k) / static_cast<float>(n), Vector3f::UnitZ()));
+        turn(2 * std::numbers::pi_v<float> * static_cast<float>(k) / static_cast<float>(n),
+             Vector3f::UnitZ()));
   }
   return declared(std::move(poses));
 }
 
 Symmetry turns_and_flips(std::uint32_t n) {
   Symmetry out = turns(n);
-  const Pose flip = turn(kPi, Vector3f::UnitX());
+  const Pose flip = turn(std::numbers::pi_v<float>, Vector3f::UnitX());
   out.poses.push_back(flip);
   for (std::uint32_t k = 0; k + 1 < n; ++k) out.poses.push_back(out.poses[k] * flip);
   return out;
@@ -89,6 +94,6 @@ Symmetry any_turn(bool flip) {
   return out;
 }
 
-Symmetry half_turn_x() { return declared({turn(kPi, Vector3f::UnitX())}); }
+Symmetry half_turn_x() { return declared({turn(std::numbers::pi_v<float>, Vector3f::UnitX())}); }
 
 }  // namespace trivet::engine::parts

@@ -14,7 +14,6 @@ using Eigen::Vector3f;
 using kernels::CounterRandom;
 using kernels::Solid;
 
-inline constexpr float kPi = std::numbers::pi_v<float>;
 /// Longer than any part: for tools that cut through.
 inline constexpr float kFar = 9;
 

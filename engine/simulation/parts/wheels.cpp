@@ -13,7 +13,8 @@ using kernels::half_space;
 /// usual pressure angle of 20 degrees.
 Solid teeth(std::uint32_t count) {
   const float z = static_cast<float>(count), module = 2 / (z + 2), pitch = module * z / 2;
-  const float slope = 20 * kPi / 180, half_tooth = kPi * module / 4;
+  const float slope = 20 * std::numbers::pi_v<float> / 180,
+              half_tooth = std::numbers::pi_v<float> * module / 4;
   const float c = std::cos(slope), s = std::sin(slope);
   const Solid tooth = half_space({s, c, 0}, s * pitch + c * half_tooth);
   return rod(pitch - 1.25F * module, -kFar, kFar) | (around_z(tooth, count) & rod(1, -kFar, kFar));
@@ -42,7 +43,8 @@ Design keyed_gear(CounterRandom& random) {
 
 Design ratchet(CounterRandom& random) {
   const std::uint32_t count = count_between(random, 7, 11);
-  const float step = 2 * kPi / static_cast<float>(count), root = between(random, 0.74F, 0.8F);
+  const float step = 2 * std::numbers::pi_v<float> / static_cast<float>(count),
+              root = between(random, 0.74F, 0.8F);
   const float height = between(random, 0.12F, 0.25F), hub = between(random, 0.3F, 0.4F);
   // A tooth: steep at angle 0, from a blunt tip there down to the root's radius one step on.
   const Eigen::Vector2f tip(1.06F, 0), foot(root * std::cos(step), root * std::sin(step));
@@ -62,8 +64,8 @@ Design ratchet(CounterRandom& random) {
 Design knob(CounterRandom& random) {
   const std::uint32_t count = count_between(random, 3, 6);
   const float height = between(random, 0.18F, 0.3F), place = between(random, 0.6F, 0.68F);
-  const float lobe =
-      place * std::sin(kPi / static_cast<float>(count)) * between(random, 0.55F, 0.62F);
+  const float lobe = place * std::sin(std::numbers::pi_v<float> / static_cast<float>(count)) *
+                     between(random, 0.55F, 0.62F);
   const Solid lobes = around_z(shifted(rod(lobe, -1, 1), place, 0, 0), count);
   const Solid grip = blend(rod(0.55F, -1, 1), lobes, 0.15F) & slab(-height, height);
   const float stem = between(random, 0.28F, 0.36F), length = between(random, 0.25F, 0.5F);

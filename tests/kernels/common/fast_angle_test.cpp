@@ -36,9 +36,9 @@ TEST(FastAngle, IsWithinAMillionthOfARadianOnAGrid) {
 TEST(FastAngle, IsExactOnTheAxesAndZeroAtTheOrigin) {
   for (const float r : {1e-30F, 1.0F, 1e30F}) {
     EXPECT_EQ(fast_atan2(0, r), 0);
-    EXPECT_EQ(fast_atan2(r, 0), 0.5F * kPi);
-    EXPECT_EQ(fast_atan2(0, -r), kPi);
-    EXPECT_EQ(fast_atan2(-r, 0), -0.5F * kPi);
+    EXPECT_EQ(fast_atan2(r, 0), 0.5F * std::numbers::pi_v<float>);
+    EXPECT_EQ(fast_atan2(0, -r), std::numbers::pi_v<float>);
+    EXPECT_EQ(fast_atan2(-r, 0), -0.5F * std::numbers::pi_v<float>);
   }
   EXPECT_EQ(fast_atan2(0, 0), 0);
   EXPECT_EQ(fast_atan2(-0.0F, -0.0F), 0);
@@ -48,8 +48,8 @@ TEST(FastAngle, IsExactOnTheAxesAndZeroAtTheOrigin) {
 TEST(FastAngle, StaysWithinHalfATurn) {
   for (int i = 0; i < 1000; ++i) {
     const float y = std::ldexp(1.0F, -i / 10);
-    EXPECT_LE(fast_atan2(y, -1), kPi);
-    EXPECT_GE(fast_atan2(-y, -1), -kPi);
+    EXPECT_LE(fast_atan2(y, -1), std::numbers::pi_v<float>);
+    EXPECT_GE(fast_atan2(-y, -1), -std::numbers::pi_v<float>);
     EXPECT_GE(fast_atan2(y, 1), 0);
   }
 }
