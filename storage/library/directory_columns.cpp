@@ -39,7 +39,7 @@ ModelRecord record_of(const Model& model, const StoredGroup& described) {
   for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
     const format::DatasetSpec& spec = format::kModelColumns[c].spec;
     const StoredGroup* const group =
-        spec.group.empty() ? &described : Taker::below(described, std::string(spec.group));
+        spec.group.empty() ? &described : GroupReader::below(described, std::string(spec.group));
     if (group == nullptr) continue;
     const StoredDataset& dataset = group->datasets.at(std::string(spec.name));
     const StoredAttribute& sum = dataset.attributes.at(std::string(format::kDataChecksum));

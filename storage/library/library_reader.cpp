@@ -10,35 +10,35 @@
 
 #include "storage/files/file.hpp"
 #include "storage/files/looks_like.hpp"
+#include "storage/library/group_reader.hpp"
 #include "storage/library/library.hpp"
 #include "storage/library/library_checks.hpp"
 #include "storage/library/library_format.hpp"
 #include "storage/library/model_record.hpp"
 #include "storage/library/parse_library.hpp"
 #include "storage/library/stored_tree.hpp"
-#include "storage/library/taker.hpp"
 
 namespace trivet {
 namespace {
 
 namespace fs = std::filesystem;
 
-TriSpinBasis take_basis(Taker& take, const StoredGroup& group) {
+TriSpinBasis read_basis(GroupReader& reader, const StoredGroup& group) {
   const std::string path = "/trisi";
   const auto column = [&](const format::DatasetSpec& spec) {
-    const std::vector<float> values = take.values<float>(group, spec, path);
+    const std::vector<float> values = reader.values<float>(group, spec, path);
     return Column<float>(values.begin(), values.end());
   };
   TriSpinBasis out;
-  out.support = take.f32(group.attributes, "support", path);
-  out.code_step = take.f32(group.attributes, "code_step", path);
+  out.support = reader.f32(group.attributes, "support", path);
+  out.code_step = reader.f32(group.attributes, "code_step", path);
   PcaBasis& components = out.components;
-  components.all_energy = take.f32(group.attributes, "all_energy", path);
+  components.all_energy = reader.f32(group.attributes, "all_energy", path);
   components.dimension = format::kImageSize;
   components.mean = column(format::kMeanImage);
   components.components = column(format::kImageComponents);
   components.energies = column(format::kImageEnergies);
-  take.expect_only(group, "/trisi", {}, path);
+  reader.expect_only(group, "/trisi", {}, path);
   return out;
 }
 
@@ -49,29 +49,29 @@ struct LevelRecord {
   LevelColumns columns{};
 };
 
-std::vector<LevelRecord> take_index(Taker& take, const StoredGroup& index) {
+std::vector<LevelRecord> read_index(GroupReader& reader, const StoredGroup& index) {
   std::vector<LevelRecord> levels;
   for (const auto& [name, group] : index.groups) {
     const std::string path = "/index/" + name;
     if (name != fmt::format("{:02}", levels.size()))
-      take.refuse(path, fmt::format("expected level {:02}", levels.size()));
+      reader.refuse(path, fmt::format("expected level {:02}", levels.size()));
     LevelRecord& level = levels.emplace_back();
-    level.resolution = take.f32(group.attributes, "resolution", path);
-    level.stride = take.u32(group.attributes, "stride", path);
-    take.set_stride(level.stride);
+    level.resolution = reader.f32(group.attributes, "resolution", path);
+    level.stride = reader.u32(group.attributes, "stride", path);
+    reader.set_stride(level.stride);
     for (std::size_t c = 0; c < kLevelColumns.size(); ++c)
-      level.columns[c] = take.column(group, kLevelColumns[c], path).value_or(StoredColumn{});
-    take.expect_only(group, "/index", {}, path);
+      level.columns[c] = reader.column(group, kLevelColumns[c], path).value_or(StoredColumn{});
+    reader.expect_only(group, "/index", {}, path);
   }
-  if (!index.datasets.empty()) take.refuse("/index", "expected no datasets");
+  if (!index.datasets.empty()) reader.refuse("/index", "expected no datasets");
   return levels;
 }
 
 /// Whether the directory names the places where the datasets still lie: another program that stores
 /// the file anew moves them, and the directory with them.
-bool is_in_place(Taker& take, const StoredGroup& directory) {
-  const auto at = take.numbers<std::uint64_t, 1>(directory.attributes, "offset", ElementType::u64,
-                                                 "/directory")[0];
+bool is_in_place(GroupReader& reader, const StoredGroup& directory) {
+  const auto at = reader.numbers<std::uint64_t, 1>(directory.attributes, "offset", ElementType::u64,
+                                                   "/directory")[0];
   const auto names = directory.datasets.find("names");
   return names != directory.datasets.end() && names->second.offset == at;
 }
@@ -143,20 +143,20 @@ bool same(const ModelRecord& record, const ModelRecord& other) {
 }
 
 /// What is known of all models, whose columns lie in a file of so many bytes.
-std::vector<ModelRecord> take_records(Taker& take, const StoredGroup& root, From from,
+std::vector<ModelRecord> read_records(GroupReader& reader, const StoredGroup& root, From from,
                                       std::uint64_t file_bytes) {
-  if (from == From::groups) return take_models(take, root.groups.at("models"));
+  if (from == From::groups) return read_models(reader, root.groups.at("models"));
   const StoredGroup& directory = root.groups.at("directory");
-  std::vector<ModelRecord> records = take_directory(take, directory, file_bytes);
-  if (from == From::directory || take.fault()) return records;
-  const std::vector<ModelRecord> walked = take_models(take, root.groups.at("models"));
+  std::vector<ModelRecord> records = read_directory(reader, directory, file_bytes);
+  if (from == From::directory || reader.fault()) return records;
+  const std::vector<ModelRecord> walked = read_models(reader, root.groups.at("models"));
   const std::string digest =
-      take.text(directory.attributes, std::string(format::kModelsDigest), "/directory");
-  if (!take.fault() && (digest != format::digest(root.groups.at("models")) ||
-                        !std::ranges::equal(records, walked, [](const auto& a, const auto& b) {
-                          return same(a, b);
-                        })))
-    take.refuse("/directory", "expected what the groups of /models say; train the library again");
+      reader.text(directory.attributes, std::string(format::kModelsDigest), "/directory");
+  if (!reader.fault() && (digest != format::digest(root.groups.at("models")) ||
+                          !std::ranges::equal(records, walked, [](const auto& a, const auto& b) {
+                            return same(a, b);
+                          })))
+    reader.refuse("/directory", "expected what the groups of /models say; train the library again");
   return records;
 }
 
@@ -175,64 +175,64 @@ FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.ow
 /// columns  of the file that the models' columns lie in
 Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileBytes& own,
                       const FileBytes& columns, From from, Held held) {
-  Taker take(file, own.bytes);
-  const std::uint32_t minor = take.u32(root.attributes, "format_version_minor", "/");
-  take.set_version(minor);
+  GroupReader reader(file, own.bytes);
+  const std::uint32_t minor = reader.u32(root.attributes, "format_version_minor", "/");
+  reader.set_version(minor);
   Library out{file, {}, minor, own.bytes.size(), {}, {}, {}, {}};
-  out.header.producer = take.text(root.attributes, "producer", "/");
-  out.header.parameters = take.text(root.attributes, "parameters", "/");
-  const std::string unit = take.text(root.attributes, "length_unit", "/");
+  out.header.producer = reader.text(root.attributes, "producer", "/");
+  out.header.parameters = reader.text(root.attributes, "parameters", "/");
+  const std::string unit = reader.text(root.attributes, "length_unit", "/");
   if (unit != "m" && unit != "mm")
-    take.refuse("/@length_unit", fmt::format("expected m or mm, found '{}'", unit));
+    reader.refuse("/@length_unit", fmt::format("expected m or mm, found '{}'", unit));
   out.header.unit = unit == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
 
   std::map<std::string, std::string> children;
   for (const auto& [name, dataset] : root.datasets) children.emplace(name, format::digest(dataset));
   for (const auto& [name, group] : root.groups) {
     children.emplace(name, name == "models" && from == From::directory
-                               ? take.text(root.groups.at("directory").attributes,
-                                           std::string(format::kModelsDigest), "/directory")
+                               ? reader.text(root.groups.at("directory").attributes,
+                                             std::string(format::kModelsDigest), "/directory")
                                : format::digest(group));
   }
-  const std::string expected = take.text(root.attributes, std::string(format::kChecksum), "/");
+  const std::string expected = reader.text(root.attributes, std::string(format::kChecksum), "/");
   if (const std::string sum = format::digest(root.attributes, children); sum != expected) {
-    take.refuse(
+    reader.refuse(
         "/@checksum",
         fmt::format("expected {}, found {}: names or attributes were changed or are damaged",
                     expected, sum));
   }
 
-  const StoredGroup* const models = Taker::below(root, "models");
-  if (models == nullptr) take.refuse("/models", "expected this group, found none");
-  take.expect_only(root, "/", {"models", "trisi", "directory", "index"}, "");
-  if (take.fault()) return *take.fault();
-  if (const StoredGroup* const basis = minor >= 3 ? Taker::below(root, "trisi") : nullptr) {
-    out.basis = take_basis(take, *basis);
-    if (!take.fault()) {
-      if (const auto good = format::check_basis(out.basis); !good) take.refuse(good.error());
+  const StoredGroup* const models = GroupReader::below(root, "models");
+  if (models == nullptr) reader.refuse("/models", "expected this group, found none");
+  reader.expect_only(root, "/", {"models", "trisi", "directory", "index"}, "");
+  if (reader.fault()) return *reader.fault();
+  if (const StoredGroup* const basis = minor >= 3 ? GroupReader::below(root, "trisi") : nullptr) {
+    out.basis = read_basis(reader, *basis);
+    if (!reader.fault()) {
+      if (const auto good = format::check_basis(out.basis); !good) reader.refuse(good.error());
     }
-    take.set_components(out.basis.components.size());
+    reader.set_components(out.basis.components.size());
   }
-  const std::uint32_t count = take.u32(root.attributes, "num_models", "/");
+  const std::uint32_t count = reader.u32(root.attributes, "num_models", "/");
   const auto expect_count = [&](std::size_t num_groups) {
     if (num_groups == count && models->datasets.empty()) return;
-    take.refuse("/models", fmt::format("expected {} groups, found {} and {} datasets", count,
-                                       num_groups, models->datasets.size()));
+    reader.refuse("/models", fmt::format("expected {} groups, found {} and {} datasets", count,
+                                         num_groups, models->datasets.size()));
   };
   if (from != From::directory) expect_count(models->groups.size());
-  const std::vector<ModelRecord> records = take_records(take, root, from, columns.bytes.size());
-  if (!take.fault()) expect_count(records.size());
+  const std::vector<ModelRecord> records = read_records(reader, root, from, columns.bytes.size());
+  if (!reader.fault()) expect_count(records.size());
   // Of a file that was stored anew, the index lies somewhere else than it was.
   std::vector<LevelRecord> levels;
-  const StoredGroup* const index = Taker::below(root, "index");
-  if (index != nullptr && minor >= format::kDirectorySince) levels = take_index(take, *index);
-  if (take.fault()) return *take.fault();
+  const StoredGroup* const index = GroupReader::below(root, "index");
+  if (index != nullptr && minor >= format::kDirectorySince) levels = read_index(reader, *index);
+  if (reader.fault()) return *reader.fault();
 
   for (const ModelRecord& record : records) {
-    out.models.push_back(map_model(record, columns.bytes, columns.owner, take.num_components()));
+    out.models.push_back(map_model(record, columns.bytes, columns.owner, reader.num_components()));
     if (const auto good = format::check_traits(out.models.back()); !good) {
-      take.refuse(good.error());
-      return *take.fault();
+      reader.refuse(good.error());
+      return *reader.fault();
     }
   }
   std::vector<LevelColumns> level_columns;
@@ -241,9 +241,9 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
     const StoredColumn& with_features = level.columns.front();
     const Xxh3 found = xxh3(own.bytes.subspan(with_features.offset, with_features.bytes));
     if (found != with_features.checksum) {
-      take.refuse(fmt::format("/index/{:02}/{}", out.index.size(), kLevelColumns.front().name),
-                  wrong_checksum(with_features.checksum, found));
-      return *take.fault();
+      reader.refuse(fmt::format("/index/{:02}/{}", out.index.size(), kLevelColumns.front().name),
+                    wrong_checksum(with_features.checksum, found));
+      return *reader.fault();
     }
     out.index.push_back(
         map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
@@ -263,13 +263,13 @@ Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole)
   if (auto good = check_superblock(file, own.bytes); !good) return good.error();
   Result<StoredGroup> root = read_stored_tree(file, own.bytes.size(), whole ? "" : "models");
   if (!root) return root.error();
-  Taker take(file, own.bytes);
+  GroupReader reader(file, own.bytes);
   if (root->attributes.contains(std::string(format::kColumnsIn))) {
-    take.refuse("/", "expected a model library, found what training keeps beside one");
-    return *take.fault();
+    reader.refuse("/", "expected a model library, found what training keeps beside one");
+    return *reader.fault();
   }
-  const StoredGroup* const directory = Taker::below(*root, "directory");
-  if (directory != nullptr && is_in_place(take, *directory))
+  const StoredGroup* const directory = GroupReader::below(*root, "directory");
+  if (directory != nullptr && is_in_place(reader, *directory))
     return parse(file, *root, own, own, whole ? From::both : From::directory, Held::mapped);
   if (!whole) root = read_stored_tree(file, own.bytes.size());
   if (!root) return root.error();
@@ -301,11 +301,12 @@ Result<Library> open_with_columns(const fs::path& file) {
   if (auto good = check_superblock(file, own.bytes); !good) return good.error();
   const Result<StoredGroup> root = read_stored_tree(file, own.bytes.size());
   if (!root) return root.error();
-  Taker take(file, own.bytes);
-  const fs::path name = take.text(root->attributes, std::string(format::kColumnsIn), "/");
-  if (Taker::below(*root, "directory") == nullptr || Taker::below(*root, "index") != nullptr)
-    take.refuse("/", "expected a directory and no index");
-  if (take.fault()) return *take.fault();
+  GroupReader reader(file, own.bytes);
+  const fs::path name = reader.text(root->attributes, std::string(format::kColumnsIn), "/");
+  if (GroupReader::below(*root, "directory") == nullptr ||
+      GroupReader::below(*root, "index") != nullptr)
+    reader.refuse("/", "expected a directory and no index");
+  if (reader.fault()) return *reader.fault();
   const auto columns = map(file.parent_path() / name.filename(), Writers::none);
   if (!columns) return columns.error();
   return parse(file, *root, own, bytes_of(*columns), From::directory, Held::mapped);

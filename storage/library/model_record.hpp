@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "storage/data/model.hpp"
+#include "storage/library/group_reader.hpp"
 #include "storage/library/library_format.hpp"
-#include "storage/library/taker.hpp"
 
 namespace trivet {
 
@@ -20,12 +20,12 @@ struct ModelRecord {
 
 /// Take the records of all models from their groups, by name. Nothing of the large datasets is
 /// read.
-std::vector<ModelRecord> take_models(Taker& take, const StoredGroup& models);
+std::vector<ModelRecord> read_models(GroupReader& reader, const StoredGroup& models);
 
 /// Take them from the directory. Extents are checked.
 ///
 /// file_bytes  of the file that the columns lie in
-std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory,
+std::vector<ModelRecord> read_directory(GroupReader& reader, const StoredGroup& directory,
                                         std::uint64_t file_bytes);
 
 /// Rigid motions of sixteen numbers each, row-major.

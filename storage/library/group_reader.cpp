@@ -1,4 +1,4 @@
-#include "storage/library/taker.hpp"
+#include "storage/library/group_reader.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,21 +14,21 @@ std::string wrong_checksum(const Xxh3& expected, const Xxh3& found) {
       expected.hex(), found.hex());
 }
 
-void Taker::refuse(const std::string& place, const std::string& what) {
+void GroupReader::refuse(const std::string& place, const std::string& what) {
   if (!fault_)
     fault_ = Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place, what)};
 }
 
-void Taker::refuse(const Error& error) {
+void GroupReader::refuse(const Error& error) {
   if (!fault_) fault_ = Error{error.code, fmt::format("{}: {}", file_.string(), error.message)};
 }
 
-void Taker::refuse_size(const std::string& place, std::size_t expected, std::size_t bytes) {
+void GroupReader::refuse_size(const std::string& place, std::size_t expected, std::size_t bytes) {
   refuse(place, fmt::format("expected {} numbers, found {} bytes", expected, bytes));
 }
 
-std::string Taker::text(const StoredAttributes& from, const std::string& name,
-                        const std::string& path) {
+std::string GroupReader::text(const StoredAttributes& from, const std::string& name,
+                              const std::string& path) {
   const StoredAttribute* found = find(from, name, ElementType::text, path);
   if (found == nullptr) return {};
   std::string out(reinterpret_cast<const char*>(found->bytes.data()), found->bytes.size());
@@ -36,8 +36,8 @@ std::string Taker::text(const StoredAttributes& from, const std::string& name,
   return out;
 }
 
-const StoredAttribute* Taker::find(const StoredAttributes& from, const std::string& name,
-                                   ElementType type, const std::string& path) {
+const StoredAttribute* GroupReader::find(const StoredAttributes& from, const std::string& name,
+                                         ElementType type, const std::string& path) {
   const auto found = from.find(name);
   if (found != from.end() && found->second.type == type) return &found->second;
   refuse(path + "@" + name,
@@ -46,22 +46,23 @@ const StoredAttribute* Taker::find(const StoredAttributes& from, const std::stri
   return nullptr;
 }
 
-std::array<std::uint64_t, 3> Taker::shape_of(const format::DatasetSpec& spec) const noexcept {
+std::array<std::uint64_t, 3> GroupReader::shape_of(const format::DatasetSpec& spec) const noexcept {
   std::array<std::uint64_t, 3> shape = spec.shape;
   std::ranges::replace(shape, format::kComponents, std::uint64_t{num_components_});
   std::ranges::replace(shape, format::kStride, std::uint64_t{stride_});
   return shape;
 }
 
-std::uint64_t Taker::row_bytes(const format::DatasetSpec& spec) const noexcept {
+std::uint64_t GroupReader::row_bytes(const format::DatasetSpec& spec) const noexcept {
   const std::array<std::uint64_t, 3> shape = shape_of(spec);
   std::uint64_t bytes = size_of(spec.type);
   for (std::size_t i = 0; i < spec.rank; ++i) bytes *= shape[i] == format::kRows ? 1 : shape[i];
   return bytes;
 }
 
-std::optional<StoredColumn> Taker::column(const StoredGroup& group, const format::DatasetSpec& spec,
-                                          const std::string& path) {
+std::optional<StoredColumn> GroupReader::column(const StoredGroup& group,
+                                                const format::DatasetSpec& spec,
+                                                const std::string& path) {
   if (spec.since > minor_) return std::nullopt;
   const std::string place = path + "/" + std::string(spec.name);
   const auto found = group.datasets.find(std::string(spec.name));
@@ -92,8 +93,9 @@ std::optional<StoredColumn> Taker::column(const StoredGroup& group, const format
   return StoredColumn{dataset.offset, dataset.bytes, *checksum};
 }
 
-std::span<const std::byte> Taker::data(const StoredGroup& group, const format::DatasetSpec& spec,
-                                       const std::string& path) {
+std::span<const std::byte> GroupReader::data(const StoredGroup& group,
+                                             const format::DatasetSpec& spec,
+                                             const std::string& path) {
   const std::optional<StoredColumn> found = column(group, spec, path);
   if (!found) return {};
   const auto bytes = bytes_.subspan(found->offset, found->bytes);
@@ -104,8 +106,9 @@ std::span<const std::byte> Taker::data(const StoredGroup& group, const format::D
   return bytes;
 }
 
-void Taker::expect_only(const StoredGroup& group, std::string_view spec_group,
-                        std::initializer_list<std::string_view> below, const std::string& path) {
+void GroupReader::expect_only(const StoredGroup& group, std::string_view spec_group,
+                              std::initializer_list<std::string_view> below,
+                              const std::string& path) {
   if (minor_ > kLibraryVersionMinor) return;
   for (const auto& entry : group.datasets) {
     const std::string& name = entry.first;

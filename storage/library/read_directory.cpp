@@ -21,9 +21,9 @@ struct Columns {
   std::vector<std::uint32_t> counts;
 };
 
-Columns take_columns(Taker& take, const StoredGroup& directory) {
+Columns read_columns(GroupReader& reader, const StoredGroup& directory) {
   const auto values = [&]<class T>(std::vector<T>& out, const format::DatasetSpec& spec) {
-    out = take.values<T>(directory, spec, kPath);
+    out = reader.values<T>(directory, spec, kPath);
   };
   Columns c;
   values(c.names, format::kNames);
@@ -43,20 +43,20 @@ Columns take_columns(Taker& take, const StoredGroup& directory) {
   values(c.resolution, format::kResolutions);
   values(c.places, format::kPlaces);
   values(c.checksums, format::kChecksums);
-  take.expect_only(directory, "/directory", {}, kPath);
+  reader.expect_only(directory, "/directory", {}, kPath);
   return c;
 }
 
 /// Each column has as many numbers as it has to, and ends rise to the end of what they divide.
-void check_columns(Taker& take, const Columns& c, std::size_t n) {
+void check_columns(GroupReader& reader, const Columns& c, std::size_t n) {
   const auto expect = [&](const format::DatasetSpec& spec, std::size_t found, std::size_t a_model) {
     if (found != n * a_model) {
-      take.refuse(kPath + "/" + std::string(spec.name),
-                  fmt::format("expected {}, found {} numbers", counted(n, "row"), found));
+      reader.refuse(kPath + "/" + std::string(spec.name),
+                    fmt::format("expected {}, found {} numbers", counted(n, "row"), found));
     }
   };
   expect(format::kTextEnds, c.text_ends.size(), 2);
-  if (take.version() >= format::kFingerprintsSince)
+  if (reader.version() >= format::kFingerprintsSince)
     expect(format::kFingerprints, c.fingerprints.size(), 2);
   expect(format::kDiameters, c.diameter.size(), 1);
   expect(format::kCenters, c.center.size(), 3);
@@ -73,7 +73,8 @@ void check_columns(Taker& take, const Columns& c, std::size_t n) {
   const auto divide = [&](const format::DatasetSpec& spec, const std::vector<std::uint64_t>& ends,
                           std::size_t all) {
     if (!std::ranges::is_sorted(ends) || (ends.empty() ? 0 : ends.back()) != all)
-      take.refuse(kPath + "/" + std::string(spec.name), fmt::format("expected to rise to {}", all));
+      reader.refuse(kPath + "/" + std::string(spec.name),
+                    fmt::format("expected to rise to {}", all));
   };
   divide(format::kTextEnds, c.text_ends, c.texts.size());
   divide(format::kMotionEnds, c.motion_ends, c.motions.size() / 16);
@@ -122,36 +123,37 @@ ModelRecord record_at(const Columns& c, std::size_t m) {
 }
 
 /// Columns lie inside the file, and are of whole rows.
-void check_places(Taker& take, const ModelRecord& record, std::uint64_t file_bytes) {
+void check_places(GroupReader& reader, const ModelRecord& record, std::uint64_t file_bytes) {
   for (std::size_t k = 0; k < kColumns; ++k) {
     const StoredColumn& column = record.columns[k];
     const format::DatasetSpec& spec = format::kModelColumns[k].spec;
-    const std::uint64_t row = take.row_bytes(spec);
+    const std::uint64_t row = reader.row_bytes(spec);
     if (column.offset <= file_bytes && column.bytes <= file_bytes - column.offset &&
         (row == 0 ? column.bytes == 0 : column.bytes % row == 0))
       continue;
-    take.refuse(fmt::format("/models/{}/{}{}{}", record.traits.name, spec.group,
-                            spec.group.empty() ? "" : "/", spec.name),
-                fmt::format("expected whole rows of {} bytes inside the file of {}, found {} at {}",
-                            row, file_bytes, column.bytes, column.offset));
+    reader.refuse(
+        fmt::format("/models/{}/{}{}{}", record.traits.name, spec.group,
+                    spec.group.empty() ? "" : "/", spec.name),
+        fmt::format("expected whole rows of {} bytes inside the file of {}, found {} at {}", row,
+                    file_bytes, column.bytes, column.offset));
   }
 }
 
 }  // namespace
 
-std::vector<ModelRecord> take_directory(Taker& take, const StoredGroup& directory,
+std::vector<ModelRecord> read_directory(GroupReader& reader, const StoredGroup& directory,
                                         std::uint64_t file_bytes) {
-  const Columns columns = take_columns(take, directory);
+  const Columns columns = read_columns(reader, directory);
   const std::size_t n = columns.names.size() / format::kNameBytes;
-  if (!take.fault()) check_columns(take, columns, n);
-  if (take.fault()) return {};
+  if (!reader.fault()) check_columns(reader, columns, n);
+  if (reader.fault()) return {};
   std::vector<ModelRecord> records;
   for (std::size_t m = 0; m < n; ++m) {
     records.push_back(record_at(columns, m));
-    check_places(take, records.back(), file_bytes);
+    check_places(reader, records.back(), file_bytes);
     if (m > 0 && records[m - 1].traits.name >= records[m].traits.name)
-      take.refuse(kPath + "/names", "expected names to rise");
-    if (take.fault()) return {};
+      reader.refuse(kPath + "/names", "expected names to rise");
+    if (reader.fault()) return {};
   }
   return records;
 }

@@ -1,4 +1,4 @@
-/// Takes values out of the tree of a library's file.
+/// Reads values from the tree of a library's file.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,12 +26,12 @@ struct StoredColumn {
   bool operator==(const StoredColumn&) const = default;
 };
 
-/// The first fault is kept, and what is taken after it is empty: whoever reads asks for the fault
+/// The first fault is kept, and what is read after it is empty: the caller asks for the fault
 /// once, at the end. All paths are those of objects, for errors.
-class Taker {
+class GroupReader {
  public:
   /// bytes  of the file, which offsets count in
-  Taker(const std::filesystem::path& file, std::span<const std::byte> bytes)
+  GroupReader(const std::filesystem::path& file, std::span<const std::byte> bytes)
       : file_(file), bytes_(bytes) {}
 
   const std::filesystem::path& file() const noexcept { return file_; }
