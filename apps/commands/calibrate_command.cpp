@@ -12,8 +12,8 @@
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/results/standard_output.hpp"
 #include "apps/words/commission_text.hpp"
-#include "engine/loaded_library/score_calibration.hpp"
 #include "engine/loaded_library/default_score.hpp"
+#include "engine/loaded_library/score_calibration.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -60,22 +60,20 @@ Result<void> calibrate(const CalibrateArguments& arguments, const Context& conte
   const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   const float least = options->min_score;
-  if (const Result<void> good = check(arguments, least); !good) return good;
+  TRIVET_TRY(check(arguments, least));
   Outcomes outcomes;
-  if (const Result<void> done = recognize_scans(arguments, *options, context, outcomes); !done)
-    return done;
+  TRIVET_TRY(recognize_scans(arguments, *options, context, outcomes));
   for (const std::string& file : arguments.marked) {
-    if (const Result<void> added = add_marked(file, outcomes); !added) return added;
+    TRIVET_TRY(add_marked(file, outcomes));
   }
   const std::string doubtful = doubtful_marks(default_score(), outcomes);
-  if (const Result<void> told = write_output(doubtful); !told) return told;
+  TRIVET_TRY(write_output(doubtful));
   const Result<Commissioning> found = commission_score(default_score(), outcomes, least);
   if (!found) return found.error();
   const ScoreCalibration calibration{
       found->adaptation, static_cast<std::uint32_t>(outcomes.scans.size()),
       static_cast<std::uint32_t>(found->num_right), static_cast<std::uint32_t>(found->num_wrong)};
-  if (const Result<void> written = write_calibration(arguments.output, calibration); !written)
-    return written;
+  TRIVET_TRY(write_calibration(arguments.output, calibration));
   return write_output(fmt::format("{}{}: calibration {}\n",
                                   commission_text(*found, outcomes, least), arguments.output,
                                   score_name(calibrated_score(calibration))));

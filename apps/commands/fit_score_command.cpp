@@ -146,7 +146,7 @@ Result<void> fit_score(const FitScoreArguments& arguments, const Context& contex
     return Error{ErrorCode::usage, "expected --scenes or --outcomes to fit to, found neither"};
   Outcomes known;
   for (const std::string& file : arguments.outcomes) {
-    if (const Result<void> read = read_outcomes(file, known); !read) return read;
+    TRIVET_TRY(read_outcomes(file, known));
   }
   const std::string& source =
       arguments.manifests.empty() ? arguments.outcomes.front() : arguments.manifests.front();
@@ -165,7 +165,7 @@ Result<void> fit_score(const FitScoreArguments& arguments, const Context& contex
     outcomes.parts.insert(outcomes.parts.end(), found->parts.begin(), found->parts.end());
     outcomes.right.insert(outcomes.right.end(), found->right.begin(), found->right.end());
     if (arguments.output.empty()) return {};
-    if (const Result<void> enough = check_outcomes(outcomes, source); !enough) return enough;
+    TRIVET_TRY(check_outcomes(outcomes, source));
     const double before = kernels::log_loss(model, outcomes.parts, outcomes.right);
     model = kernels::fit_score(outcomes.parts, outcomes.right, kRidge);
     context.console.line(fmt::format("round {}: {}, log loss {:.4f} -> {:.4f}", round + 1,

@@ -47,7 +47,7 @@ Result<void> mesh(const MeshArguments& arguments, const Context& context) {
   for (const SurfaceMethodName& known : kSurfaceMethods) {
     if (known.name == arguments.method) options.method = known.method;
   }
-  if (const Result<void> valid = validate(options); !valid) return valid;
+  TRIVET_TRY(validate(options));
 
   Result<Cloud> cloud = read_cloud(arguments.cloud, reading);
   if (!cloud) return cloud.error();

@@ -59,7 +59,7 @@ Result<void> scan(const ScanArguments& arguments, const Context& context) {
   const Result<LengthUnit> unit = choose_unit(*inputs, arguments.unit);
   if (!unit) return unit.error();
   ScanOptions options;
-  if (const Result<void> set = set_given(arguments.given, options); !set) return set;
+  TRIVET_TRY(set_given(arguments.given, options));
   const Result<std::vector<ScanModel>> models =
       gather_models(arguments, *inputs, *unit, options.seed);
   if (!models) return models.error();

@@ -188,7 +188,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
       [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
       {opened.workshop.get(), opened.live.get(), opened.session.get()});
   routes.set_num_connections([&] { return daemon.num_connections(); });
-  if (const Result<void> started = daemon.start(routes); !started) return started.error();
+  TRIVET_TRY(daemon.start(routes));
   routes.set_ready(true);
   context.console.line(fmt::format("serving {} on {}", settings.library, daemon.url()));
   notify_systemd("READY=1");
@@ -220,7 +220,7 @@ void add_serve(CLI::App& app, Context& context) {
   command->callback([arguments, &context] {
     context.run = [arguments, &context]() -> Result<void> {
       ServeSettings settings;
-      if (const Result<void> good = read_settings(settings, *arguments); !good) return good.error();
+      TRIVET_TRY(read_settings(settings, *arguments));
       return arguments->check_config ? check(settings, context) : serve(settings, context);
     };
   });

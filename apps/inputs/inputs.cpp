@@ -233,7 +233,7 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
       add_unnamed(argument, inputs);
     }
   }
-  if (const Result<void> checked = check_models(inputs.sources); !checked) return checked.error();
+  TRIVET_TRY(check_models(inputs.sources));
   return inputs;
 }
 

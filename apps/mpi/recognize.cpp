@@ -131,7 +131,7 @@ Result<void> refuse_what_is_not_shared(const SceneCommand& arguments) {
 }
 
 Result<void> recognize(const SceneCommand& arguments, const Ranks& ranks, const Context& context) {
-  if (const Result<void> good = refuse_what_is_not_shared(arguments); !good) return good;
+  TRIVET_TRY(refuse_what_is_not_shared(arguments));
   Result<RecognitionRequest> opened = make_request(arguments, context.console);
   if (!opened) return opened.error();
   const RecognitionRequest& request = *opened;
@@ -173,7 +173,7 @@ Result<void> recognize(const SceneCommand& arguments, const Ranks& ranks, const 
   }
   for (const CameraCheck& check : join_checks(checks))
     document["cameras"].push_back(camera_check_json(check));
-  if (const Result<void> written = write_json(arguments.json, document); !written) return written;
+  TRIVET_TRY(write_json(arguments.json, document));
   return failed_scenes(failures, num_scenes);
 }
 

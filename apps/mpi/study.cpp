@@ -50,7 +50,7 @@ study::Share shared_among(const Ranks& ranks, const Context& context) {
         [&](const Worker& worker) -> Result<void> {
           while (const std::optional<std::string> job = worker.next()) {
             const std::vector<std::size_t> some = parse_items(*job);
-            if (const Result<void> done = work(some); !done) return done;
+            TRIVET_TRY(work(some));
             worker.done(std::to_string(some.size()));
           }
           return {};

@@ -143,9 +143,7 @@ Result<void> train(const TrainArguments& arguments, const Ranks& ranks, const Co
       shared || context.stop.stop_requested() ? account.publish() : shared.error();
   const Result<void> met = meet(ranks, context.stop);
   if (!report) return report.error();
-  if (const Result<void> told = tell_report(*report, *request, arguments.json, context.console);
-      !told)
-    return told;
+  TRIVET_TRY(tell_report(*report, *request, arguments.json, context.console));
   return met;
 }
 

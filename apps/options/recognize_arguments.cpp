@@ -27,7 +27,7 @@ Result<RecognizeOptions> recognize_options(const RecognizeArguments& arguments) 
   const GivenOption& preset = arguments.preset;
   RecognizeOptions options =
       recognize_presets().find(preset.is_given() ? preset.text : kUsualPreset)->second;
-  if (const Result<void> set = set_given(arguments.given, options); !set) return set.error();
+  TRIVET_TRY(set_given(arguments.given, options));
   if (!arguments.expected.empty()) {
     Result<std::vector<ExpectedPose>> expected = read_expected_poses(arguments.expected);
     if (!expected) return expected.error();

@@ -44,12 +44,8 @@ Result<void> conduct_study(const StudyArguments& arguments, const Context& conte
   if (!run || !reports) return run;
   const Result<StudyResults> results = evaluate_study(*study, *plan, folder);
   if (!results) return results.error();
-  if (const Result<void> written = write_study_table(*study, *results, folder); !written)
-    return written;
-  if (const Result<void> written = write_study_page(*study, *results, folder, context.command);
-      !written) {
-    return written;
-  }
+  TRIVET_TRY(write_study_table(*study, *results, folder));
+  TRIVET_TRY(write_study_page(*study, *results, folder, context.command));
   context.console.wrote_report(folder.path().string());
   return {};
 }

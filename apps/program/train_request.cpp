@@ -53,7 +53,7 @@ Result<TrainRequest> make_request(const TrainArguments& arguments, const Console
   const GivenOption& preset = arguments.preset;
   TrainOptions options =
       train_presets().find(preset.is_given() ? preset.text : kUsualPreset)->second;
-  if (const Result<void> set = set_given(arguments.given, options); !set) return set.error();
+  TRIVET_TRY(set_given(arguments.given, options));
   return TrainRequest{std::move(inputs->sources), *unit,           options,
                       arguments.output,           arguments.prune, arguments.keep_going,
                       std::move(inputs->left_out)};
@@ -76,8 +76,7 @@ Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
     console.line(table);
   console.line(train_line(report, file));
   if (!json.empty()) {
-    if (const Result<void> written = write_json(json, train_json(report, request)); !written)
-      return written;
+    TRIVET_TRY(write_json(json, train_json(report, request)));
   }
   if (report.faults.empty()) return {};
   Error error{ErrorCode::bad_data,

@@ -258,7 +258,7 @@ std::string gallery_section(std::string_view title, const std::vector<std::strin
 
 Result<void> write_report(const std::filesystem::path& folder, const ReportInput& input,
                           const Progress& progress) {
-  if (const Result<void> made = make_folder(folder); !made) return made;
+  TRIVET_TRY(make_folder(folder));
   const Gallery gallery = choose_exhibits(input);
   const std::size_t bytes = 2 * kPictureBytes * input.manifest.scenes.size() +
                             kExhibitBytes * (gallery.problems.size() + gallery.right.size());

@@ -32,8 +32,8 @@ Result<std::string> PictureStore::add(const Picture& picture, const std::string&
   if (!png) return png.error();
   std::string address = "pictures/" + name + ".png";
   if (places_.as_files) {
-    if (const Result<void> made = make_folder(folder_ / "pictures"); !made) return made.error();
-    if (const Result<void> done = publish_file(folder_ / address, *png); !done) return done.error();
+    TRIVET_TRY(make_folder(folder_ / "pictures"));
+    TRIVET_TRY(publish_file(folder_ / address, *png));
   }
   if (places_.within_page) address = png_address(*png);
   return fmt::format("<img loading=\"lazy\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">",

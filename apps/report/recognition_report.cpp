@@ -123,7 +123,7 @@ std::string origin(const RecognitionReport& report) {
 
 Result<void> write_recognition_report(const std::filesystem::path& folder,
                                       const RecognitionReport& report, const Progress& progress) {
-  if (const Result<void> made = make_folder(folder); !made) return made;
+  TRIVET_TRY(make_folder(folder));
   const Result<std::vector<EvaluationMesh>> meshes = meshes_of(report.recognizer.library());
   if (!meshes) return meshes.error();
   const std::vector<EvaluationMesh>& models = *meshes;

@@ -441,8 +441,7 @@ class Painter {
       if (!drawn) return drawn.error();
       if (layers.empty()) {
         boxes = drawn->boxes;
-        if (const Result<void> done = add("Scan", kind, drawn->scan, "", layers); !done)
-          return done.error();
+        TRIVET_TRY(add("Scan", kind, drawn->scan, "", layers));
       }
       if (name.empty()) continue;
       const Result<void> done =

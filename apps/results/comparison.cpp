@@ -308,7 +308,7 @@ Result<Comparison> compare_results(ComparedResult a, ComparedResult b, const Pos
                  "expected --library LIBRARY.h5 to tell when two poses are the same, or "
                  "--max-translation LENGTH; found neither"};
   }
-  if (const Result<void> arranged = arrange(a, b); !arranged) return arranged.error();
+  TRIVET_TRY(arrange(a, b));
   Comparison out{std::move(a), std::move(b), {}, {}, std::move(measure)};
   std::vector<PairedTrials> trials;
   for (std::size_t s = 0; s < out.a.scenes.size(); ++s) {

@@ -99,12 +99,12 @@ CsvTable summary_table(const Evaluation& evaluation) {
 Result<void> write_evaluation_csv(const std::filesystem::path& folder, const Manifest& manifest,
                                   const Evaluation& evaluation, const BopScores& bop,
                                   std::span<const std::optional<SceneResult>> results) {
-  if (const Result<void> made = make_folder(folder); !made) return made;
+  TRIVET_TRY(make_folder(folder));
   for (const auto& [name, table] :
        {std::pair{"instances.csv", instances_table(manifest, evaluation, results)},
         {"detections.csv", detections_table(manifest, evaluation, bop, results)},
         {"summary.csv", summary_table(evaluation)}}) {
-    if (const Result<void> written = table.write(folder / name); !written) return written;
+    TRIVET_TRY(table.write(folder / name));
   }
   return {};
 }

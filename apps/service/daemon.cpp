@@ -64,7 +64,7 @@ std::optional<HttpResponse> Daemon::refuse(const HttpRequest& head, bool is_free
 }
 
 Result<void> Daemon::start(HttpHandler handler) {
-  if (const Result<void> read = read_tokens(); !read) return read.error();
+  TRIVET_TRY(read_tokens());
   Result<HttpServer> started = HttpServer::start(
       settings_.address, settings_.port, settings_.http(max_arriving_mb_), std::move(handler));
   if (!started) return started.error();

@@ -83,8 +83,8 @@ Result<void> check_own_folder(const fs::path& folder, const FolderKind& kind) {
 }
 
 Result<void> take_folder(const fs::path& folder, const FolderKind& kind) {
-  if (const Result<void> good = check_own_folder(folder, kind); !good) return good;
-  if (const Result<void> made = make_folder(folder); !made) return made;
+  TRIVET_TRY(check_own_folder(folder, kind));
+  TRIVET_TRY(make_folder(folder));
   if (note_of(folder, kind)) return {};
   return mark_folder(folder, kind);
 }

@@ -157,7 +157,7 @@ Result<SettingFaults> set_values(std::span<const Setting> settings,
                                  const SettingArguments& arguments) {
   SettingsReader reader(settings, arguments);
   if (!arguments.config.empty()) {
-    if (const Result<void> done = reader.read_file(); !done) return done.error();
+    TRIVET_TRY(reader.read_file());
   }
   reader.read_flags();
   return reader.faults();

@@ -430,7 +430,7 @@ Result<StudySettings> settings_of(const Study& study, const Experiment& experime
   settings.scan.seed = study.seed;
   for (const std::vector<SettingChange>* changes :
        {&scenes.changes, &experiment.changes, &variant.changes}) {
-    if (const Result<void> done = change_settings(*changes, settings); !done) return done.error();
+    TRIVET_TRY(change_settings(*changes, settings));
   }
   settings.train.point_pairs = method != Method::trisi;
   settings.train.tri_spin_images = method != Method::ppf;

@@ -71,7 +71,7 @@ Result<void> render_missing(const Study& study, const StudyPlan& plan, const Stu
   return share(missing, [&](std::span<const std::size_t> some) -> Result<void> {
     for (std::size_t i = 0; i < some.size(); ++i) {
       const SceneSet& set = plan.sets[some[i]];
-      if (const Result<void> done = render(study, set, folder, progress.stop); !done) return done;
+      TRIVET_TRY(render(study, set, folder, progress.stop));
       progress(i + 1, some.size(), counted(set.options.num_scenes, "scene"));
     }
     return {};
@@ -142,10 +142,9 @@ Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder
 Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
                        const ProgressOf& progress_of, const Share& share) {
   for (const char* const part : {"scenes", "libraries", "cells"}) {
-    if (const Result<void> made = make_folder(folder.path() / part); !made) return made;
+    TRIVET_TRY(make_folder(folder.path() / part));
   }
-  if (const Result<void> done = render_missing(study, plan, folder, progress_of, share); !done)
-    return done;
+  TRIVET_TRY(render_missing(study, plan, folder, progress_of, share));
   const Result<std::vector<Manifest>> sets = read_sets(plan, folder);
   if (!sets) return sets.error();
 
@@ -156,9 +155,7 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
     missing.push_back(i);
     libraries.insert(plan.cells[i].library);
   }
-  if (const Result<void> done = train_missing(plan, folder, *sets, libraries, progress_of, share);
-      !done)
-    return done;
+  TRIVET_TRY(train_missing(plan, folder, *sets, libraries, progress_of, share));
 
   std::vector<fs::path> files;
   for (const LibraryPlan& library : plan.libraries) files.push_back(folder.library(library));

@@ -53,8 +53,7 @@ Result<void> write_study_table(const Study& study, const StudyResults& results,
       }
     }
   }
-  if (const Result<void> written = table.write(folder.path() / "results.csv"); !written)
-    return written;
+  TRIVET_TRY(table.write(folder.path() / "results.csv"));
 
   CsvTable libraries("num_models,file_bytes,open_seconds,peak_bytes");
   for (const LibraryRow& row : results.libraries) {

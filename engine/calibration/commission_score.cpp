@@ -141,7 +141,7 @@ Result<void> check(const ScoreModel& model, const Outcomes& outcomes) {
 
 Result<Commissioning> commission_score(const ScoreModel& model, const Outcomes& outcomes,
                                        float least) {
-  if (const Result<void> good = check(model, outcomes); !good) return good.error();
+  TRIVET_TRY(check(model, outcomes));
   Commissioning best;
   best.before = best.after = tally(model, outcomes, least);
   best.num_right = num_right(outcomes);

@@ -17,7 +17,7 @@ Result<std::vector<ManifestModel>> write_bop_models(std::span<const BopModel> mo
   std::vector<std::filesystem::path> folders{folder / "models"};
   for (const char* name : further) folders.push_back(folder / name);
   for (const auto& place : folders) {
-    if (Result<void> made = make_folder(place); !made) return made.error();
+    TRIVET_TRY(make_folder(place));
   }
   const double to_mm = unit_scale(unit, LengthUnit::millimeter);
   std::vector<ManifestModel> entries;
@@ -32,7 +32,7 @@ Result<std::vector<ManifestModel>> write_bop_models(std::span<const BopModel> mo
     for (std::size_t i = 0; i < surface.points.size(); ++i)
       box.extend(surface.points[i].cast<double>());
     for (const auto& place : folders) {
-      if (Result<void> written = write_ply(place / name, surface); !written) return written.error();
+      TRIVET_TRY(write_ply(place / name, surface));
     }
     objects.push_back({id, static_cast<double>(kernels::find_diameter(surface.points)), box.min(),
                        box.sizes(), scaled(model.symmetry, to_mm)});

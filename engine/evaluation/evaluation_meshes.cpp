@@ -51,7 +51,7 @@ Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manif
 Result<std::vector<EvaluationMesh>> meshes_of(const Library& library) {
   std::vector<EvaluationMesh> meshes;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    if (const Result<void> good = library.check(m, ModelPart::surface); !good) return good.error();
+    TRIVET_TRY(library.check(m, ModelPart::surface));
     const Model& model = library.models[m];
     meshes.push_back({model.name, model.vertices, model.triangles,
                       static_cast<double>(model.diameter), model.symmetry});

@@ -88,10 +88,7 @@ Result<SceneResult> recognize_cell(const OpenLibrary& library, const Recognition
   if (!cloud) return cloud.error();
   if (cell.scene.viewpoint) cloud->viewpoint = in_cloud_frame(*cell.scene.viewpoint, cloud->offset);
   const float diameter = library.mean_diameter / static_cast<float>(cell.scene.scale);
-  if (const Result<void> done = degrade_scene(*cloud, cell.degrade, diameter, cell.degrade_seed);
-      !done) {
-    return done.error();
-  }
+  TRIVET_TRY(degrade_scene(*cloud, cell.degrade, diameter, cell.degrade_seed));
   return recognize(library.recognizer, *cloud, cell.scene, cell.options, stop);
 }
 

@@ -23,7 +23,7 @@ Model as_named(const ModelCopy& copy) {
 Result<std::shared_ptr<PackedModel>> check_and_pack(const ModelCopy& copy,
                                                     const LibraryWriter& writer) {
   for (const ModelPart part : kModelParts) {
-    if (const Result<void> good = copy.library->check(copy.index, part); !good) return good.error();
+    TRIVET_TRY(copy.library->check(copy.index, part));
   }
   return pack_model(as_named(copy), writer.unit(), writer.num_components());
 }
@@ -63,12 +63,12 @@ Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> mod
         return true;
       });
   if (!written) return written;
-  if (const Result<void> indexed = engine::add_index(writer); !indexed) return indexed;
+  TRIVET_TRY(engine::add_index(writer));
   // What was copied after it had been checked.
   std::set<const Library*> sources;
   for (const ModelCopy& copy : models) sources.insert(copy.library);
   for (const Library* const source : sources) {
-    if (const Result<void> same = source->unchanged(); !same) return same;
+    TRIVET_TRY(source->unchanged());
   }
   return writer.publish();
 }
@@ -81,7 +81,7 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
   for (const ModelCopy& copy : models) names.add(copy.name);
   Result<LibraryWriter> writer = LibraryWriter::create(lock.file(), header, names);
   if (!writer) return writer.error();
-  if (const Result<void> added = writer->add(basis); !added) return added;
+  TRIVET_TRY(writer->add(basis));
   return finish_library(std::move(*writer), models, 0, lock, progress);
 }
 

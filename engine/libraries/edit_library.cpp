@@ -73,7 +73,7 @@ Result<void> remove_models(const fs::path& file, std::span<const std::string> na
   const Result<OpenedForChange> opened = open_for_change(file);
   if (!opened) return opened.error();
   for (const std::string& name : names) {
-    if (const auto found = find_model(opened->library, name); !found) return found.error();
+    TRIVET_TRY(find_model(opened->library, name));
   }
   std::vector<ModelCopy> staying = copies_of(opened->library);
   std::erase_if(staying, [&](const ModelCopy& copy) {

@@ -22,7 +22,7 @@ Result<std::vector<const Model*>> models_named(const Library& library,
   for (std::uint32_t m = 0; names.empty() && m < library.models.size(); ++m) wanted.push_back(m);
   std::vector<const Model*> models;
   for (const std::uint32_t m : wanted) {
-    if (const Result<void> good = library.check(m, ModelPart::surface); !good) return good.error();
+    TRIVET_TRY(library.check(m, ModelPart::surface));
     models.push_back(&library.models[m]);
   }
   return models;
@@ -51,7 +51,7 @@ Result<fs::path> write_data_set(std::span<const Model* const> models, LengthUnit
   manifest.unit = unit;
   manifest.models = std::move(*entries);
   fs::path file = folder / "manifest.json";
-  if (const Result<void> written = write_manifest(file, manifest); !written) return written.error();
+  TRIVET_TRY(write_manifest(file, manifest));
   return file;
 }
 
@@ -62,7 +62,7 @@ Result<std::vector<fs::path>> export_models(const Library& library,
                                             SurfaceFormat format, const fs::path& folder) {
   const Result<std::vector<const Model*>> models = models_named(library, names);
   if (!models) return models.error();
-  if (const Result<void> made = make_folder(folder); !made) return made.error();
+  TRIVET_TRY(make_folder(folder));
   const LengthUnit unit = library.header.unit;
   std::vector<fs::path> files;
   if (format == SurfaceFormat::bop) {

@@ -211,7 +211,7 @@ FeatureLevel in_memory(const LevelInPieces& made) {
 Result<FeatureIndex> index_features(const Library& library) {
   std::vector<FeaturesOfModel> features;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    if (const Result<void> good = library.check(m, ModelPart::features); !good) return good.error();
+    TRIVET_TRY(library.check(m, ModelPart::features));
     for (const TriSpinFeatures& at_scale : library.models[m].features)
       features.push_back({m, at_scale});
   }

@@ -34,8 +34,7 @@ std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> fra
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library) {
   std::vector<std::uint32_t> all(library.models.size());
   std::iota(all.begin(), all.end(), 0U);
-  if (const Result<void> good = check_models(library, all, ModelPart::samples); !good)
-    return good.error();
+  TRIVET_TRY(check_models(library, all, ModelPart::samples));
   std::vector<kernels::ShapeFrame> frames(all.size());
   for_each_index(all.size(), [&](std::size_t m) {
     frames[m] = kernels::shape_frame(library.models[m].samples);

@@ -41,7 +41,7 @@ Result<std::shared_ptr<const kernels::RayScene>> Recognizer::surface(std::uint32
   return parts_->surfaces.get(model, [&]() -> Result<kernels::RayScene> {
     const Model& m = library_.models[model];
     const ModelPart part = m.triangles.empty() ? ModelPart::samples : ModelPart::surface;
-    if (const Result<void> good = library_.check(model, part); !good) return good.error();
+    TRIVET_TRY(library_.check(model, part));
     if (m.triangles.empty())
       return kernels::RayScene::from_discs(m.samples, m.sample_normals,
                                            kernels::kCloudRadius * m.sample_spacing);

@@ -157,15 +157,14 @@ Result<void> validate(const SurfaceOptions& options) {
 
 Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
                                     const SurfaceOptions& options) {
-  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  TRIVET_TRY(validate(options));
   const Result<SurfaceMethod> method = choose_method(cloud, name, options);
   if (!method) return method.error();
   if (cloud.points.size() < 3) {
     return Error{ErrorCode::bad_data, fmt::format("{}: expected at least 3 points, found {}", name,
                                                   cloud.points.size())};
   }
-  if (const Result<void> checked = engine::check_extent(cloud.points, name); !checked)
-    return checked.error();
+  TRIVET_TRY(engine::check_extent(cloud.points, name));
   const Result<Eigen::Vector3f> place = engine::find_viewpoint(cloud, options.viewpoint, name);
   const bool is_seen =
       *method == SurfaceMethod::grid || (*method == SurfaceMethod::greedy && cloud.normals.empty());

@@ -38,9 +38,9 @@ Result<RecognizeOptions> parse_recognize_options(
                       printable(name),
                       nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest))};
     }
-    if (const Result<void> set = set_option(*option, text, options); !set) return set.error();
+    TRIVET_TRY(set_option(*option, text, options));
   }
-  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  TRIVET_TRY(validate(options));
   return options;
 }
 

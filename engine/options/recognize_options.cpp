@@ -466,7 +466,7 @@ bool is_direction(const Eigen::Vector3f& v) { return v.norm() > 0 && std::isfini
 }  // namespace
 
 Result<void> validate(const RecognizeOptions& options) {
-  if (const Result<void> valid = check_options(options); !valid) return valid;
+  TRIVET_TRY(check_options(options));
   const auto refuse = [](const char* what) { return Error{ErrorCode::usage, what}; };
   if (const auto& region = options.limits.region;
       region && !(region->low.array() <= region->high.array()).all())

@@ -98,7 +98,7 @@ std::span<const Option<TrainOptions>> options_of<TrainOptions>() {
 }
 
 Result<void> validate(const TrainOptions& options) {
-  if (const Result<void> valid = check_options(options); !valid) return valid;
+  TRIVET_TRY(check_options(options));
   if (!options.point_pairs && !options.tri_spin_images)
     return Error{ErrorCode::usage, "methods: expected at least one, found none"};
   return {};

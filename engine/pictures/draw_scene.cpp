@@ -397,7 +397,7 @@ struct SceneDrawing::State {
     for (std::uint32_t i = 0; i < overlays.size(); ++i) {
       if (overlays[i].filled) filled.push_back(i);
     }
-    if (const Result<void> done = add(filled); !done) return done.error();
+    TRIVET_TRY(add(filled));
     for (std::uint32_t i = 0; i < overlays.size(); ++i) {
       // One at a time: outlines of like poses would break each other up.
       if (overlays[i].filled) continue;

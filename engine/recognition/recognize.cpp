@@ -191,13 +191,12 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
                                  const SceneInput& input, const RecognizeOptions& asked,
                                  const std::stop_token& stop) try {
   const StopScope scope(&stop);
-  if (const Result<void> valid = validate(asked); !valid) return valid.error();
+  TRIVET_TRY(validate(asked));
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e10"};
   const RecognizeOptions options = in_cloud_frame(engine::ablate(asked), scan.offset);
   const Library& library = recognizer.library();
-  if (const Result<void> trained = check_methods(library, options.method); !trained)
-    return trained.error();
+  TRIVET_TRY(check_methods(library, options.method));
   const Result<ModelGroups> groups = group_models(library, options.models);
   if (!groups) return groups.error();
   if (const Result<ModelGroups> asked_about = group_models(library, options.explain.models);
@@ -207,9 +206,8 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   std::optional<Cloud> without_stray;
   const bool is_seen = scan.points.size() >= engine::kFewestPoints || !scan.triangles.empty();
   if (is_seen) {
-    if (const Result<void> sizes = check_sizes(library, scan, input, without_stray); !sizes)
-      return sizes.error();
-    if (const Result<void> place = check_viewpoint(scan, input); !place) return place.error();
+    TRIVET_TRY(check_sizes(library, scan, input, without_stray));
+    TRIVET_TRY(check_viewpoint(scan, input));
   }
   const Cloud& cloud = without_stray ? *without_stray : scan;
 
@@ -259,14 +257,14 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
                               const SceneInput& input, const RecognizeOptions& asked,
                               std::stop_token stop) {
   const Library& library = recognizer.library();
-  if (const Result<void> same = library.unchanged(); !same) return same.error();
+  TRIVET_TRY(library.unchanged());
   // Whatever comes of bytes that were changed meanwhile, a fault too, is no answer.
   try {
     Result<SceneResult> result = recognize_in(recognizer, cloud, input, asked, stop);
-    if (const Result<void> same = library.unchanged(); !same) return same.error();
+    TRIVET_TRY(library.unchanged());
     return result;
   } catch (const std::exception&) {
-    if (const Result<void> same = library.unchanged(); !same) return same.error();
+    TRIVET_TRY(library.unchanged());
     throw;
   }
 }

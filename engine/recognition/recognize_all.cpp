@@ -66,7 +66,7 @@ Result<void> recognize_all(const Recognizer& recognizer, std::span<const SceneIn
                            const RecognizeOptions& options, const Progress& progress,
                            const std::function<void(std::size_t index, const SceneResult&)>& emit,
                            const std::function<void(std::size_t index, const Error&)>& fail) {
-  if (const Result<void> valid = validate(options); !valid) return valid;
+  TRIVET_TRY(validate(options));
   std::optional<Error> failure;
   std::size_t emitted = 0, next = 0;
   flow::graph graph;

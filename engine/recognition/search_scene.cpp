@@ -140,13 +140,12 @@ class SceneSearch {
 
 Result<SearchResult> SceneSearch::run() && {
   if (!options_.expected.empty()) {
-    if (const Result<void> settled = settle(propose_expected()); !settled) return settled.error();
+    TRIVET_TRY(settle(propose_expected()));
   }
   for (std::uint32_t round = 0; round < options_.pose.rounds; ++round) {
     Result<AllProposals> proposals = propose(round);
     if (!proposals) return proposals.error();
-    if (const Result<void> settled = settle(std::move(*proposals)); !settled)
-      return settled.error();
+    TRIVET_TRY(settle(std::move(*proposals)));
   }
   return conclude();
 }
@@ -175,10 +174,10 @@ Result<SceneSearch::AllProposals> SceneSearch::propose(std::uint32_t round) {
   const bool matches =
       budget_ ? round == 0 : options_.method == Method::trisi || (fused && round > 0);
   if (votes) {
-    if (const Result<void> done = vote(round, proposals); !done) return done.error();
+    TRIVET_TRY(vote(round, proposals));
   }
   if (matches) {
-    if (const Result<void> done = match(proposals); !done) return done.error();
+    TRIVET_TRY(match(proposals));
   }
   return proposals;
 }
@@ -216,8 +215,7 @@ Result<void> SceneSearch::vote(std::uint32_t round, AllProposals& proposals) {
   const StageTimer timer(stats_.times, "vote");
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     const std::vector<std::uint32_t>& models = sizes[k].second;
-    if (const Result<void> good = check_models(library_, models, ModelPart::pairs); !good)
-      return good;
+    TRIVET_TRY(check_models(library_, models, ModelPart::pairs));
     VotedHypotheses voted = find_hypotheses(library_, levels[k], models, options);
     stats_.num_references += voted.num_references;
     stats_.num_pairs += voted.num_pairs;
@@ -256,7 +254,7 @@ Result<void> SceneSearch::match(AllProposals& proposals) {
         return library_.models[m].features[0].resolution == level.resolution;
       });
       if (models.empty() || (!budget_ && !is_own)) continue;
-      if (const Result<void> good = library_.check_level(k); !good) return good;
+      TRIVET_TRY(library_.check_level(k));
       matches_.push_back(match_features(library_.basis, level, scene_,
                                         sample(level.resolution, models), selection_.explained,
                                         options, [&] { recognizer_.give_back(); }));
@@ -285,14 +283,14 @@ Result<void> SceneSearch::settle(AllProposals proposals) {
     if (!proposals[m].empty()) proposed.push_back({m, std::move(proposals[m])});
   }
   const PoseBudget poses = budget_ ? budget_->poses : PoseBudget{};
-  if (const Result<void> added = pool_.add(proposed, poses); !added) return added;
+  TRIVET_TRY(pool_.add(proposed, poses));
   const std::uint32_t passes = budget_ ? budget_->passes : 1;
   for (std::uint32_t pass = 0; pass < passes; ++pass) {
     std::span<const std::uint8_t> explained;
     if (budget_) explained = selection_.explained;
-    if (const Result<void> taken = take_in(pool_.test_best(poses, explained)); !taken) return taken;
+    TRIVET_TRY(take_in(pool_.test_best(poses, explained)));
     for (std::uint32_t climb = 0; budget_ && climb < budget_->climbs; ++climb) {
-      if (const Result<void> tested = test_look_alikes(); !tested) return tested;
+      TRIVET_TRY(test_look_alikes());
     }
   }
   stats_.num_hypotheses = pool_.num_looked_at();
@@ -349,10 +347,7 @@ Result<SearchResult> SceneSearch::conclude() {
   if (compares_alternatives(options_)) {
     const StageTimer timer(stats_.times, "alternatives");
     const PoseTestOptions& test = settle_options_.test;
-    if (const Result<void> settled =
-            settle_rivals(recognizer_, scene_, candidates_, test, selection_);
-        !settled)
-      return settled.error();
+    TRIVET_TRY(settle_rivals(recognizer_, scene_, candidates_, test, selection_));
     Result<OtherAnswers> found =
         OtherAnswers::among(recognizer_, scene_, candidates_, select_options_, test,
                             budget_ ? Among::many_models : Among::few_models);

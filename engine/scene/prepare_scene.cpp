@@ -444,8 +444,7 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
                  fmt::format("{}: expected a scan of at least {} points, found {}",
                              input.file.string(), kFewestPoints, cloud.points.size())};
   }
-  if (const Result<void> checked = check_extent(scene.points, input.file.string()); !checked)
-    return checked.error();
+  TRIVET_TRY(check_extent(scene.points, input.file.string()));
   const Result<void> prepared =
       closed ? prepare_closed_scene(take_surface(cloud, scene), input, options, scene)
              : prepare_sensor_scene(cloud, input, options, scene);

@@ -55,9 +55,7 @@ Result<OtherAnswers> OtherAnswers::among(const Recognizer& recognizer, const Pre
                                          Among among) {
   Selection selection =
       select_detections(recognizer.library(), scene, candidates, down_to_answers(select));
-  if (const Result<void> settled = settle_rivals(recognizer, scene, candidates, test, selection);
-      !settled)
-    return settled.error();
+  TRIVET_TRY(settle_rivals(recognizer, scene, candidates, test, selection));
   return OtherAnswers(recognizer, scene, candidates, test, among, std::move(selection));
 }
 

@@ -226,7 +226,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   for (const fs::path& made_folder : {bop_depth_file(scene_folder, 0).parent_path(),
                                       bop_mask_file(scene_folder, 0, 0).parent_path(),
                                       bop_visible_mask_file(scene_folder, 0, 0).parent_path()}) {
-    if (const Result<void> made = make_folder(made_folder); !made) return made.error();
+    TRIVET_TRY(make_folder(made_folder));
   }
   Manifest manifest;
   manifest.unit = unit;
@@ -252,21 +252,14 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
         const Result<std::vector<engine::ObjectView>> views =
             bop_truth->describe(scene->depths, scene->width, scene->bop);
         if (!views) return views.error();
-        if (const Result<void> written =
-                write_masks(scene_folder, scene->bop.id, *views, scene->width);
-            !written) {
-          return written.error();
-        }
+        TRIVET_TRY(write_masks(scene_folder, scene->bop.id, *views, scene->width));
         coco[i] = engine::coco_image(scene->bop, *views, scene->width, scene->height);
         bop[0].images[i] = std::move(scene->bop);
         if (i == 0) {
           width = scene->width;
           height = scene->height;
         }
-        if (const Result<void> written = write_depth_png(entry.file, scene->depths, scene->width);
-            !written) {
-          return written.error();
-        }
+        TRIVET_TRY(write_depth_png(entry.file, scene->depths, scene->width));
         return entry.name;
       });
   if (!rendered) return rendered.error();

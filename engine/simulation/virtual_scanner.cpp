@@ -435,7 +435,7 @@ VirtualScanner::~VirtualScanner() = default;
 
 Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models, LengthUnit unit,
                                               const ScanOptions& options) {
-  if (const Result<void> valid = validate(options); !valid) return valid.error();
+  TRIVET_TRY(validate(options));
   if (models.empty())
     return Error{ErrorCode::bad_data, "at least one model expected to scan, none found"};
   auto state = std::make_unique<State>(State{models, unit, options, {}, {}, {}, {}});
@@ -451,12 +451,12 @@ Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models,
                              model.name)};
   };
   for (const ScanModel& model : models) {
-    if (const Result<void> added = add(model); !added) return added.error();
+    TRIVET_TRY(add(model));
     state->areas.push_back(area_of(model.vertices, model.triangles));
   }
   state->clutter = make_clutter(options, state->bodies);
   for (const ScanModel& model : state->clutter) {
-    if (const Result<void> added = add(model); !added) return added.error();
+    TRIVET_TRY(add(model));
   }
   return VirtualScanner(std::move(state));
 }

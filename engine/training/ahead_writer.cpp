@@ -30,13 +30,13 @@ Result<PackedModels> AheadWriter::add(std::size_t source, std::shared_ptr<Packed
     const auto node = waiting_.extract(sources_[next_]);
     if (!node) break;
     bytes_waiting_ -= packed_bytes(*node.mapped());
-    if (const Result<void> written = write(*node.mapped()); !written) return written.error();
+    TRIVET_TRY(write(*node.mapped()));
   }
   return bytes_waiting_ > kMostWaiting ? stop() : PackedModels{};
 }
 
 Result<PackedModels> AheadWriter::give_up() {
-  if (const Result<void> told = tell(); !told) return told.error();
+  TRIVET_TRY(tell());
   writer_.reset();
   num_written_ = 0;
   return stop();
@@ -54,7 +54,7 @@ Result<void> AheadWriter::tell() {
 
 Result<void> AheadWriter::begin() {
   const std::filesystem::path folder = parts_folder(file_);
-  if (const Result<void> made = make_folder(folder); !made) return made;
+  TRIVET_TRY(make_folder(folder));
   unfinished_ = free_name(folder);
   Result<LibraryWriter> begun = LibraryWriter::create_lasting(file_, unfinished_, header_, names_);
   if (!begun) return begun.error();
@@ -65,9 +65,9 @@ Result<void> AheadWriter::begin() {
 
 Result<void> AheadWriter::write(PackedModel& model) {
   if (!writer_) {
-    if (const Result<void> begun = begin(); !begun) return begun;
+    TRIVET_TRY(begin());
   }
-  if (const Result<void> added = writer_->add(model); !added) return added;
+  TRIVET_TRY(writer_->add(model));
   ++num_written_;
   ++num_untold_;
   time_.add(model);

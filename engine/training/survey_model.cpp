@@ -84,8 +84,7 @@ Result<Triangles> faces_of_cloud(PointsView points) {
     near.offsets.push_back(static_cast<std::uint32_t>(i * num_near));
   near.indices.resize(n * num_near);
   std::vector<float> squared(near.indices.size());
-  if (const Result<void> found = tree->k_nearest(places, num_near, near.indices, squared); !found)
-    return found.error();
+  TRIVET_TRY(tree->k_nearest(places, num_near, near.indices, squared));
   Normals normals_of_places(n), normals(points.size());
   kernels::estimate_normals(places, near, normals_of_places);
   for (std::size_t i = 0; i < n; ++i) normals.set(delaunay.places[i], normals_of_places[i]);

@@ -15,8 +15,7 @@ float sampling_step(float diameter, float relative_step) {
 Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
                                  const TrainOptions& options, const TriSpinBasis& basis) {
   engine::ModelInTraining model;
-  if (const Result<void> good = engine::survey(cloud, source, options, model); !good)
-    return good.error();
+  TRIVET_TRY(engine::survey(cloud, source, options, model));
   engine::find_symmetries(source, model);
   engine::in_parallel([&] { engine::pair_up(source, options, model); },
                       [&] {

@@ -337,7 +337,7 @@ TrainingRun& TrainingRun::operator=(TrainingRun&&) noexcept = default;
 TrainingRun::~TrainingRun() = default;
 
 Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress& progress) {
-  if (const Result<void> valid = validate(request.options); !valid) return valid.error();
+  TRIVET_TRY(validate(request.options));
   Result<std::vector<ModelSource>> sources = by_name(std::move(request.sources));
   if (!sources) return sources.error();
   request.sources = std::move(*sources);
@@ -345,11 +345,11 @@ Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress
   if (!lock) return lock.error();
 
   auto state = std::make_unique<State>(std::move(request), std::move(*lock));
-  if (const Result<void> opened = state->open_old(); !opened) return opened.error();
-  if (const Result<void> found = state->find_staying(); !found) return found.error();
+  TRIVET_TRY(state->open_old());
+  TRIVET_TRY(state->find_staying());
   state->parts = engine::recover_parts(engine::parts_folder(state->request.file));
-  if (const Result<void> read = state->read_sources(progress.reading); !read) return read.error();
-  if (const Result<void> kept = state->check_replaced(); !kept) return kept.error();
+  TRIVET_TRY(state->read_sources(progress.reading));
+  TRIVET_TRY(state->check_replaced());
   state->plan();
   return TrainingRun(std::move(state));
 }

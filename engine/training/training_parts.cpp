@@ -112,13 +112,13 @@ bool KeepingTime::has_come() const {
 }
 
 Result<void> PartWriter::open() {
-  if (const Result<void> made = make_folder(folder_); !made) return made;
+  TRIVET_TRY(make_folder(folder_));
   std::error_code error;
   while (fs::exists(part_of(folder_, writer_, num_parts_), error)) ++num_parts_;
   Result<LibraryWriter> part =
       LibraryWriter::create(part_of(folder_, writer_, num_parts_), header_);
   if (!part) return part.error();
-  if (const Result<void> added = part->add(basis_); !added) return added;
+  TRIVET_TRY(part->add(basis_));
   part_ = std::move(*part);
   time_.reset();
   return {};
@@ -126,7 +126,7 @@ Result<void> PartWriter::open() {
 
 Result<void> PartWriter::add(PackedModel& model) {
   if (!part_) {
-    if (const Result<void> opened = open(); !opened) return opened;
+    TRIVET_TRY(open());
   }
   if (const Result<void> added = part_->add(model); !added) {
     part_.reset();

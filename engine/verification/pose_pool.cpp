@@ -184,7 +184,7 @@ Result<void> PosePool::add(std::span<const ModelProposals> proposals, const Pose
     const StageTimer timer(s.times, "cluster");
     std::vector<std::uint32_t> models;
     for (const ModelProposals& of_model : proposals) models.push_back(of_model.model);
-    if (const Result<void> prepared = s.prepare(models); !prepared) return prepared;
+    TRIVET_TRY(s.prepare(models));
     std::vector<const ModelStages*> stages;
     for (const std::uint32_t m : models) stages.push_back(s.stages.at(m).get());
     if (s.watch != nullptr) {
@@ -267,7 +267,7 @@ Result<std::vector<Candidate>> PosePool::test(std::span<const std::vector<Sugges
   for (const std::vector<SuggestedPose>& list : lists) {
     for (const SuggestedPose& suggested : list) models.push_back(suggested.model);
   }
-  if (const Result<void> prepared = s.prepare(models); !prepared) return prepared.error();
+  TRIVET_TRY(s.prepare(models));
   PooledPoses all;
   for (const std::vector<SuggestedPose>& list : lists) {
     for (const SuggestedPose& suggested : list) {

@@ -101,8 +101,7 @@ Result<void> Faces::measure(PointsView points, const Delaunay& delaunay) {
   if (!tree) return tree.error();
   std::vector<std::uint32_t> near(k * n);
   std::vector<float> squared(k * n);
-  if (const Result<void> found = tree->k_nearest(places, k, near, squared); !found)
-    return found.error();
+  TRIVET_TRY(tree->k_nearest(places, k, near, squared));
   for (std::size_t i = 0; i < n; ++i) {
     spacings_.push_back(std::sqrt(static_cast<double>(squared[k * i + k - 1]) * std::numbers::pi /
                                   static_cast<double>(k - 1)));
@@ -466,8 +465,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
   const std::size_t n = delaunay.places.size();
   if (n < 3) return {};
   Faces faces(delaunay, max_radius);
-  if (const Result<void> measured = faces.measure(points, delaunay); !measured)
-    return measured.error();
+  TRIVET_TRY(faces.measure(points, delaunay));
 
   // All directions to the outside: pi times the normal where it is half of them.
   const std::vector<std::uint8_t> is_outside = find_outside(faces);
@@ -501,8 +499,7 @@ Result<Triangles> triangulate_cloud(PointsView points, const Delaunay& delaunay,
   Triangles triangles;
   if (delaunay.places.size() < 3) return triangles;
   Faces faces(delaunay, options.max_radius);
-  if (const Result<void> measured = faces.measure(points, delaunay); !measured)
-    return measured.error();
+  TRIVET_TRY(faces.measure(points, delaunay));
   std::vector<Vector3d> directions;
   for (const std::uint32_t i : delaunay.places) directions.push_back(normals[i].cast<double>());
   Front front(faces, std::move(directions), options);

@@ -209,8 +209,7 @@ Result<void> Growth::measure() {
   if (!tree) return tree.error();
   std::vector<std::uint32_t> nearest(k * n);
   std::vector<float> squared(k * n);
-  if (const Result<void> found = tree->k_nearest(places, k, nearest, squared); !found)
-    return found.error();
+  TRIVET_TRY(tree->k_nearest(places, k, nearest, squared));
 
   // The spacing is the step of the square lattice whose eighth neighbor is as far, or as dense.
   // The other side of a thin wall does not count.
@@ -468,7 +467,7 @@ Result<Triangles> triangulate_greedy(PointsView points, NormalsView normals,
                                      const GreedyOptions& options) {
   TRIVET_REQUIRE(points.size() == normals.size(), "one normal a point");
   Growth growth(points, normals, options);
-  if (const Result<void> measured = growth.measure(); !measured) return measured.error();
+  TRIVET_TRY(growth.measure());
   return growth.grow();
 }
 

@@ -105,7 +105,7 @@ Result<std::vector<EvaluationMesh>> found_meshes(const Recognized& self) {
     const bool found = std::ranges::any_of(
         self.result.detections, [&](const Detection& one) { return one.model == model.name; });
     if (!found) continue;
-    if (const Result<void> good = library.check(m, ModelPart::surface); !good) return good.error();
+    TRIVET_TRY(library.check(m, ModelPart::surface));
     meshes.push_back({model.name, model.vertices, model.triangles, model.diameter, model.symmetry});
   }
   return meshes;

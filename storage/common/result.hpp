@@ -85,3 +85,9 @@ class [[nodiscard]] Result<void> {
 };
 
 }  // namespace trivet
+
+/// End the function with the error of a Result that has one; its value, if any, is not asked for.
+#define TRIVET_TRY(...)                                                                  \
+  do {                                                                                   \
+    if (auto&& trivet_tried = (__VA_ARGS__); !trivet_tried) return trivet_tried.error(); \
+  } while (false)

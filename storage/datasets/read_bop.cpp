@@ -170,7 +170,7 @@ Result<std::optional<Targets>> read_targets(const fs::path& root) {
     if (!is_there(root / name)) continue;
     const bool first = !targets;
     if (first) targets.emplace();
-    if (auto done = add_targets(root / name, first, *targets); !done) return done.error();
+    TRIVET_TRY(add_targets(root / name, first, *targets));
   }
   return targets;
 }
@@ -223,12 +223,12 @@ class SceneReader {
     if (!camera) return camera.error();
     const SceneFiles files{folder, *camera};
     std::map<int, ManifestScene> scenes;
-    if (auto done = read_cameras(files, images, scenes); !done) return done;
-    if (auto done = read_truth(files, scenes); !done) return done;
+    TRIVET_TRY(read_cameras(files, images, scenes));
+    TRIVET_TRY(read_truth(files, scenes));
     for (auto& [image_id, scene] : scenes) {
       scene.scene_id = scene_id;
       scene.image_id = image_id;
-      if (auto done = find_depth(files, scene); !done) return done;
+      TRIVET_TRY(find_depth(files, scene));
       if (images) {
         for (const auto& [object_id, count] : images->at(image_id)) {
           const auto name = names_.find(object_id);
@@ -401,11 +401,9 @@ Result<Manifest> read_bop(const fs::path& folder) {
   if (!targets) return targets.error();
   SceneReader reader(*split, place->camera, *manifest);
   if (*targets) {
-    for (const auto& [scene_id, images] : **targets)
-      if (auto done = reader.read(scene_id, &images); !done) return done.error();
+    for (const auto& [scene_id, images] : **targets) TRIVET_TRY(reader.read(scene_id, &images));
   } else {
-    for (const int scene_id : list_scenes(*split))
-      if (auto done = reader.read(scene_id, nullptr); !done) return done.error();
+    for (const int scene_id : list_scenes(*split)) TRIVET_TRY(reader.read(scene_id, nullptr));
   }
   return manifest;
 }

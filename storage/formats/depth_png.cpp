@@ -42,7 +42,7 @@ Result<void> check_header(const Input& input, const ImageHeader& header) {
                     "color type {}; a picture or an 8-bit image holds no depths",
                     header.bits, header.color));
   }
-  if (auto checked = check_pixels(input, header.width, header.height); !checked) return checked;
+  TRIVET_TRY(check_pixels(input, header.width, header.height));
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
   // Deflate shrinks by at most 1032 (RFC 1951: 258 bytes in two bits).
   if (2 * pixels / 1032 > input.bytes.size()) {
@@ -101,7 +101,7 @@ bool decode(Source& source, std::span<const png_bytep> rows, std::uint32_t width
 Result<Cloud> read_depth_png(const Input& input) {
   const auto header = read_header(input);
   if (!header) return header.error();
-  if (auto checked = check_header(input, *header); !checked) return checked.error();
+  TRIVET_TRY(check_header(input, *header));
   const auto camera = depth_camera(input, header->width, header->height);
   if (!camera) return camera.error();
 

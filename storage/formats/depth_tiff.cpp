@@ -137,9 +137,8 @@ Result<TiffHeader> read_header(const Input& input, TIFF* tiff) {
   const TiffHeader header{tag<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH),
                           tag<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH),
                           is_float ? Scalar::float32 : Scalar::uint16};
-  if (auto checked = check_pixels(input, header.width, header.height); !checked)
-    return checked.error();
-  if (auto checked = check_layout(input, tiff); !checked) return checked.error();
+  TRIVET_TRY(check_pixels(input, header.width, header.height));
+  TRIVET_TRY(check_layout(input, tiff));
   // Deflate shrinks by at most 1032, LZW by 1400: the longest strings of its table, one after the
   // other, until it is full.
   constexpr std::uint64_t kMostShrunk = 1400;

@@ -86,7 +86,7 @@ Result<Cloud> finish(Cloud cloud, const Input& input) {
         fmt::format("expected at least one point, found {} of which none is finite", num_read));
   }
   if (input.options.keep_origin && !cloud.triangles.empty()) drop_unused(cloud);
-  if (auto checked = check_range(cloud, input); !checked) return checked.error();
+  TRIVET_TRY(check_range(cloud, input));
   for (std::size_t i = 0; i < cloud.normals.size(); ++i) {
     if (!cloud.normals[i].allFinite()) cloud.normals.set(i, Eigen::Vector3f::Zero());
   }

@@ -106,7 +106,7 @@ Positions vectors_of(const ArrayView& array) {
 
 Result<void> check_points(const Input& input, const ArrayView& xyz,
                           const MemoryCloudOptions& options) {
-  if (auto checked = check_array(input, "points", xyz); !checked) return checked.error();
+  TRIVET_TRY(check_array(input, "points", xyz));
   const bool image = xyz.num_dimensions == 3;
   if (xyz.shape[image ? 2 : 1] != 3) {
     return Error{
@@ -115,8 +115,7 @@ Result<void> check_points(const Input& input, const ArrayView& xyz,
                     input.file.string(), shape_text(xyz))};
   }
   if (options.normals) {
-    if (auto checked = check_array(input, "normals", *options.normals); !checked)
-      return checked.error();
+    TRIVET_TRY(check_array(input, "normals", *options.normals));
     if (shape_text(*options.normals) != shape_text(xyz)) {
       return Error{ErrorCode::usage,
                    fmt::format("{}: normals: expected the shape of the points, {}, found {}",
@@ -134,7 +133,7 @@ Result<void> check_points(const Input& input, const ArrayView& xyz,
 
 Result<Triangles> take_triangles(const Input& input, const ArrayView& array,
                                  std::size_t num_points) {
-  if (auto checked = check_array(input, "triangles", array); !checked) return checked.error();
+  TRIVET_TRY(check_array(input, "triangles", array));
   if (array.num_dimensions != 2 || array.shape[1] != 3) {
     return Error{ErrorCode::usage, fmt::format("{}: triangles: expected the shape (m, 3), found {}",
                                                input.file.string(), shape_text(array))};
@@ -161,7 +160,7 @@ Result<Triangles> take_triangles(const Input& input, const ArrayView& array,
 
 Result<Cloud> take_points(const Input& input, const ArrayView& xyz,
                           const MemoryCloudOptions& options) {
-  if (auto checked = check_points(input, xyz, options); !checked) return checked.error();
+  TRIVET_TRY(check_points(input, xyz, options));
   Positions positions = vectors_of(xyz);
   const std::size_t num_points = positions.size();
   Triangles triangles;
@@ -179,14 +178,14 @@ Result<Cloud> take_points(const Input& input, const ArrayView& xyz,
 }
 
 Result<Cloud> take_depths(const Input& input, const ArrayView& depths) {
-  if (auto checked = check_array(input, "depths", depths); !checked) return checked.error();
+  TRIVET_TRY(check_array(input, "depths", depths));
   if (depths.num_dimensions != 2) {
     return Error{ErrorCode::usage, fmt::format("{}: depths: expected the shape (height, width), "
                                                "found {}",
                                                input.file.string(), shape_text(depths))};
   }
   const std::size_t height = depths.shape[0], width = depths.shape[1];
-  if (auto checked = check_pixels(input, width, height); !checked) return checked.error();
+  TRIVET_TRY(check_pixels(input, width, height));
   const Result<Camera> camera = depth_camera(input, width, height);
   if (!camera) return camera.error();
   Result<Cloud> cloud = with_numbers(depths, [&](auto number) {

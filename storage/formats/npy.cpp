@@ -78,7 +78,7 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
     positions.push_back(table.vector(i, 0));
     if (columns != 6) continue;
     const Eigen::Vector3d normal = table.vector(i, 3);
-    if (auto checked = check_normal(input, normal, i); !checked) return checked.error();
+    TRIVET_TRY(check_normal(input, normal, i));
     normals.push_back(normal);
   }
   const bool image = header.shape.size() == 3;
@@ -90,7 +90,7 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
 
 Result<Cloud> read_depths(const Input& input, const NpyHeader& header) {
   const std::uint64_t height = header.shape[0], width = header.shape[1];
-  if (auto checked = check_pixels(input, width, height); !checked) return checked.error();
+  TRIVET_TRY(check_pixels(input, width, height));
   const auto camera = depth_camera(input, width, height);
   if (!camera) return camera.error();
   const Table table(input, header, 1);

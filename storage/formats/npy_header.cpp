@@ -206,7 +206,7 @@ Result<NpyHeader> parse_npy_header(const Input& input) {
   if (!type) return type.error();
   NpyHeader header{type->first, type->second, *entries.fortran_order, *std::move(entries.shape),
                    found->second};
-  if (auto checked = check_length(input, header); !checked) return checked.error();
+  TRIVET_TRY(check_length(input, header));
   return header;
 }
 

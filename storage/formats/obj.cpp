@@ -44,7 +44,7 @@ class ObjReader {
 
   Result<Cloud> read() {
     do {
-      if (auto done = read_line(cursor_.word()); !done) return done.error();
+      TRIVET_TRY(read_line(cursor_.word()));
     } while (cursor_.next_line());
 
     if (highest_.index >= static_cast<std::int64_t>(positions_.size())) {
@@ -54,7 +54,7 @@ class ObjReader {
     }
     place(std::move(positions_), input_, cloud_);
     cloud_.normals = round_to_floats(std::move(normals_));
-    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
+    TRIVET_TRY(std::move(faces_).put_into(cloud_, input_));
     if (!paired_ || cloud_.normals.size() != cloud_.points.size()) cloud_.normals = {};
     return std::move(cloud_);
   }

@@ -103,19 +103,19 @@ class OffReader {
       if (&count != &counts[2]) word = text_.next_word();
     }
     const auto [vertices, faces, edges] = counts;
-    if (auto checked = check_counts(vertices, faces); !checked) return checked.error();
+    TRIVET_TRY(check_counts(vertices, faces));
     const std::uint64_t lines = text_.count_lines();
     layout_ = lines == vertices + faces  ? Layout::row_a_line
               : lines > vertices + faces ? Layout::rows_of_lines
                                          : Layout::rows_of_numbers;
 
-    if (auto done = read_vertices(vertices, *keyword); !done) return done.error();
-    if (auto done = read_faces(faces); !done) return done.error();
+    TRIVET_TRY(read_vertices(vertices, *keyword));
+    TRIVET_TRY(read_faces(faces));
     if (const auto more = text_.next_word(); !more.empty())
       return refuse("the end of the file behind the last face", more);
     place(std::move(positions_), input_, cloud_);
     cloud_.normals = round_to_floats(std::move(normals_));
-    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
+    TRIVET_TRY(std::move(faces_).put_into(cloud_, input_));
     return std::move(cloud_);
   }
 
@@ -209,8 +209,7 @@ class OffReader {
         }
         faces_.add(static_cast<std::uint32_t>(value));
       }
-      if (auto ended = end_row("at most four numbers of a color behind a face", 4); !ended)
-        return ended;
+      TRIVET_TRY(end_row("at most four numbers of a color behind a face", 4));
     }
     return {};
   }

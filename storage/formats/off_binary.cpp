@@ -34,7 +34,7 @@ class OffBinaryReader {
 
     read_vertices(*vertices, in_a_vertex, keyword.has_normals);
     for (std::uint64_t i = 0; i < *faces; ++i) {
-      if (auto done = read_face(*vertices); !done) return done.error();
+      TRIVET_TRY(read_face(*vertices));
     }
     if (remaining() > 0) {
       return input_.refuse_byte(at_,
@@ -42,7 +42,7 @@ class OffBinaryReader {
                                             "found {} bytes more",
                                             remaining()));
     }
-    if (auto done = std::move(faces_).put_into(cloud_, input_); !done) return done.error();
+    TRIVET_TRY(std::move(faces_).put_into(cloud_, input_));
     return std::move(cloud_);
   }
 

@@ -195,7 +195,7 @@ Result<Cloud> read_pcd(const Input& input) {
     return input.refuse(fmt::format("expected the fields x, y and z with a COUNT of 1, found {}",
                                     names_of(*header)));
   }
-  if (auto held = check_body(input, *header); !held) return held.error();
+  TRIVET_TRY(check_body(input, *header));
 
   Cloud cloud;
   Positions positions, normals;

@@ -100,8 +100,8 @@ Result<void> set_size(const Input& input, const Lines& lines, PcdHeader& header)
 
 Result<PcdHeader> make_header(const Input& input, const Lines& lines, const TextCursor& cursor) {
   PcdHeader header;
-  if (auto done = lay_out_fields(input, lines, header); !done) return done.error();
-  if (auto done = set_size(input, lines, header); !done) return done.error();
+  TRIVET_TRY(lay_out_fields(input, lines, header));
+  TRIVET_TRY(set_size(input, lines, header));
 
   for (std::size_t i = 0; i < 3 && i < lines.viewpoint.size(); ++i) {
     const auto number = parse_number(lines.viewpoint[i]);

@@ -144,9 +144,7 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
     body.begin_row();
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       if (!columns[p]) {
-        if (auto skipped = skip_property(body, element, row, element.properties[p]); !skipped) {
-          return skipped;
-        }
+        TRIVET_TRY(skip_property(body, element, row, element.properties[p]));
         continue;
       }
       double value = 0;
@@ -154,7 +152,7 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
         return body.fault(element, row, "a number");
       columns[p][row] = value;
     }
-    if (auto ended = body.end_row(element, row); !ended) return ended;
+    TRIVET_TRY(body.end_row(element, row));
   }
   return {};
 }
@@ -169,7 +167,7 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (p != list) {
-        if (auto skipped = skip_property(body, element, row, property); !skipped) return skipped;
+        TRIVET_TRY(skip_property(body, element, row, property));
         continue;
       }
       const auto count = read_count(body, element, row, property);
@@ -187,7 +185,7 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
         }
       }
     }
-    if (auto ended = body.end_row(element, row); !ended) return ended;
+    TRIVET_TRY(body.end_row(element, row));
   }
   return {};
 }
@@ -321,7 +319,7 @@ Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input
              color && input.options.intensity) {
     send(*color, element, colors, columns);
   }
-  if (auto done = read_scalars(body, element, columns); !done) return done;
+  TRIVET_TRY(read_scalars(body, element, columns));
   place(std::move(positions), input, cloud);
   if (normal) cloud.normals = round_to_floats(std::move(normals));
   cloud.intensity = bright ? to_floats(intensity) : brightness(colors);
@@ -387,7 +385,7 @@ Result<void> check_room(const PlyBody& body, const PlyElement& element) {
 Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHeader& header,
                           const Input& input, Faces& faces, Cloud& cloud,
                           std::optional<Eigen::Vector3d>& viewpoint) {
-  if (auto held = check_room(body, element); !held) return held;
+  TRIVET_TRY(check_room(body, element));
   if (element.name == "vertex") return read_vertices(body, element, input, cloud);
   const Role role = role_of(element);
   if (role == Role::camera) return read_viewpoint(body, element, viewpoint);
@@ -416,7 +414,7 @@ Result<Cloud> read_ply(const Input& input) {
   Faces faces;
   PlyBody body(input, *header);
   // Faces may come before the vertices that they name.
-  if (auto held = check_room(body, *vertex); !held) return held.error();
+  TRIVET_TRY(check_room(body, *vertex));
   if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
   cloud.points.resize(vertex->count);
   std::optional<Eigen::Vector3d> viewpoint;
@@ -424,9 +422,9 @@ Result<Cloud> read_ply(const Input& input) {
     auto done = read_element(body, element, *header, input, faces, cloud, viewpoint);
     if (!done) return done.error();
   }
-  if (auto ended = body.end(); !ended) return ended.error();
+  TRIVET_TRY(body.end());
   if (viewpoint) place_viewpoint(*viewpoint, cloud);
-  if (auto split = std::move(faces).put_into(cloud, input); !split) return split.error();
+  TRIVET_TRY(std::move(faces).put_into(cloud, input));
   return cloud;
 }
 

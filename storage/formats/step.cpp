@@ -92,13 +92,12 @@ Result<void> add_face(const Input& input, const TopoDS_Face& face, double scale,
 Result<Cloud> read_faces(const Input& input) {
   const auto shape = read_shape(input);
   if (!shape) return shape.error();
-  if (auto done = tessellate(input, *shape); !done) return done.error();
+  TRIVET_TRY(tessellate(input, *shape));
   const double scale =
       unit_scale(LengthUnit::millimeter, input.options.unit.value_or(LengthUnit::millimeter));
   Cloud cloud;
   for (TopExp_Explorer face(*shape, TopAbs_FACE); face.More(); face.Next()) {
-    if (auto added = add_face(input, TopoDS::Face(face.Current()), scale, cloud); !added)
-      return added.error();
+    TRIVET_TRY(add_face(input, TopoDS::Face(face.Current()), scale, cloud));
   }
   return cloud;
 }

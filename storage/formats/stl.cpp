@@ -72,7 +72,7 @@ class TextReader {
 
   Result<Positions> read() {
     for (std::string_view word = cursor_.next_word(); !word.empty(); word = cursor_.next_word()) {
-      if (auto done = read_element(word); !done) return done.error();
+      TRIVET_TRY(read_element(word));
     }
     if (inside_facet_ || corners_.size() % 3 != 0)
       return refuse("\"endfacet\"; the file is truncated", "the end of the file");

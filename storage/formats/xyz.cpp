@@ -88,12 +88,12 @@ class XyzReader {
   explicit XyzReader(const Input& input) : input_(input), cursor_(input.text()) {}
 
   Result<Cloud> read() {
-    if (auto done = read_head(); !done) return done.error();
+    TRIVET_TRY(read_head());
     for (bool more = has_row_; more; more = next_row()) {
       split_row(row_, delimiter_, fields_);
-      if (auto done = is_count() ? begin_block() : read_point(); !done) return done.error();
+      TRIVET_TRY(is_count() ? begin_block() : read_point());
     }
-    if (auto done = end_block(); !done) return done.error();
+    TRIVET_TRY(end_block());
     Cloud cloud;
     place(std::move(positions_), input_, cloud);
     const Column<float> colors = input_.options.intensity ? brightness(normals_) : Column<float>{};
@@ -139,7 +139,7 @@ class XyzReader {
   }
 
   Result<void> begin_block() {
-    if (auto done = end_block(); !done) return done;
+    TRIVET_TRY(end_block());
     if (!announced_ && !positions_.size() == 0) return refuse_width();
     announced_ = parse_integer(fields_[0]);
     announced_line_ = cursor_.line();
@@ -162,7 +162,7 @@ class XyzReader {
       delimiter_ = find_delimiter(row_);
       split_row(row_, delimiter_, fields_);
       if (is_count()) {
-        if (auto done = begin_block(); !done) return done;
+        TRIVET_TRY(begin_block());
       } else if (header_line == 0 && is_header()) {
         header = row_;
         header_line = cursor_.line();
@@ -241,7 +241,7 @@ class XyzReader {
                                   columns[i] + 1,
                                   field.empty() ? "an empty column" : quote(field)));
       }
-      if (auto marked = check_mark(field); !marked) return marked.error();
+      TRIVET_TRY(check_mark(field));
       values[static_cast<Eigen::Index>(i)] = *number;
     }
     return values;

@@ -351,9 +351,9 @@ Result<void> check_part(const Model& model, ModelPart part) {
 }
 
 Result<void> check_model(const Model& model) {
-  if (Result<void> good = check_traits(model); !good) return good;
+  TRIVET_TRY(check_traits(model));
   for (const ModelPart part : kModelParts) {
-    if (Result<void> good = check_part(model, part); !good) return good;
+    TRIVET_TRY(check_part(model, part));
   }
   return {};
 }
@@ -384,7 +384,7 @@ Result<void> check_listed(std::span<const std::uint32_t> model, PointsView keypo
 }
 
 Result<void> check_level(const FeatureLevel& level, std::size_t num_models) {
-  if (const Result<void> good = check_lists(level, num_models); !good) return good;
+  TRIVET_TRY(check_lists(level, num_models));
   const std::size_t n = level.size();
   std::string wrong = check_length("offsets", level.offsets.back(), n);
   const auto rows = [&](std::string_view name, std::size_t found, std::size_t expected) {

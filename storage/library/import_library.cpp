@@ -23,7 +23,7 @@ Result<Library> read_repacked(const std::filesystem::path& file) {
   Result<Library> library =
       parse_library(file, tree->root, tree->bytes, {tree, tree->bytes.data()});
   if (!library) return library;
-  if (const Result<void> good = library->check_all(); !good) return good.error();
+  TRIVET_TRY(library->check_all());
   library->checks.reset();
   if (library->version_minor > kLibraryVersionMinor) {
     return Error{ErrorCode::bad_data,

@@ -82,7 +82,7 @@ Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
   const auto bytes = bytes_of(column);
   const Xxh3 found = held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes);
   if (found == column.checksum) return {};
-  if (const Result<void> same = unchanged(); !same) return same;
+  TRIVET_TRY(unchanged());
   return Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place,
                                                 wrong_checksum(column.checksum, found))};
 }
@@ -96,7 +96,7 @@ Result<void> LibraryChecks::check(const Model& model, std::size_t index, ModelPa
     if (of_part != part || column == StoredColumn{}) continue;  // none: the file is older
     const std::string place = fmt::format("/models/{}/{}{}{}", model.name, spec.group,
                                           spec.group.empty() ? "" : "/", spec.name);
-    if (Result<void> checked = check_bytes(column, place); !checked) return checked;
+    TRIVET_TRY(check_bytes(column, place));
   }
   if (const Result<void> checked = format::check_part(model, part); !checked) {
     return Error{ErrorCode::bad_data,
@@ -113,7 +113,7 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
   const std::string path = fmt::format("/index/{:02}", index);
   for (std::size_t c = 0; c < kLevelColumns.size(); ++c) {
     const std::string place = fmt::format("{}/{}", path, kLevelColumns[c].name);
-    if (Result<void> checked = check_bytes(levels_[index][c], place); !checked) return checked;
+    TRIVET_TRY(check_bytes(levels_[index][c], place));
   }
   if (const Result<void> checked = format::check_level(level, num_models); !checked) {
     return Error{ErrorCode::bad_data,
@@ -155,11 +155,11 @@ Result<void> Library::check_level(std::size_t level) const {
 Result<void> Library::check_all() const {
   for (std::uint32_t m = 0; m < models.size(); ++m) {
     for (const ModelPart part : kModelParts) {
-      if (Result<void> good = check(m, part); !good) return good;
+      TRIVET_TRY(check(m, part));
     }
   }
   for (std::size_t level = 0; level < index.size(); ++level) {
-    if (Result<void> good = check_level(level); !good) return good;
+    TRIVET_TRY(check_level(level));
   }
   return {};
 }

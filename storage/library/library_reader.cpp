@@ -260,7 +260,7 @@ Result<MappedFile> map(const fs::path& file, Writers writers) {
 
 Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole) {
   const FileBytes own = bytes_of(mapped);
-  if (auto good = check_superblock(file, own.bytes); !good) return good.error();
+  TRIVET_TRY(check_superblock(file, own.bytes));
   Result<StoredGroup> root = read_stored_tree(file, own.bytes.size(), whole ? "" : "models");
   if (!root) return root.error();
   GroupReader reader(file, own.bytes);
@@ -298,7 +298,7 @@ Result<Library> open_with_columns(const fs::path& file) {
   const auto mapped = map(file, Writers::none);
   if (!mapped) return mapped.error();
   const FileBytes own = bytes_of(*mapped);
-  if (auto good = check_superblock(file, own.bytes); !good) return good.error();
+  TRIVET_TRY(check_superblock(file, own.bytes));
   const Result<StoredGroup> root = read_stored_tree(file, own.bytes.size());
   if (!root) return root.error();
   GroupReader reader(file, own.bytes);
@@ -343,8 +343,8 @@ Result<Library> verify_library(const fs::path& file) {
   return within_memory(file, [&]() -> Result<Library> {
     Result<Library> library = open(file, Writers::others, true);
     if (!library) return library;
-    if (const Result<void> good = library->check_all(); !good) return good.error();
-    if (const Result<void> same = library->unchanged(); !same) return same.error();
+    TRIVET_TRY(library->check_all());
+    TRIVET_TRY(library->unchanged());
     return library;
   });
 }

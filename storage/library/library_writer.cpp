@@ -167,14 +167,14 @@ LibraryWriter::~LibraryWriter() = default;
 
 Result<LibraryWriter> LibraryWriter::create(const fs::path& file, const LibraryHeader& header,
                                             const NamesToCome& names) {
-  if (const Result<void> good = check_target(file, header); !good) return good.error();
+  TRIVET_TRY(check_target(file, header));
   return begin(PendingFile::create(file), file, header, names);
 }
 
 Result<LibraryWriter> LibraryWriter::create_lasting(const fs::path& file, const fs::path& name,
                                                     const LibraryHeader& header,
                                                     const NamesToCome& names) {
-  if (const Result<void> good = check_target(file, header); !good) return good.error();
+  TRIVET_TRY(check_target(file, header));
   return begin(PendingFile::create_lasting(file, name), file, header, names);
 }
 
@@ -208,7 +208,7 @@ Result<LibraryWriter> LibraryWriter::begin(Result<PendingFile> file, const fs::p
 Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
   if (!state_ || !state_->file.pending()) return over();
   if (basis.components.size() == 0 && basis.components.mean.empty()) return {};
-  if (auto good = format::check_basis(basis); !good) return good;
+  TRIVET_TRY(format::check_basis(basis));
   if (state_->num_components() > 0 || !state_->written.empty()) {
     return Error{ErrorCode::internal,
                  fmt::format("{}: expected one basis, before all models", state_->target.string())};
@@ -260,7 +260,7 @@ Result<void> LibraryWriter::write_contents(const fs::path& file) {
   State& state = *state_;
   Result<LibraryWriter> contents = create(file, state.header);
   if (!contents) return contents.error();
-  if (const Result<void> added = contents->add(state.basis); !added) return added;
+  TRIVET_TRY(contents->add(state.basis));
   contents->state_->columns_in = state.file.path().filename().string();
   for (const std::string& name : state.untold)
     contents->state_->written.emplace(name, state.written.at(name));

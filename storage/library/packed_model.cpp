@@ -88,7 +88,7 @@ StoredGroup PackedModel::described() const {
 
 Result<std::shared_ptr<PackedModel>> pack_model(const Model& model, LengthUnit unit,
                                                 std::size_t num_components) {
-  if (auto good = format::check_model(model); !good) return good.error();
+  TRIVET_TRY(format::check_model(model));
   for (const TriSpinFeatures& features : model.features) {
     if (features.size() == 0 || features.num_components == num_components) continue;
     return Error{ErrorCode::bad_data,

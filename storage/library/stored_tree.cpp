@@ -133,8 +133,7 @@ Result<StoredAttribute> Scanner::attribute(hid_t object, const std::string& name
   const hdf5::Handle space(H5Aget_space(attribute.get()));
 
   StoredAttribute out;
-  if (auto known = type_and_shape(type.get(), space.get(), place, out); !known)
-    return known.error();
+  TRIVET_TRY(type_and_shape(type.get(), space.get(), place, out));
   const auto bytes = bytes_of(out.shape, H5Tget_size(type.get()), kMaxAttributeBytes);
   if (!bytes)
     return bad(place, fmt::format("expected at most {} bytes, found more", kMaxAttributeBytes));
@@ -233,7 +232,7 @@ Result<void> Scanner::place(hid_t id, const std::string& path, StoredDataset& da
 }
 
 Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
-  if (auto once = visit_once(id, path); !once) return once.error();
+  TRIVET_TRY(visit_once(id, path));
 
   // Where the data lies, before anything is asked that could follow it out of the file.
   const hdf5::Handle creation(H5Dget_create_plist(id));
@@ -246,8 +245,7 @@ Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
   const hdf5::Handle type(H5Dget_type(id));
   const hdf5::Handle space(H5Dget_space(id));
   StoredAttribute shaped;
-  if (auto known = type_and_shape(type.get(), space.get(), path, shaped); !known)
-    return known.error();
+  TRIVET_TRY(type_and_shape(type.get(), space.get(), path, shaped));
 
   StoredDataset out{shaped.type, shaped.shape, 0, 0, {}};
   const std::uint64_t most = storing_ == Storing::in_place ? file_bytes_ : most_unpacked();
@@ -260,7 +258,7 @@ Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
     return bad(
         path,
         fmt::format("the datasets declare more bytes than the {} that the file can hold", most));
-  if (auto placed = place(id, path, out); !placed) return placed.error();
+  TRIVET_TRY(place(id, path, out));
 
   auto read = attributes(id, path);
   if (!read) return read.error();
@@ -269,7 +267,7 @@ Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
 }
 
 Result<StoredGroup> Scanner::group(hid_t id, const std::string& path, int depth) {
-  if (auto once = visit_once(id, path); !once) return once.error();
+  TRIVET_TRY(visit_once(id, path));
   if (depth > kMaxDepth)
     return bad(path, fmt::format("expected at most {} nested groups, found more", kMaxDepth));
 
@@ -383,7 +381,7 @@ Result<OpenFile> open_file(const std::filesystem::path& file, const Scanner& sca
                        "HDF5 cannot open the file: it is damaged; copy it again or train it anew");
   out.root = hdf5::Handle(H5Gopen2(out.file.get(), "/", H5P_DEFAULT));
   if (!out.root) return scanner.bad("", "the root group cannot be opened: the file is damaged");
-  if (auto version = check_version(scanner, out.root.get()); !version) return version.error();
+  TRIVET_TRY(check_version(scanner, out.root.get()));
   return out;
 }
 

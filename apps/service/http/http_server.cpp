@@ -525,7 +525,7 @@ Result<void> check_address(const std::string& address, std::uint16_t port) {
 
 Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t port,
                                      const HttpLimits& limits, HttpHandler handler) {
-  if (const Result<void> good = check_address(address, port); !good) return good.error();
+  TRIVET_TRY(check_address(address, port));
   auto state = std::make_shared<State>(limits, std::move(handler));
   asio::post(state->coder, [] { wait_for_memory_on_this_thread(); });
   error_code error;

@@ -23,7 +23,7 @@ Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFi
   auto generation =
       std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recognizer), number});
   // Of a file without an index: no scene waits for it.
-  if (const auto indexed = generation->recognizer.features(); !indexed) return indexed.error();
+  TRIVET_TRY(generation->recognizer.features());
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 

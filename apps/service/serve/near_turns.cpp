@@ -118,8 +118,7 @@ Json near_turns_json(const Model& model) {
 }  // namespace
 
 Result<HttpResponse> near_turns_response(const Library& library, std::uint32_t model) {
-  if (const Result<void> good = library.check(model, ModelPart::samples); !good)
-    return good.error();
+  TRIVET_TRY(library.check(model, ModelPart::samples));
   return json_response(200, near_turns_json(library.models[model]));
 }
 

@@ -30,9 +30,9 @@ Result<RecognizeQuery> parse_recognize_query(const Parameters& parameters) {
     }
     if (!of_scene.insert(name).second)
       return Error{ErrorCode::usage, fmt::format("{}: expected once, found twice", name)};
-    if (const Result<void> set = set_option(*option, value, query.scene); !set) return set.error();
+    TRIVET_TRY(set_option(*option, value, query.scene));
   }
-  if (const Result<void> whole = query.scene.complete_camera(); !whole) return whole.error();
+  TRIVET_TRY(query.scene.complete_camera());
   Result<RecognizeOptions> options =
       parse_recognize_options(of_recognition, "/v1/openapi.json", option_names<ServedScene>());
   if (!options) return options.error();

@@ -78,7 +78,7 @@ Result<ScanRequest> parse_form(const std::string& content_type, Parameters param
   bool has_options = false;
   for (const FormPart& part : *parts) {
     if (part.name == "scene") {
-      if (const Result<void> good = check_name(part.file_name); !good) return good.error();
+      TRIVET_TRY(check_name(part.file_name));
       out.scans.push_back({part.file_name, part.content, {}});
     } else if (part.name == "options" && !has_options) {
       Result<FormOptions> read = read_options(part.content);

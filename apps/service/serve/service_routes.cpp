@@ -209,9 +209,9 @@ void ServiceRoutes::submit_one(const CallPtr& call,
                                                 const std::stop_token&) -> Result<void> {
     const FailWithoutMemory scope;
     const Library& library = generation.recognizer.library();
-    if (const Result<void> same = library.unchanged(); !same) return same.error();
+    TRIVET_TRY(library.unchanged());
     Result<HttpResponse> done = work(generation);
-    if (const Result<void> same = library.unchanged(); !same) return same.error();
+    TRIVET_TRY(library.unchanged());
     if (!done) return done.error();
     *response = std::move(*done);
     return {};

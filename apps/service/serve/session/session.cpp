@@ -83,7 +83,7 @@ bool is_session_name(std::string_view name) noexcept {
 // The start.
 
 Result<std::unique_ptr<Session>> Session::open(const fs::path& folder, std::uint64_t max_bytes) {
-  if (const Result<void> taken = take_folder(folder, kSessionFolder); !taken) return taken.error();
+  TRIVET_TRY(take_folder(folder, kSessionFolder));
   Result<FileLock> lock = FileLock::acquire(folder / kScans);
   if (!lock) return lock.error();
   remove_pending_files(folder / kManifest);
@@ -339,16 +339,16 @@ HttpResponse Session::refuse_bytes(std::uint64_t bytes) const {
 
 Result<void> Session::write(const std::string& file, std::span<const std::byte> bytes) {
   const fs::path path = folder_ / file;
-  if (const Result<void> good = check_below(folder_, file); !good) return good;
-  if (const Result<void> made = make_folder(path.parent_path()); !made) return made;
-  if (const Result<void> written = publish_file(path, bytes); !written) return written;
+  TRIVET_TRY(check_below(folder_, file));
+  TRIVET_TRY(make_folder(path.parent_path()));
+  TRIVET_TRY(publish_file(path, bytes));
   const std::lock_guard lock(reading_);
   files_[file] = bytes.size();
   return {};
 }
 
 Result<void> Session::remove(const std::string& file) {
-  if (const Result<void> good = check_below(folder_, file); !good) return good;
+  TRIVET_TRY(check_below(folder_, file));
   std::error_code error;
   fs::remove(folder_ / file, error);
   if (error)
@@ -380,8 +380,7 @@ Result<std::optional<HttpResponse>> Session::write_models(const Scans& scans,
     if (known != generations_.end() && known->second == model->generation) continue;
     const std::string mesh = model->mesh(), file = mesh_file(name);
     if (!has_room(file, mesh.size())) return std::optional(refuse_bytes(mesh.size()));
-    if (const Result<void> written = write(file, std::as_bytes(std::span(mesh))); !written)
-      return written.error();
+    TRIVET_TRY(write(file, std::as_bytes(std::span(mesh))));
     const double scale = unit_scale(model->unit, unit_);
     models_[name] = {name, folder_ / file, scale, engine::scaled(model->symmetry, scale)};
     generations_[name] = model->generation;
@@ -401,9 +400,8 @@ Result<void> Session::write_listings(const Scans& scans) {
       marked.models.push_back(model->second);
   }
   for (const auto& [file, listing] : {std::pair{kScans, &all}, {kManifest, &marked}}) {
-    if (const Result<void> good = check_below(folder_, file); !good) return good;
-    if (const Result<void> written = write_manifest(folder_ / file, *listing); !written)
-      return written;
+    TRIVET_TRY(check_below(folder_, file));
+    TRIVET_TRY(write_manifest(folder_ / file, *listing));
     const std::lock_guard lock(reading_);
     files_[file] = bytes_of(folder_ / file).value_or(0);
   }
@@ -431,8 +429,7 @@ Result<HttpResponse> Session::put_scan(const std::string& name, std::string_view
                                            file));
   }
   if (!has_room(file, bytes.size())) return refuse_bytes(bytes.size());
-  if (const Result<void> written = write(file, std::as_bytes(std::span(bytes))); !written)
-    return written.error();
+  TRIVET_TRY(write(file, std::as_bytes(std::span(bytes))));
   Scans next = scans_;
   next[name].listed = {folder_ / file, file, reading.camera, reading.viewpoint, false, {}};
   if (scans_.empty()) {
@@ -454,7 +451,7 @@ Result<HttpResponse> Session::delete_scan(const std::string& name) {
   if (found == scans_.end()) return error_response(404, fmt::format("no scan '{}'", name));
   Scans next = scans_;
   next.erase(name);
-  if (const Result<void> listed = write_listings(next); !listed) return listed.error();
+  TRIVET_TRY(write_listings(next));
   std::vector<std::string> files{found->second.listed.name};
   for (const auto& [run, answers] : runs_) {
     if (answers.contains(name)) files.push_back(answer_file(run, name));
@@ -466,7 +463,7 @@ Result<HttpResponse> Session::delete_scan(const std::string& name) {
     std::erase_if(runs_, [](const auto& run) { return run.second.empty(); });
   }
   for (const std::string& file : files) {
-    if (const Result<void> removed = remove(file); !removed) return removed.error();
+    TRIVET_TRY(remove(file));
   }
   return json_response(200, {{"deleted", name}});
 }
@@ -504,7 +501,7 @@ Result<HttpResponse> Session::put_truth(const std::string& name, const std::stri
   const Result<std::optional<HttpResponse>> refused = write_models(next, models);
   if (!refused) return refused.error();
   if (*refused) return **refused;
-  if (const Result<void> listed = write_listings(next); !listed) return listed.error();
+  TRIVET_TRY(write_listings(next));
   const std::lock_guard lock(reading_);
   scans_.swap(next);
   return json_response(200, scan_json(name, scans_.at(name)));
@@ -543,8 +540,7 @@ Result<HttpResponse> Session::put_answer(const std::string& run, const std::stri
   document["scenes"][0]["scene"] = found->second.listed.name;
   const std::string text = json_text(document, 1) + "\n", file = answer_file(run, scan);
   if (!has_room(file, text.size())) return refuse_bytes(text.size());
-  if (const Result<void> written = write(file, std::as_bytes(std::span(text))); !written)
-    return written.error();
+  TRIVET_TRY(write(file, std::as_bytes(std::span(text))));
   std::string version = version_of(text);
   {
     const std::lock_guard lock(reading_);
@@ -555,7 +551,7 @@ Result<HttpResponse> Session::put_answer(const std::string& run, const std::stri
     const Result<std::optional<HttpResponse>> refused = write_models(scans_, models);
     if (!refused) return refused.error();
     if (*refused) return **refused;
-    if (const Result<void> listed = write_listings(scans_); !listed) return listed.error();
+    TRIVET_TRY(write_listings(scans_));
   }
   return json_response(200, {{"run", run}, {"scan", scan}, {"version", std::move(version)}});
 }
@@ -571,7 +567,7 @@ Result<HttpResponse> Session::delete_run(const std::string& run) {
     runs_.erase(found);
   }
   for (const std::string& file : files) {
-    if (const Result<void> removed = remove(file); !removed) return removed.error();
+    TRIVET_TRY(remove(file));
   }
   std::error_code not_empty;  // what else lies there stays
   if (check_below(folder_, answer_file(run, "x"))) fs::remove(folder_ / "runs" / run, not_empty);

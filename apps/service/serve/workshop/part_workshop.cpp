@@ -96,8 +96,7 @@ std::set<std::string> files_of(const std::string& file) {
 Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
                                                          fs::path library, Reload reload,
                                                          RequestLog& log) {
-  if (const Result<void> taken = take_folder(settings.folder, kPartsFolder); !taken)
-    return taken.error();
+  TRIVET_TRY(take_folder(settings.folder, kPartsFolder));
   const Result<Library> opened = open_library(library);
   if (!opened) return opened.error();
   const Result<TrainOptions> options = engine::parse_parameters(opened->header.parameters);
@@ -109,7 +108,7 @@ Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settin
   std::unique_ptr<PartWorkshop> workshop(new PartWorkshop(std::move(settings), std::move(library),
                                                           std::move(reload), log,
                                                           opened->header.unit, flags_of(*options)));
-  if (const Result<void> adopted = workshop->adopt(); !adopted) return adopted.error();
+  TRIVET_TRY(workshop->adopt());
   return workshop;
 }
 
@@ -182,7 +181,7 @@ Result<void> PartWorkshop::bring(const std::string& name, const std::string& fil
     return Error{ErrorCode::usage,
                  fmt::format("expected a name of {}, found '{}'", kModelNameRule, name)};
   }
-  if (const Result<void> good = check_file_name(file); !good) return good.error();
+  TRIVET_TRY(check_file_name(file));
   const std::lock_guard one_at_a_time(files_mutex_);
   {
     const std::lock_guard lock(mutex_);
@@ -231,8 +230,7 @@ Result<void> PartWorkshop::declare(const std::string& name,
     const auto at = drafts_.find(name);
     if (at == drafts_.end() || at->second.state != State::trained)
       return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
-    if (const Result<void> written = write_manifest_of(name, at->second, symmetry); !written)
-      return written.error();
+    TRIVET_TRY(write_manifest_of(name, at->second, symmetry));
     at->second.state = State::waiting;
     at->second.library.reset();
   }
@@ -312,7 +310,7 @@ Result<void> PartWorkshop::train_and_read(const std::string& name, const std::st
   const fs::path folder = folder_of(name);
   for (const fs::path& file : {fs::path(kManifest), fs::path(kLibrary), fs::path(kFacts),
                                engine::parts_folder(kLibrary) / "any"}) {
-    if (const Result<void> good = check_below(settings_.folder, name / file); !good) return good;
+    TRIVET_TRY(check_below(settings_.folder, name / file));
   }
   std::vector<std::string> program{settings_.program,
                                    "train",
@@ -325,7 +323,7 @@ Result<void> PartWorkshop::train_and_read(const std::string& name, const std::st
   program.insert(program.end(), options_.begin(), options_.end());
   ChildLimits limits;
   limits.time = std::chrono::seconds(settings_.max_seconds);
-  if (const Result<void> done = run_child(program, limits, stop); !done) return done.error();
+  TRIVET_TRY(run_child(program, limits, stop));
   const Result<std::string> facts = read_text_file(folder / kFacts, kMostFacts);
   if (!facts) return facts.error();
   const auto json = parse_json<nlohmann::ordered_json>(*facts);
@@ -334,7 +332,7 @@ Result<void> PartWorkshop::train_and_read(const std::string& name, const std::st
   Result<Library> library = open_library(folder / kLibrary);
   if (!library) return library.error();
   if (library->models.size() != 1) return Error{ErrorCode::internal, "expected one trained model"};
-  if (const Result<void> good = library->check(0, ModelPart::surface); !good) return good.error();
+  TRIVET_TRY(library->check(0, ModelPart::surface));
   out.library = std::make_shared<const Library>(std::move(*library));
   return {};
 }
@@ -377,7 +375,7 @@ void PartWorkshop::change(std::string_view what, const std::string& name,
     if (thread_.get_stop_token().stop_requested())
       return tell_once(Error{ErrorCode::resumable, "the service ends: ask the next one"});
     const Result<void> edited = outcome_of([&]() -> Result<void> {
-      if (Result<void> good = edit(); !good) return good;
+      TRIVET_TRY(edit());
       if (after) after();
       log_.write("info", what, {{"model", name}});
       reload_(tell_once);
