@@ -26,10 +26,12 @@ bool has_decimal_comma(std::string_view word) {
 }
 
 void split_at_blanks(std::string_view row, std::vector<std::string_view>& columns) {
-  TextCursor cursor(row);
-  for (auto word = cursor.word(); !word.empty() && columns.size() < kMaxColumns;
-       word = cursor.word())
-    columns.push_back(word);
+  std::size_t at = row.find_first_not_of(kBlanks);
+  while (at != row.npos && columns.size() < kMaxColumns) {
+    const std::size_t end = std::min(row.find_first_of(kBlanks, at), row.size());
+    columns.push_back(row.substr(at, end - at));
+    at = row.find_first_not_of(kBlanks, end);
+  }
 }
 
 }  // namespace

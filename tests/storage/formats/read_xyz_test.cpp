@@ -50,6 +50,15 @@ TEST_F(ReadXyz, NamesTheLineThatIsWrong) {
   EXPECT_TRUE(is_refused(read("# nothing\n"), "at least one point"));
 }
 
+TEST_F(ReadXyz, TakesAByteOrderMarkForOneAtTheBeginningOnly) {
+  EXPECT_EQ(read("\xEF\xBB\xBF"
+                 "1 2 3\n4 5 6\n")
+                ->points.size(),
+            2U);
+  EXPECT_FALSE(read("#\n\xEF\xBB\xBF \nx 0 0\n"));
+  EXPECT_FALSE(read("1 2 3\n\xEF\xBB\xBF \n"));
+}
+
 TEST_F(ReadXyz, TellsDecimalCommasFromThoseBetweenColumns) {
   for (const std::string text :
        {"1,5 2,25 -3,125\n4 5,5 6\n", "1,5;2,25;-3,125\n4;5,5;6\n",
