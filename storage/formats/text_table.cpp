@@ -72,6 +72,7 @@ std::vector<std::string> parse_names(std::string_view header, Delimiter delimite
   std::vector<std::string_view> columns;
   split_row(trim(header, " \t\r#/"), delimiter, columns);
   std::vector<std::string> names;
+  names.reserve(columns.size());
   for (const std::string_view column : columns) {
     names.push_back(lower_case(trim(column.substr(0, column.find_first_of("[(")), " \t\"'")));
   }
