@@ -29,6 +29,10 @@ set(public_headers
   engine/results/rejected_pose.hpp engine/results/scene_view.hpp engine/results/stage_times.hpp
   engine/scene/read_scene.hpp
   engine/training/train.hpp engine/training/training_run.hpp
+  storage/common/columns.hpp storage/common/result.hpp storage/common/shared.hpp
+  storage/data/cloud.hpp storage/data/feature_index.hpp storage/data/file_pose.hpp storage/data/length_unit.hpp storage/data/mesh.hpp
+  storage/data/model.hpp storage/data/neighborhoods.hpp storage/data/pca_basis.hpp storage/data/points.hpp storage/data/ppf_table.hpp
+  storage/data/read_options.hpp storage/data/tri_spin_features.hpp
   storage/datasets/manifest.hpp
   storage/formats/declared_size.hpp storage/formats/memory_cloud.hpp storage/formats/read_cloud.hpp storage/formats/write_png.hpp
   storage/library/library.hpp storage/library/model_name.hpp)
