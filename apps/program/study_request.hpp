@@ -6,6 +6,10 @@
 #include "apps/program/context.hpp"
 #include "apps/study/run.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace trivet::apps {
 
 struct StudyArguments {
