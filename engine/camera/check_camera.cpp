@@ -31,19 +31,19 @@ struct SureObject {
 };
 
 std::vector<SureObject> sure_objects(const Library& library, const PreparedScene& scene,
-                                     std::span<const Candidate> found) {
+                                     const PoseTable& poses, std::span<const Row> detections) {
   std::vector<SureObject> objects;
   const Pose& T_camera_scene = scene.images.front().geometry.T_camera_scene;
-  for (const Candidate& candidate : found) {
-    if (candidate.score < kSureScore || !candidate.alternatives.empty()) continue;
-    const Pose pose = T_camera_scene * candidate.T_scene_model;
-    const float range = (pose * library.models[candidate.model].center).z();
+  for (const Row row : detections) {
+    if (poses.score[row] < kSureScore || !poses.ambiguity(row).alternatives.empty()) continue;
+    const Pose pose = T_camera_scene * poses.T_scene_model[row];
+    const float range = (pose * library.models[poses.model[row]].center).z();
     kernels::ScaleOptions options;
     options.sigma = std::max(scene.sensor.error_at(range), kFinest * range);
-    options.gate = kGate * candidate.tolerance;
+    options.gate = kGate * poses.test(row).tolerance;
     options.edge_pixels = static_cast<int>(
         std::lround(std::clamp(scene.sensor.edge_pixels(), kLeastEdge, kMostEdge)));
-    objects.push_back({candidate.model, pose, options});
+    objects.push_back({poses.model[row], pose, options});
   }
   return objects;
 }
@@ -65,9 +65,10 @@ void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
 }  // namespace
 
 CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scene,
-                         const Camera& camera, std::span<const Candidate> found) {
+                         const Camera& camera, const PoseTable& poses,
+                         std::span<const Row> detections) {
   CameraCheck check{camera, {}};
-  std::vector<SureObject> objects = sure_objects(recognizer.library(), scene, found);
+  std::vector<SureObject> objects = sure_objects(recognizer.library(), scene, poses, detections);
   kernels::LogScales scales;
   for (int step = 0; step <= kSteps; ++step) {
     gather(recognizer, scene.images.front(), scales, objects);

@@ -13,10 +13,9 @@
 
 #include "engine/camera/check_camera.hpp"
 #include "engine/camera/check_depth_kind.hpp"
-#include "engine/recognition/ablate.hpp"
 #include "engine/recognition/report.hpp"
+#include "engine/recognition/search_plan.hpp"
 #include "engine/recognition/search_scene.hpp"
-#include "engine/recognition/stage_options.hpp"
 #include "engine/results/stage_times.hpp"
 #include "kernels/common/median.hpp"
 #include "storage/common/stop.hpp"
@@ -25,63 +24,10 @@
 namespace trivet {
 namespace {
 
-using engine::ModelGroups;
 using engine::PreparedScene;
-
-/// Fewer measurements show nothing: the sensor looks at nothing within its range, or is covered.
-
-Result<ModelGroups> group_models(const Library& library, const std::vector<std::string>& wanted) {
-  ModelGroups groups;
-  if (wanted.empty()) {
-    for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-      groups[library.models[m].ppf.quantization.distance_step].push_back(m);
-    }
-  }
-  for (const std::string& name : wanted) {
-    const auto found = std::find_if(library.models.begin(), library.models.end(),
-                                    [&](const Model& model) { return model.name == name; });
-    if (found == library.models.end()) {
-      return Error{ErrorCode::usage,
-                   fmt::format("{}: expected a model named '{}', found none; `trivet library list` "
-                               "shows the names",
-                               library.file.string(), name)};
-    }
-    groups[found->ppf.quantization.distance_step].push_back(
-        static_cast<std::uint32_t>(found - library.models.begin()));
-  }
-  return groups;
-}
 
 bool is_place(const Eigen::Vector3d& v) {
   return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate;
-}
-
-/// What the options say of places in the scene's file, said of the cloud.
-RecognizeOptions in_cloud_frame(RecognizeOptions options, const Eigen::Vector3d& offset) {
-  for (ExpectedPose& expected : options.expected) expected.T_scene_model.translation() -= offset;
-  if (auto& region = options.limits.region) {
-    region->low -= offset;
-    region->high -= offset;
-  }
-  if (options.explain.point) *options.explain.point -= offset;
-  return options;
-}
-
-/// A method alone must have been trained for; both together take what there is.
-Result<void> check_methods(const Library& library, Method method) {
-  const auto refuse = [&](const char* what, const char* name) {
-    return Error{ErrorCode::usage,
-                 fmt::format("{}: expected a library with {}, found none; train it with --methods "
-                             "{}, or recognize with --method fused",
-                             library.file.string(), what, name)};
-  };
-  const bool pairs =
-      std::ranges::any_of(library.models, [](const Model& model) { return model.has_pairs(); });
-  if (library.models.empty()) return {};
-  if (method == Method::ppf && !pairs) return refuse("point pairs", "ppf");
-  if (method == Method::trisi && library.basis.components.size() == 0)
-    return refuse("Tri-Spin-Images", "trisi");
-  return {};
 }
 
 /// Along the axes; zeros without points.
@@ -104,9 +50,10 @@ double nearest_distance(PointsView points, const Eigen::Vector3d& place) {
 }
 
 /// The place that is asked about, without models.
-PlaceExplanation explained_place(const RecognizeOptions& asked, const RecognizeOptions& in_cloud,
-                                 const Cloud& cloud) {
-  return {*asked.explain.point, nearest_distance(cloud.points, *in_cloud.explain.point), {}};
+///
+/// point  in the frame and unit of the scene's file
+PlaceExplanation explained_place(const Eigen::Vector3d& point, const Cloud& cloud) {
+  return {point, nearest_distance(cloud.points, point - cloud.offset), {}};
 }
 
 /// How large a scene may be, in diameters of the library's largest model.
@@ -194,14 +141,9 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   TRIVET_TRY(validate(asked));
   if (input.viewpoint && !is_place(*input.viewpoint))
     return Error{ErrorCode::usage, "viewpoint: expected three numbers of at most 1e10"};
-  const RecognizeOptions options = in_cloud_frame(engine::ablate(asked), scan.offset);
   const Library& library = recognizer.library();
-  TRIVET_TRY(check_methods(library, options.method));
-  const Result<ModelGroups> groups = group_models(library, options.models);
-  if (!groups) return groups.error();
-  if (const Result<ModelGroups> asked_about = group_models(library, options.explain.models);
-      !asked_about)
-    return asked_about.error();
+  const Result<engine::SearchPlan> plan = engine::plan_search(asked, library, scan.offset);
+  if (!plan) return plan.error();
 
   std::optional<Cloud> without_stray;
   const bool is_seen = scan.points.size() >= engine::kFewestPoints || !scan.triangles.empty();
@@ -220,26 +162,26 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
     SceneResult nothing;
     nothing.offset = cloud.offset;
     nothing.stats = std::move(stats);
-    if (asked.explain.point) nothing.explanation = explained_place(asked, options, cloud);
+    if (asked.explain.point) nothing.explanation = explained_place(*asked.explain.point, cloud);
     return nothing;
   }
 
   const auto start = std::chrono::steady_clock::now();
   const Result<PreparedScene> scene =
-      engine::prepare_scene(cloud, input, stats.times, engine::prepare_options(options));
+      engine::prepare_scene(cloud, input, stats.times, plan->prepare);
   if (!scene) return scene.error();
-  Result<engine::SearchResult> found =
-      engine::search_scene(recognizer, *scene, *groups, options, stats);
+  const Result<engine::SearchResult> found = engine::search_scene(recognizer, *scene, *plan, stats);
   recognizer.give_back();
   if (!found) return found.error();
   if (cloud.camera && scene->images.size() == 1) {
     const StageTimer timer(stats.times, "check camera");
-    stats.camera_check = engine::check_camera(recognizer, *scene, *cloud.camera, found->detections);
+    stats.camera_check =
+        engine::check_camera(recognizer, *scene, *cloud.camera, found->poses, found->detections);
     stats.camera_check->depth = engine::check_depth_kind(*scene, *cloud.camera);
   }
-  SceneResult result = engine::report(library, *scene, std::move(*found), std::move(stats));
+  SceneResult result = engine::report(library, *scene, *found, std::move(stats));
   if (result.explanation) {
-    PlaceExplanation place = explained_place(asked, options, cloud);
+    PlaceExplanation place = explained_place(*asked.explain.point, cloud);
     place.models = std::move(result.explanation->models);
     result.explanation = std::move(place);
   }

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,16 +21,18 @@ kernels::SensorModel in_file_unit(kernels::SensorModel sensor, double scene_scal
   return sensor;
 }
 
-Detection report_detection(const Library& library, const Candidate& candidate, double scene_scale) {
-  const Model& model = library.models[candidate.model];
-  const kernels::Examination& e = candidate.examination;
+Detection report_detection(const Library& library, const PoseTable& poses, Row row,
+                           double scene_scale) {
+  const FullTest& test = poses.test(row);
+  const Ambiguity& ambiguity = poses.ambiguity(row);
+  const kernels::Examination& e = test.examination;
   const float seen = e.consistent + e.violation + e.background;
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   Detection detection;
-  detection.model = model.name;
-  detection.source = candidate.source;
-  detection.score = candidate.score;
-  detection.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
+  detection.model = library.models[poses.model[row]].name;
+  detection.source = poses.source[row];
+  detection.score = poses.score[row];
+  detection.T_scene_model = in_file_unit(poses.T_scene_model[row], scene_scale);
   if (const float silhouette = e.covered + e.outside; silhouette > 0) {
     detection.visible_fraction = e.consistent / silhouette;
     detection.hidden_fraction = e.occluded / silhouette;
@@ -37,75 +40,78 @@ Detection report_detection(const Library& library, const Candidate& candidate, d
   }
   detection.violation = seen > 0 ? e.violation / seen : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
-  detection.rmse = std::sqrt(e.mean_square) * candidate.tolerance / static_cast<float>(scene_scale);
-  detection.parts = candidate.parts;
-  for (const Pose& alternative : candidate.alternatives)
+  detection.rmse = std::sqrt(e.mean_square) * test.tolerance / static_cast<float>(scene_scale);
+  detection.parts = test.parts;
+  for (const Pose& alternative : ambiguity.alternatives)
     detection.alternatives.push_back(in_file_unit(alternative, scene_scale));
-  for (const std::uint32_t sibling : candidate.siblings)
+  for (const std::uint32_t sibling : ambiguity.siblings)
     detection.siblings.push_back(library.models[sibling].name);
-  detection.pose_share = candidate.pose_share;
-  detection.turns = candidate.turns;
+  detection.pose_share = ambiguity.pose_share;
+  detection.turns = ambiguity.turns;
   if (detection.turns) detection.turns->axis.point /= static_cast<float>(scene_scale);
   return detection;
 }
 
-/// place  of each detection in the order that they are reported in
-RejectedPose report_rejected(const Library& library, const RefusedCandidate& refused,
-                             std::span<const std::size_t> place, double scene_scale) {
-  const Candidate& candidate = refused.candidate;
+/// Why a tested pose is no detection.
+Rejection rejection_of(PoseFate fate) {
+  if (fate == PoseFate::explained) return Rejection::explained;
+  return fate == PoseFate::too_many ? Rejection::too_many : Rejection::too_low;
+}
+
+/// The index of a row among the detections; none where it is no detection.
+std::optional<std::size_t> index_of(std::optional<Row> row, std::span<const Row> detections) {
+  if (!row) return std::nullopt;
+  const auto at = std::ranges::find(detections, *row);
+  if (at == detections.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - detections.begin());
+}
+
+/// detections  in the order that they are reported in
+RejectedPose report_rejected(const Library& library, const PoseTable& poses, Row row,
+                             std::span<const Row> detections, double scene_scale) {
   RejectedPose rejected;
-  rejected.model = library.models[candidate.model].name;
-  rejected.score = candidate.score;
-  rejected.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
-  rejected.parts = candidate.parts;
-  rejected.reason = refused.reason;
-  if (refused.explained_by) rejected.explained_by = place[*refused.explained_by];
-  rejected.explained_share = refused.explained_share;
+  rejected.model = library.models[poses.model[row]].name;
+  rejected.score = poses.score[row];
+  rejected.T_scene_model = in_file_unit(poses.T_scene_model[row], scene_scale);
+  rejected.parts = poses.test(row).parts;
+  rejected.reason = rejection_of(poses.fate[row]);
+  rejected.explained_by = index_of(poses.explained_by[row], detections);
+  if (rejected.explained_by) rejected.explained_share = poses.explained_share[row];
   return rejected;
 }
 
-/// place  as for report_rejected
-ModelExplanation report_explained(const Library& library, const ExplainedModel& explained,
-                                  std::span<const std::size_t> place, double scene_scale) {
+/// detections  as for report_rejected
+ModelExplanation report_explained(const Library& library, const PoseTable& poses,
+                                  const ExplainedModel& explained, std::span<const Row> detections,
+                                  double scene_scale) {
   ModelExplanation out;
   out.model = library.models[explained.model].name;
   out.num_poses = explained.num_poses;
-  if (explained.detection) out.detection = place[*explained.detection];
-  if (explained.pose) out.pose = report_rejected(library, *explained.pose, place, scene_scale);
+  out.detection = index_of(explained.pose, detections);
+  if (explained.pose && !out.detection)
+    out.pose = report_rejected(library, poses, *explained.pose, detections, scene_scale);
   out.given_up = explained.given_up;
   out.rays = explained.rays;
   for (kernels::JudgedRay& ray : out.rays) ray.place /= static_cast<float>(scene_scale);
   return out;
 }
 
-/// Indices of candidates by falling score, ties by index.
-std::vector<std::size_t> by_score(std::span<const Candidate> candidates) {
-  std::vector<std::size_t> order(candidates.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return candidates[a].score > candidates[b].score;
-  });
-  return order;
-}
-
 }  // namespace
 
-SceneResult report(const Library& library, const PreparedScene& scene, SearchResult found,
+SceneResult report(const Library& library, const PreparedScene& scene, const SearchResult& found,
                    SceneStats stats) {
   SceneResult result;
-  const std::vector<std::size_t> order = by_score(found.detections);
-  std::vector<std::size_t> place(order.size());
-  for (std::size_t d = 0; d < order.size(); ++d) {
-    place[order[d]] = d;
-    result.detections.push_back(report_detection(library, found.detections[order[d]], scene.scale));
-  }
-  for (const RefusedCandidate& refused : found.rejected)
-    result.rejected.push_back(report_rejected(library, refused, place, scene.scale));
+  const PoseTable& poses = found.poses;
+  const std::vector<Row> detections = by_falling(poses.score, found.detections);
+  for (const Row row : detections)
+    result.detections.push_back(report_detection(library, poses, row, scene.scale));
+  for (const Row row : found.rejected)
+    result.rejected.push_back(report_rejected(library, poses, row, detections, scene.scale));
   if (found.explained) {
     result.explanation.emplace();
     for (const ExplainedModel& explained : *found.explained)
       result.explanation->models.push_back(
-          report_explained(library, explained, place, scene.scale));
+          report_explained(library, poses, explained, detections, scene.scale));
   }
   result.stats = std::move(stats);
   result.stats.view = scene.view;

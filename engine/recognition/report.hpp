@@ -1,7 +1,6 @@
 /// What a search found, as its user sees it.
 #pragma once
 
-#include "engine/recognition/recognize.hpp"
 #include "engine/recognition/search_scene.hpp"
 #include "engine/scene/prepare_scene.hpp"
 #include "storage/library/library.hpp"
@@ -12,7 +11,7 @@ namespace trivet::engine {
 /// their scores.
 ///
 /// stats  of the search; get what the scene's noise and sensor were
-SceneResult report(const Library& library, const PreparedScene& scene, SearchResult found,
+SceneResult report(const Library& library, const PreparedScene& scene, const SearchResult& found,
                    SceneStats stats);
 
 }  // namespace trivet::engine

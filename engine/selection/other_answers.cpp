@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
-#include "engine/selection/rival_odds.hpp"
+#include "engine/selection/odds.hpp"
 #include "engine/selection/settle_rivals.hpp"
 #include "kernels/verification/compare_poses.hpp"
 #include "storage/common/stop.hpp"
@@ -20,11 +19,11 @@ constexpr float kAnswer = 0.02F, kReportedUsually = 0.8F;
 // and more; the log loss of all answers from 0.02 falls from 0.278 to 0.197, and to 0.193 with
 // siblings.
 constexpr double kCrowd = 0.03;
-constexpr float kSiblingScore = 0.5F;  // of the candidate's
+constexpr float kSiblingScore = 0.5F;  // of the pose's
 // Votes of compare_poses are of blocks that err alike at the most: by the same scenes, in which few
 // models are searched for, they tell four times as much.
 constexpr double kVotesTell = 4;
-constexpr double kNoted = 0.1;              // of the candidate's share; with less, it is told apart
+constexpr double kNoted = 0.1;  // of the pose's share; with less, the models are told apart
 constexpr std::size_t kPosesOfSibling = 2;  // best ones, compared
 
 SelectOptions down_to_answers(SelectOptions options) {
@@ -49,96 +48,102 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept {
   return static_cast<float>(1 / (1 + doubts / (1 + sure) / kCrowd));
 }
 
-Result<OtherAnswers> OtherAnswers::among(const Recognizer& recognizer, const PreparedScene& scene,
-                                         std::span<const Candidate> candidates,
+Result<OtherAnswers> OtherAnswers::among(const Recognizer& recognizer, const TestedPoses& poses,
                                          const SelectOptions& select, const PoseTestOptions& test,
                                          Among among) {
-  Selection selection =
-      select_detections(recognizer.library(), scene, candidates, down_to_answers(select));
-  TRIVET_TRY(settle_rivals(recognizer, scene, candidates, test, selection));
-  return OtherAnswers(recognizer, scene, candidates, test, among, std::move(selection));
+  Selection selection = select_poses(poses, down_to_answers(select));
+  TRIVET_TRY(settle_rivals(recognizer, poses, test, selection));
+  return OtherAnswers(recognizer, poses, test, among, std::move(selection));
 }
 
-OtherAnswers::OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
-                           std::span<const Candidate> candidates, const PoseTestOptions& test,
-                           Among among, Selection selection)
+OtherAnswers::OtherAnswers(const Recognizer& recognizer, const TestedPoses& poses,
+                           const PoseTestOptions& test, Among among, Selection selection)
     : recognizer_(recognizer),
-      scene_(scene),
-      candidates_(candidates),
+      poses_(poses),
       test_(test),
       among_(among),
       selection_(std::move(selection)),
-      answers_(recognizer.library().models.size()) {
-  for (const std::uint32_t c : selection_.chosen) answers_[candidates[c].model].push_back(c);
+      answers_(poses.library.models.size()) {
+  for (const Row row : selection_.chosen) answers_[poses.table.model[row]].push_back(row);
 }
 
-Result<void> OtherAnswers::weigh(std::uint32_t index, Candidate& candidate) const {
+Result<void> OtherAnswers::weigh(Row row, SettledPose& settled) const {
+  const PoseTable& table = poses_.table;
   std::vector<float> others;
-  for (const std::uint32_t c : answers_[candidate.model]) {
-    if (c != index) others.push_back(candidates_[c].score);
+  for (const Row other : answers_[table.model[row]]) {
+    if (other != row) others.push_back(table.score[other]);
   }
-  candidate.score = scale_odds(candidate.score, odds_in_crowd(candidates_[index].score, others));
-  return share_with_siblings(index, candidate);
+  float& score = settled.pose.score;
+  score = scale_odds(score, odds_in_crowd(table.score[row], others));
+  return share_with_siblings(row, settled);
 }
 
-double OtherAnswers::sibling_log_odds(const Candidate& sibling, const Candidate& candidate,
+double OtherAnswers::sibling_log_odds(Row sibling, Row row,
                                       const kernels::PoseComparison& comparison) const noexcept {
-  return among_ == Among::few_models ? kVotesTell * comparison.log_ratio
-                                     : rival_log_odds(sibling, candidate, comparison);
+  return among_ == Among::few_models
+             ? kVotesTell * comparison.log_ratio
+             : rival_log_odds(poses_.table.score[sibling], poses_.table.score[row], comparison);
 }
 
-Result<void> OtherAnswers::share_with_siblings(std::uint32_t index, Candidate& candidate) const {
-  const std::vector<Model>& models = recognizer_.library().models;
-  // The one that was taken in its place, and those that this one hides.
-  std::uint32_t holder = index;
-  for (const RejectedCandidate& refusal : selection_.refused) {
-    if (refusal.candidate == index && refusal.explained_by) holder = *refusal.explained_by;
-  }
-  std::map<std::uint32_t, std::vector<std::uint32_t>> siblings;  // candidates by model
-  const auto add = [&](std::uint32_t c) {
-    const Candidate& other = candidates_[c];
-    if (other.model == candidate.model || other.score < kSiblingScore * candidates_[index].score)
+/// The best poses of other models in this place, by model.
+///
+/// holder  of the place: the pose itself, or the one that was chosen instead
+std::map<std::uint32_t, std::vector<Row>> OtherAnswers::siblings_of(Row row, Row holder) const {
+  const PoseTable& table = poses_.table;
+  std::map<std::uint32_t, std::vector<Row>> siblings;
+  const auto add = [&](Row other) {
+    if (table.model[other] == table.model[row] ||
+        table.score[other] < kSiblingScore * table.score[row])
       return;
-    std::vector<std::uint32_t>& poses = siblings[other.model];
-    if (poses.size() < kPosesOfSibling) poses.push_back(c);
+    std::vector<Row>& of_model = siblings[table.model[other]];
+    if (of_model.size() < kPosesOfSibling) of_model.push_back(other);
   };
   add(holder);
-  for (const RejectedCandidate& refusal : selection_.refused) {
-    if (refusal.explained_by == holder) add(refusal.candidate);
+  for (const Refusal& refusal : selection_.refused) {
+    if (refusal.explained_by == holder) add(refusal.row);
   }
+  return siblings;
+}
+
+Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) const {
+  const std::vector<Model>& models = poses_.library.models;
+  const PoseTable& table = poses_.table;
+  Row holder = row;
+  for (const Refusal& refusal : selection_.refused) {
+    if (refusal.row == row && refusal.explained_by) holder = *refusal.explained_by;
+  }
+  const auto siblings = siblings_of(row, holder);
   if (siblings.empty()) return {};
 
-  const Model& model = models[candidate.model];
-  const PoseTester tester(model, scene_, model.ppf.quantization.distance_step, test_);
-  const auto surface = recognizer_.surface(candidate.model);
+  const Pose& pose = settled.pose.T_scene_model;
+  const PoseTester tester(models[table.model[row]], poses_.scene, test_);
+  const auto surface = recognizer_.surface(table.model[row]);
   if (!surface) return surface.error();
   kernels::CompareScratch scratch;
-  double all = 1;  // shares of the probability, that of the candidate being 1
-  for (const auto& [sibling, poses] : siblings) {
+  double all = 1;  // shares of the probability, that of the pose being 1
+  for (const auto& [sibling, rows] : siblings) {
     const auto other_surface = recognizer_.surface(sibling);
     if (!other_surface) return other_surface.error();
     const kernels::ModelSamples samples = samples_of(models[sibling]);
-    // What was taken in this place first is as likely at least, by its score.
+    // What was chosen in this place first is as likely at least, by its score.
     const bool first =
-        among_ == Among::few_models && holder != index && sibling == candidates_[holder].model;
+        among_ == Among::few_models && holder != row && sibling == table.model[holder];
     double best = first ? 0 : std::numeric_limits<double>::lowest();
-    for (const std::uint32_t c : poses) {
+    for (const Row other : rows) {
       check_stop();
       const kernels::PoseComparison comparison = kernels::compare_poses(
-          scene_.images, {**other_surface, samples, candidates_[c].T_scene_model},
-          {**surface, tester.samples(), candidate.T_scene_model},
-          tester.errors_of(candidate.T_scene_model), tester.strict(candidate.T_scene_model),
+          poses_.scene.images, {**other_surface, samples, table.T_scene_model[other]},
+          {**surface, tester.samples(), pose}, tester.errors_of(pose), tester.strict(pose),
           scratch);
-      best = std::max(best, sibling_log_odds(candidates_[c], candidates_[index], comparison));
+      best = std::max(best, sibling_log_odds(other, row, comparison));
     }
     // The score chose: what is better by the pixels that differ is no more than as likely.
-    // What chose between both spoke for this one: the other is no more than as likely.
     const double share = std::exp(std::min(0.0, best));
     if (share < kNoted) continue;
     all += share;
-    candidate.siblings.push_back(sibling);
+    settled.ambiguity.siblings.push_back(sibling);
   }
-  candidate.score = static_cast<float>(static_cast<double>(candidate.score) / all);
+  settled.pose.score = static_cast<float>(static_cast<double>(settled.pose.score) / all);
   return {};
 }
 

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
 #include "engine/loaded_library/recognizer.hpp"
-#include "engine/scene/prepare_scene.hpp"
-#include "engine/selection/select_detections.hpp"
-#include "engine/verification/candidate.hpp"
+#include "engine/selection/select_poses.hpp"
 #include "engine/verification/pose_tester.hpp"
 #include "kernels/verification/compare_poses.hpp"
 #include "storage/common/result.hpp"
@@ -27,41 +26,38 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept;
 /// and the same pixels tell less.
 enum class Among : std::uint8_t { few_models, many_models };
 
-/// Answers that were selected down to doubtful ones, and what they hide.
+/// Poses that were selected down to doubtful ones, and what they hide.
 class OtherAnswers {
  public:
   /// All arguments are referred to. Errors: internal (no memory for a model's ray-tracing tree).
-  static Result<OtherAnswers> among(const Recognizer& recognizer, const PreparedScene& scene,
-                                    std::span<const Candidate> candidates,
+  static Result<OtherAnswers> among(const Recognizer& recognizer, const TestedPoses& poses,
                                     const SelectOptions& select, const PoseTestOptions& test,
                                     Among among);
 
-  /// Lower the score of a candidate by the crowd of other answers of its model, and by its
+  /// Lower the score of a settled pose by the crowd of other answers of its model, and by its
   /// siblings: other models that claim the same pixels with at least half its score, be they hidden
-  /// by it or by what was taken in its place. Of these the
-  /// probability is shared by how well each explains the pixels where they differ
-  /// (kernels::compare_poses; among many models also by the scores, rival_log_odds), with those that
-  /// keep a tenth of its share; these are noted.
-  /// index      of the candidate among all
-  /// candidate  as it was settled
+  /// by it or by what was chosen in its place. Of these the probability is shared by how well each
+  /// explains the pixels where they differ (kernels::compare_poses; among many models also by the
+  /// scores, rival_log_odds), with those that keep a tenth of its share; these are noted.
+  ///
+  /// row  that the settled pose is of
   /// Errors: internal (no memory for a model's ray-tracing tree).
-  Result<void> weigh(std::uint32_t index, Candidate& candidate) const;
+  Result<void> weigh(Row row, SettledPose& settled) const;
 
  private:
-  OtherAnswers(const Recognizer& recognizer, const PreparedScene& scene,
-               std::span<const Candidate> candidates, const PoseTestOptions& test, Among among,
-               Selection selection);
-  double sibling_log_odds(const Candidate& sibling, const Candidate& candidate,
+  OtherAnswers(const Recognizer& recognizer, const TestedPoses& poses, const PoseTestOptions& test,
+               Among among, Selection selection);
+  double sibling_log_odds(Row sibling, Row row,
                           const kernels::PoseComparison& comparison) const noexcept;
-  Result<void> share_with_siblings(std::uint32_t index, Candidate& candidate) const;
+  std::map<std::uint32_t, std::vector<Row>> siblings_of(Row row, Row holder) const;
+  Result<void> share_with_siblings(Row row, SettledPose& settled) const;
 
   const Recognizer& recognizer_;
-  const PreparedScene& scene_;
-  std::span<const Candidate> candidates_;
+  const TestedPoses& poses_;
   const PoseTestOptions& test_;
   const Among among_;
   Selection selection_;
-  std::vector<std::vector<std::uint32_t>> answers_;  // candidates taken, by model
+  std::vector<std::vector<Row>> answers_;  // chosen, by model
 };
 
 }  // namespace trivet::engine

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/poses/placement.hpp"
+#include "engine/selection/odds.hpp"
 #include "kernels/symmetry/turn_axis.hpp"
 #include "kernels/verification/compare_poses.hpp"
 #include "kernels/verification/compare_turns.hpp"
@@ -27,25 +29,20 @@ constexpr float kSameAxis = 0.99F;  // cosine
 // not there often does: of detections from 0.8 on, in the drawn scenes of scripts/calibrate, 39 of
 // 670 right ones and 48 of 143 wrong ones.
 constexpr float kOddsOfStrangeAlternative = 0.4F;
-
-double alternative_odds(float probability) noexcept {
-  constexpr double kLeast = 1e-6;
-  const double p = std::clamp(static_cast<double>(probability), kLeast, 1 - kLeast);
-  return std::log(p / (1 - p));
-}
+constexpr double kLeastProbability = 1e-6;
 
 class AmbiguityTest {
  public:
   AmbiguityTest(const PoseTester& tester, const kernels::RayScene& surface,
-                const kernels::ScoreModel& score, std::span<const Candidate> candidates)
-      : tester_(tester),
-        model_(tester.model()),
-        surface_(surface),
-        score_(score),
-        candidates_(candidates) {}
+                const kernels::ScoreModel& score, const TestedPoses& poses)
+      : tester_(tester), model_(tester.model()), surface_(surface), score_(score), poses_(poses) {}
 
-  void settle(Candidate& candidate) {
-    kernels::TurnComparison turns = settle_turn(candidate);
+  SettledPose settled(Row row) {
+    const PoseTable& table = poses_.table;
+    SettledPose out;
+    TestedPose& pose = out.pose;
+    pose = {table.T_scene_model[row], table.score[row], table.test(row)};
+    kernels::TurnComparison turns = settle_turn(pose);
     const double telling = std::lerp(kTelling, kernels::PoseComparison::kSignificant,
                                      static_cast<double>(tester_.scene().sensor.correlation));
     std::vector<Alike> alike;
@@ -53,8 +50,8 @@ class AmbiguityTest {
       alike.clear();
       std::optional<Pose> better;
       double most = 0;
-      for (const Pose& alternative : alternatives_of(candidate)) {
-        const kernels::PoseComparison comparison = compare(alternative, candidate);
+      for (const Pose& alternative : alternatives_of(table.model[row], pose.T_scene_model)) {
+        const kernels::PoseComparison comparison = compare(alternative, pose.T_scene_model);
         if (comparison.log_ratio > most && comparison.z > telling) {
           most = comparison.log_ratio;
           better = alternative;
@@ -62,27 +59,13 @@ class AmbiguityTest {
         if (!comparison.significant()) alike.push_back({alternative, comparison.log_ratio});
       }
       if (!better || hop == kMaxHops) break;
-      Candidate moved = examine(*better, candidate);
-      if (moved.score < kAlternativeShare * candidate.score) break;
-      candidate = std::move(moved);
-      turns = settle_turn(candidate);
+      TestedPose moved = examine(*better);
+      if (moved.score < kAlternativeShare * pose.score) break;
+      pose = std::move(moved);
+      turns = settle_turn(pose);
     }
-    double elsewhere = 0;  // likelihood of alternatives over that of the pose
-    bool strange = false;
-    for (const Alike& alternative : alike) {
-      if (!is_alternative(alternative.T_scene_model, candidate)) continue;
-      elsewhere += std::exp(alternative.log_ratio);
-      candidate.alternatives.push_back(alternative.T_scene_model);
-      strange = strange || !is_near_symmetric(candidate.T_scene_model, alternative.T_scene_model);
-    }
-    for (const float angle : turns.others) {
-      const Pose turned = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
-      if (is_alternative(turned, candidate)) candidate.alternatives.push_back(turned);
-    }
-    if (strange) candidate.score = scale_odds(candidate.score, kOddsOfStrangeAlternative);
-    candidate.pose_share = turns.share / static_cast<float>(1 + elsewhere);
-    if (turns.high - turns.low > 2 * kRightRotationRad)
-      candidate.turns = TurnExtent{*model_.near_axis, turns.low, turns.high};
+    note_alternatives(alike, turns, out);
+    return out;
   }
 
  private:
@@ -92,43 +75,60 @@ class AmbiguityTest {
     double log_ratio;  ///< of its likelihood over that of the other one
   };
 
-  kernels::PoseComparison compare(const Pose& pose, const Candidate& with) {
+  void note_alternatives(std::span<const Alike> alike, const kernels::TurnComparison& turns,
+                         SettledPose& settled) {
+    TestedPose& pose = settled.pose;
+    Ambiguity& ambiguity = settled.ambiguity;
+    double elsewhere = 0;  // likelihood of alternatives over that of the pose
+    bool strange = false;
+    for (const Alike& alternative : alike) {
+      if (!is_alternative(alternative.T_scene_model, pose)) continue;
+      elsewhere += std::exp(alternative.log_ratio);
+      ambiguity.alternatives.push_back(alternative.T_scene_model);
+      strange = strange || !is_near_symmetric(pose.T_scene_model, alternative.T_scene_model);
+    }
+    for (const float angle : turns.others) {
+      const Pose turned = pose.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
+      if (is_alternative(turned, pose)) ambiguity.alternatives.push_back(turned);
+    }
+    if (strange) pose.score = scale_odds(pose.score, kOddsOfStrangeAlternative);
+    ambiguity.pose_share = turns.share / static_cast<float>(1 + elsewhere);
+    if (turns.high - turns.low > 2 * kRightRotationRad)
+      ambiguity.turns = TurnExtent{*model_.near_axis, turns.low, turns.high};
+  }
+
+  kernels::PoseComparison compare(const Pose& pose, const Pose& with) {
     check_stop();
     return kernels::compare_poses(tester_.scene().images, {surface_, tester_.samples(), pose},
-                                  {surface_, tester_.samples(), with.T_scene_model},
-                                  tester_.errors_of(with.T_scene_model),
-                                  tester_.strict(with.T_scene_model), compare_scratch_);
+                                  {surface_, tester_.samples(), with}, tester_.errors_of(with),
+                                  tester_.strict(with), compare_scratch_);
   }
 
-  bool is_alternative(const Pose& pose, const Candidate& candidate) {
-    return examine(pose, candidate).score >= kAlternativeShare * candidate.score;
+  bool is_alternative(const Pose& alternative, const TestedPose& pose) {
+    return examine(alternative).score >= kAlternativeShare * pose.score;
   }
 
-  Candidate examine(const Pose& pose, const Candidate& instead_of) {
+  TestedPose examine(const Pose& pose) {
     check_stop();
-    Candidate candidate = tester_.examine(surface_, score_, pose, examine_scratch_);
-    candidate.model = instead_of.model;
-    candidate.source = instead_of.source;
-    return candidate;
+    return tester_.examine(surface_, score_, pose, examine_scratch_);
   }
 
   /// Move to the turn about the near axis that the scan speaks for. Returns how the others compare
   /// with that one.
-  kernels::TurnComparison settle_turn(Candidate& candidate) {
+  kernels::TurnComparison settle_turn(TestedPose& pose) {
     if (!model_.near_axis) return {};
-    kernels::TurnComparison turns =
-        kernels::compare_turns(tester_.scene().images, surface_, tester_.samples(),
-                               candidate.T_scene_model, *model_.near_axis, turn_period(),
-                               kRightRotationRad, tester_.errors_of(candidate.T_scene_model),
-                               tester_.strict(candidate.T_scene_model), compare_scratch_);
+    kernels::TurnComparison turns = kernels::compare_turns(
+        tester_.scene().images, surface_, tester_.samples(), pose.T_scene_model, *model_.near_axis,
+        turn_period(), kRightRotationRad, tester_.errors_of(pose.T_scene_model),
+        tester_.strict(pose.T_scene_model), compare_scratch_);
     const bool far = std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad;
-    const Pose there = candidate.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
-    Candidate turned = examine(far ? tester_.polished(there) : there, candidate);
+    const Pose there = pose.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
+    TestedPose turned = examine(far ? tester_.polished(there) : there);
     // Edges that lie beside their places may speak for a turn that the whole test speaks against.
     const bool doubtful = tester_.scene().sensor.correlation > 0 &&
-                          compare(turned.T_scene_model, candidate).log_ratio +
-                                  alternative_odds(turned.score) -
-                                  alternative_odds(candidate.score) <
+                          compare(turned.T_scene_model, pose.T_scene_model).log_ratio +
+                                  log_odds(turned.score, kLeastProbability) -
+                                  log_odds(pose.score, kLeastProbability) <
                               0;
     if (doubtful && far) {
       turns.others.insert(turns.others.begin(), turns.best);
@@ -139,7 +139,7 @@ class AmbiguityTest {
     for (float& other : turns.others) other -= best;
     turns.low -= best;
     turns.high -= best;
-    if (!doubtful) candidate = std::move(turned);
+    if (!doubtful) pose = std::move(turned);
     return turns;
   }
 
@@ -169,8 +169,7 @@ class AmbiguityTest {
   }
 
   /// Other placements of the model that may look like this one, but turns about the near axis.
-  std::vector<Pose> alternatives_of(const Candidate& candidate) const {
-    const Pose& pose = candidate.T_scene_model;
+  std::vector<Pose> alternatives_of(std::uint32_t model, const Pose& pose) const {
     std::vector<Pose> alternatives;
     const auto add = [&](const Pose& alternative) {
       const auto differs = [&](const Pose& known) {
@@ -180,11 +179,14 @@ class AmbiguityTest {
           std::all_of(alternatives.begin(), alternatives.end(), differs))
         alternatives.push_back(alternative);
     };
-    for (const Candidate& other : candidates_) {
-      if (other.model != candidate.model) continue;
-      const float apart = (other.T_scene_model * model_.center - pose * model_.center).norm();
-      if (apart < kAlternativePlace * model_.diameter && other.score >= kLeastAlternativeScore)
-        add(other.T_scene_model);
+    const PoseTable& table = poses_.table;
+    for (const Row other : poses_.rows) {
+      if (table.model[other] != model) continue;
+      const Pose& there = table.T_scene_model[other];
+      const float apart = (there * model_.center - pose * model_.center).norm();
+      if (apart < kAlternativePlace * model_.diameter &&
+          table.score[other] >= kLeastAlternativeScore)
+        add(there);
     }
     for (const Pose& motion : model_.near_symmetries) {
       check_stop();
@@ -197,21 +199,20 @@ class AmbiguityTest {
   const Model& model_;
   const kernels::RayScene& surface_;
   const kernels::ScoreModel& score_;
-  std::span<const Candidate> candidates_;
+  const TestedPoses& poses_;
   kernels::ExamineScratch examine_scratch_;
   kernels::CompareScratch compare_scratch_;
 };
 
 }  // namespace
 
-Result<void> settle_alternatives(const Recognizer& recognizer, const PreparedScene& scene,
-                                 float step, std::span<const Candidate> candidates,
-                                 const PoseTestOptions& options, Candidate& candidate) {
-  const auto surface = recognizer.surface(candidate.model);
+Result<SettledPose> settle_alternatives(const Recognizer& recognizer, const TestedPoses& poses,
+                                        const PoseTestOptions& options, Row row) {
+  const std::uint32_t model = poses.table.model[row];
+  const auto surface = recognizer.surface(model);
   if (!surface) return surface.error();
-  const PoseTester tester(recognizer.library().models[candidate.model], scene, step, options);
-  AmbiguityTest(tester, **surface, recognizer.score(), candidates).settle(candidate);
-  return {};
+  const PoseTester tester(poses.library.models[model], poses.scene, options);
+  return AmbiguityTest(tester, **surface, recognizer.score(), poses).settled(row);
 }
 
 }  // namespace trivet::engine

@@ -27,9 +27,9 @@ kernels::ModelSamples samples_of(const Model& model) noexcept {
           model.sample_spacing, model.diameter,       model.center};
 }
 
-PoseTester::PoseTester(const Model& model, const PreparedScene& scene, float step,
+PoseTester::PoseTester(const Model& model, const PreparedScene& scene,
                        const PoseTestOptions& options)
-    : model_(model), scene_(scene), step_(step), options_(options), samples_(samples_of(model)) {
+    : model_(model), scene_(scene), options_(options), samples_(samples_of(model)) {
   if (options.background) background_ = background_planes(scene, model.diameter);
 }
 
@@ -63,7 +63,7 @@ int PoseTester::edge_pixels(const Pose& pose) const {
 
 kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
   kernels::VerifyOptions loose;
-  loose.tolerance = std::max(0.75F * step_, 3 * error_at(pose));
+  loose.tolerance = std::max(0.75F * model_.ppf.quantization.distance_step, 3 * error_at(pose));
   loose.plane_is_background = background_;
   return loose;
 }
@@ -72,7 +72,7 @@ Pose PoseTester::refined(const Pose& pose) const {
   const float tolerance = strict(pose).tolerance;
   kernels::RefineOptions sparse;
   sparse.num_samples = kRefineSamples;
-  sparse.first_gate = std::max(1.5F * step_, 2 * tolerance);
+  sparse.first_gate = std::max(1.5F * model_.ppf.quantization.distance_step, 2 * tolerance);
   sparse.last_gate = tolerance;
   sparse.max_translation = 0.1F * model_.diameter;
   return refined(pose, sparse);
@@ -117,25 +117,25 @@ std::vector<kernels::JudgedRay> PoseTester::judged_rays(const kernels::RayScene&
   return rays;
 }
 
-Candidate PoseTester::examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                              const Pose& pose, kernels::ExamineScratch& scratch) const {
+TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                               const Pose& pose, kernels::ExamineScratch& scratch) const {
   const kernels::ExamineOptions options = examine_options(pose);
-  Candidate candidate;
-  candidate.T_scene_model = pose;
-  candidate.tolerance = options.verify.tolerance;
+  TestedPose tested;
+  FullTest& test = tested.test;
+  tested.T_scene_model = pose;
+  test.tolerance = options.verify.tolerance;
   kernels::examine_pose(scene_.images, surface, samples_, free_axis(), pose, options, scratch,
-                        candidate.examination, &candidate.explained);
-  candidate.parts = kernels::score_parts(
-      candidate.examination, candidate.tolerance / model_.diameter, scene_.sensor.correlation);
-  const float seen = candidate.examination.consistent + candidate.examination.violation +
-                     candidate.examination.background;
-  const bool looked_through = candidate.examination.violation > kMostViolation * seen;
+                        test.examination, &test.explained);
+  const kernels::Examination& e = test.examination;
+  test.parts = kernels::score_parts(e, test.tolerance / model_.diameter, scene_.sensor.correlation);
+  const bool looked_through =
+      e.violation > kMostViolation * (e.consistent + e.violation + e.background);
   // In scans without background nothing beside the object is measured, and small models would
   // find a place on anything. Of right poses on rendered scenes 99.4 % pass.
-  const bool mostly_unknown = candidate.examination.unknown > candidate.examination.consistent;
+  const bool mostly_unknown = e.unknown > e.consistent;
   if (!looked_through && !mostly_unknown)
-    candidate.score = kernels::pose_probability(score, candidate.parts);
-  return candidate;
+    tested.score = kernels::pose_probability(score, test.parts);
+  return tested;
 }
 
 }  // namespace trivet::engine

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/options/recognize_options.hpp"
+#include "engine/poses/pose_table.hpp"
 #include "engine/scene/prepare_scene.hpp"
-#include "engine/verification/candidate.hpp"
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/verification/compare_poses.hpp"
 #include "kernels/verification/examine_pose.hpp"
@@ -28,9 +29,7 @@ kernels::ModelSamples samples_of(const Model& model) noexcept;
 /// All its arguments must outlive it. Its methods may be called from many threads.
 class PoseTester {
  public:
-  /// step  of the points that voted [library unit]
-  PoseTester(const Model& model, const PreparedScene& scene, float step,
-             const PoseTestOptions& options);
+  PoseTester(const Model& model, const PreparedScene& scene, const PoseTestOptions& options);
   PoseTester(const PoseTester&) = delete;
   PoseTester& operator=(const PoseTester&) = delete;
 
@@ -39,7 +38,7 @@ class PoseTester {
   const kernels::ModelSamples& samples() const noexcept { return samples_; }
   /// How a refined pose is verified: with what the sensor errs by at its range.
   kernels::VerifyOptions strict(const Pose& pose) const;
-  /// How one as the votes left it is looked at: with the tolerance of an unrefined pose.
+  /// How a pose is verified that votes propose: with the tolerance of an unrefined one.
   kernels::VerifyOptions loose(const Pose& pose) const;
 
   /// What the sensor errs by across a surface at this pose's range [library unit].
@@ -59,8 +58,8 @@ class PoseTester {
   Pose polished(const Pose& pose) const;
 
   /// Test by rays.
-  Candidate examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
-                    const Pose& pose, kernels::ExamineScratch& scratch) const;
+  TestedPose examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                     const Pose& pose, kernels::ExamineScratch& scratch) const;
   /// What the rays of that test say one by one.
   std::vector<kernels::JudgedRay> judged_rays(const kernels::RayScene& surface,
                                               const Pose& pose) const;
@@ -73,7 +72,6 @@ class PoseTester {
 
   const Model& model_;
   const PreparedScene& scene_;
-  float step_;
   const PoseTestOptions& options_;
   kernels::ModelSamples samples_;
   std::vector<std::uint8_t> background_;

@@ -4,8 +4,8 @@
 
 #include "engine/recognition/recognize.hpp"
 #include "engine/recognition/two_parts.hpp"
+#include "engine/selection/odds.hpp"
 #include "engine/training/train.hpp"
-#include "engine/verification/candidate.hpp"
 #include "support/random.hpp"
 #include "support/rendered_scene.hpp"
 #include "support/trained_library.hpp"

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <utility>
+
 namespace trivet::engine {
 namespace {
 
@@ -15,24 +18,41 @@ class Report : public testing::Test {
     scene_.sensor.range = 3;
     scene_.images.resize(1);
   }
-  static Candidate candidate(std::uint32_t model, float score, float x = 0) {
-    Candidate out;
-    out.model = model;
-    out.score = score;
-    out.T_scene_model.translation().x() = x;
-    return out;
+  /// Add a detection to what is found. Returns its row.
+  Row add(std::uint32_t model, SettledPose settled) {
+    const Row row = found_.poses.add(model, Source::ppf, Pose::Identity());
+    found_.poses.set_settled(row, std::move(settled));
+    found_.poses.fate[row] = PoseFate::detection;
+    found_.detections.push_back(row);
+    return row;
   }
-  SceneResult reported(SearchResult found) const {
-    return report(library_, scene_, std::move(found), {});
+  static SettledPose scored(float score, float x = 0) {
+    SettledPose settled;
+    settled.pose.score = score;
+    settled.pose.T_scene_model.translation().x() = x;
+    return settled;
   }
+  void add_rejected(std::uint32_t model, float score, PoseFate fate, std::optional<Row> by = {},
+                    float share = 0) {
+    const Row row = add(model, scored(score, 1));
+    found_.detections.pop_back();
+    found_.rejected.push_back(row);
+    found_.poses.fate[row] = fate;
+    found_.poses.explained_by[row] = by;
+    found_.poses.explained_share[row] = share;
+  }
+  SceneResult reported() const { return report(library_, scene_, found_, {}); }
+
+  SearchResult found_;
   Library library_;
   PreparedScene scene_;
 };
 
 TEST_F(Report, OrdersDetectionsByScoreAndThenAsTheyWereTaken) {
-  const SceneResult result =
-      reported({.detections = {candidate(0, 0.5F, 1), candidate(1, 0.9F, 2), candidate(0, 0.5F, 3)},
-                .rejected = {}});
+  add(0, scored(0.5F, 1));
+  add(1, scored(0.9F, 2));
+  add(0, scored(0.5F, 3));
+  const SceneResult result = reported();
   ASSERT_EQ(result.detections.size(), 3U);
   EXPECT_EQ(result.detections[0].model, "bolt");
   EXPECT_FLOAT_EQ(result.detections[0].T_scene_model.translation().x(), 20);
@@ -41,14 +61,15 @@ TEST_F(Report, OrdersDetectionsByScoreAndThenAsTheyWereTaken) {
 }
 
 TEST_F(Report, TellsLengthsInTheFilesUnit) {
-  Candidate turned = candidate(0, 0.9F);
-  turned.tolerance = 0.2F;
-  turned.examination.mean_square = 0.25F;
-  turned.examination.residual = 0;  // all of it may be correlated noise
-  turned.alternatives.push_back(candidate(0, 0, 4).T_scene_model);
-  turned.turns = TurnExtent{{{0, 0, 1}, {0.5F, 0, 0}}, -1, 1};
-  turned.siblings = {1};
-  const SceneResult result = reported({.detections = {turned}, .rejected = {}});
+  SettledPose turned = scored(0.9F);
+  turned.pose.test.tolerance = 0.2F;
+  turned.pose.test.examination.mean_square = 0.25F;
+  turned.pose.test.examination.residual = 0;  // all of it may be correlated noise
+  turned.ambiguity.alternatives.push_back(scored(0, 4).pose.T_scene_model);
+  turned.ambiguity.turns = TurnExtent{{{0, 0, 1}, {0.5F, 0, 0}}, -1, 1};
+  turned.ambiguity.siblings = {1};
+  add(0, turned);
+  const SceneResult result = reported();
   const Detection& detection = result.detections[0];
   EXPECT_FLOAT_EQ(detection.rmse, 1);
   EXPECT_FLOAT_EQ(detection.alternatives[0].translation().x(), 40);
@@ -60,16 +81,18 @@ TEST_F(Report, TellsLengthsInTheFilesUnit) {
 }
 
 TEST_F(Report, TellsTheSharesOfTheWholeSilhouetteAlsoOfWhatLiesOutsideTheScan) {
-  Candidate beyond = candidate(0, 0.9F);
-  beyond.examination.covered = 20;
-  beyond.examination.consistent = 20;
-  beyond.examination.outside = 60;
-  Candidate hidden = candidate(1, 0.8F);
-  hidden.examination.covered = 40;
-  hidden.examination.consistent = 10;
-  hidden.examination.occluded = 30;
-  const SceneResult result =
-      reported({.detections = {beyond, hidden, candidate(0, 0)}, .rejected = {}});
+  SettledPose beyond = scored(0.9F);
+  beyond.pose.test.examination.covered = 20;
+  beyond.pose.test.examination.consistent = 20;
+  beyond.pose.test.examination.outside = 60;
+  SettledPose hidden = scored(0.8F);
+  hidden.pose.test.examination.covered = 40;
+  hidden.pose.test.examination.consistent = 10;
+  hidden.pose.test.examination.occluded = 30;
+  add(0, beyond);
+  add(1, hidden);
+  add(0, scored(0));
+  const SceneResult result = reported();
   EXPECT_FLOAT_EQ(result.detections[0].visible_fraction, 0.25F)
       << "not all: most is not in the scan";
   EXPECT_FLOAT_EQ(result.detections[0].outside_fraction, 0.75F);
@@ -81,14 +104,15 @@ TEST_F(Report, TellsTheSharesOfTheWholeSilhouetteAlsoOfWhatLiesOutsideTheScan) {
 
 TEST_F(Report, TellsOfNoSensorWhereSixImagesSeeASurface) {
   scene_.images.resize(6);
-  EXPECT_FALSE(reported({}).stats.sensor);
+  EXPECT_FALSE(reported().stats.sensor);
 }
 
 TEST_F(Report, LeadsFromRejectedPosesToTheirDetections) {
-  SearchResult found{.detections = {candidate(0, 0.6F), candidate(1, 0.9F)}, .rejected = {}};
-  found.rejected.push_back({candidate(0, 0.4F, 1), Rejection::explained, 0, 0.7F});
-  found.rejected.push_back({candidate(1, 0.3F, 1), Rejection::too_low});
-  const SceneResult result = reported(std::move(found));
+  const Row nut = add(0, scored(0.6F));
+  add(1, scored(0.9F));
+  add_rejected(0, 0.4F, PoseFate::explained, nut, 0.7F);
+  add_rejected(1, 0.3F, PoseFate::too_low);
+  const SceneResult result = reported();
   ASSERT_EQ(result.rejected.size(), 2U);
   EXPECT_EQ(result.rejected[0].explained_by, 1U) << "that of the lower score comes second";
   EXPECT_EQ(result.rejected[0].explained_share, 0.7F);

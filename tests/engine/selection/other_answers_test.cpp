@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "engine/recognition/recognize.hpp"
@@ -103,20 +104,20 @@ TEST_F(Siblings, ShareByTheirScoresTooWhereManyModelsWereSoughtFor) {
   StageTimes times;
   const auto scene = prepare_scene(scan(true), {}, times);
   ASSERT_TRUE(scene) << scene.error().message;
-  std::vector<Candidate> candidates(2);
-  for (std::uint32_t m = 0; m < 2; ++m) {
-    candidates[m].model = m;
-    candidates[m].T_scene_model = pose();
-    candidates[m].explained.pixels = {1000, 1001, 1002, 1003};
+  PoseTable table;
+  for (const auto& [model, score] : {std::pair(0U, 0.6F), std::pair(1U, 0.95F)}) {
+    TestedPose tested{pose(), score, {}};
+    tested.test.explained.pixels = {1000, 1001, 1002, 1003};
+    table.set_tested(table.add(model, Source::ppf, pose()), std::move(tested));
   }
-  candidates[0].score = 0.6F;
-  candidates[1].score = 0.95F;
+  const std::array<Row, 2> rows{0, 1};
+  const TestedPoses poses{both_.library(), *scene, table, rows};
   const auto weighed = [&](Among among) {
-    const auto others = OtherAnswers::among(both_, *scene, candidates, {}, {}, among);
+    const auto others = OtherAnswers::among(both_, poses, {}, {}, among);
     EXPECT_TRUE(others);
-    Candidate candidate = candidates[1];
-    EXPECT_TRUE(others->weigh(1, candidate));
-    return candidate.score;
+    SettledPose settled{{pose(), 0.95F, {}}, {}};
+    EXPECT_TRUE(others->weigh(1, settled));
+    return settled.pose.score;
   };
   EXPECT_LT(weighed(Among::few_models), 0.6F) << "the scan does not tell";
   EXPECT_GT(weighed(Among::many_models), 0.75F) << "0.95 is far more than 0.6";

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "engine/loaded_library/recognizer.hpp"
 #include "engine/results/stage_times.hpp"
 #include "engine/verification/pose_tester.hpp"
@@ -30,19 +32,21 @@ class SettleRivals : public testing::Test {
     ASSERT_TRUE(scene) << scene.error().message;
     scene_ = std::move(*scene);
   }
-  static Candidate candidate(std::uint32_t model, float score) {
-    Candidate out;
-    out.model = model;
-    out.score = score;
-    out.T_scene_model = pose();
-    return out;
-  }
-  /// What becomes of a selection in which the first candidate hides the second.
-  static Selection settled(const std::vector<Candidate>& candidates) {
+  struct Found {
+    std::uint32_t model = 0;
+    float score = 0;
+  };
+  /// What becomes of a selection in which the first pose hides the second.
+  static Selection settled(const std::array<Found, 2>& found) {
+    PoseTable table;
+    for (const auto& [model, score] : found)
+      table.set_tested(table.add(model, Source::ppf, pose()), {pose(), score, {}});
     Selection selection;
     selection.chosen = {0};
     selection.refused = {{1, Rejection::explained, 0U, 0.9F}};
-    EXPECT_TRUE(settle_rivals(recognizer_, scene_, candidates, {}, selection));
+    const std::array<Row, 2> rows{0, 1};
+    EXPECT_TRUE(
+        settle_rivals(recognizer_, {recognizer_.library(), scene_, table, rows}, {}, selection));
     return selection;
   }
   static constexpr std::uint32_t kLong = 0, kShort = 1;
@@ -51,23 +55,23 @@ class SettleRivals : public testing::Test {
 };
 
 TEST_F(SettleRivals, GivesThePlaceToTheModelThatTheDifferingPixelsSpeakFor) {
-  const Selection selection = settled({candidate(kLong, 0.99F), candidate(kShort, 0.95F)});
-  EXPECT_EQ(selection.chosen, std::vector<std::uint32_t>{1});
+  const Selection selection = settled({{{kLong, 0.99F}, {kShort, 0.95F}}});
+  EXPECT_EQ(selection.chosen, std::vector<Row>{1});
   ASSERT_EQ(selection.refused.size(), 1U);
-  EXPECT_EQ(selection.refused[0].candidate, 0U);
+  EXPECT_EQ(selection.refused[0].row, 0U);
   EXPECT_EQ(selection.refused[0].explained_by, 1U);
   EXPECT_EQ(selection.refused[0].reason, Rejection::explained);
 }
 
 TEST_F(SettleRivals, LeavesThePlaceToOneThatIsBetter) {
-  const Selection selection = settled({candidate(kShort, 0.95F), candidate(kLong, 0.99F)});
-  EXPECT_EQ(selection.chosen, std::vector<std::uint32_t>{0});
-  EXPECT_EQ(selection.refused[0].candidate, 1U);
+  const Selection selection = settled({{{kShort, 0.95F}, {kLong, 0.99F}}});
+  EXPECT_EQ(selection.chosen, std::vector<Row>{0});
+  EXPECT_EQ(selection.refused[0].row, 1U);
 }
 
 TEST_F(SettleRivals, AsksNoneOfLessThanHalfTheScoreNorOfTheSameModel) {
-  EXPECT_EQ(settled({candidate(kLong, 0.99F), candidate(kShort, 0.4F)}).chosen[0], 0U);
-  EXPECT_EQ(settled({candidate(kLong, 0.99F), candidate(kLong, 0.98F)}).chosen[0], 0U);
+  EXPECT_EQ(settled({{{kLong, 0.99F}, {kShort, 0.4F}}}).chosen[0], 0U);
+  EXPECT_EQ(settled({{{kLong, 0.99F}, {kLong, 0.98F}}}).chosen[0], 0U);
 }
 
 }  // namespace

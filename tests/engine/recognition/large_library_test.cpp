@@ -1,5 +1,3 @@
-#include "engine/recognition/search_budget.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,32 +12,6 @@
 
 namespace trivet::engine {
 namespace {
-
-Library with_features() {
-  Library library;
-  library.basis.components.energies = {1};
-  return library;
-}
-
-TEST(SearchBudget, IsForLargeLibrariesWithFeatures) {
-  const Library library = with_features();
-  EXPECT_TRUE(budget_of({}, library, 31));
-  EXPECT_FALSE(budget_of({}, library, 30));
-  EXPECT_FALSE(budget_of({.search = Search::exhaustive}, library, 1000));
-  EXPECT_FALSE(budget_of({.method = Method::ppf}, library, 1000));
-  EXPECT_FALSE(budget_of({}, {}, 1000)) << "nothing to match with";
-}
-
-TEST(SearchBudget, DoesNotGrowWithTheLibraryButWithWhatIsAskedFor) {
-  const Library library = with_features();
-  const auto thousand = budget_of({}, library, 1000), more = budget_of({}, library, 10000),
-             twice = budget_of({.budget = 2}, library, 1000);
-  EXPECT_EQ(thousand->poses.looked_at, more->poses.looked_at);
-  EXPECT_EQ(thousand->poses.refined, more->poses.refined);
-  EXPECT_EQ(thousand->voted_models, more->voted_models);
-  EXPECT_EQ(2 * thousand->poses.examined, twice->poses.examined);
-  EXPECT_EQ(2 * thousand->voted_models, twice->voted_models);
-}
 
 /// A library of look-alikes: brackets and levers of many proportions, of which two are in the scan.
 class LargeLibrary : public testing::Test {
@@ -112,7 +84,6 @@ TEST_F(LargeLibrary, IsSearchedWithinABudgetAndFindsTheVeryModels) {
   for (const Model& model : recognizer_.library().models) {
     if (model.name != names(kSecond)) all_but_one.models.push_back(model.name);
   }
-  ASSERT_TRUE(budget_of(all_but_one, recognizer_.library(), all_but_one.models.size()));
   for (const Detection& detection : found(all_but_one).detections)
     EXPECT_NE(detection.model, names(kSecond)) << "as a look-alike of another";
 

@@ -1,5 +1,3 @@
-#include "engine/recognition/ablate.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,25 +41,6 @@ TEST(ImprovementSet, HoldsWhatWasPutIn) {
         improvement == Improvement::clusters || improvement == Improvement::alternatives;
     EXPECT_EQ(set.contains(improvement), expected) << static_cast<int>(improvement);
   }
-}
-
-TEST(Ablate, ChangesNothingWhenNothingIsLeftOut) {
-  RecognizeOptions options;
-  options.max_instances = 7;
-  options.vote.max_votes = 1234;
-  options.later.radius = 0.9F;
-  EXPECT_EQ(engine::ablate(options), options);
-}
-
-TEST(Ablate, NeverAddsARoundOfVoting) {
-  EXPECT_EQ(
-      engine::ablate({.pose = {.rounds = 0}, .ablated = {Improvement::second_round}}).pose.rounds,
-      0U);
-}
-
-TEST(Ablate, FitsNormalsToTheNarrowestWindowsOfTheDefault) {
-  EXPECT_EQ(engine::ablate({.ablated = {Improvement::normals}}).normal_window, 2.0F);
-  EXPECT_EQ(engine::ablate({}).normal_window, std::nullopt);
 }
 
 /// Two brackets and a lever before a wall, the depth noisy and wavy, and what is found in all.

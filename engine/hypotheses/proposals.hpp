@@ -1,0 +1,24 @@
+/// What a source of poses proposes.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "engine/options/method.hpp"
+#include "kernels/common/hypothesis.hpp"
+
+namespace trivet::engine {
+
+/// Models of the library by sampling step: those of one step share the sampled scene and its pair
+/// features.
+using ModelGroups = std::map<float, std::vector<std::uint32_t>>;
+
+/// Poses of one model from one source.
+struct Proposals {
+  std::uint32_t model = 0;  ///< of the library
+  Source source = Source::ppf;
+  std::vector<kernels::Hypothesis> hypotheses;
+};
+
+}  // namespace trivet::engine

@@ -1,0 +1,51 @@
+#include "engine/hypotheses/propose_by_matches.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "engine/hypotheses/sample_for_models.hpp"
+
+namespace trivet::engine {
+
+Result<std::vector<Proposals>> MatchSource::propose(const MatchOptions& options,
+                                                    const MatchLevels& levels,
+                                                    std::span<const std::uint8_t> explained) {
+  const StageTimer timer(stats_.times, "match");
+  if (!std::exchange(is_matched_, true)) TRIVET_TRY(match(options, levels, explained));
+  std::vector<Proposals> proposals;
+  for (const SceneMatches& matches : matches_) {
+    std::vector<std::vector<kernels::Hypothesis>> hypotheses = hypotheses_of(
+        matches, scene_, explained, recognizer_.library().models.size(), options.grouping);
+    for (const std::uint32_t m : models_) {
+      if (!hypotheses[m].empty()) proposals.push_back({m, Source::trisi, std::move(hypotheses[m])});
+    }
+  }
+  return proposals;
+}
+
+Result<void> MatchSource::match(const MatchOptions& options, const MatchLevels& levels,
+                                std::span<const std::uint8_t> explained) {
+  const Library& library = recognizer_.library();
+  const Result<const FeatureIndex*> index = recognizer_.features();
+  if (!index) return index.error();
+  for (std::size_t k = 0; k < (*index)->size(); ++k) {
+    const FeatureLevel& level = (**index)[k];
+    if (level.resolution < levels.finest) continue;
+    std::vector<std::uint32_t> models;
+    std::ranges::set_intersection(level.models, models_, std::back_inserter(models));
+    const bool is_own = std::ranges::any_of(models, [&](std::uint32_t m) {
+      return library.models[m].features[0].resolution == level.resolution;
+    });
+    if (models.empty() || (levels.only_own && !is_own)) continue;
+    TRIVET_TRY(library.check_level(k));
+    matches_.push_back(
+        match_features(library.basis, level, scene_,
+                       sample_for_models(library, scene_, level.resolution, models, large_planes_),
+                       explained, options, [&] { recognizer_.give_back(); }));
+    recognizer_.give_back();
+  }
+  return {};
+}
+
+}  // namespace trivet::engine

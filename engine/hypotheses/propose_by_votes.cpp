@@ -1,0 +1,79 @@
+#include "engine/hypotheses/propose_by_votes.hpp"
+
+#include <utility>
+
+#include "engine/common/check_models.hpp"
+#include "engine/common/parallel.hpp"
+#include "engine/hypotheses/find_hypotheses.hpp"
+#include "engine/hypotheses/sample_for_models.hpp"
+
+namespace trivet::engine {
+namespace {
+
+/// Leave the references whose model could lie within the limits.
+void drop_far_references(const PoseLimits& limits, double scene_scale, float reach,
+                         SceneLevel& level) {
+  if (!limits.region) return;
+  const auto scale = static_cast<float>(scene_scale);
+  const Eigen::Array3f low = limits.region->low.cast<float>().array() * scale - reach;
+  const Eigen::Array3f high = limits.region->high.cast<float>().array() * scale + reach;
+  std::erase_if(level.references, [&](std::uint32_t i) {
+    const Eigen::Array3f p = level.points[i].array();
+    return !((p >= low).all() && (p <= high).all());
+  });
+}
+
+}  // namespace
+
+VoteSource::VoteSource(const Recognizer& recognizer, const PreparedScene& scene,
+                       const ModelGroups& groups, LargePlanes large_planes, SceneStats& stats)
+    : recognizer_(recognizer),
+      scene_(scene),
+      groups_(groups),
+      large_planes_(large_planes),
+      stats_(stats) {}
+
+Result<std::vector<Proposals>> VoteSource::propose(const ModelGroups& models,
+                                                   const VoteOptions& options,
+                                                   const PoseLimits& limits,
+                                                   std::span<const std::uint8_t> explained) {
+  const Library& library = recognizer_.library();
+  const std::vector<SceneLevel> levels = choose_all_voters(models, options, limits, explained);
+  const StageTimer timer(stats_.times, "vote");
+  std::vector<Proposals> proposals;
+  auto level = levels.begin();
+  for (const auto& [step, of_step] : models) {
+    TRIVET_TRY(check_models(library, of_step, ModelPart::pairs));
+    VotedHypotheses voted = find_hypotheses(library, *level++, of_step, options);
+    stats_.num_references += voted.num_references;
+    stats_.num_pairs += voted.num_pairs;
+    stats_.num_votes += voted.num_votes;
+    for (std::size_t m = 0; m < of_step.size(); ++m)
+      proposals.push_back({of_step[m], Source::ppf, std::move(voted.of_model[m])});
+  }
+  recognizer_.give_back();
+  return proposals;
+}
+
+std::vector<SceneLevel> VoteSource::choose_all_voters(const ModelGroups& models,
+                                                      const VoteOptions& options,
+                                                      const PoseLimits& limits,
+                                                      std::span<const std::uint8_t> explained) {
+  const StageTimer timer(stats_.times, "subsample");
+  std::vector<SceneSample*> samples;
+  for (const auto& [step, of_step] : models) samples.push_back(&samples_[step]);
+  std::vector<float> steps;
+  for (const auto& [step, of_step] : models) steps.push_back(step);
+  std::vector<SceneLevel> levels(steps.size());
+  for_each_index(steps.size(), [&](std::size_t k) {
+    SceneSample& sample = *samples[k];
+    if (sample.points.size() == 0)
+      sample = sample_for_models(recognizer_.library(), scene_, steps[k], groups_.at(steps[k]),
+                                 large_planes_);
+    levels[k] = choose_voters(scene_, sample, options, explained);
+    drop_far_references(limits, scene_.scale, sample.largest_diameter, levels[k]);
+  });
+  return levels;
+}
+
+}  // namespace trivet::engine

@@ -1,0 +1,50 @@
+/// Poses that point pairs of the scene vote for.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "engine/hypotheses/proposals.hpp"
+#include "engine/loaded_library/recognizer.hpp"
+#include "engine/options/recognize_options.hpp"
+#include "engine/results/recognize_result.hpp"
+#include "engine/scene/prepare_scene.hpp"
+#include "storage/common/result.hpp"
+
+namespace trivet::engine {
+
+/// The scene is sampled once per sampling step, when models of it are first voted for.
+class VoteSource {
+ public:
+  /// All arguments are referred to.
+  ///
+  /// groups  all models that are searched for: the largest of a step decides which planes may vote
+  /// stats   gets times and counts
+  VoteSource(const Recognizer& recognizer, const PreparedScene& scene, const ModelGroups& groups,
+             LargePlanes large_planes, SceneStats& stats);
+
+  /// Vote for models. Only references whose model could lie within the limits vote.
+  ///
+  /// models     of the groups, by sampling step; a step without models is left out
+  /// explained  nonzero for pixels whose points do not vote, of all images one after the other; empty: none
+  /// Errors: bad_data (damaged).
+  Result<std::vector<Proposals>> propose(const ModelGroups& models, const VoteOptions& options,
+                                         const PoseLimits& limits,
+                                         std::span<const std::uint8_t> explained);
+
+ private:
+  std::vector<SceneLevel> choose_all_voters(const ModelGroups& models, const VoteOptions& options,
+                                            const PoseLimits& limits,
+                                            std::span<const std::uint8_t> explained);
+
+  const Recognizer& recognizer_;
+  const PreparedScene& scene_;
+  const ModelGroups& groups_;
+  const LargePlanes large_planes_;
+  SceneStats& stats_;
+  std::map<float, SceneSample> samples_;  // by sampling step
+};
+
+}  // namespace trivet::engine

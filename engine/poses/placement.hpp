@@ -1,0 +1,19 @@
+/// When two poses of a model are one placement of it.
+#pragma once
+
+#include <numbers>
+
+#include "storage/data/model.hpp"
+
+namespace trivet::engine {
+
+/// Limits within which a pose is right [diameters], [rad].
+inline constexpr float kRightTranslation = 0.1F;
+inline constexpr float kRightRotationRad = 12 * std::numbers::pi_v<float> / 180;
+
+/// Whether two poses of a model are one placement of it, up to the limits within which a detection
+/// is right, modulo symmetry.
+/// Source: Drost et al., CVPR 2010, section 5.
+bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept;
+
+}  // namespace trivet::engine

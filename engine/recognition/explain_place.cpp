@@ -1,0 +1,147 @@
+#include "engine/recognition/explain_place.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <string>
+#include <tuple>
+
+namespace trivet::engine {
+namespace {
+
+/// How far from a posed model's samples a place may lie to be its own [diameters]: of poses as they
+/// are proposed, and of refined ones.
+constexpr float kReach = 0.1F, kTouch = 0.03F;
+constexpr float kSigmas = 3;
+constexpr std::size_t kMostExplained = 20;  // models of a place
+
+/// A place of the scene and the models that may lie there.
+class Place {
+ public:
+  /// point  in the scene's frame [library unit]
+  Place(const Library& library, const Eigen::Vector3f& point, float noise)
+      : library_(library), point_(point), noise_(noise) {}
+
+  /// Whether a posed model reaches to the place. Its samples must have been checked.
+  bool is_reached(std::uint32_t model, const Pose& T_scene_model, float share) const {
+    const Model& m = library_.models[model];
+    const Eigen::Vector3f point = T_scene_model.inverse() * point_;
+    // Samples are points of a surface: the place may lie between them.
+    const float reach = share * m.diameter + m.sample_spacing + kSigmas * noise_;
+    if ((point - m.center).norm() > m.diameter + reach) return false;
+    const PointsView samples = m.samples;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if ((samples[i] - point).squaredNorm() <= reach * reach) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Library& library_;
+  const Eigen::Vector3f point_;
+  const float noise_;
+};
+
+/// The rows of a model that are of interest there.
+struct Nearby {
+  std::array<std::size_t, kNumPoseStages> num_poses{};
+  std::optional<Row> detection{}, refused{};  // the best by score
+  std::optional<Row> given_up{};              // what came furthest of those not tested in full
+};
+
+void keep_better(const PoseTable& table, Row row, std::optional<Row>& best) {
+  if (!best || table.score[row] > table.score[*best]) best = row;
+}
+
+/// By what poses of a stage are compared that went no further.
+auto furthest(const PoseTable& table, Row row) {
+  return std::tuple(table.stage[row],
+                    table.stage[row] == PoseStage::refined ? table.score[row] : table.votes[row]);
+}
+
+std::map<std::uint32_t, Nearby> find_nearby(const PoseTable& table, const Place& place) {
+  std::map<std::uint32_t, Nearby> nearby;
+  for (Row row = 0; row < table.size(); ++row) {
+    const std::uint32_t model = table.model[row];
+    const bool is_tested = table.stage[row] == PoseStage::examined;
+    const bool began_here = place.is_reached(model, table.T_proposed[row], kReach);
+    const bool ended_here = is_tested && place.is_reached(model, table.T_scene_model[row], kReach);
+    if (!began_here && !ended_here) continue;
+    Nearby& near = nearby[model];
+    const auto last = static_cast<std::size_t>(std::min(table.stage[row], PoseStage::refined));
+    for (std::size_t stage = 0; began_here && stage <= last; ++stage) ++near.num_poses[stage];
+    if (ended_here) ++near.num_poses[static_cast<std::size_t>(PoseStage::examined)];
+    if (!is_tested) {
+      if (!near.given_up || furthest(table, row) > furthest(table, *near.given_up))
+        near.given_up = row;
+    } else if (table.fate[row] != PoseFate::given_up &&
+               place.is_reached(model, table.T_scene_model[row], kTouch)) {
+      keep_better(table, row,
+                  table.fate[row] == PoseFate::detection ? near.detection : near.refused);
+    }
+  }
+  return nearby;
+}
+
+/// Test a pose in full that was given up. Returns its new row; none where too little of it is seen
+/// or it leaves the limits.
+Result<std::optional<Row>> test_after_all(const PoseVerifier& verifier, Row given_up,
+                                          float least_score, PoseTable& table) {
+  const Row row =
+      table.add(table.model[given_up], table.source[given_up], table.T_proposed[given_up]);
+  table.fate[row] = PoseFate::given_up;
+  verifier.refine(table, {&row, 1});
+  if (!(table.score[row] > least_score)) return std::optional<Row>();
+  const Result<std::vector<Row>> within = verifier.examine(table, {&row, 1});
+  if (!within) return within.error();
+  return within->empty() ? std::optional<Row>() : row;
+}
+
+}  // namespace
+
+Result<std::vector<ExplainedModel>> explain_place(const Library& library,
+                                                  const PreparedScene& scene,
+                                                  const PlaceQuestion& question, float least_score,
+                                                  const PoseVerifier& verifier, PoseTable& table) {
+  const Eigen::Vector3d point = scene.scale * *question.point;
+  const Place place(library, point.cast<float>(), scene.sensor.noise);
+  std::map<std::uint32_t, Nearby> nearby = find_nearby(table, place);
+  std::vector<std::uint32_t> models;
+  for (std::uint32_t m = 0; m < library.models.size(); ++m) {
+    const bool is_asked =
+        std::ranges::find(question.models, library.models[m].name) != question.models.end();
+    if (question.models.empty() ? nearby.contains(m) : is_asked) models.push_back(m);
+  }
+  const auto order = [&](std::uint32_t m) {
+    const Nearby& near = nearby[m];
+    const auto [stage, merit] =
+        near.given_up ? furthest(table, *near.given_up) : std::tuple(PoseStage::proposed, 0.0F);
+    return std::tuple(!near.detection, near.refused ? -table.score[*near.refused] : 1.0F,
+                      -static_cast<int>(stage), -merit);
+  };
+  std::ranges::stable_sort(models, {}, order);
+  if (question.models.empty()) models.resize(std::min(models.size(), kMostExplained));
+
+  std::vector<ExplainedModel> explained;
+  for (const std::uint32_t m : models) {
+    const Nearby& near = nearby[m];
+    ExplainedModel& of = explained.emplace_back();
+    of.model = m;
+    of.num_poses = near.num_poses;
+    of.pose = near.detection ? near.detection : near.refused;
+    if (!of.pose && near.given_up &&
+        near.num_poses[static_cast<std::size_t>(PoseStage::examined)] == 0) {
+      const auto row = test_after_all(verifier, *near.given_up, least_score, table);
+      if (!row) return row.error();
+      of.pose = *row;
+      of.given_up = true;
+    }
+    if (!of.pose) continue;
+    auto rays = verifier.judged_rays(m, table.T_scene_model[*of.pose]);
+    if (!rays) return rays.error();
+    of.rays = *std::move(rays);
+  }
+  return explained;
+}
+
+}  // namespace trivet::engine

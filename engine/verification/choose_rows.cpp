@@ -1,0 +1,113 @@
+#include "engine/verification/choose_rows.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "engine/common/parallel.hpp"
+#include "kernels/common/pose_math.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr float kPlace = 0.2F;  // in diameters
+// Where many of a kind lie, the best seen ones must not take all of the budget.
+constexpr std::size_t kRefinedAPlace = 4, kExaminedAPlace = 2;
+constexpr float kSameTranslation = 0.01F;  // in diameters
+constexpr float kSameRotationRad = 0.035F;
+
+/// Poses chosen from the first on, so that no place takes more than its part of the budget.
+class Spread {
+ public:
+  Spread(const PoseTable& table, const Model& model, std::size_t limit_a_place)
+      : table_(table), model_(model), limit_a_place_(limit_a_place) {}
+
+  /// Add those above a score in this order, until there are `limit` in all.
+  void add(std::span<const Row> order, float least_score, std::size_t limit) {
+    for (const Row row : order) {
+      if (chosen_.size() == limit) return;
+      if (!(table_.score[row] > least_score) || std::ranges::find(chosen_, row) != chosen_.end())
+        continue;
+      const Eigen::Vector3f center = table_.T_scene_model[row] * model_.center;
+      const auto near = std::ranges::count_if(centers_, [&](const Eigen::Vector3f& other) {
+        return (other - center).norm() < kPlace * model_.diameter;
+      });
+      if (near >= static_cast<std::ptrdiff_t>(limit_a_place_)) continue;
+      chosen_.push_back(row);
+      centers_.push_back(center);
+    }
+  }
+  std::vector<Row> chosen() && { return std::move(chosen_); }
+
+ private:
+  const PoseTable& table_;
+  const Model& model_;
+  std::size_t limit_a_place_;
+  std::vector<Row> chosen_;
+  std::vector<Eigen::Vector3f> centers_;
+};
+
+std::vector<Row> without_repetitions(PoseTable& table, std::span<const Row> rows,
+                                     const Model& model) {
+  std::vector<Row> kept;
+  for (const Row row : by_falling(table.score, rows)) {
+    const auto known = std::ranges::find_if(kept, [&](Row other) {
+      const kernels::PoseDistance distance = kernels::pose_distance(
+          table.T_scene_model[other], table.T_scene_model[row], model.symmetry, model.center);
+      return distance.translation < kSameTranslation * model.diameter &&
+             distance.rotation_rad < kSameRotationRad;
+    });
+    if (known == kept.end()) {
+      kept.push_back(row);
+    } else {
+      table.source[*known] = std::min(table.source[*known], table.source[row]);
+    }
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<Row> choose_of_each_model(
+    const PoseTable& table, std::span<const Row> rows, const Library& library,
+    const std::function<std::vector<Row>(const Model&, std::span<const Row>)>& choose) {
+  std::map<std::uint32_t, std::vector<Row>> by_model;
+  for (const Row row : rows) by_model[table.model[row]].push_back(row);
+  std::vector<std::pair<const std::uint32_t, std::vector<Row>>*> all;
+  for (auto& of_model : by_model) all.push_back(&of_model);
+  for_each_index(all.size(), [&](std::size_t k) {
+    auto& [model, of_model] = *all[k];
+    of_model = choose(library.models[model], of_model);
+  });
+  std::vector<Row> chosen;
+  for (const auto& [model, of_model] : by_model)
+    chosen.insert(chosen.end(), of_model.begin(), of_model.end());
+  return chosen;
+}
+
+std::vector<Row> choose_to_judge(const PoseTable& table, std::span<const Row> rows,
+                                 const Model& model, std::size_t max_refined) {
+  Spread first(table, model, kContourShare * kRefinedAPlace);
+  first.add(by_falling(table.share, rows), 0, max_refined / 2);
+  first.add(by_falling(table.score, rows), 0, kContourShare * max_refined);
+  return std::move(first).chosen();
+}
+
+std::vector<Row> choose_to_refine(const PoseTable& table, std::span<const Row> rows,
+                                  const Model& model, std::size_t max_refined) {
+  Spread best(table, model, kRefinedAPlace);
+  best.add(by_falling(table.score, rows), 0, max_refined - max_refined / 2);
+  best.add(by_falling(table.share, rows), 0, max_refined);
+  return std::move(best).chosen();
+}
+
+std::vector<Row> choose_to_examine(PoseTable& table, std::span<const Row> rows, const Model& model,
+                                   std::size_t max_examined, float least_score) {
+  const std::vector<Row> poses = without_repetitions(table, rows, model);
+  Spread best(table, model, kExaminedAPlace);
+  best.add(by_falling(table.score, poses), least_score, max_examined);
+  return std::move(best).chosen();
+}
+
+}  // namespace trivet::engine

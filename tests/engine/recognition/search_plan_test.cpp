@@ -1,0 +1,130 @@
+#include "engine/recognition/search_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace trivet::engine {
+namespace {
+
+/// So many models of two sampling steps, with features or not.
+Library library_of(std::size_t num_models, bool features = true) {
+  Library library;
+  if (features) library.basis.components.energies = {1};
+  for (std::size_t m = 0; m < num_models; ++m) {
+    Model& model = library.models.emplace_back();
+    model.name = "part_" + std::to_string(m);
+    model.ppf.quantization.distance_step = m % 2 == 0 ? 0.01F : 0.02F;
+  }
+  return library;
+}
+
+SearchPlan planned(const RecognizeOptions& options, const Library& library = library_of(2),
+                   const Eigen::Vector3d& offset = {0, 0, 0}) {
+  auto plan = plan_search(options, library, offset);
+  EXPECT_TRUE(plan) << plan.error().message;
+  return *std::move(plan);
+}
+
+TEST(PlanSearch, HasTheDefaultsOfTheStages) {
+  const SearchPlan plan = planned({});
+  EXPECT_EQ(plan.prepare, PrepareOptions{});
+  EXPECT_EQ(plan.verification, VerificationOptions{});
+  EXPECT_EQ(plan.decide, DecideOptions{});
+  EXPECT_EQ(plan.large_planes, LargePlanes::left_out);
+}
+
+TEST(PlanSearch, TellsEachStageWhatItLeavesOut) {
+  const auto without = [](Improvement improvement) { return planned({.ablated = {improvement}}); };
+  EXPECT_FALSE(without(Improvement::correlated_noise).prepare.correlated_noise);
+  EXPECT_EQ(without(Improvement::normals).prepare.normal_window, 2.0F);
+  EXPECT_EQ(without(Improvement::planes).large_planes, LargePlanes::kept);
+  EXPECT_FALSE(without(Improvement::refinement).verification.test.refinement);
+  EXPECT_FALSE(without(Improvement::background).verification.test.background);
+  EXPECT_FALSE(without(Improvement::visibility).verification.visibility);
+  EXPECT_FALSE(without(Improvement::visibility).verification.contour) << "it lowers that score";
+  EXPECT_EQ(without(Improvement::visibility).limits.least_score, 0);
+  EXPECT_FALSE(without(Improvement::contour).verification.contour);
+  EXPECT_FALSE(without(Improvement::rays).verification.rays);
+  EXPECT_FALSE(without(Improvement::rays).decide.alternatives) << "they are compared by rays";
+  EXPECT_FALSE(without(Improvement::explained).decide.select.by_pixels);
+  EXPECT_FALSE(without(Improvement::alternatives).decide.alternatives);
+  EXPECT_EQ(without(Improvement::clusters).decide.select.max_instances, 1U);
+  EXPECT_EQ(without(Improvement::ball).rounds[0].votes->options.radius, 1);
+  EXPECT_EQ(without(Improvement::second_round).rounds.size(), 1U);
+}
+
+TEST(PlanSearch, NeverAddsARound) {
+  EXPECT_TRUE(
+      planned({.pose = {.rounds = 0}, .ablated = {Improvement::second_round}}).rounds.empty());
+}
+
+TEST(PlanSearch, TakesTheValuesOfRecognition) {
+  RecognizeOptions options{.normal_window = 5.0F, .min_score = 0.3F, .doubtful_score = 0.1F};
+  options.max_instances = 3;
+  options.pose.max_refined = 7;
+  options.verify = {.tolerance_sigmas = 2, .tolerance_diameters = 0.02F, .max_overlap = 0.1F};
+  options.limits.tilt = PoseLimits::Tilt{.max_angle_deg = 9};
+  const SearchPlan plan = planned(options);
+  EXPECT_EQ(plan.prepare.normal_window, 5.0F);
+  EXPECT_EQ(plan.pose, options.pose);
+  EXPECT_EQ(plan.verification.test.verify, options.verify);
+  EXPECT_EQ(plan.verification.test.limits, options.limits);
+  EXPECT_EQ(
+      plan.decide.select,
+      (SelectOptions{
+          .min_score = 0.3F, .doubtful_score = 0.1F, .max_instances = 3, .max_overlap = 0.1F}));
+}
+
+TEST(PlanSearch, BringsPlacesIntoTheFrameOfTheCloud) {
+  RecognizeOptions options;
+  options.limits.region = PoseLimits::Region{{10, 20, 30}, {11, 21, 31}};
+  options.explain.point = Eigen::Vector3d(10, 20, 31);
+  options.expected = {{"part_0", FilePose(Eigen::Translation3d(10, 20, 32))}};
+  const SearchPlan plan = planned(options, library_of(2), {10, 20, 30});
+  EXPECT_EQ(plan.verification.test.limits.region->high, Eigen::Vector3d(1, 1, 1));
+  EXPECT_EQ(*plan.question.point, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(plan.expected[0].T_scene_model.translation(), Eigen::Vector3d(0, 0, 2));
+}
+
+TEST(PlanSearch, GroupsModelsByTheirSteps) {
+  const SearchPlan plan = planned({.models = {"part_3", "part_0", "part_1"}}, library_of(4));
+  EXPECT_EQ(plan.models, (std::vector<std::uint32_t>{0, 1, 3}));
+  EXPECT_EQ(plan.groups, (ModelGroups{{0.01F, {0}}, {0.02F, {1, 3}}}));
+}
+
+TEST(PlanSearch, RefusesModelsAndMethodsThatTheLibraryLacks) {
+  const auto refused = [](const RecognizeOptions& options) {
+    const auto plan = plan_search(options, library_of(2, false), {0, 0, 0});
+    EXPECT_FALSE(plan);
+    return plan ? ErrorCode::internal : plan.error().code;
+  };
+  EXPECT_EQ(refused({.models = {"nut"}}), ErrorCode::usage);
+  EXPECT_EQ(refused({.explain = {Eigen::Vector3d(0, 0, 1), {"nut"}}}), ErrorCode::usage);
+  EXPECT_EQ(refused({.method = Method::trisi}), ErrorCode::usage);
+  EXPECT_EQ(refused({.method = Method::ppf}), ErrorCode::usage);
+}
+
+TEST(PlanSearch, BoundsTheWorkOfLargeLibrariesWithFeatures) {
+  const auto is_bounded = [](const RecognizeOptions& options, const Library& library) {
+    return planned(options, library).limits.refined < kNoLimit;
+  };
+  EXPECT_TRUE(is_bounded({}, library_of(31)));
+  EXPECT_FALSE(is_bounded({}, library_of(30)));
+  EXPECT_FALSE(is_bounded({.search = Search::exhaustive}, library_of(100)));
+  EXPECT_FALSE(is_bounded({}, library_of(100, false))) << "nothing to match with";
+}
+
+TEST(PlanSearch, NeedsNoMoreWorkForLargerLibrariesButWhereItIsAskedFor) {
+  const SearchPlan hundred = planned({}, library_of(100)), more = planned({}, library_of(1000)),
+                   twice = planned({.budget = 2}, library_of(100));
+  EXPECT_EQ(hundred.limits.screened, more.limits.screened);
+  EXPECT_EQ(hundred.limits.refined, more.limits.refined);
+  EXPECT_EQ(hundred.rounds[1].votes->max_models, more.rounds[1].votes->max_models);
+  EXPECT_EQ(2 * hundred.limits.examined, twice.limits.examined);
+  EXPECT_EQ(2 * hundred.rounds[1].votes->max_models, twice.rounds[1].votes->max_models);
+}
+
+}  // namespace
+}  // namespace trivet::engine

@@ -1,0 +1,46 @@
+#include "engine/selection/odds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace trivet::engine {
+namespace {
+
+double of_rivals(float score, float other, double z) {
+  return rival_log_odds(score, other, {0, 0, z});
+}
+
+TEST(ScaleOdds, ScalesThem) {
+  EXPECT_FLOAT_EQ(scale_odds(0.75F, 1), 0.75F);
+  EXPECT_FLOAT_EQ(scale_odds(0.75F, 1.0F / 3), 0.5F) << "from 3 to 1";
+  EXPECT_EQ(scale_odds(1, 0.5F), 1);
+  EXPECT_EQ(scale_odds(0, 0.5F), 0);
+}
+
+TEST(LogOdds, AreBoundedByTheLeastProbability) {
+  EXPECT_DOUBLE_EQ(log_odds(0.5F, 1e-4), 0);
+  EXPECT_NEAR(log_odds(0.75F, 1e-4), std::log(3), 1e-12);
+  EXPECT_DOUBLE_EQ(log_odds(0, 1e-3), -std::log(999.0));
+}
+
+TEST(RivalLogOdds, AreZeroBetweenEquals) { EXPECT_EQ(of_rivals(0.7F, 0.7F, 0), 0); }
+
+TEST(RivalLogOdds, RiseWithThePixelsAndTheScore) {
+  EXPECT_GT(of_rivals(0.7F, 0.7F, 0.5), 0);
+  EXPECT_GT(of_rivals(0.9F, 0.7F, 0), 0);
+  EXPECT_GT(of_rivals(0.7F, 0.9F, 2.5), 0) << "pixels that differ tell more than scores";
+  EXPECT_LT(of_rivals(0.7F, 0.999F, 1), 0);
+}
+
+TEST(RivalLogOdds, AreTheOppositeOfThoseOfTheOther) {
+  EXPECT_DOUBLE_EQ(of_rivals(0.6F, 0.95F, 1.2), -of_rivals(0.95F, 0.6F, -1.2));
+}
+
+TEST(RivalLogOdds, AreNumbersAtTheEnds) {
+  EXPECT_TRUE(std::isfinite(of_rivals(0, 1, 0)));
+  EXPECT_TRUE(std::isfinite(of_rivals(1, 0, 0)));
+}
+
+}  // namespace
+}  // namespace trivet::engine
