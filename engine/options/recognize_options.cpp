@@ -16,7 +16,7 @@ constexpr std::array<Choice, 3> kMethods{{
     {"trisi", "matches of Tri-Spin-Images (Guo et al., GRAPP 2013)"},
 }};
 constexpr std::array<Choice, 2> kSearches{{
-    {"automatic", "within a budget for the scene where a library has more than 30 models"},
+    {"automatic", "within a budget for the scene, which some thirty models do not use up"},
     {"exhaustive", "each model on its own, whatever it costs: the reference"},
 }};
 constexpr std::array<Choice, 3> kDetectors{{

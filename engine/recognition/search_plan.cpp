@@ -9,9 +9,6 @@
 namespace trivet::engine {
 namespace {
 
-// Searching for each of so many models on its own costs about what the budget allows.
-constexpr std::size_t kSmallLibrary = 30;
-
 /// Set each option whose value is all that an improvement in `options.ablated` does back to what it
 /// was before it; the stages are told of the others.
 RecognizeOptions without_ablated(RecognizeOptions options) {
@@ -93,47 +90,67 @@ ModelGroups group_by_step(const Library& library, std::span<const std::uint32_t>
   return groups;
 }
 
-/// Every model is searched for on its own: votes first, and what they find need not be described.
-void plan_each_model(const RecognizeOptions& options, SearchPlan& plan) {
-  for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
-    RoundPlan& now = plan.rounds.emplace_back();
-    if (options.method != Method::trisi) now.votes = {round == 0 ? options.vote : options.later};
-    if (options.method == Method::trisi || (options.method == Method::fused && round > 0))
-      now.matches = {options.match};
-  }
-  plan.decide.votes_first = options.method == Method::fused;
-}
+/// The work that a scene may cost at most, which libraries of some thirty models do not use up.
+struct WorkLimits {
+  std::size_t screened = kNoLimit, refined = kNoLimit, examined = kNoLimit;
+  std::size_t voted_models = kNoLimit;
+  std::size_t votes = kNoLimit;  // of a reference point, for all models together
+};
 
-/// Work that does not grow with the library: matches first, since an index finds them among any
-/// number of features; votes after them, on what no sure detection explains.
-void plan_large_library(const RecognizeOptions& options, SearchPlan& plan) {
+/// None where nothing chooses the models to vote for.
+WorkLimits work_limits(const RecognizeOptions& options, const Library& library) {
+  const bool has_index = options.method != Method::ppf && library.basis.components.size() > 0;
+  if (options.search == Search::exhaustive || !has_index) return {};
   const auto scaled = [&](double count) {
     return std::max<std::size_t>(
         1, static_cast<std::size_t>(std::llround(count * static_cast<double>(options.budget))));
   };
-  plan.limits = {.screened = scaled(30000),
-                 .refined = scaled(1000),
-                 .examined = scaled(200),
-                 .passes = 3,
-                 .only_unexplained = true,
-                 .climbs = 2,
-                 .look_alikes = 8};
-  VotePlan votes{options.vote, scaled(60)};
-  votes.options.reference_share = 0.1F;
-  votes.options.max_votes = std::min(votes.options.max_votes, 8000U);
-  MatchPlan matches{options.match, {.only_own = false}, 0.7F, 0.5F};
-  matches.options.num_neighbors = std::max(matches.options.num_neighbors, 10U);
-  matches.options.num_lists = std::max(matches.options.num_lists, 8U);
+  return {scaled(30000), scaled(1000), scaled(200), scaled(60), scaled(1200000)};
+}
+
+VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimits& work) {
+  const std::size_t voted = std::clamp<std::size_t>(num_models, 1, work.voted_models);
+  options.max_votes = static_cast<std::uint32_t>(
+      std::min<std::size_t>(options.max_votes, std::max<std::size_t>(1, work.votes / voted)));
+  return {options, work.voted_models};
+}
+
+/// Among more models than votes reach, the right feature is one of more that are near, and coarser
+/// features find what is small beside the scan's points.
+MatchPlan plan_matches(const MatchOptions& options, bool votes_reach_all) {
+  MatchPlan plan{options};
+  if (votes_reach_all) return plan;
+  plan.options.num_neighbors = std::max(options.num_neighbors, 10U);
+  plan.options.num_lists = std::max(options.num_lists, 8U);
+  plan.levels.only_own = false;
+  plan.finest_spacing = 0.7F;
+  plan.finest_noise = 0.5F;
+  return plan;
+}
+
+/// Votes come first where they reach every model, and what they find need not be described; else
+/// matches do, since an index finds them among any number of features, and choose the models that
+/// are voted for. Later rounds search what no sure detection explains.
+void plan_rounds(const RecognizeOptions& options, const Library& library, SearchPlan& plan) {
+  const std::size_t num_models = plan.models.size();
+  const WorkLimits work = work_limits(options, library);
+  const bool votes_reach_all = num_models <= work.voted_models;
+  plan.limits.screened = work.screened;
+  plan.limits.refined = work.refined;
+  plan.limits.examined = work.examined;
+  plan.decide.among = votes_reach_all ? Among::few_models : Among::many_models;
+  plan.decide.votes_first = votes_reach_all && options.method == Method::fused;
+  const bool by_votes = options.method != Method::trisi, by_matches = options.method != Method::ppf;
   for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
+    const bool is_first = round == 0;
     RoundPlan& now = plan.rounds.emplace_back();
-    if (round == 0) {
-      now.matches = matches;
-    } else if (options.method == Method::fused) {
-      now.votes = votes;
+    if (by_votes && (votes_reach_all || !is_first)) {
+      const bool is_later = votes_reach_all && !is_first;
+      now.votes = plan_votes(is_later ? options.later : options.vote, num_models, work);
     }
+    if (by_matches && (!by_votes || is_first != votes_reach_all))
+      now.matches = plan_matches(options.match, votes_reach_all);
   }
-  plan.decide.among = Among::many_models;
-  plan.decide.votes_first = false;
 }
 
 }  // namespace
@@ -172,9 +189,7 @@ Result<SearchPlan> plan_search(const RecognizeOptions& asked, const Library& lib
                  .require_pose = options.require_pose};
   plan.max_rejected = options.max_rejected;
   plan.question = options.explain;
-  const bool is_large = plan.models.size() > kSmallLibrary && options.method != Method::ppf &&
-                        library.basis.components.size() > 0 && options.search != Search::exhaustive;
-  is_large ? plan_large_library(options, plan) : plan_each_model(options, plan);
+  plan_rounds(options, library, plan);
   if (!has(Improvement::visibility)) plan.limits.least_score = 0;
   return plan;
 }

@@ -24,8 +24,7 @@ inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 /// Votes of one round.
 struct VotePlan {
   VoteOptions options{};
-  /// Models that are voted for: those of the poses that look best so far.
-  std::size_t max_models = kNoLimit;
+  std::size_t max_models = kNoLimit;  ///< of more, those of the poses that look best so far
 };
 
 /// Matches of one round.
@@ -49,9 +48,8 @@ struct VerificationLimits {
   std::size_t screened = kNoLimit;  ///< of what is proposed, those of most votes
   std::size_t refined = kNoLimit;   ///< in each pass, by what their screening sees
   std::size_t examined = kNoLimit;  ///< ... by rays, by what the refined pose meets
-  std::uint32_t passes = 1;         ///< over the poses that wait
-  bool only_unexplained = false;    ///< give up poses on pixels that a sure detection explains
-  std::uint32_t climbs = 0;         ///< from a pose to its look-alikes, to theirs, ..., in a pass
+  std::uint32_t passes = 3;         ///< over the poses that wait and that nothing explains yet
+  std::uint32_t climbs = 2;         ///< from a pose to its look-alikes, to theirs, ..., in a pass
   std::size_t look_alikes = 8;      ///< of a pose, examined
   /// Score of a refined pose by samples below which no ray need be shot: of 600 examinations above
   /// 0.3 on the development scans this lost none, of all examinations it saves two thirds.

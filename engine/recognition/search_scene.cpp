@@ -50,8 +50,8 @@ class SceneSearch {
   /// Cluster and screen what is proposed, test the best of it, and select anew among all.
   Result<void> verify(std::span<const Proposals> proposals);
   Result<void> screen(std::span<const Proposals> proposals);
-  /// Refine the best of the poses that wait and test those by rays; none waits any more but what is
-  /// beyond the limits.
+  /// Refine the best of the poses that wait and that nothing explains yet, and test those by rays;
+  /// those beyond the limits go on waiting.
   Result<void> test_best();
   /// Test what looks like the chosen poses in their place.
   Result<void> test_look_alikes();
@@ -99,7 +99,7 @@ Result<std::vector<Proposals>> SceneSearch::propose(const RoundPlan& round) {
   };
   if (const auto& votes = round.votes) {
     const ModelGroups models =
-        votes->max_models == kNoLimit ? plan_.groups : likely_models(votes->max_models);
+        votes->max_models >= plan_.models.size() ? plan_.groups : likely_models(votes->max_models);
     TRIVET_TRY(add(votes_.propose(models, votes->options, plan_.verification.test.limits,
                                   selection_.explained)));
   }
@@ -133,7 +133,7 @@ ModelGroups SceneSearch::likely_models(std::size_t limit) const {
 
 Result<void> SceneSearch::verify(std::span<const Proposals> proposals) {
   TRIVET_TRY(screen(proposals));
-  for (std::uint32_t pass = 0; pass < plan_.limits.passes; ++pass) {
+  for (std::uint32_t pass = 0; pass < plan_.limits.passes && !waiting_.empty(); ++pass) {
     TRIVET_TRY(test_best());
     for (std::uint32_t climb = 0; climb < plan_.limits.climbs; ++climb) {
       TRIVET_TRY(test_look_alikes());
@@ -174,12 +174,10 @@ Result<void> SceneSearch::test_best() {
   std::vector<Row> rows;
   {
     const StageTimer timer(stats_.times, "preselect");
-    if (limits.only_unexplained) {
-      const std::vector<std::uint8_t> explained =
-          verifier_.lie_on(table_, waiting_, selection_.explained);
-      std::size_t k = 0;
-      std::erase_if(waiting_, [&](Row) { return explained[k++] != 0; });
-    }
+    const std::vector<std::uint8_t> explained =
+        verifier_.lie_on(table_, waiting_, selection_.explained);
+    std::size_t k = 0;
+    std::erase_if(waiting_, [&](Row) { return explained[k++] != 0; });
     const std::size_t judged =
         limits.refined < kNoLimit / kContourShare ? kContourShare * limits.refined : kNoLimit;
     rows = take_best(table_.score, judged, waiting_);

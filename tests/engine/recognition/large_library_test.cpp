@@ -63,24 +63,25 @@ class LargeLibrary : public testing::Test {
   static std::string names(std::size_t k) { return recognizer_.library().models[k].name; }
 
   static constexpr std::size_t kFirst = 6, kSecond = 19;
+  static constexpr float kHalf = 0.5F;  // of the usual work: votes for thirty models
   static inline Recognizer recognizer_{Library{}};
   static inline Cloud scan_;
 };
 
 // One test, since each trains the library anew.
 TEST_F(LargeLibrary, IsSearchedWithinABudgetAndFindsTheVeryModels) {
-  const SceneResult within = found();
+  const SceneResult within = found({.budget = kHalf});
   expect_both(within);
   const SceneResult all = found({.search = Search::exhaustive});
   expect_both(all);
   EXPECT_LT(4 * within.stats.num_votes, all.stats.num_votes);
   EXPECT_LT(within.stats.num_examined, all.stats.num_examined);
 
-  const SceneResult by_features = found({.method = Method::trisi});
+  const SceneResult by_features = found({.method = Method::trisi, .budget = kHalf});
   expect_both(by_features);
   EXPECT_EQ(by_features.stats.num_votes, 0U);
 
-  RecognizeOptions all_but_one;
+  RecognizeOptions all_but_one{.budget = kHalf};
   for (const Model& model : recognizer_.library().models) {
     if (model.name != names(kSecond)) all_but_one.models.push_back(model.name);
   }
@@ -94,7 +95,7 @@ TEST_F(LargeLibrary, IsSearchedWithinABudgetAndFindsTheVeryModels) {
   const auto bytes = [](unsigned threads) {
     const ThreadLimit limit(threads);
     std::vector<float> out;
-    for (const Detection& detection : found({.min_score = 0.05F}).detections) {
+    for (const Detection& detection : found({.budget = kHalf, .min_score = 0.05F}).detections) {
       const Eigen::Matrix4f pose = detection.T_scene_model.matrix();
       out.push_back(detection.score);
       out.insert(out.end(), pose.data(), pose.data() + 16);

@@ -20,6 +20,11 @@ Library library_of(std::size_t num_models, bool features = true) {
   return library;
 }
 
+Library with_pairs(Library library) {
+  for (Model& model : library.models) model.ppf.quantization.num_distance_bins = 1;
+  return library;
+}
+
 SearchPlan planned(const RecognizeOptions& options, const Library& library = library_of(2),
                    const Eigen::Vector3d& offset = {0, 0, 0}) {
   auto plan = plan_search(options, library, offset);
@@ -106,24 +111,47 @@ TEST(PlanSearch, RefusesModelsAndMethodsThatTheLibraryLacks) {
   EXPECT_EQ(refused({.method = Method::ppf}), ErrorCode::usage);
 }
 
-TEST(PlanSearch, BoundsTheWorkOfLargeLibrariesWithFeatures) {
-  const auto is_bounded = [](const RecognizeOptions& options, const Library& library) {
-    return planned(options, library).limits.refined < kNoLimit;
-  };
-  EXPECT_TRUE(is_bounded({}, library_of(31)));
-  EXPECT_FALSE(is_bounded({}, library_of(30)));
-  EXPECT_FALSE(is_bounded({.search = Search::exhaustive}, library_of(100)));
-  EXPECT_FALSE(is_bounded({}, library_of(100, false))) << "nothing to match with";
+TEST(PlanSearch, VotesFirstWhereVotesReachEveryModel) {
+  const SearchPlan small = planned({}, library_of(60)), large = planned({}, library_of(61));
+  ASSERT_EQ(small.rounds.size(), 2U);
+  EXPECT_TRUE(small.rounds[0].votes && !small.rounds[0].matches);
+  EXPECT_TRUE(small.rounds[1].votes && small.rounds[1].matches);
+  EXPECT_EQ(small.rounds[1].votes->options.radius, RecognizeOptions{}.later.radius);
+  ASSERT_EQ(large.rounds.size(), 2U);
+  EXPECT_TRUE(!large.rounds[0].votes && large.rounds[0].matches);
+  EXPECT_TRUE(large.rounds[1].votes && !large.rounds[1].matches);
+  EXPECT_EQ(large.rounds[1].votes->max_models, 60U);
 }
 
-TEST(PlanSearch, NeedsNoMoreWorkForLargerLibrariesButWhereItIsAskedFor) {
-  const SearchPlan hundred = planned({}, library_of(100)), more = planned({}, library_of(1000)),
-                   twice = planned({.budget = 2}, library_of(100));
-  EXPECT_EQ(hundred.limits.screened, more.limits.screened);
-  EXPECT_EQ(hundred.limits.refined, more.limits.refined);
-  EXPECT_EQ(hundred.rounds[1].votes->max_models, more.rounds[1].votes->max_models);
-  EXPECT_EQ(2 * hundred.limits.examined, twice.limits.examined);
-  EXPECT_EQ(2 * hundred.rounds[1].votes->max_models, twice.rounds[1].votes->max_models);
+TEST(PlanSearch, SearchesByOneMethodInEachRound) {
+  const SearchPlan votes = planned({.method = Method::ppf}, with_pairs(library_of(100))),
+                   matches = planned({.method = Method::trisi}, library_of(100));
+  for (std::size_t round = 0; round < 2; ++round) {
+    EXPECT_TRUE(votes.rounds[round].votes && !votes.rounds[round].matches);
+    EXPECT_TRUE(!matches.rounds[round].votes && matches.rounds[round].matches);
+  }
+}
+
+TEST(PlanSearch, BoundsTheWorkOfASceneNotThatOfAModel) {
+  const SearchPlan few = planned({}, library_of(30)), sixty = planned({}, library_of(60)),
+                   thousand = planned({}, library_of(1000));
+  EXPECT_EQ(few.limits.refined, thousand.limits.refined);
+  EXPECT_EQ(few.rounds[0].votes->options.max_votes, VoteOptions{}.max_votes) << "no limit reached";
+  EXPECT_EQ(sixty.rounds[0].votes->options.max_votes, 20000U);
+  EXPECT_EQ(thousand.rounds[1].votes->options.max_votes, 20000U);
+  const SearchPlan twice = planned({.budget = 2}, library_of(1000));
+  EXPECT_EQ(2 * thousand.limits.examined, twice.limits.examined);
+  EXPECT_EQ(twice.rounds[1].votes->max_models, 120U);
+}
+
+TEST(PlanSearch, HasNoLimitsWhereNothingChoosesModelsOrNoneAreAskedFor) {
+  const SearchPlan featureless = planned({}, library_of(100, false)),
+                   exhaustive = planned({.search = Search::exhaustive}, library_of(100));
+  for (const SearchPlan* const plan : {&featureless, &exhaustive}) {
+    EXPECT_EQ(plan->limits.refined, kNoLimit);
+    EXPECT_EQ(plan->rounds[0].votes->max_models, kNoLimit);
+    EXPECT_EQ(plan->rounds[0].votes->options.max_votes, VoteOptions{}.max_votes);
+  }
 }
 
 }  // namespace
