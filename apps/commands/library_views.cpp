@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "apps/commands/library_commands.hpp"
-#include "apps/results/json_output.hpp"
 #include "apps/results/standard_output.hpp"
+#include "apps/results/write_json.hpp"
 #include "apps/words/library_summary.hpp"
 #include "engine/libraries/edit_library.hpp"
 #include "storage/common/counted.hpp"

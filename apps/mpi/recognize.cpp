@@ -16,7 +16,7 @@
 #include "apps/program/recognize_request.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/failed_scenes.hpp"
-#include "apps/results/json_output.hpp"
+#include "apps/results/write_json.hpp"
 #include "apps/words/reported_part.hpp"
 #include "engine/results/camera_check.hpp"
 #include "storage/files/json_text.hpp"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/results/json_output.hpp"
+#include "apps/results/write_json.hpp"
 #include "apps/words/train_summary.hpp"
 #include "engine/options/presets.hpp"
 #include "storage/common/counted.hpp"

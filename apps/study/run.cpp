@@ -8,7 +8,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/report/html.hpp"
 #include "apps/results/detections_json.hpp"
-#include "apps/results/json_output.hpp"
+#include "apps/results/write_json.hpp"
 #include "engine/evaluation/manifest_inputs.hpp"
 #include "engine/evaluation/recognize_cells.hpp"
 #include "engine/loaded_library/default_score.hpp"

@@ -1,4 +1,4 @@
-#include "apps/results/json_output.hpp"
+#include "apps/results/write_json.hpp"
 
 #include "apps/results/standard_output.hpp"
 #include "storage/files/file.hpp"
