@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "apps/mpi/commands.hpp"
-#include "apps/program/recognize_request.hpp"
+#include "apps/recognition/json_output.hpp"
+#include "apps/recognition/recognize_request.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/failed_scenes.hpp"
-#include "apps/results/write_json.hpp"
 #include "apps/words/reported_part.hpp"
 #include "engine/results/camera_check.hpp"
 #include "storage/files/json_text.hpp"
@@ -95,16 +95,13 @@ std::string outcome_bytes(std::size_t index, const SceneOutcome& outcome) {
 /// The scenes that this rank gets, one after the other, each by all its threads.
 Result<void> recognize_share(const RecognitionRequest& request, const Worker& worker,
                              const std::stop_token& stop) {
-  RecognizeOptions in_json = request.options;
-  in_json.max_rejected = 0;
   while (const std::optional<std::string> job = worker.next()) {
     const auto index = static_cast<std::size_t>(std::stoull(*job));
     const SceneInput& scene = request.scenes.sources[index];
     const auto emit = [&](std::size_t, const SceneResult& all) {
       const SceneResult result = reported_part(all, request.kept);
       worker.done(outcome_bytes(
-          index, {scene_json(scene.file.string(), result, request.recognizer.score(), in_json),
-                  result.stats.camera_check}));
+          index, {JsonOutput::element(scene, result, request), result.stats.camera_check}));
     };
     const auto fail = [&](std::size_t, const Error& error) {
       worker.done(outcome_bytes(index, {failed_scene_json(scene.file.string(), error), {}, error}));
@@ -117,12 +114,13 @@ Result<void> recognize_share(const RecognitionRequest& request, const Worker& wo
 }
 
 Result<void> refuse_what_is_not_shared(const SceneCommand& arguments) {
-  if (arguments.json.empty())
+  const OutputArguments& outputs = arguments.outputs;
+  if (outputs.json.empty())
     return Error{ErrorCode::usage, "expected --json FILE, where all results go together"};
-  for (const auto& [given, option] : {std::pair(!arguments.bop_csv.empty(), "--bop-csv"),
-                                      {!arguments.coco.empty(), "--coco"},
-                                      {!arguments.report.empty(), "--report"},
-                                      {!arguments.robot_csv.empty(), "--robot-csv"},
+  for (const auto& [given, option] : {std::pair(!outputs.bop_csv.empty(), "--bop-csv"),
+                                      {!outputs.coco.empty(), "--coco"},
+                                      {!outputs.report.empty(), "--report"},
+                                      {!outputs.robot_csv.empty(), "--robot-csv"},
                                       {arguments.estimate_camera, "--estimate-camera"}}) {
     if (given)
       return Error{ErrorCode::usage, fmt::format("{}: only `trivet recognize` has it", option)};
@@ -160,20 +158,13 @@ Result<void> recognize(const SceneCommand& arguments, const Ranks& ranks, const 
     return Error{ErrorCode::resumable,
                  fmt::format("stopped after {} of {} scenes", outcomes.size(), num_scenes)};
   }
-  Json document{{"library", arguments.library},
-                {"calibration", calibration_json(request.recognizer)},
-                {"scenes", Json::array()},
-                {"cameras", Json::array()}};
-  std::vector<CameraCheck> checks;
+  JsonOutput output(arguments.outputs.json, arguments.library, request);
   std::vector<Error> failures;
   for (auto& [index, outcome] : outcomes) {
-    document["scenes"].push_back(std::move(outcome.scene));
-    if (outcome.check) checks.push_back(std::move(*outcome.check));
+    output.add_element(std::move(outcome.scene), outcome.check);
     if (outcome.failure) failures.push_back(std::move(*outcome.failure));
   }
-  for (const CameraCheck& check : join_checks(checks))
-    document["cameras"].push_back(camera_check_json(check));
-  TRIVET_TRY(write_json(arguments.json, document));
+  TRIVET_TRY(output.finish());
   return failed_scenes(failures, num_scenes);
 }
 

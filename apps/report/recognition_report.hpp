@@ -11,7 +11,7 @@
 namespace trivet::apps {
 
 /// How many rejected poses of a model the page tells of: RecognizeOptions::max_rejected.
-inline constexpr std::uint32_t kToldPerModel = 3;
+inline constexpr std::uint32_t kRejectedPerModel = 3;
 
 struct RecognitionReport {
   const Recognizer& recognizer;

@@ -1,4 +1,4 @@
-#include "apps/program/recognize_request.hpp"
+#include "apps/recognition/recognize_request.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,6 @@
 #include "apps/options/add_options.hpp"
 #include "apps/report/recognition_report.hpp"
 #include "apps/results/bop_csv.hpp"
-#include "apps/results/robot_poses.hpp"
 #include "storage/formats/read_cloud.hpp"
 
 namespace trivet::apps {
@@ -54,50 +53,7 @@ void add_scene_command(CLI::App& command, SceneCommand& arguments) {
           "faces of a mesh are seen from, else the origin")
       ->delimiter(',')
       ->expected(3);
-  command
-      .add_option("--json", arguments.json,
-                  "Write the result as JSON to this file, - for standard output")
-      ->type_name("FILE");
-  command
-      .add_option("--report", arguments.report,
-                  "Write index.html with pictures of what was found, and of what was rejected "
-                  "and why, into this folder")
-      ->type_name("FOLDER");
-  command
-      .add_option("--bop-csv", arguments.bop_csv,
-                  "Write the poses found in BOP data sets to this file, as BOP takes them: also "
-                  "those that are too low to be reported, down to a score of 0.1")
-      ->type_name("FILE");
-  command
-      .add_option("--coco", arguments.coco,
-                  "Write masks and boxes of the same poses to this file (JSON), as BOP takes them "
-                  "for detection and segmentation in images")
-      ->type_name("FILE");
-  command
-      .add_option("--robot-csv", arguments.robot_csv,
-                  "Write the poses found to this file as a table that a robot's program takes")
-      ->type_name("FILE");
-  CLI::Option* const table = command.get_option("--robot-csv");
-  std::vector<std::string_view> conventions;
-  for (const Choice& choice : choices_of<RobotConvention>()) conventions.push_back(choice.name);
-  limit_to(command.add_option("--robot", arguments.robot,
-                              fmt::format("How its controller writes poses: {}; default: {}",
-                                          fmt::join(conventions, ", "), conventions.front())),
-           {conventions.begin(), conventions.end()})
-      ->type_name("NAME")
-      ->needs(table);
-  command
-      .add_option("--robot-frame", arguments.robot_frame,
-                  "Pose of the scene's frame in the robot's, of a hand-eye calibration, in the "
-                  "scene's unit: JSON, four rows of four numbers")
-      ->type_name("FILE")
-      ->needs(table);
-  command
-      .add_option("--grasps", arguments.grasps,
-                  "Frames of models to grasp by, in the library's unit: JSON, "
-                  "{\"MODEL\": {\"GRASP\": four rows of four numbers}}")
-      ->type_name("FILE")
-      ->needs(table);
+  add_output_options(command, arguments.outputs);
   add_open_options(command, arguments.opening);
   command.add_flag("--estimate-camera", arguments.estimate_camera,
                    "Where sure detections say that the focal length or the depth scale of depth "
@@ -116,10 +72,11 @@ Result<RecognitionRequest> make_request(const SceneCommand& arguments, const Con
   for (const std::string& words : left_out_words(scenes->left_out)) console.warning(words);
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
-  if (arguments.json.empty()) options->max_rejected = 1;  // the best one is told of an empty scene
-  if (!arguments.report.empty()) options->max_rejected = kToldPerModel;
+  const OutputArguments& outputs = arguments.outputs;
+  if (outputs.json.empty()) options->max_rejected = 1;  // text names the best one of an empty scene
+  if (!outputs.report.empty()) options->max_rejected = kRejectedPerModel;
   RecognizeOptions kept = *options;
-  std::vector<std::string> bop_files{arguments.bop_csv, arguments.coco};
+  std::vector<std::string> bop_files{outputs.bop_csv, outputs.coco};
   std::erase(bop_files, "");
   if (!bop_files.empty()) {
     const Result<void> checked = check_bop_ids(*scenes, library, options->models);

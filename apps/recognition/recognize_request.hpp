@@ -7,6 +7,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/options/recognize_arguments.hpp"
 #include "apps/program/console.hpp"
+#include "apps/recognition/outputs.hpp"
 #include "storage/common/result.hpp"
 
 namespace CLI {
@@ -16,10 +17,10 @@ class App;
 namespace trivet::apps {
 
 struct SceneCommand {
-  std::string library, unit, json, bop_csv, coco, report;
-  std::string robot_csv, robot, robot_frame, grasps;
+  std::string library, unit;
   OpenOptions opening;
   SceneArguments scenes;
+  OutputArguments outputs;
   RecognizeArguments recognize;
   bool estimate_camera = false;
 };

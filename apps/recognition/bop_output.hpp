@@ -1,0 +1,29 @@
+/// Detections as a file of BOP results.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/recognition/output.hpp"
+#include "apps/recognition/recognize_request.hpp"
+#include "storage/datasets/bop_results.hpp"
+
+namespace trivet::apps {
+
+class BopOutput : public Output {
+ public:
+  /// request  outlives the output. Pre: check_bop_ids.
+  BopOutput(std::string file, const RecognitionRequest& request)
+      : file_(std::move(file)), request_(request) {}
+
+  Result<void> add(const RecognizedScene& scene) override;
+  Result<void> finish() override;
+
+ private:
+  const std::string file_;
+  const RecognitionRequest& request_;
+  std::vector<BopResult> results_;
+};
+
+}  // namespace trivet::apps

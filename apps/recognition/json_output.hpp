@@ -1,0 +1,41 @@
+/// Detections as one JSON document.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/recognition/output.hpp"
+#include "apps/recognition/recognize_request.hpp"
+
+namespace trivet::apps {
+
+/// {"library", "calibration", "scenes", "cameras"}, written when it is finished.
+class JsonOutput : public Output {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  /// file     "-" stands for standard output
+  /// library  as the command line names it
+  /// request  outlives the output
+  JsonOutput(std::string file, const std::string& library, const RecognitionRequest& request);
+
+  Result<void> add(const RecognizedScene& scene) override;
+  void add_failed(const SceneInput& scene, const Error& error) override;
+  Result<void> finish() override;
+
+  /// An element of "scenes", which add_element takes: made by one process, added by another.
+  static Json element(const SceneInput& scene, const SceneResult& reported,
+                      const RecognitionRequest& request);
+  /// check  of the scene's camera, if there was any
+  void add_element(Json element, const std::optional<CameraCheck>& check);
+
+ private:
+  const std::string file_;
+  const RecognitionRequest& request_;
+  Json document_;
+  std::vector<CameraCheck> camera_checks_;
+};
+
+}  // namespace trivet::apps

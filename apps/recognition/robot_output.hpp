@@ -1,0 +1,49 @@
+/// Detections as a table of poses that a robot takes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/recognition/output.hpp"
+#include "apps/recognition/outputs.hpp"
+#include "apps/recognition/recognize_request.hpp"
+#include "apps/results/csv_table.hpp"
+#include "apps/results/robot_poses.hpp"
+
+namespace trivet::apps {
+
+/// What the command line says of the robot.
+struct RobotOptions {
+  RobotConvention convention = RobotConvention::quaternion;
+  std::optional<FilePose> T_robot_scene{};  ///< scenes' unit: the hand-eye calibration
+  GraspFrames grasps{};                     ///< library's unit
+};
+
+/// A row for each grasp of each detection, or for the model's own frame where it has no grasps. The
+/// last column names the frame: "robot", or "scene" where there is no calibration.
+class RobotOutput : public Output {
+ public:
+  /// Read what the arguments name, and warn of a calibration that looks like one of another unit.
+  /// Errors: of reading the frame and the grasps; usage (a grasp of a model that the library lacks).
+  ///
+  /// request  outlives the output
+  static Result<std::unique_ptr<RobotOutput>> open(const OutputArguments& arguments,
+                                                   const RecognitionRequest& request,
+                                                   const Console& console);
+
+  Result<void> add(const RecognizedScene& scene) override;
+  Result<void> finish() override;
+
+ private:
+  RobotOutput(std::string file, const Library& library, RobotOptions options);
+  void add_row(const RecognizedScene& scene, const Detection& detection, const std::string& grasp,
+               FilePose T_model_grasp);
+
+  const std::string file_;
+  const Library& library_;
+  const RobotOptions options_;
+  CsvTable table_;
+};
+
+}  // namespace trivet::apps
