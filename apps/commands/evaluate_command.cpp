@@ -144,6 +144,32 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
   return Judged{std::move(*results), threshold, arguments.detections, {}};
 }
 
+/// Write the evaluation in each form that the arguments ask for.
+Result<void> write_evaluation(const ReportInput& input, const Judged& judged,
+                              const EvaluateArguments& arguments, const Context& context) {
+  const Evaluation& evaluation = input.evaluation;
+  if (arguments.json != "-") {
+    TRIVET_TRY(write_output(evaluation_table(evaluation, input.bop) +
+                            threshold_words(judged.threshold, judged.source)));
+  }
+  if (!arguments.json.empty()) {
+    nlohmann::ordered_json document =
+        evaluation_json(input.manifest, evaluation, judged.threshold, input.bop, input.results);
+    document["models_missing"] = judged.lacked;
+    add_whys(evaluation, input.whys, document);
+    TRIVET_TRY(write_json(arguments.json, document));
+  }
+  if (!arguments.csv.empty()) {
+    TRIVET_TRY(
+        write_evaluation_csv(arguments.csv, input.manifest, evaluation, input.bop, input.results));
+  }
+  if (arguments.report.empty()) return {};
+  TRIVET_TRY(
+      write_report(arguments.report, input, context.console.progress("drawn", context.stop)));
+  context.console.wrote_report(arguments.report);
+  return {};
+}
+
 Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context& context) {
   const Result<Manifest> manifest = read_listing(arguments.manifest);
   if (!manifest) return manifest.error();
@@ -167,43 +193,17 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};
   }
-  MissedWhys whys;
+  Result<MissedWhys> whys = MissedWhys{};
   if (arguments.explain_missed) {
-    Result<MissedWhys> asked =
-        explain_missed(*judged->recognizer, *manifest, *meshes, *evaluation, judged->options,
-                       context.console.progress("asked", context.stop));
-    if (!asked) return asked.error();
-    whys = *std::move(asked);
+    whys = explain_missed(*judged->recognizer, *manifest, *meshes, *evaluation, judged->options,
+                          context.console.progress("asked", context.stop));
+    if (!whys) return whys.error();
   }
   const Result<BopScores> bop = bop_scores(*manifest, *meshes, judged->results);
   if (!bop) return bop.error();
-
-  if (arguments.json != "-") {
-    const Result<void> told = write_output(evaluation_table(*evaluation, *bop) +
-                                           threshold_words(threshold, judged->source));
-    if (!told) return told;
-  }
-  if (!arguments.json.empty()) {
-    nlohmann::ordered_json document =
-        evaluation_json(*manifest, *evaluation, threshold, *bop, judged->results);
-    document["models_missing"] = judged->lacked;
-    add_whys(*evaluation, whys, document);
-    const Result<void> written = write_json(arguments.json, document);
-    if (!written) return written;
-  }
-  if (!arguments.csv.empty()) {
-    const Result<void> written =
-        write_evaluation_csv(arguments.csv, *manifest, *evaluation, *bop, judged->results);
-    if (!written) return written;
-  }
-  if (!arguments.report.empty()) {
-    const Result<void> drawn = write_report(
-        arguments.report,
-        {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source, std::move(whys)},
-        context.console.progress("drawn", context.stop));
-    if (!drawn) return drawn;
-    context.console.wrote_report(arguments.report);
-  }
+  TRIVET_TRY(write_evaluation(
+      {*manifest, *meshes, *evaluation, *bop, judged->results, judged->source, *std::move(whys)},
+      *judged, arguments, context));
   return failed_scenes(judged->failures, manifest->scenes.size());
 }
 
