@@ -13,10 +13,10 @@
 #include <thread>
 #include <utility>
 
+#include "apps/service/common/request_log.hpp"
 #include "apps/service/http/access.hpp"
 #include "apps/service/http/bearer_tokens.hpp"
 #include "apps/service/http/http_server.hpp"
-#include "apps/service/http/request_log.hpp"
 #include "apps/service/listen_settings.hpp"
 #include "storage/common/result.hpp"
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/service/common/request_log.hpp"
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/query.hpp"
-#include "apps/service/http/request_log.hpp"
 #include "apps/service/http/request_metrics.hpp"
 
 namespace trivet::apps::service {

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "apps/inputs/open_recognizer.hpp"
-#include "apps/service/http/request_log.hpp"
+#include "apps/service/common/request_log.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "engine/recognition/recognition_service.hpp"
 

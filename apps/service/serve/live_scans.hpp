@@ -12,8 +12,8 @@
 #include <string>
 #include <thread>
 
+#include "apps/service/common/request_log.hpp"
 #include "apps/service/http/query.hpp"
-#include "apps/service/http/request_log.hpp"
 #include "apps/service/serve/metrics.hpp"
 #include "apps/service/serve/scan_folder.hpp"
 #include "engine/recognition/recognition_service.hpp"

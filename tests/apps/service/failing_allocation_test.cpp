@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/service/common/request_log.hpp"
 #include "apps/service/http/http_server.hpp"
-#include "apps/service/http/request_log.hpp"
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve/library_slot.hpp"
 #include "apps/service/serve/service_routes.hpp"

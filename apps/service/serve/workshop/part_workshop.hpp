@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "apps/service/http/request_log.hpp"
+#include "apps/service/common/request_log.hpp"
 #include "storage/common/result.hpp"
 #include "storage/data/length_unit.hpp"
 #include "storage/library/library.hpp"

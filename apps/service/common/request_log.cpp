@@ -1,4 +1,4 @@
-#include "apps/service/http/request_log.hpp"
+#include "apps/service/common/request_log.hpp"
 
 #include <poll.h>
 #include <spdlog/async_logger.h>

@@ -1,4 +1,4 @@
-#include "apps/service/serve/session/tar.hpp"
+#include "apps/service/http/tar_stream.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "apps/service/http/file_response.hpp"
+#include "apps/service/common/file_reader.hpp"
 
 namespace trivet::apps::service {
 namespace {
