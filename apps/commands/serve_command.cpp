@@ -73,11 +73,10 @@ Result<std::unique_ptr<Session>> open_session(const ServeSettings& settings,
   Result<std::unique_ptr<Session>> session =
       Session::open(settings.session, std::uint64_t{settings.session_mb} << 20);
   if (!session) return session;
-  const nlohmann::ordered_json index = (*session)->index();
-  for (const auto& fault : index["faults"]) {
-    context.console.warning(fmt::format("{}: {}: {}", settings.session,
-                                        fault["file"].get<std::string>(),
-                                        fault["reason"].get<std::string>()));
+  const SessionContents contents = (*session)->contents();
+  for (const DamagedFile& damaged : contents.damaged) {
+    context.console.warning(
+        fmt::format("{}: {}: {}", settings.session, damaged.file, damaged.reason));
   }
   return session;
 }

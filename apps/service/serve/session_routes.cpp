@@ -1,16 +1,25 @@
 // What keeps scans, answers and truth.
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/multipart.hpp"
+#include "apps/service/http/tar_stream.hpp"
 #include "apps/service/serve/scan_request.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve/session/session.hpp"
+#include "apps/service/serve/session_json.hpp"
 #include "engine/scene/find_view.hpp"
+#include "storage/datasets/parse_truth.hpp"
+#include "storage/files/json_file.hpp"
+#include "storage/library/model_name.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -45,6 +54,43 @@ Result<ScanReading> reading_of(const ScanPart& scan, LengthUnit library_unit) {
   return reading;
 }
 
+/// Of {"truth": entries of a manifest, or null where it is not known}. Errors: bad_data.
+Result<ScanTruth> parse_scan_truth(const std::string& body, const ModelOfName& models) {
+  ScanTruth truth;
+  const Result<void> read =
+      with_json(std::as_bytes(std::span(body)), "truth", [&](const JsonNode& root) {
+        if (!root.only({"truth"}).has("truth")) return;
+        truth.emplace();
+        for (const JsonNode& entry : root.at("truth").elements()) {
+          truth->push_back(parse_truth(entry));
+          const std::string& model = truth->back().model;
+          if (!is_model_name(model) || !models(model))
+            entry.at("model").refuse("expected a model of the library");
+        }
+      });
+  if (!read) return read.error();
+  return truth;
+}
+
+/// The whole session as one tar file.
+HttpResponse archive_response(const std::vector<SessionFile>& files) {
+  std::vector<TarEntry> entries;
+  for (const SessionFile& file : files)
+    entries.push_back({fmt::format("session/{}", file.name), file.file, file.num_bytes});
+  HttpResponse response{200,
+                        {},
+                        "application/x-tar",
+                        {{"Content-Disposition", "attachment; filename=\"session.tar\""}}};
+  response.stream = tar_stream(std::move(entries));
+  return response;
+}
+
+/// What is answered at once, where no error is expected of the disk.
+HttpResponse refusal_at_once(const SessionError& error) {
+  Result<HttpResponse> response = session_error_response(error);
+  return response ? *std::move(response) : error_response(response.error());
+}
+
 /// The names in a path, as RUN/NAME; none where it has another number of them.
 std::optional<std::pair<std::string, std::string>> two_names(std::string_view path) {
   const std::size_t slash = path.find('/');
@@ -63,24 +109,35 @@ bool ServiceRoutes::has_session(const CallPtr& call) const {
 
 void ServiceRoutes::session(const CallPtr& call, std::string_view) {
   if (!commissioning_.session) return reply(call, json_response(200, {{"kept", false}}));
-  reply(call, json_response(200, commissioning_.session->index()));
+  reply(call, json_response(200, session_json(commissioning_.session->contents(),
+                                              commissioning_.session->max_bytes())));
 }
 
 void ServiceRoutes::session_archive(const CallPtr& call, std::string_view) {
-  if (has_session(call)) reply(call, commissioning_.session->archive());
+  if (has_session(call)) reply(call, archive_response(commissioning_.session->files()));
 }
 
 void ServiceRoutes::session_scan(const CallPtr& call, std::string_view rest) {
-  if (has_session(call)) reply(call, commissioning_.session->scan(std::string(rest)));
+  if (!has_session(call)) return;
+  SessionResult<FileReader> file = commissioning_.session->scan(std::string(rest));
+  reply(call, file ? file_response(*std::move(file)) : refusal_at_once(file.error()));
 }
 
 void ServiceRoutes::put_session_scan(const CallPtr& call, std::string_view rest) {
   if (!has_session(call)) return;
   if (const auto names = two_names(rest); names && names->second == "truth") {
-    return submit_one(call, [this, call, name = names->first](const LibraryGeneration& generation) {
-      return commissioning_.session->put_truth(
-          name, call->request.body, call->request.header("if-match"), models_of(generation));
-    });
+    return submit_one(call,
+                      [this, call, name = names->first](
+                          const LibraryGeneration& generation) -> Result<HttpResponse> {
+                        const ModelOfName models = models_of(generation);
+                        const Result<ScanTruth> truth =
+                            parse_scan_truth(call->request.body, models);
+                        if (!truth) return truth.error();
+                        const SessionResult<KeptScan> put = commissioning_.session->put_truth(
+                            name, *truth, call->request.header("if-match"), models);
+                        if (!put) return session_error_response(put.error());
+                        return json_response(200, scan_json(*put));
+                      });
   }
   if (is_form(call->request.header("content-type")))
     return reply(call, error_response(400, "expected the scan as the body, found a form"));
@@ -96,41 +153,58 @@ void ServiceRoutes::put_session_scan(const CallPtr& call, std::string_view rest)
         const Result<ScanReading> reading =
             reading_of(scan, generation.recognizer.library().header.unit);
         if (!reading) return reading.error();
-        return commissioning_.session->put_scan(name, scan.bytes, *reading);
+        const SessionResult<KeptScan> put =
+            commissioning_.session->put_scan(name, scan.bytes, *reading);
+        if (!put) return session_error_response(put.error());
+        return json_response(200, scan_json(*put));
       },
       part_bytes);
 }
 
 void ServiceRoutes::delete_session_scan(const CallPtr& call, std::string_view rest) {
   if (!has_session(call)) return;
-  submit_one(call, [this, name = std::string(rest)](const LibraryGeneration&) {
-    return commissioning_.session->delete_scan(name);
-  });
+  submit_one(call,
+             [this, name = std::string(rest)](const LibraryGeneration&) -> Result<HttpResponse> {
+               const SessionResult<void> deleted = commissioning_.session->delete_scan(name);
+               if (!deleted) return session_error_response(deleted.error());
+               return json_response(200, {{"deleted", name}});
+             });
 }
 
 void ServiceRoutes::session_answer(const CallPtr& call, std::string_view rest) {
   if (!has_session(call)) return;
   const auto names = two_names(rest);
   if (!names) return reply(call, error_response(404, "expected the names of a run and a scan"));
-  reply(call, commissioning_.session->answer(names->first, names->second));
+  SessionResult<OpenAnswer> answer = commissioning_.session->answer(names->first, names->second);
+  if (!answer) return reply(call, refusal_at_once(answer.error()));
+  HttpResponse response = file_response(std::move((*answer).file), "application/json");
+  response.headers.emplace_back("ETag", (*answer).version);
+  reply(call, std::move(response));
 }
 
 void ServiceRoutes::put_session_answer(const CallPtr& call, std::string_view rest) {
   if (!has_session(call)) return;
   const auto names = two_names(rest);
   if (!names) return reply(call, error_response(404, "expected the names of a run and a scan"));
-  submit_one(call, [this, call, names = *names](const LibraryGeneration& generation) {
-    return commissioning_.session->put_answer(names.first, names.second, call->request.body,
-                                              call->request.header("if-match"),
-                                              models_of(generation));
-  });
+  submit_one(
+      call,
+      [this, call, names = *names](const LibraryGeneration& generation) -> Result<HttpResponse> {
+        const auto& [run, scan] = names;
+        SessionResult<std::string> version = commissioning_.session->put_answer(
+            run, scan, call->request.body, call->request.header("if-match"), models_of(generation));
+        if (!version) return session_error_response(version.error());
+        return json_response(200, {{"run", run}, {"scan", scan}, {"version", *std::move(version)}});
+      });
 }
 
 void ServiceRoutes::delete_session_run(const CallPtr& call, std::string_view rest) {
   if (!has_session(call)) return;
-  submit_one(call, [this, run = std::string(rest)](const LibraryGeneration&) {
-    return commissioning_.session->delete_run(run);
-  });
+  submit_one(call,
+             [this, run = std::string(rest)](const LibraryGeneration&) -> Result<HttpResponse> {
+               const SessionResult<void> deleted = commissioning_.session->delete_run(run);
+               if (!deleted) return session_error_response(deleted.error());
+               return json_response(200, {{"deleted", run}});
+             });
 }
 
 }  // namespace trivet::apps::service
