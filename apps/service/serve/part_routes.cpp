@@ -51,17 +51,33 @@ Result<std::optional<Symmetry>> parse_declaration(const std::string& body) {
   return symmetry;
 }
 
+/// library  of the draft; null: it is not trained
+Json draft_json(const DraftStatus& draft, const Library* library) {
+  Json error, model;
+  if (!draft.error.empty()) error = draft.error;
+  if (library) {
+    model = model_json(library->models.front());
+    model["mesh"] = encode_path(fmt::format("/v1/parts/{}/mesh.ply", draft.name));
+  }
+  return {{"name", draft.name},
+          {"file", draft.file},
+          {"bytes", draft.num_bytes},
+          {"unit", unit_name(draft.unit)},
+          {"state", name_of(draft.state)},
+          {"seconds", draft.seconds},
+          {"error", std::move(error)},
+          {"facts", draft.facts},
+          {"model", std::move(model)}};
+}
+
 }  // namespace
 
 void ServiceRoutes::list_parts(const CallPtr& call, std::string_view) {
   if (!commissioning_.workshop) return reply(call, json_response(200, {{"allowed", false}}));
-  Json parts = commissioning_.workshop->tell();
-  for (Json& part : parts) {
-    const auto library = commissioning_.workshop->trained(part["name"]);
-    part["model"] = library ? model_json(library->models.front()) : Json();
-    if (library)
-      part["model"]["mesh"] =
-          encode_path(fmt::format("/v1/parts/{}/mesh.ply", part["name"].get<std::string>()));
+  Json parts = Json::array();
+  for (const DraftStatus& draft : commissioning_.workshop->drafts()) {
+    const auto library = commissioning_.workshop->trained(draft.name);
+    parts.push_back(draft_json(draft, library.get()));
   }
   const WorkshopSettings& limits = commissioning_.workshop->settings();
   reply(call, json_response(200, {{"allowed", true},

@@ -7,6 +7,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve/model_views.hpp"
@@ -50,14 +51,14 @@ class WorkshopThread : public test::ServeFixture {
   }
 
   /// What became of a part that is brought now.
-  nlohmann::ordered_json bring() {
+  DraftStatus bring() {
     const Result<void> brought = workshop_->bring("part", "part.ply", LengthUnit::meter, mesh_);
     EXPECT_TRUE(brought) << brought.error().message;
-    nlohmann::ordered_json part;
+    DraftStatus part;
     EXPECT_TRUE(test::comes([&] {
-      const nlohmann::ordered_json parts = workshop_->tell();
-      part = parts.empty() ? nlohmann::ordered_json() : parts[0];
-      return !parts.empty() && part["state"] != "waiting" && part["state"] != "training";
+      const std::vector<DraftStatus> drafts = workshop_->drafts();
+      if (!drafts.empty()) part = drafts.front();
+      return part.state == DraftState::trained || part.state == DraftState::failed;
     }));
     return part;
   }
@@ -105,16 +106,16 @@ TEST_F(WorkshopThread, FailsOnlyTheTrainingThatHasNoMemory) {
   std::size_t num_failed = 0;
   for (failing = 1; num_failed + 1 == failing; ++failing) {
     ASSERT_TRUE(rename());
-    const auto part = bring();
-    if (part["state"] == "trained") break;
-    EXPECT_NE(part["error"], nullptr) << failing;
+    const DraftStatus part = bring();
+    if (part.state == DraftState::trained) break;
+    EXPECT_NE(part.error, "") << failing;
     ++num_failed;
   }
   EXPECT_GT(num_failed, 2U);
   failing = 0;
   (void)rename();  // has no memory perhaps: what training left to fail is this one's
   ASSERT_TRUE(rename());
-  EXPECT_EQ(bring()["state"], "trained");
+  EXPECT_EQ(bring().state, DraftState::trained);
 }
 
 }  // namespace

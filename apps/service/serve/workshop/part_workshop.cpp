@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::string_view kManifest = "manifest.json", kLibrary = "part.h5", kFacts = "part.json";
 constexpr std::uint64_t kMostFacts = 1 << 20;
 constexpr std::size_t kLongestFileName = 200;
-constexpr std::array<std::string_view, 4> kStates{"waiting", "training", "trained", "failed"};
+constexpr std::array<std::string_view, 4> kStateNames{"waiting", "training", "trained", "failed"};
 
 double seconds_since(Clock::time_point begun) {
   return std::chrono::duration<double>(Clock::now() - begun).count();
@@ -57,26 +57,26 @@ Result<void> check_file_name(const std::string& file) {
                      std::ranges::none_of(file, [](char c) {
                        return c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ';
                      });
-  // Beside what the workshop itself puts there.
-  const bool taken = file == kManifest || file == kLibrary || file == kFacts;
-  if (plain && !taken) return {};
+  // The workshop itself puts files of these names there.
+  const bool is_reserved = file == kManifest || file == kLibrary || file == kFacts;
+  if (plain && !is_reserved) return {};
   return Error{ErrorCode::usage,
                fmt::format("file: expected the name of a file of up to {} characters, found '{}'",
                            kLongestFileName, file.substr(0, kLongestFileName))};
 }
 
-/// Without what the client does not know: where its file lies.
-std::string in_clients_words(std::string message, const fs::path& folder) {
-  for (const std::string& own : {std::string("error: "), folder.string() + "/"}) {
-    if (const std::size_t at = message.find(own); at != std::string::npos)
-      message.erase(at, own.size());
+/// The message without what the client does not know: where its file lies.
+std::string without_folder(std::string message, const fs::path& folder) {
+  for (const std::string& prefix : {std::string("error: "), folder.string() + "/"}) {
+    if (const std::size_t place = message.find(prefix); place != std::string::npos)
+      message.erase(place, prefix.size());
   }
   return message;
 }
 
-/// What a job of the thread comes to: a job that fails in whatever way ends itself and nothing else.
+/// Run a job of the thread. A job that fails in whatever way ends itself and nothing else.
 template <class F>
-Result<void> outcome_of(F&& job) {
+Result<void> run_job(F&& job) {
   try {
     return job();
   } catch (const std::bad_alloc&) {
@@ -93,6 +93,8 @@ std::set<std::string> files_of(const std::string& file) {
 
 }  // namespace
 
+std::string_view name_of(DraftState state) { return kStateNames[static_cast<std::size_t>(state)]; }
+
 Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
                                                          fs::path library, Reload reload,
                                                          RequestLog& log) {
@@ -108,7 +110,7 @@ Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settin
   std::unique_ptr<PartWorkshop> workshop(new PartWorkshop(std::move(settings), std::move(library),
                                                           std::move(reload), log,
                                                           opened->header.unit, flags_of(*options)));
-  TRIVET_TRY(workshop->adopt());
+  TRIVET_TRY(workshop->load_drafts());
   return workshop;
 }
 
@@ -138,8 +140,8 @@ fs::path PartWorkshop::folder_of(const std::string& name) const {
   return fs::path(settings_.folder) / name;
 }
 
-/// Drafts that an earlier service left; what is no draft is left alone.
-Result<void> PartWorkshop::adopt() {
+/// Load the drafts that an earlier service left. What is no draft is left alone.
+Result<void> PartWorkshop::load_drafts() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(settings_.folder, error)) {
     const std::string name = entry.path().filename().string();
@@ -149,19 +151,19 @@ Result<void> PartWorkshop::adopt() {
     const ManifestModel& model = manifest->models.front();
     Draft draft;
     draft.file = model.file.filename().string();
-    draft.bytes = fs::file_size(model.file, error);
+    draft.num_bytes = fs::file_size(model.file, error);
     draft.unit = model.scale == 1             ? unit_
                  : unit_ == LengthUnit::meter ? LengthUnit::millimeter
                                               : LengthUnit::meter;
     drafts_.emplace(name, std::move(draft));
-    take_up(name);
+    queue_training(name);
   }
   if (!error) return {};
   return Error{ErrorCode::cannot_create, fmt::format("{}: {}", settings_.folder, error.message())};
 }
 
-void PartWorkshop::take_up(const std::string& name) {
-  ask([this, name] { train(name); });
+void PartWorkshop::queue_training(const std::string& name) {
+  queue([this, name] { train(name); });
 }
 
 Result<void> PartWorkshop::write_manifest_of(const std::string& name, const Draft& draft,
@@ -203,7 +205,7 @@ Result<void> PartWorkshop::bring(const std::string& name, const std::string& fil
   if (!forget(name)) remove_folder(name);
   Draft draft;
   draft.file = file;
-  draft.bytes = bytes.size();
+  draft.num_bytes = bytes.size();
   draft.unit = unit;
   Result<void> written = make_folder(folder);
   if (written) written = mark_folder(folder, kPartFolder, file);
@@ -218,7 +220,7 @@ Result<void> PartWorkshop::bring(const std::string& name, const std::string& fil
     const std::lock_guard lock(mutex_);
     drafts_.insert_or_assign(name, std::move(draft));
   }
-  take_up(name);
+  queue_training(name);
   return {};
 }
 
@@ -227,14 +229,14 @@ Result<void> PartWorkshop::declare(const std::string& name,
   const std::lock_guard one_at_a_time(files_mutex_);
   {
     const std::lock_guard lock(mutex_);
-    const auto at = drafts_.find(name);
-    if (at == drafts_.end() || at->second.state != State::trained)
+    const auto found = drafts_.find(name);
+    if (found == drafts_.end() || found->second.state != DraftState::trained)
       return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
-    TRIVET_TRY(write_manifest_of(name, at->second, symmetry));
-    at->second.state = State::waiting;
-    at->second.library.reset();
+    TRIVET_TRY(write_manifest_of(name, found->second, symmetry));
+    found->second.state = DraftState::waiting;
+    found->second.library.reset();
   }
-  take_up(name);
+  queue_training(name);
   return {};
 }
 
@@ -246,16 +248,16 @@ Result<void> PartWorkshop::drop(const std::string& name) {
 Result<void> PartWorkshop::forget(const std::string& name) {
   {
     const std::lock_guard lock(mutex_);
-    const auto at = drafts_.find(name);
-    if (at == drafts_.end()) return Error{ErrorCode::usage, fmt::format("no draft '{}'", name)};
-    at->second.stop.request_stop();
-    drafts_.erase(at);
+    const auto found = drafts_.find(name);
+    if (found == drafts_.end()) return Error{ErrorCode::usage, fmt::format("no draft '{}'", name)};
+    found->second.stop.request_stop();
+    drafts_.erase(found);
   }
   remove_folder(name);
   return {};
 }
 
-/// What the workshop has made in it; also of a draft that it does not know, since it is damaged.
+/// Remove what the workshop has made in it, also of a damaged draft, which the workshop does not know.
 void PartWorkshop::remove_folder(const std::string& name) const {
   const fs::path folder = folder_of(name);
   const std::optional<std::string> file = note_of(folder, kPartFolder);
@@ -283,24 +285,25 @@ void PartWorkshop::train(const std::string& name) {
   std::stop_token stop;
   {
     const std::lock_guard lock(mutex_);
-    const auto at = drafts_.find(name);
-    if (at == drafts_.end() || at->second.state != State::waiting) return;
-    at->second.state = State::training;
-    at->second.begun = Clock::now();
-    stop = at->second.stop.get_token();
+    const auto found = drafts_.find(name);
+    if (found == drafts_.end() || found->second.state != DraftState::waiting) return;
+    found->second.state = DraftState::training;
+    found->second.begun = Clock::now();
+    stop = found->second.stop.get_token();
   }
   Draft made;
-  const Result<void> done = outcome_of([&] { return train_and_read(name, stop, made); });
+  const Result<void> done = run_job([&] { return train_and_read(name, stop, made); });
   const std::lock_guard lock(mutex_);
-  const auto at = drafts_.find(name);
+  const auto found = drafts_.find(name);
   // Another one of its name may have come meanwhile.
-  if (at == drafts_.end() || at->second.stop.get_token() != stop) return;
-  Draft& draft = at->second;
+  if (found == drafts_.end() || found->second.stop.get_token() != stop) return;
+  Draft& draft = found->second;
   draft.seconds = seconds_since(draft.begun);
-  draft.error = done ? "" : in_clients_words(done.error().message, folder_of(name));
+  draft.error = done ? "" : without_folder(done.error().message, folder_of(name));
   draft.facts = std::move(made.facts);
   draft.library = std::move(made.library);
-  draft.state = done ? State::trained : State::failed;  // last: until then it may run out of memory
+  draft.state =
+      done ? DraftState::trained : DraftState::failed;  // last: until then it may run out of memory
   log_.write(done ? "info" : "warning", done ? "part trained" : "part not trained",
              {{"model", name}, {"seconds", draft.seconds}, {"error", draft.error}});
 }
@@ -367,53 +370,46 @@ void PartWorkshop::rename(const std::string& from, const std::string& to, Done d
 void PartWorkshop::change(std::string_view what, const std::string& name,
                           std::function<Result<void>()> edit, Done done,
                           std::function<void()> after) {
-  const auto is_told = std::make_shared<std::atomic<bool>>(false);
-  const auto tell_once = [is_told, done = std::move(done)](const Result<void>& what_came) {
-    if (!is_told->exchange(true)) done(what_came);
+  const auto is_answered = std::make_shared<std::atomic<bool>>(false);
+  const auto answer_once = [is_answered, done = std::move(done)](const Result<void>& outcome) {
+    if (!is_answered->exchange(true)) done(outcome);
   };
-  ask([this, what, name, edit = std::move(edit), tell_once, after = std::move(after)] {
+  queue([this, what, name, edit = std::move(edit), answer_once, after = std::move(after)] {
     if (thread_.get_stop_token().stop_requested())
-      return tell_once(Error{ErrorCode::resumable, "the service ends: ask the next one"});
-    const Result<void> edited = outcome_of([&]() -> Result<void> {
+      return answer_once(Error{ErrorCode::resumable, "the service ends: ask the next one"});
+    const Result<void> edited = run_job([&]() -> Result<void> {
       TRIVET_TRY(edit());
       if (after) after();
       log_.write("info", what, {{"model", name}});
-      reload_(tell_once);
+      reload_(answer_once);
       return {};
     });
     if (edited) return;
-    tell_once(edited);
+    answer_once(edited);
     log_.write("warning", fmt::format("not done: {}", what),
                {{"model", name}, {"error", edited.error().message}});
   });
 }
 
-nlohmann::ordered_json PartWorkshop::tell() const {
-  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+std::vector<DraftStatus> PartWorkshop::drafts() const {
+  std::vector<DraftStatus> all;
   const std::lock_guard lock(mutex_);
   for (const auto& [name, draft] : drafts_) {
-    nlohmann::ordered_json error;
-    if (!draft.error.empty()) error = draft.error;
-    parts.push_back(
-        {{"name", name},
-         {"file", draft.file},
-         {"bytes", draft.bytes},
-         {"unit", unit_name(draft.unit)},
-         {"state", kStates[static_cast<std::size_t>(draft.state)]},
-         {"seconds", draft.state == State::training ? seconds_since(draft.begun) : draft.seconds},
-         {"error", std::move(error)},
-         {"facts", draft.facts}});
+    const double seconds =
+        draft.state == DraftState::training ? seconds_since(draft.begun) : draft.seconds;
+    all.push_back({name, draft.file, draft.num_bytes, draft.unit, draft.state, seconds, draft.error,
+                   draft.facts});
   }
-  return parts;
+  return all;
 }
 
 std::shared_ptr<const Library> PartWorkshop::trained(const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  const auto at = drafts_.find(name);
-  return at == drafts_.end() ? nullptr : at->second.library;
+  const auto found = drafts_.find(name);
+  return found == drafts_.end() ? nullptr : found->second.library;
 }
 
-void PartWorkshop::ask(Work work) {
+void PartWorkshop::queue(Work work) {
   {
     const std::lock_guard lock(mutex_);
     work_.push_back(std::move(work));
@@ -431,7 +427,7 @@ void PartWorkshop::run(const std::stop_token& stop) {
       next = std::move(work_.front());
       work_.pop_front();
     }
-    const Result<void> done = outcome_of([&]() -> Result<void> {
+    const Result<void> done = run_job([&]() -> Result<void> {
       next();
       return {};
     });
@@ -439,12 +435,12 @@ void PartWorkshop::run(const std::stop_token& stop) {
   }
 }
 
-/// Of what an exception has ended in the middle.
+/// Fail the drafts whose training an exception has ended in the middle.
 void PartWorkshop::fail_training() noexcept {
   const std::lock_guard lock(mutex_);
   for (auto& [name, draft] : drafts_) {
-    if (draft.state != State::training) continue;
-    draft.state = State::failed;
+    if (draft.state != DraftState::training) continue;
+    draft.state = DraftState::failed;
     draft.error = kOutOfMemory;  // short: none is taken for it
   }
 }

@@ -34,6 +34,22 @@ struct WorkshopSettings {
   std::string program = "/proc/self/exe";  ///< that trains, as `trivet train` does
 };
 
+enum class DraftState : std::uint8_t { waiting, training, trained, failed };
+
+/// "waiting", "training", "trained", "failed".
+std::string_view name_of(DraftState state);
+
+/// A draft as it is now.
+struct DraftStatus {
+  std::string name, file;
+  std::uint64_t num_bytes = 0;
+  LengthUnit unit = LengthUnit::meter;
+  DraftState state = DraftState::waiting;
+  double seconds = 0;            ///< that its training took, or takes until now
+  std::string error;             ///< empty: none
+  nlohmann::ordered_json facts;  ///< as `trivet train --json` writes them; null before
+};
+
 /// A draft is a folder of its own: the file as it came, a manifest of it, and the library of this
 /// one model that `trivet train` makes of both, in a process of its own with limits on time and
 /// memory. So a damaged or hostile file costs its refusal and nothing else, and drafts outlive the
@@ -67,7 +83,7 @@ class PartWorkshop {
   /// name  of the model
   /// file  name that the client gave the file: its extension tells the format
   /// unit  of its coordinates
-  /// Errors: usage (the names, too many drafts, what `refuse_folder` tells), cannot_create, io (the
+  /// Errors: usage (the names, too many drafts, those of `refuse_folder`), cannot_create, io (the
   /// disk).
   Result<void> bring(const std::string& name, const std::string& file, LengthUnit unit,
                      std::string_view bytes);
@@ -89,18 +105,17 @@ class PartWorkshop {
   /// Errors: of rename_model, of reading the library.
   void rename(const std::string& from, const std::string& to, Done done);
 
-  /// [{"name", "file", "bytes", "unit", "state", "seconds", "error", "model", "facts"}] by name.
-  nlohmann::ordered_json tell() const;
+  /// All drafts, by name.
+  std::vector<DraftStatus> drafts() const;
   /// The library of a trained draft; null: no such one.
   std::shared_ptr<const Library> trained(const std::string& name) const;
 
  private:
-  enum class State : std::uint8_t { waiting, training, trained, failed };
   struct Draft {
     std::string file;
-    std::uint64_t bytes = 0;
+    std::uint64_t num_bytes = 0;
     LengthUnit unit = LengthUnit::meter;
-    State state = State::waiting;
+    DraftState state = DraftState::waiting;
     std::chrono::steady_clock::time_point begun{};
     double seconds = 0;
     std::string error;
@@ -113,8 +128,8 @@ class PartWorkshop {
   PartWorkshop(WorkshopSettings settings, std::filesystem::path library, Reload reload,
                RequestLog& log, LengthUnit unit, std::vector<std::string> options);
   std::filesystem::path folder_of(const std::string& name) const;
-  Result<void> adopt();
-  void take_up(const std::string& name);
+  Result<void> load_drafts();
+  void queue_training(const std::string& name);
   Result<void> forget(const std::string& name);
   void remove_folder(const std::string& name) const;
   Result<void> write_manifest_of(const std::string& name, const Draft& draft,
@@ -124,7 +139,7 @@ class PartWorkshop {
                               Draft& out) const;
   void change(std::string_view what, const std::string& name, std::function<Result<void>()> edit,
               Done done, std::function<void()> after = {});
-  void ask(Work work);
+  void queue(Work work);
   void run(const std::stop_token& stop);
   void fail_training() noexcept;
 
