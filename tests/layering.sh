@@ -64,5 +64,7 @@ folders storage common data files formats library datasets
 folders kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
 folders engine options results common libraries loaded_library scene poses hypotheses verification selection camera recognition \
   meshing training evaluation calibration pictures simulation/parts simulation
-folders apps inputs words results help options report study program recognition service/common service/http service service/serve/inference service/serve/session service/serve/workshop service/serve commands mpi
+folders apps inputs words results help options report study program recognition service/common service/http service \
+  service/serve/requests service/serve/inference service/serve/library service/serve/live service/serve/session \
+  service/serve/workshop service/serve commands mpi
 exit $failed

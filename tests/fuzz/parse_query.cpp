@@ -1,6 +1,6 @@
 // The options of a recognition, as parameters of the target or as a JSON object.
 #include "apps/service/http/json_parameters.hpp"
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 #include "fuzz/targets.hpp"
 
 namespace trivet::fuzz {

@@ -10,7 +10,7 @@
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/inference/metadata.hpp"
 #include "apps/service/serve/inference/protocol.hpp"
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "storage/files/json_file.hpp"
 

@@ -10,8 +10,8 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/service/http/file_response.hpp"
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/serve/model_json.hpp"
-#include "apps/service/serve/near_turns.hpp"
+#include "apps/service/serve/library/model_json.hpp"
+#include "apps/service/serve/library/near_turns.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/words/score_words.hpp"
 

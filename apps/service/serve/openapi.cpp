@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 #include "engine/options/presets.hpp"
 #include "storage/files/json_text.hpp"
 

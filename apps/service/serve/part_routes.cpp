@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/serve/model_json.hpp"
-#include "apps/service/serve/near_turns.hpp"
+#include "apps/service/serve/library/model_json.hpp"
+#include "apps/service/serve/library/near_turns.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "storage/datasets/parse_symmetry.hpp"
 

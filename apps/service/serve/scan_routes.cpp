@@ -9,7 +9,7 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/service/http/http_messages.hpp"
-#include "apps/service/serve/recognition_job.hpp"
+#include "apps/service/serve/requests/recognition_job.hpp"
 #include "apps/service/serve/service_routes.hpp"
 
 namespace trivet::apps::service {

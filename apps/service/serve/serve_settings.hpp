@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "apps/service/listen_settings.hpp"
-#include "apps/service/serve/library_slot.hpp"
-#include "apps/service/serve/live_scans.hpp"
+#include "apps/service/serve/library/library_slot.hpp"
+#include "apps/service/serve/live/live_scans.hpp"
 #include "apps/service/serve/workshop/part_workshop.hpp"
 #include "engine/recognition/recognition_service.hpp"
 

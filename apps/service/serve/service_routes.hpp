@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "apps/service/http/call.hpp"
-#include "apps/service/serve/examples.hpp"
 #include "apps/service/serve/inference/statistics.hpp"
-#include "apps/service/serve/live_scans.hpp"
-#include "apps/service/serve/metrics.hpp"
-#include "apps/service/serve/model_views.hpp"
+#include "apps/service/serve/library/model_views.hpp"
+#include "apps/service/serve/live/live_scans.hpp"
+#include "apps/service/serve/requests/examples.hpp"
+#include "apps/service/serve/requests/metrics.hpp"
 #include "apps/service/serve/workshop/part_workshop.hpp"
 #include "engine/recognition/recognition_service.hpp"
 #include "engine/recognition/recognize.hpp"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "apps/service/serve/session/reading_query.hpp"
+#include "apps/service/serve/requests/reading_query.hpp"
 
 namespace trivet::apps::service {
 namespace {

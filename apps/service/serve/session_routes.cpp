@@ -12,7 +12,7 @@
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/multipart.hpp"
 #include "apps/service/http/tar_stream.hpp"
-#include "apps/service/serve/scan_request.hpp"
+#include "apps/service/serve/requests/scan_request.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve/session/session.hpp"
 #include "apps/service/serve/session_json.hpp"

@@ -8,7 +8,7 @@
 #include "apps/program.hpp"
 #include "apps/report/html.hpp"
 #include "apps/service/serve/openapi.hpp"
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 #include "apps/study/settings.hpp"
 #include "storage/formats/read_cloud.hpp"
 #include "storage/library/library.hpp"

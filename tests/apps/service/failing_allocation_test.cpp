@@ -9,7 +9,7 @@
 #include "apps/service/common/request_log.hpp"
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http_client.hpp"
-#include "apps/service/serve/library_slot.hpp"
+#include "apps/service/serve/library/library_slot.hpp"
 #include "apps/service/serve/service_routes.hpp"
 #include "apps/service/serve_fixture.hpp"
 #include "storage/common/wait_for_memory.hpp"

@@ -1,4 +1,4 @@
-#include "apps/service/serve/metrics.hpp"
+#include "apps/service/serve/requests/metrics.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

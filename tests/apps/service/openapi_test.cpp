@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 #include "apps/service/serve_fixture.hpp"
 
 namespace trivet {

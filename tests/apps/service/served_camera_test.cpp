@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/service/http/json_parameters.hpp"
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 
 namespace trivet::apps::service {
 namespace {

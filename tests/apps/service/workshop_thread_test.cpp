@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "apps/service/http_client.hpp"
-#include "apps/service/serve/model_views.hpp"
+#include "apps/service/serve/library/model_views.hpp"
 #include "apps/service/serve/workshop/part_workshop.hpp"
 #include "apps/service/serve_fixture.hpp"
 #include "storage/library/library.hpp"

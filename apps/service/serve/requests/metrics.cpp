@@ -1,4 +1,4 @@
-#include "apps/service/serve/metrics.hpp"
+#include "apps/service/serve/requests/metrics.hpp"
 
 #include "apps/service/http/http_messages.hpp"
 

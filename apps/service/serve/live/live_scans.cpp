@@ -1,4 +1,4 @@
-#include "apps/service/serve/live_scans.hpp"
+#include "apps/service/serve/live/live_scans.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <utility>
 
-#include "apps/service/serve/recognition_job.hpp"
+#include "apps/service/serve/requests/recognition_job.hpp"
 #include "storage/common/valid_text.hpp"
 #include "storage/files/file.hpp"
 #include "storage/files/json_text.hpp"

@@ -1,4 +1,4 @@
-#include "apps/service/serve/scan_request.hpp"
+#include "apps/service/serve/requests/scan_request.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

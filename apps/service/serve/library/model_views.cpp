@@ -1,4 +1,4 @@
-#include "apps/service/serve/model_views.hpp"
+#include "apps/service/serve/library/model_views.hpp"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/service/http/query.hpp"
-#include "apps/service/serve/served_scene.hpp"
+#include "apps/service/serve/requests/served_scene.hpp"
 #include "engine/options/recognize_options.hpp"
 #include "storage/common/result.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/service/serve/served_scene.hpp"
+#include "apps/service/serve/requests/served_scene.hpp"
 
 #include <array>
 #include <vector>

@@ -14,8 +14,8 @@
 
 #include "apps/service/common/request_log.hpp"
 #include "apps/service/http/query.hpp"
-#include "apps/service/serve/metrics.hpp"
-#include "apps/service/serve/scan_folder.hpp"
+#include "apps/service/serve/live/scan_folder.hpp"
+#include "apps/service/serve/requests/metrics.hpp"
 #include "engine/recognition/recognition_service.hpp"
 #include "storage/common/result.hpp"
 

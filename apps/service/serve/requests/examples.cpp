@@ -1,7 +1,7 @@
-#include "apps/service/serve/examples.hpp"
+#include "apps/service/serve/requests/examples.hpp"
 
 #include "apps/inputs/inputs.hpp"
-#include "apps/service/serve/session/reading_query.hpp"
+#include "apps/service/serve/requests/reading_query.hpp"
 
 namespace trivet::apps::service {
 

@@ -1,4 +1,4 @@
-#include "apps/service/serve/library_slot.hpp"
+#include "apps/service/serve/library/library_slot.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/service/serve/model_json.hpp"
+#include "apps/service/serve/library/model_json.hpp"
 
 #include <algorithm>
 #include <array>

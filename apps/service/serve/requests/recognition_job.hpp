@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/service/serve/metrics.hpp"
-#include "apps/service/serve/scan_request.hpp"
+#include "apps/service/serve/requests/metrics.hpp"
+#include "apps/service/serve/requests/scan_request.hpp"
 #include "engine/recognition/recognition_service.hpp"
 
 namespace trivet::apps::service {

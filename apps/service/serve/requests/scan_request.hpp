@@ -8,7 +8,7 @@
 
 #include "apps/service/http/http_server.hpp"
 #include "apps/service/http/query.hpp"
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet::apps::service {

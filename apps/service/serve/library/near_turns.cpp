@@ -1,4 +1,4 @@
-#include "apps/service/serve/near_turns.hpp"
+#include "apps/service/serve/library/near_turns.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/results/detections_json.hpp"
-#include "apps/service/serve/model_json.hpp"
+#include "apps/service/serve/library/model_json.hpp"
 #include "kernels/symmetry/angles.hpp"
 #include "kernels/symmetry/measure_deviation.hpp"
 #include "kernels/symmetry/turn_axis.hpp"

@@ -1,4 +1,4 @@
-#include "apps/service/serve/session/reading_query.hpp"
+#include "apps/service/serve/requests/reading_query.hpp"
 
 #include <fmt/format.h>
 

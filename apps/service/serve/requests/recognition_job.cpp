@@ -1,4 +1,4 @@
-#include "apps/service/serve/recognition_job.hpp"
+#include "apps/service/serve/requests/recognition_job.hpp"
 
 #include <algorithm>
 #include <chrono>

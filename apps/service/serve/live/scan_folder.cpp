@@ -1,4 +1,4 @@
-#include "apps/service/serve/scan_folder.hpp"
+#include "apps/service/serve/live/scan_folder.hpp"
 
 #include <poll.h>
 #include <sys/inotify.h>

@@ -12,7 +12,7 @@
 
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/service/common/request_log.hpp"
-#include "apps/service/serve/metrics.hpp"
+#include "apps/service/serve/requests/metrics.hpp"
 #include "engine/recognition/recognition_service.hpp"
 
 namespace trivet::apps::service {

@@ -1,4 +1,4 @@
-#include "apps/service/serve/recognize_query.hpp"
+#include "apps/service/serve/requests/recognize_query.hpp"
 
 #include <fmt/format.h>
 
