@@ -66,5 +66,5 @@ folders engine options results common libraries loaded_library scene poses hypot
   meshing training evaluation calibration pictures simulation/parts simulation
 folders apps inputs words results help options report study program recognition service/common service/http service \
   service/serve/requests service/serve/inference service/serve/library service/serve/live service/serve/session \
-  service/serve/workshop service/serve commands mpi
+  service/serve/workshop service/serve/routes service/serve commands mpi
 exit $failed

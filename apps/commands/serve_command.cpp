@@ -183,9 +183,9 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
       *opened.service, opened.metrics, daemon.log(),
       {milliseconds(settings.listen.deadline_ms), settings.service().max_waiting_bytes,
        settings.service().max_working_bytes, settings.read_only},
-      std::move(opened.examples),
-      [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); },
-      {opened.workshop.get(), opened.live.get(), opened.session.get()});
+      {std::move(opened.examples),
+       [&](LibrarySlot::Done done) { opened.slot->reload(std::move(done)); }, opened.workshop.get(),
+       opened.live.get(), opened.session.get()});
   routes.set_num_connections([&] { return daemon.num_connections(); });
   TRIVET_TRY(daemon.start(routes));
   routes.set_ready(true);

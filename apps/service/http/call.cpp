@@ -26,18 +26,18 @@ void Call::set_timeout(std::chrono::microseconds timeout) { timeout_ = timeout; 
 
 void Replies::send(const Call& call, HttpResponse response) const {
   metrics_.count_request(call.route, response.status);
-  if (call.is_logged || response.status >= 400) tell(call, response.status);
+  if (call.is_logged || response.status >= 400) log(call, response.status);
   response.headers.emplace_back("X-Request-Id", call.id);
   if (!call.trace.empty()) response.headers.emplace_back("traceparent", call.trace);
   call.answer(std::move(response));
 }
 
-void Replies::tell(const Call& call, unsigned status) const {
+void Replies::log(const Call& call, unsigned status) const {
   nlohmann::ordered_json fields{{"request_id", call.id},     {"method", call.request.method},
                                 {"route", call.route},       {"code", status},
                                 {"seconds", call.seconds()}, {"body_bytes", call.num_bytes}};
   if (!call.trace.empty()) fields["traceparent"] = call.trace;
-  fields.update(call.told);
+  fields.update(call.log_fields);
   log_.write(status >= 500 ? "warning" : "info", "request", fields);
 }
 

@@ -28,8 +28,8 @@ struct Call {
   std::size_t num_bytes;  ///< of the body, which may be taken
   Target target{};        ///< once it was parsed
   std::string route = "other";
-  bool is_logged = false;                                          ///< also when all is well
-  nlohmann::ordered_json told = nlohmann::ordered_json::object();  ///< more for the log
+  bool is_logged = false;                                                ///< also when all is well
+  nlohmann::ordered_json log_fields = nlohmann::ordered_json::object();  ///< more for the log
   std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
 
  private:
@@ -37,7 +37,7 @@ struct Call {
 };
 using CallPtr = std::shared_ptr<Call>;
 
-/// Answers calls: counts them, tells of them in the log, and says to which request an answer
+/// Answers calls: counts them, logs them, and says to which request an answer
 /// belongs. From any thread.
 class Replies {
  public:
@@ -47,7 +47,7 @@ class Replies {
   void send(const Call& call, HttpResponse response) const;
 
  private:
-  void tell(const Call& call, unsigned status) const;
+  void log(const Call& call, unsigned status) const;
 
   RequestMetrics& metrics_;
   RequestLog& log_;

@@ -49,6 +49,11 @@ HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json) 
   return {status, json_text(json) + "\n"};
 }
 
+Result<HttpResponse> json_result(const Result<nlohmann::ordered_json>& json) {
+  if (!json) return json.error();
+  return json_response(200, *json);
+}
+
 HttpResponse error_response(unsigned status, const std::string& reason) {
   return json_response(status, {{"error", reason}});
 }

@@ -16,6 +16,8 @@ namespace trivet::apps::service {
 inline constexpr const char* kBytes = "application/octet-stream";
 
 HttpResponse json_response(unsigned status, const nlohmann::ordered_json& json);
+/// 200 with the JSON. Errors: those of the JSON.
+Result<HttpResponse> json_result(const Result<nlohmann::ordered_json>& json);
 /// {"error": reason}; bytes of the reason that are no UTF-8 are replaced.
 HttpResponse error_response(unsigned status, const std::string& reason);
 /// 400 for what the client can mend, 507 where the disk is full, else 500.

@@ -55,7 +55,7 @@ Durations& RequestMetrics::durations(const std::string& name, const std::string&
   return prometheus::BuildHistogram().Name(name).Help(help).Register(registry_);
 }
 
-HttpResponse RequestMetrics::tell(std::vector<prometheus::MetricFamily> now) const {
+HttpResponse RequestMetrics::response(std::vector<prometheus::MetricFamily> now) const {
   std::vector<prometheus::MetricFamily> all = registry_.Collect();
   for (prometheus::MetricFamily& family : all) {
     // The registry keeps them by their hash, and their labels by name: code before route.

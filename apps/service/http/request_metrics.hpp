@@ -38,7 +38,7 @@ class RequestMetrics {
   Counters& counters(const std::string& name, const std::string& help);
   Durations& durations(const std::string& name, const std::string& help);
   /// What was counted, and what is only read when somebody asks: of the service, and of the process.
-  HttpResponse tell(std::vector<prometheus::MetricFamily> now) const;
+  HttpResponse response(std::vector<prometheus::MetricFamily> now) const;
 
  private:
   prometheus::Registry registry_;

@@ -1,4 +1,4 @@
-/// Everything that a service can be told.
+/// All settings of a service.
 #pragma once
 
 #include <algorithm>

@@ -1,18 +1,20 @@
 """Hold a running service to its own description.
 
-usage: check_openapi.py PORT SCAN QUERY ROUTES_SOURCE
+usage: check_openapi.py PORT SCAN QUERY ROUTES
 SCAN     a depth image of which the service recognizes something
 QUERY    the parameters that it is recognized with
+ROUTES   the folder of the sources that have the tables of routes
 """
 import http.client
 import json
+import pathlib
 import re
 import sys
 import time
 
 import jsonschema
 
-port, scan_file, query, routes_source = int(sys.argv[1]), sys.argv[2], sys.argv[3], sys.argv[4]
+port, scan_file, query, routes_folder = int(sys.argv[1]), sys.argv[2], sys.argv[3], sys.argv[4]
 scan = open(scan_file, "rb").read()
 faults = []
 
@@ -77,9 +79,10 @@ def check_document():
 
 def check_routes():
     """Every route of the program is described, and the other way round."""
-    routes = re.findall(r'\{"(GET|POST|PUT|PATCH|DELETE)", "(/[^"]*)", (true|false), ', open(routes_source).read())
+    sources = "".join(path.read_text() for path in sorted(pathlib.Path(routes_folder).glob("*_routes.cpp")))
+    routes = re.findall(r'\{"(GET|POST|PUT|PATCH|DELETE)", "(/[^"]*)", (true|false), ', sources)
     if len(routes) < 10:
-        fault(f"{routes_source}: expected a table of routes")
+        fault(f"{routes_folder}: expected a table of routes")
     described = {(method.upper(), path) for path, ops in document["paths"].items() for method in ops}
     for method, path, is_prefix in routes:
         fits = lambda text: text.startswith(path) if is_prefix == "true" else text == path

@@ -36,8 +36,7 @@ TEST_F(FailingAllocation, FailsAJobAtMost) {
   RecognitionService service({.num_parallel = 2, .on_thread_start = wait_for_memory_on_this_thread},
                              *first);
   ServiceRoutes routes(service, metrics, log,
-                       {std::chrono::milliseconds(60'000), 512 << 20, std::size_t{4} << 30U}, {},
-                       {});
+                       {std::chrono::milliseconds(60'000), 512 << 20, std::size_t{4} << 30U}, {});
   Result<HttpServer> server = HttpServer::start(
       "127.0.0.1", 0, {},
       {[&](HttpRequest request, HttpAnswer answer) {

@@ -21,12 +21,12 @@ TEST(Metrics, CountsOnManyThreadsAtOnce) {
       for (int i = 0; i < kNumRequests; ++i) {
         metrics.count_request(i % 2 == 0 ? "recognize" : "points", 200);
         metrics.observe_stage("vote", 0.125 * t);  // sums of these are exact
-        if (i % 100 == 0) metrics.tell({});
+        if (i % 100 == 0) metrics.response({});
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
-  const std::string text = "\n" + metrics.tell({}).body;
+  const std::string text = "\n" + metrics.response({}).body;
   for (const char* const line :
        {"trivet_requests_total{route=\"points\",code=\"200\"} 4000\n",
         "trivet_requests_total{route=\"recognize\",code=\"200\"} 4000\n",
@@ -45,7 +45,7 @@ TEST(Metrics, TellsWhatIsNow) {
   gauges.library_bytes = 12'345'678'901;
   gauges.generation = 3;
   gauges.dropped_lines = 7;
-  const HttpResponse told = metrics.tell(gauges);
+  const HttpResponse told = metrics.response(gauges);
   EXPECT_EQ(told.content_type, "text/plain; version=0.0.4");
   for (const char* const line :
        {"\n# TYPE trivet_library_bytes gauge\ntrivet_library_bytes 12345678901\n",
@@ -58,7 +58,7 @@ TEST(Metrics, TellsWhatIsNow) {
 TEST(Metrics, TellsOfItsProcess) {
   const Metrics metrics;
   const auto value = [&](const std::string& name) {
-    const std::string text = metrics.tell({}).body;
+    const std::string text = metrics.response({}).body;
     const std::size_t at = text.find("\n" + name + " ");
     EXPECT_NE(at, std::string::npos) << name << " in\n" << text;
     return at == std::string::npos ? 0 : std::stod(text.substr(at + name.size() + 2));

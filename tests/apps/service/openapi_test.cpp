@@ -1,5 +1,5 @@
 // The description of the service for programs is what the service does.
-#include "apps/service/serve/openapi.hpp"
+#include "apps/service/serve/routes/openapi.hpp"
 
 #include <gtest/gtest.h>
 
@@ -231,8 +231,7 @@ TEST_F(OpenApiOfAService, IsWhatItAnswers) {
               const test::Outcome checked = test::run_program(
                   TRIVET_PYTHON,
                   {kSources + "/tests/apps/service/check_openapi.py", std::to_string(port), depth_,
-                   query_.substr(query_.find('?') + 1),
-                   kSources + "/apps/service/serve/service_routes.cpp"},
+                   query_.substr(query_.find('?') + 1), kSources + "/apps/service/serve/routes"},
                   {.folder = folder_.path(), .environment = {}, .watch = {}});
               EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.error;
             });

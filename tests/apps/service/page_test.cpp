@@ -1,5 +1,5 @@
 // What the service answers in place of a page that it was built without.
-#include "apps/service/serve/page.hpp"
+#include "apps/service/serve/routes/page.hpp"
 
 #include <gtest/gtest.h>
 

@@ -48,7 +48,7 @@ void InferenceStatistics::count_failure(std::uint64_t generation, double seconds
   if (sums) sums->fail.add(seconds);
 }
 
-Json InferenceStatistics::tell(const std::string& model, std::uint64_t generation) const {
+Json InferenceStatistics::json(const std::string& model, std::uint64_t generation) const {
   const std::lock_guard lock(mutex_);
   const Sums sums = sums_.generation == generation ? sums_ : Sums{};
   const Sum never;

@@ -28,7 +28,7 @@ class InferenceStatistics {
   void count_success(std::uint64_t generation, const InferenceSeconds& seconds);
   void count_failure(std::uint64_t generation, double seconds);
 
-  nlohmann::ordered_json tell(const std::string& model, std::uint64_t generation) const;
+  nlohmann::ordered_json json(const std::string& model, std::uint64_t generation) const;
 
  private:
   /// How often, and how long in all.

@@ -86,11 +86,11 @@ void LibrarySlot::read_anew(const std::vector<Done>& asked) {
 void LibrarySlot::look_for_change() {
   try {
     const auto generation = service_.generation();
-    if (generation->number == told_number_) return;
+    if (generation->number == logged_number_) return;
     const Result<void> same = generation->recognizer.library().unchanged();
     if (same) return;
     log_.write("error", "library changed", {{"error", same.error().message}});
-    told_number_ = generation->number;
+    logged_number_ = generation->number;
   } catch (const std::exception&) {
     // Without memory to tell of it now: in a second.
   }

@@ -55,7 +55,7 @@ class LibrarySlot {
   std::vector<Done> asked_;
   bool is_closed_ = false;
   std::uint64_t next_number_ = 2;
-  std::uint64_t told_number_ = 0;  ///< of the generation whose change was told
+  std::uint64_t logged_number_ = 0;  ///< of the generation whose change was logged
   std::thread thread_;
 };
 

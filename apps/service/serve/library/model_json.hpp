@@ -1,4 +1,4 @@
-/// What programs are told of a model of a library.
+/// A model of a library, as JSON for programs.
 #pragma once
 
 #include <nlohmann/json.hpp>

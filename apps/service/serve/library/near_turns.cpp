@@ -96,18 +96,18 @@ Json turn_json(std::span<const Pose> motions, Json axis, const Deviation& deviat
           {"place", std::array{place.x(), place.y(), place.z()}}};
 }
 
-Json near_turns_json(const Model& model) {
+Json turns_json(const Model& model) {
   Json turns = Json::array();
   if (model.near_axis) {
     turns.push_back(turn_json({}, turn_axis_json(*model.near_axis, 0),
                               deviation_about(model, *model.near_axis)));
   }
-  std::vector<Pose> told;
+  std::vector<Pose> listed;
   for (const Pose& motion : model.near_symmetries) {
     const auto same = [&](const Pose& other) { return are_same(motion, other, model.diameter); };
-    if (std::ranges::any_of(told, same)) continue;  // of an earlier one, its inverse
+    if (std::ranges::any_of(listed, same)) continue;  // of an earlier one, its inverse
     const std::vector<Pose> all = declared_by(model, motion);
-    told.insert(told.end(), all.begin(), all.end());
+    listed.insert(listed.end(), all.begin(), all.end());
     const float angle = Eigen::AngleAxisf(Eigen::Matrix3f(motion.linear())).angle();
     turns.push_back(turn_json(all, turn_axis_json(kernels::axis_of(motion), angle),
                               deviation_by(model, motion)));
@@ -117,9 +117,9 @@ Json near_turns_json(const Model& model) {
 
 }  // namespace
 
-Result<HttpResponse> near_turns_response(const Library& library, std::uint32_t model) {
+Result<Json> near_turns_json(const Library& library, std::uint32_t model) {
   TRIVET_TRY(library.check(model, ModelPart::samples));
-  return json_response(200, near_turns_json(library.models[model]));
+  return turns_json(library.models[model]);
 }
 
 }  // namespace trivet::apps::service

@@ -185,30 +185,22 @@ void LiveScans::keep(Scan scan) {
   if (scans_.size() > kMostKept) scans_.pop_front();
 }
 
-nlohmann::ordered_json LiveScans::tell(std::uint64_t after) const {
-  nlohmann::ordered_json scans = nlohmann::ordered_json::array();
+std::vector<LiveScan> LiveScans::scans_after(std::uint64_t number) const {
+  std::vector<LiveScan> scans;
   const std::lock_guard lock(mutex_);
   for (const Scan& scan : scans_) {
-    if (scan.number <= after) continue;
-    nlohmann::ordered_json error;
-    if (!scan.error.empty()) error = scan.error;
-    scans.push_back({{"number", scan.number},
-                     {"name", shown_name(scan.file)},
-                     {"query", fmt::format("format={}{}{}", format_of(scan.file),
-                                           query_.empty() ? "" : "&", query_)},
-                     {"time", scan.time},
-                     {"seconds", scan.seconds},
-                     {"detections", scan.num_detections},
-                     {"error", std::move(error)},
-                     {"url", fmt::format("/v1/live/{}/scan", scan.number)},
-                     {"answer", fmt::format("/v1/live/{}/answer", scan.number)}});
+    if (scan.number <= number) continue;
+    scans.push_back(
+        {scan.number, shown_name(scan.file),
+         fmt::format("format={}{}{}", format_of(scan.file), query_.empty() ? "" : "&", query_),
+         scan.time, scan.seconds, scan.num_detections, scan.error});
   }
   return scans;
 }
 
 const LiveScans::Scan* LiveScans::find(std::uint64_t number) const {
-  const auto at = std::ranges::find(scans_, number, &Scan::number);
-  return at == scans_.end() ? nullptr : &*at;
+  const auto found = std::ranges::find(scans_, number, &Scan::number);
+  return found == scans_.end() ? nullptr : &*found;
 }
 
 std::shared_ptr<const std::string> LiveScans::answer(std::uint64_t number) const {

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "apps/service/common/request_log.hpp"
 #include "apps/service/http/query.hpp"
@@ -26,6 +26,15 @@ struct LiveSettings {
   std::string query;   ///< parameters of /v1/recognize, for all its scans
   std::uint32_t rest_ms =
       1000;  ///< a file that was not renamed is whole when it rested for so long
+};
+
+/// What came of a scan.
+struct LiveScan {
+  std::uint64_t number = 0;
+  std::string name, query;       ///< of its file, as text; parameters that it was recognized with
+  double time = 0, seconds = 0;  ///< when it came, since 1970; what recognizing it took
+  std::size_t num_detections = 0;
+  std::string error;  ///< empty: none
 };
 
 /// What lies there at the start is old; what appears or changes later is taken once it is whole (see
@@ -49,9 +58,8 @@ class LiveScans {
 
   /// New with each service: numbers of another epoch stand for other scans.
   const std::string& epoch() const noexcept { return epoch_; }
-  /// [{"number", "name", "query", "time", "seconds", "detections", "error"}] of those after a
-  /// number, rising.
-  nlohmann::ordered_json tell(std::uint64_t after) const;
+  /// Those behind a number, rising.
+  std::vector<LiveScan> scans_after(std::uint64_t number) const;
   /// The answer as /v1/recognize gives it; none: no longer kept, or there was an error.
   std::shared_ptr<const std::string> answer(std::uint64_t number) const;
   /// The scan's file; none: no longer kept, or overwritten since.

@@ -39,8 +39,8 @@ void Metrics::observe_stage(const std::string& stage, double seconds) {
   duration_of(stages_, {{"stage", stage}}).Observe(seconds);
 }
 
-HttpResponse Metrics::tell(const Gauges& gauges) const {
-  return RequestMetrics::tell({
+HttpResponse Metrics::response(const Gauges& gauges) const {
+  return RequestMetrics::response({
       gauge_now("trivet_queue_depth", "Recognitions that wait.", gauges.waiting),
       gauge_now("trivet_inflight", "Recognitions that run.", gauges.running),
       gauge_now("trivet_queue_bytes", "Of recognitions that wait and run.", gauges.queue_bytes),

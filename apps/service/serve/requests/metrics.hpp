@@ -17,13 +17,14 @@ class Metrics : public RequestMetrics {
   void observe_queue(double seconds);
   void observe_stage(const std::string& stage, double seconds);
 
-  /// What is now, told with the counters.
+  /// Values of this moment.
   struct Gauges {
     std::size_t waiting = 0, running = 0, queue_bytes = 0, connections = 0;
     std::size_t library_models = 0, library_bytes = 0, library_changed = 0;
     std::uint64_t generation = 0, dropped_lines = 0;
   };
-  HttpResponse tell(const Gauges& gauges) const;
+  /// All counters, with these values, as Prometheus reads them.
+  HttpResponse response(const Gauges& gauges) const;
 
  private:
   Counters &rejections_, &reloads_;

@@ -7,7 +7,7 @@
 
 namespace trivet::apps::service {
 
-/// The parameters of a recognition: format, unit, and what is told of camera and viewpoint.
+/// The parameters of a recognition: format, unit, and what is known of camera and viewpoint.
 std::string reading_query(const ManifestScene& scene, LengthUnit unit);
 
 }  // namespace trivet::apps::service

@@ -18,13 +18,13 @@ namespace trivet::apps::service {
 
 struct ServedScene {
   std::optional<Camera> camera{};
-  Camera image{};  ///< what is told of its images: depth, distortion, width and height
+  Camera image{};  ///< what is known of its images: depth, distortion, width and height
   std::optional<Eigen::Vector3d> viewpoint{};  ///< of the sensor, in the scan's frame and unit
   std::optional<LengthUnit> unit{};            ///< absent: the library's
 
   SceneInput input(LengthUnit library_unit) const;
-  /// Put what is told of the images to the camera, once all is set. Errors: usage (no camera, numbers
-  /// that tell nothing).
+  /// Put what is known of the images to the camera, once all is set. Errors: usage (no camera, numbers
+  /// that say nothing).
   Result<void> complete_camera();
 };
 

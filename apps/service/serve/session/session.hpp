@@ -71,7 +71,7 @@ struct OpenAnswer {
 /// with the faults that they name, and with `failed`: cannot_create, io, no_space of the disk.
 class Session {
  public:
-  /// What is damaged in the folder is told by the contents and left as it is; damaged listings are
+  /// What is damaged in the folder is listed in the contents and left as it is; damaged listings are
   /// put aside. Errors: cannot_create (no folder, one that is no session's, or another service has
   /// it).
   static Result<std::unique_ptr<Session>> open(const std::filesystem::path& folder,

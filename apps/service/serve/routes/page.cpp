@@ -1,4 +1,4 @@
-#include "apps/service/serve/page.hpp"
+#include "apps/service/serve/routes/page.hpp"
 
 #include <algorithm>
 #include <array>

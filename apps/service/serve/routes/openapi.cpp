@@ -1,4 +1,4 @@
-#include "apps/service/serve/openapi.hpp"
+#include "apps/service/serve/routes/openapi.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
-// What keeps scans, answers and truth.
+#include "apps/service/serve/routes/session_routes.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -13,9 +14,8 @@
 #include "apps/service/http/multipart.hpp"
 #include "apps/service/http/tar_stream.hpp"
 #include "apps/service/serve/requests/scan_request.hpp"
-#include "apps/service/serve/service_routes.hpp"
+#include "apps/service/serve/routes/session_json.hpp"
 #include "apps/service/serve/session/session.hpp"
-#include "apps/service/serve/session_json.hpp"
 #include "engine/scene/find_view.hpp"
 #include "storage/datasets/parse_truth.hpp"
 #include "storage/files/json_file.hpp"
@@ -101,110 +101,136 @@ std::optional<std::pair<std::string, std::string>> two_names(std::string_view pa
 
 }  // namespace
 
-bool ServiceRoutes::has_session(const CallPtr& call) const {
-  if (commissioning_.session) return true;
-  reply(call, error_response(404, "no session is kept: start the service with --session DIR"));
+Routes SessionRoutes::routes() const {
+  using std::bind_front;
+  return {
+      {"GET", "/v1/session", false, false, Effect::reads, "session",
+       bind_front(&SessionRoutes::index, this)},
+      {"GET", "/v1/session/archive", false, false, Effect::reads, "session_archive",
+       bind_front(&SessionRoutes::archive, this)},
+      {"GET", "/v1/session/scans/", true, false, Effect::reads, "session_scan",
+       bind_front(&SessionRoutes::get_scan, this)},
+      {"PUT", "/v1/session/scans/", true, true, Effect::changes, "put_session_scan",
+       bind_front(&SessionRoutes::put_scan, this)},
+      {"DELETE", "/v1/session/scans/", true, false, Effect::changes, "delete_session_scan",
+       bind_front(&SessionRoutes::delete_scan, this)},
+      {"GET", "/v1/session/runs/", true, false, Effect::reads, "session_answer",
+       bind_front(&SessionRoutes::get_answer, this)},
+      {"PUT", "/v1/session/runs/", true, true, Effect::changes, "put_session_answer",
+       bind_front(&SessionRoutes::put_answer, this)},
+      {"DELETE", "/v1/session/runs/", true, false, Effect::changes, "delete_session_run",
+       bind_front(&SessionRoutes::delete_run, this)},
+  };
+}
+
+bool SessionRoutes::has_session(const CallPtr& call) const {
+  if (session_) return true;
+  responder_.reply(call,
+                   error_response(404, "no session is kept: start the service with --session DIR"));
   return false;
 }
 
-void ServiceRoutes::session(const CallPtr& call, std::string_view) {
-  if (!commissioning_.session) return reply(call, json_response(200, {{"kept", false}}));
-  reply(call, json_response(200, session_json(commissioning_.session->contents(),
-                                              commissioning_.session->max_bytes())));
+void SessionRoutes::index(const CallPtr& call, std::string_view) const {
+  if (!session_) return responder_.reply(call, json_response(200, {{"kept", false}}));
+  responder_.reply(call,
+                   json_response(200, session_json(session_->contents(), session_->max_bytes())));
 }
 
-void ServiceRoutes::session_archive(const CallPtr& call, std::string_view) {
-  if (has_session(call)) reply(call, archive_response(commissioning_.session->files()));
+void SessionRoutes::archive(const CallPtr& call, std::string_view) const {
+  if (has_session(call)) responder_.reply(call, archive_response(session_->files()));
 }
 
-void ServiceRoutes::session_scan(const CallPtr& call, std::string_view rest) {
+void SessionRoutes::get_scan(const CallPtr& call, std::string_view rest) const {
   if (!has_session(call)) return;
-  SessionResult<FileReader> file = commissioning_.session->scan(std::string(rest));
-  reply(call, file ? file_response(*std::move(file)) : refusal_at_once(file.error()));
+  SessionResult<FileReader> file = session_->scan(std::string(rest));
+  responder_.reply(call, file ? file_response(*std::move(file)) : refusal_at_once(file.error()));
 }
 
-void ServiceRoutes::put_session_scan(const CallPtr& call, std::string_view rest) {
+void SessionRoutes::put_scan(const CallPtr& call, std::string_view rest) const {
   if (!has_session(call)) return;
-  if (const auto names = two_names(rest); names && names->second == "truth") {
-    return submit_one(call,
-                      [this, call, name = names->first](
-                          const LibraryGeneration& generation) -> Result<HttpResponse> {
-                        const ModelOfName models = models_of(generation);
-                        const Result<ScanTruth> truth =
-                            parse_scan_truth(call->request.body, models);
-                        if (!truth) return truth.error();
-                        const SessionResult<KeptScan> put = commissioning_.session->put_truth(
-                            name, *truth, call->request.header("if-match"), models);
-                        if (!put) return session_error_response(put.error());
-                        return json_response(200, scan_json(*put));
-                      });
-  }
+  if (const auto names = two_names(rest); names && names->second == "truth")
+    return put_truth(call, names->first);
   if (is_form(call->request.header("content-type")))
-    return reply(call, error_response(400, "expected the scan as the body, found a form"));
-  Result<ScanRequest> asked = parse_scan_request(call->request, call->target);
-  if (!asked) return reply(call, error_response(asked.error()));
-  const ScanPart& kept = asked->scans.front();
-  const std::size_t part_bytes = scan_bytes(std::as_bytes(std::span(kept.bytes)), kept.name);
-  submit_one(
+    return responder_.reply(call,
+                            error_response(400, "expected the scan as the body, found a form"));
+  Result<ScanRequest> request = parse_scan_request(call->request, call->target);
+  if (!request) return responder_.reply(call, error_response(request.error()));
+  const ScanPart& part = request->scans.front();
+  const std::size_t part_bytes = scan_bytes(std::as_bytes(std::span(part.bytes)), part.name);
+  responder_.run_small(
       call,
-      [this, asked = std::make_shared<ScanRequest>(std::move(*asked)),
+      [this, request = std::make_shared<ScanRequest>(std::move(*request)),
        name = std::string(rest)](const LibraryGeneration& generation) -> Result<HttpResponse> {
-        const ScanPart& scan = asked->scans.front();
+        const ScanPart& scan = request->scans.front();
         const Result<ScanReading> reading =
             reading_of(scan, generation.recognizer.library().header.unit);
         if (!reading) return reading.error();
-        const SessionResult<KeptScan> put =
-            commissioning_.session->put_scan(name, scan.bytes, *reading);
+        const SessionResult<KeptScan> put = session_->put_scan(name, scan.bytes, *reading);
         if (!put) return session_error_response(put.error());
         return json_response(200, scan_json(*put));
       },
       part_bytes);
 }
 
-void ServiceRoutes::delete_session_scan(const CallPtr& call, std::string_view rest) {
-  if (!has_session(call)) return;
-  submit_one(call,
-             [this, name = std::string(rest)](const LibraryGeneration&) -> Result<HttpResponse> {
-               const SessionResult<void> deleted = commissioning_.session->delete_scan(name);
-               if (!deleted) return session_error_response(deleted.error());
-               return json_response(200, {{"deleted", name}});
-             });
+void SessionRoutes::put_truth(const CallPtr& call, const std::string& name) const {
+  responder_.run_small(
+      call, [this, call, name](const LibraryGeneration& generation) -> Result<HttpResponse> {
+        const ModelOfName models = models_of(generation);
+        const Result<ScanTruth> truth = parse_scan_truth(call->request.body, models);
+        if (!truth) return truth.error();
+        const SessionResult<KeptScan> put =
+            session_->put_truth(name, *truth, call->request.header("if-match"), models);
+        if (!put) return session_error_response(put.error());
+        return json_response(200, scan_json(*put));
+      });
 }
 
-void ServiceRoutes::session_answer(const CallPtr& call, std::string_view rest) {
+void SessionRoutes::delete_scan(const CallPtr& call, std::string_view rest) const {
+  if (!has_session(call)) return;
+  responder_.run_small(
+      call, [this, name = std::string(rest)](const LibraryGeneration&) -> Result<HttpResponse> {
+        const SessionResult<void> deleted = session_->delete_scan(name);
+        if (!deleted) return session_error_response(deleted.error());
+        return json_response(200, {{"deleted", name}});
+      });
+}
+
+void SessionRoutes::get_answer(const CallPtr& call, std::string_view rest) const {
   if (!has_session(call)) return;
   const auto names = two_names(rest);
-  if (!names) return reply(call, error_response(404, "expected the names of a run and a scan"));
-  SessionResult<OpenAnswer> answer = commissioning_.session->answer(names->first, names->second);
-  if (!answer) return reply(call, refusal_at_once(answer.error()));
+  if (!names)
+    return responder_.reply(call, error_response(404, "expected the names of a run and a scan"));
+  SessionResult<OpenAnswer> answer = session_->answer(names->first, names->second);
+  if (!answer) return responder_.reply(call, refusal_at_once(answer.error()));
   HttpResponse response = file_response(std::move((*answer).file), "application/json");
   response.headers.emplace_back("ETag", (*answer).version);
-  reply(call, std::move(response));
+  responder_.reply(call, std::move(response));
 }
 
-void ServiceRoutes::put_session_answer(const CallPtr& call, std::string_view rest) {
+void SessionRoutes::put_answer(const CallPtr& call, std::string_view rest) const {
   if (!has_session(call)) return;
   const auto names = two_names(rest);
-  if (!names) return reply(call, error_response(404, "expected the names of a run and a scan"));
-  submit_one(
+  if (!names)
+    return responder_.reply(call, error_response(404, "expected the names of a run and a scan"));
+  responder_.run_small(
       call,
       [this, call, names = *names](const LibraryGeneration& generation) -> Result<HttpResponse> {
         const auto& [run, scan] = names;
-        SessionResult<std::string> version = commissioning_.session->put_answer(
+        SessionResult<std::string> version = session_->put_answer(
             run, scan, call->request.body, call->request.header("if-match"), models_of(generation));
         if (!version) return session_error_response(version.error());
         return json_response(200, {{"run", run}, {"scan", scan}, {"version", *std::move(version)}});
       });
 }
 
-void ServiceRoutes::delete_session_run(const CallPtr& call, std::string_view rest) {
+void SessionRoutes::delete_run(const CallPtr& call, std::string_view rest) const {
   if (!has_session(call)) return;
-  submit_one(call,
-             [this, run = std::string(rest)](const LibraryGeneration&) -> Result<HttpResponse> {
-               const SessionResult<void> deleted = commissioning_.session->delete_run(run);
-               if (!deleted) return session_error_response(deleted.error());
-               return json_response(200, {{"deleted", run}});
-             });
+  responder_.run_small(
+      call, [this, run = std::string(rest)](const LibraryGeneration&) -> Result<HttpResponse> {
+        const SessionResult<void> deleted = session_->delete_run(run);
+        if (!deleted) return session_error_response(deleted.error());
+        return json_response(200, {{"deleted", run}});
+      });
 }
 
 }  // namespace trivet::apps::service

@@ -1,4 +1,4 @@
-#include "apps/service/serve/session_json.hpp"
+#include "apps/service/serve/routes/session_json.hpp"
 
 #include <utility>
 

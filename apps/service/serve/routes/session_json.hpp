@@ -1,4 +1,4 @@
-/// What clients are told of a session.
+/// A session as JSON, and its refusals as answers.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,0 +1,36 @@
+/// The library that answers, and its models.
+#pragma once
+
+#include <functional>
+
+#include "apps/service/serve/library/model_views.hpp"
+#include "apps/service/serve/routes/responder.hpp"
+#include "apps/service/serve/routes/route.hpp"
+#include "engine/recognition/recognition_service.hpp"
+#include "storage/common/result.hpp"
+
+namespace trivet::apps::service {
+
+/// Calls back once the library was read anew, or could not be.
+using ReloadLibrary = std::function<void(std::function<void(Result<void>)>)>;
+
+class LibraryRoutes {
+ public:
+  /// responder, service  outlive it
+  LibraryRoutes(const Responder& responder, const RecognitionService& service, ReloadLibrary reload)
+      : responder_(responder), service_(service), reload_(std::move(reload)) {}
+  Routes routes();
+
+ private:
+  void list_models(const CallPtr& call, std::string_view rest) const;
+  void view_model(const CallPtr& call, std::string_view rest);
+  void score_parts(const CallPtr& call, std::string_view rest) const;
+  void reload(const CallPtr& call, std::string_view rest) const;
+
+  const Responder& responder_;
+  const RecognitionService& service_;
+  const ReloadLibrary reload_;
+  Thumbnails thumbnails_;
+};
+
+}  // namespace trivet::apps::service

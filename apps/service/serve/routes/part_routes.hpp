@@ -1,0 +1,34 @@
+/// What changes the library: parts that are brought, trained and published, models that go.
+#pragma once
+
+#include "apps/service/serve/routes/responder.hpp"
+#include "apps/service/serve/routes/route.hpp"
+#include "apps/service/serve/workshop/part_workshop.hpp"
+
+namespace trivet::apps::service {
+
+class PartRoutes {
+ public:
+  /// responder  outlives it, as the workshop does
+  /// workshop   null: the library is only read
+  PartRoutes(const Responder& responder, PartWorkshop* workshop)
+      : responder_(responder), workshop_(workshop) {}
+  Routes routes() const;
+
+ private:
+  void list_parts(const CallPtr& call, std::string_view rest) const;
+  void view_part(const CallPtr& call, std::string_view rest) const;
+  void bring_part(const CallPtr& call, std::string_view rest) const;
+  void declare_part(const CallPtr& call, std::string_view rest) const;
+  void drop_part(const CallPtr& call, std::string_view rest) const;
+  void publish_part(const CallPtr& call, std::string_view rest) const;
+  void remove_model(const CallPtr& call, std::string_view rest) const;
+  void rename_model(const CallPtr& call, std::string_view rest) const;
+  /// Answers where there is none.
+  bool has_workshop(const CallPtr& call) const;
+
+  const Responder& responder_;
+  PartWorkshop* const workshop_;
+};
+
+}  // namespace trivet::apps::service

@@ -1,0 +1,25 @@
+/// Recognition of scans, and what is shown of their points.
+#pragma once
+
+#include "apps/service/serve/requests/metrics.hpp"
+#include "apps/service/serve/routes/responder.hpp"
+#include "apps/service/serve/routes/route.hpp"
+
+namespace trivet::apps::service {
+
+class RecognitionRoutes {
+ public:
+  /// Both outlive it.
+  RecognitionRoutes(const Responder& responder, Metrics& metrics)
+      : responder_(responder), metrics_(metrics) {}
+  Routes routes() const;
+
+ private:
+  void recognize(const CallPtr& call, std::string_view rest) const;
+  void points(const CallPtr& call, std::string_view rest) const;
+
+  const Responder& responder_;
+  Metrics& metrics_;
+};
+
+}  // namespace trivet::apps::service
