@@ -62,12 +62,11 @@ Result<Comparison> compare(const CompareArguments& arguments) {
                   *arguments.max_translation, arguments.max_rotation));
 }
 
-Result<void> tell_comparison(const CompareArguments& arguments) {
+Result<void> write_comparison(const CompareArguments& arguments) {
   const Result<Comparison> comparison = compare(arguments);
   if (!comparison) return comparison.error();
   if (arguments.json != "-") {
-    const Result<void> told = write_output(comparison_text(*comparison));
-    if (!told) return told;
+    TRIVET_TRY(write_output(comparison_text(*comparison)));
   }
   if (arguments.json.empty()) return {};
   return write_json(arguments.json, comparison_json(*comparison));
@@ -107,8 +106,9 @@ void add_compare(CLI::App& app, Context& context) {
       ->excludes(library);
   command->add_option("--json", arguments->json,
                       "Write the comparison as JSON to this file, - for standard output");
-  command->callback(
-      [arguments, &context] { context.run = [arguments] { return tell_comparison(*arguments); }; });
+  command->callback([arguments, &context] {
+    context.run = [arguments] { return write_comparison(*arguments); };
+  });
 }
 
 }  // namespace trivet::apps

@@ -116,25 +116,25 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
       is_bop ? read_bop_detections(arguments.detections, manifest)
              : read_detections(arguments.detections, manifest);
   if (!results) return results.error();
-  std::set<std::string> strangers;
+  std::set<std::string> unlisted;
   for (const std::optional<SceneResult>& result : *results) {
     if (!result) continue;
-    for (const Detection& detection : result->detections) strangers.insert(detection.model);
+    for (const Detection& detection : result->detections) unlisted.insert(detection.model);
   }
-  const std::size_t num_models = strangers.size();
-  for (const ManifestModel& model : manifest.models) strangers.erase(model.name);
-  if (!strangers.empty() && strangers.size() == num_models) {
+  const std::size_t num_models = unlisted.size();
+  for (const ManifestModel& model : manifest.models) unlisted.erase(model.name);
+  if (!unlisted.empty() && unlisted.size() == num_models) {
     return Error{
         ErrorCode::bad_data,
         fmt::format("{}: expected detections of the models of {}, found those of {} others "
                     "alone, as '{}'",
-                    arguments.detections, arguments.manifest, num_models, *strangers.begin())};
+                    arguments.detections, arguments.manifest, num_models, *unlisted.begin())};
   }
-  if (!strangers.empty()) {
+  if (!unlisted.empty()) {
     context.console.warning(
         fmt::format("{}: detections of {} that the manifest does not list, as '{}', are not "
                     "counted",
-                    arguments.detections, counted(strangers.size(), "model"), *strangers.begin()));
+                    arguments.detections, counted(unlisted.size(), "model"), *unlisted.begin()));
   }
   const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();

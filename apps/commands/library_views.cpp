@@ -44,13 +44,13 @@ Result<void> verify(const ViewArguments& arguments) {
 
 std::string difference_text(const LibraryDifference& difference) {
   std::string text;
-  const auto tell = [&](std::string_view what, const std::vector<std::string>& names) {
-    for (const std::string& name : names) text += fmt::format("{:<8} {}\n", what, name);
+  const auto list = [&](std::string_view change, const std::vector<std::string>& names) {
+    for (const std::string& name : names) text += fmt::format("{:<8} {}\n", change, name);
   };
   if (!difference.same_parameters) text += "unit or training parameters differ\n";
-  tell("added", difference.added);
-  tell("removed", difference.removed);
-  tell("changed", difference.changed);
+  list("added", difference.added);
+  list("removed", difference.removed);
+  list("changed", difference.changed);
   for (const auto& [before, after] : difference.renamed)
     text += fmt::format("{:<8} {} to {}\n", "renamed", before, after);
   return text +

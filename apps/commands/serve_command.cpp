@@ -54,20 +54,20 @@ void reload(LibrarySlot& slot, Daemon& daemon) {
 void wait(const std::stop_token& stop, LibrarySlot& slot, Daemon& daemon,
           const RecognitionService& service, MemoryTrim& memory) {
   const auto watchdog = watchdog_interval();
-  auto told = ServiceClock::now();
+  auto last_notice = ServiceClock::now();
   Daemon::wait(stop, kPollInterval, [&] {
     const ServiceState state = service.state();
-    memory.look(state.num_running + state.num_waiting > 0);
+    memory.trim(state.num_running + state.num_waiting > 0);
     // Twice as often as it must be.
-    if (watchdog && ServiceClock::now() - told >= *watchdog / 2 && !state.is_stuck) {
+    if (watchdog && ServiceClock::now() - last_notice >= *watchdog / 2 && !state.is_stuck) {
       notify_systemd("WATCHDOG=1");
-      told = ServiceClock::now();
+      last_notice = ServiceClock::now();
     }
     if (Daemon::was_hung_up()) reload(slot, daemon);
   });
 }
 
-/// What is damaged in a session is told.
+/// Open a session, and warn of what is damaged in it.
 Result<std::unique_ptr<Session>> open_session(const ServeSettings& settings,
                                               const Context& context) {
   Result<std::unique_ptr<Session>> session =
@@ -104,18 +104,18 @@ Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& setting
                                                     const Context& context) {
   auto opened = std::make_unique<OpenedService>(settings);
   std::vector<Error> faults;
-  const auto take = [&](auto result, auto& into) {
+  const auto collect = [&](auto result, auto& into) {
     if (result) {
       into = *std::move(result);
     } else if (std::ranges::find(faults, result.error().message, &Error::message) == faults.end()) {
       faults.push_back(result.error());
     }
   };
-  if (!settings.examples.empty()) take(list_examples(settings.examples), opened->examples);
-  if (!settings.session.empty()) take(open_session(settings, context), opened->session);
+  if (!settings.examples.empty()) collect(list_examples(settings.examples), opened->examples);
+  if (!settings.session.empty()) collect(open_session(settings, context), opened->session);
 
   std::shared_ptr<const LibraryGeneration> first;
-  take(load_generation(files, 1), first);
+  collect(load_generation(files, 1), first);
   if (first) {
     opened->service.emplace(settings.service(), std::move(first));
     opened->slot.emplace(settings.files(), *opened->service, opened->metrics, opened->daemon.log());
@@ -124,15 +124,16 @@ Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& setting
     const auto reload = [&slot = opened->slot](LibrarySlot::Done done) {
       slot->reload(std::move(done));
     };
-    take(PartWorkshop::open(settings.workshop, settings.library, reload, opened->daemon.log()),
-         opened->workshop);
+    collect(PartWorkshop::open(settings.workshop, settings.library, reload, opened->daemon.log()),
+            opened->workshop);
   }
   if (!settings.live.folder.empty() && opened->service) {
-    take(LiveScans::watch(settings.live, *opened->service, opened->metrics, opened->daemon.log()),
-         opened->live);
+    collect(
+        LiveScans::watch(settings.live, *opened->service, opened->metrics, opened->daemon.log()),
+        opened->live);
   } else if (!settings.live.folder.empty()) {
     Parameters ignored;
-    take(LiveScans::check(settings.live), ignored);
+    collect(LiveScans::check(settings.live), ignored);
   }
   if (const Result<void> read = opened->daemon.read_tokens(); !read) faults.push_back(read.error());
   if (faults.empty()) return opened;
@@ -199,7 +200,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
   opened.live.reset();
   opened.workshop.reset();
   opened.slot.reset();  // a library that is being read is answered for, too
-  daemon.tell_end();
+  daemon.log_end();
   return {};
 }
 

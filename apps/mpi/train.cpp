@@ -143,7 +143,7 @@ Result<void> train(const TrainArguments& arguments, const Ranks& ranks, const Co
       shared || context.stop.stop_requested() ? account.publish() : shared.error();
   const Result<void> met = meet(ranks, context.stop);
   if (!report) return report.error();
-  TRIVET_TRY(tell_report(*report, *request, arguments.json, context.console));
+  TRIVET_TRY(write_train_report(*report, *request, arguments.json, context.console));
   return met;
 }
 

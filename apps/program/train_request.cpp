@@ -65,8 +65,8 @@ TrainProgress train_progress(const Console& console, const std::stop_token& stop
           console.progress("wrote", stop, kBrief)};
 }
 
-Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
-                         const std::string& json, const Console& console) {
+Result<void> write_train_report(const TrainReport& report, const TrainRequest& request,
+                                const std::string& json, const Console& console) {
   for (const ModelFacts& model : report.models) {
     for (const std::string& warning : model.warnings)
       console.warning(fmt::format("{}: {}", model.name, warning));
@@ -90,7 +90,7 @@ Result<void> train_and_tell(const TrainRequest& request, const std::string& json
                             const Console& console, const std::stop_token& stop) {
   const Result<TrainReport> report = train_library(request, train_progress(console, stop));
   if (!report) return report.error();
-  return tell_report(*report, request, json, console);
+  return write_train_report(*report, request, json, console);
 }
 
 }  // namespace trivet::apps

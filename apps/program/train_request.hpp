@@ -33,8 +33,8 @@ Result<TrainRequest> make_request(const TrainArguments& arguments, const Console
 TrainProgress train_progress(const Console& console, const std::stop_token& stop);
 
 /// Print warnings, table and summary, and write the JSON. Errors: io; bad_data: models were left out.
-Result<void> tell_report(const TrainReport& report, const TrainRequest& request,
-                         const std::string& json, const Console& console);
+Result<void> write_train_report(const TrainReport& report, const TrainRequest& request,
+                                const std::string& json, const Console& console);
 
 /// Train in this process, with progress, and tell what came of it. Errors: of both.
 Result<void> train_and_tell(const TrainRequest& request, const std::string& json,

@@ -121,7 +121,7 @@ void Daemon::end_by(Clock::time_point last) {
   });
 }
 
-void Daemon::tell_end() {
+void Daemon::log_end() {
   log_.write(is_all_answered_ ? "info" : "warning",
              is_all_answered_ ? "every request was answered" : "some requests were not answered");
 }

@@ -80,7 +80,7 @@ class Daemon {
   /// finish  returns whether all was answered by the deadline
   void drain(const std::function<void()>& set_closing,
              const std::function<bool(Clock::time_point deadline)>& finish);
-  void tell_end();  ///< of the drain, to the log
+  void log_end();  ///< of the drain, to the log
 
   static constexpr int kExitUnfinished = 75;  ///< as of what is stopped before its end
 

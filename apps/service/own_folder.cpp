@@ -54,7 +54,7 @@ bool is_of_process(const std::string& name, const std::set<std::string>& files) 
 
 }  // namespace
 
-FolderState look_at_folder(const fs::path& folder, const FolderKind& kind) {
+FolderState folder_state(const fs::path& folder, const FolderKind& kind) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(folder, error);
   if (status.type() == fs::file_type::not_found) return FolderState::absent;
@@ -67,7 +67,7 @@ FolderState look_at_folder(const fs::path& folder, const FolderKind& kind) {
 Result<void> check_own_folder(const fs::path& folder, const FolderKind& kind) {
   std::error_code error;
   const fs::path there = fs::weakly_canonical(folder, error);  // the option may name a link
-  if (!error && look_at_folder(there, kind) != FolderState::foreign) return {};
+  if (!error && folder_state(there, kind) != FolderState::foreign) return {};
   const std::optional<std::string> marker = marker_of(there, kind);
   const std::string found =
       !fs::is_directory(there, error) ? "a file"
@@ -82,7 +82,7 @@ Result<void> check_own_folder(const fs::path& folder, const FolderKind& kind) {
                            fmt::format("'{}'", kind.line))};
 }
 
-Result<void> take_folder(const fs::path& folder, const FolderKind& kind) {
+Result<void> claim_folder(const fs::path& folder, const FolderKind& kind) {
   TRIVET_TRY(check_own_folder(folder, kind));
   TRIVET_TRY(make_folder(folder));
   if (note_of(folder, kind)) return {};
@@ -122,7 +122,7 @@ Result<void> check_below(const fs::path& folder, const fs::path& file) {
 void remove_own_folder(const fs::path& folder, const FolderKind& kind,
                        const std::set<std::string>& files) {
   const std::optional<std::string> note = note_of(folder, kind);
-  if (look_at_folder(folder, kind) != FolderState::own) return;
+  if (folder_state(folder, kind) != FolderState::own) return;
   bool is_left = false;
   for (const std::string& name : names_in(folder)) {
     if (name == kind.marker) continue;

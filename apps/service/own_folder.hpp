@@ -29,13 +29,13 @@ enum class FolderState : std::uint8_t {
   own,      ///< it has the marker
   foreign,  ///< it holds something and has none, or is no folder, but perhaps a link to one
 };
-FolderState look_at_folder(const std::filesystem::path& folder, const FolderKind& kind);
+FolderState folder_state(const std::filesystem::path& folder, const FolderKind& kind);
 
 /// Whether a folder that an option names is absent, empty or own. Errors: cannot_create (it is
 /// foreign, and how one is made own).
 Result<void> check_own_folder(const std::filesystem::path& folder, const FolderKind& kind);
 /// The same, and mark what is absent or empty. Errors: cannot_create, io, too.
-Result<void> take_folder(const std::filesystem::path& folder, const FolderKind& kind);
+Result<void> claim_folder(const std::filesystem::path& folder, const FolderKind& kind);
 
 /// Write the marker, with `note` as its second line.
 Result<void> mark_folder(const std::filesystem::path& folder, const FolderKind& kind,

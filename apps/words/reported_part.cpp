@@ -39,9 +39,9 @@ SceneResult reported_part(SceneResult result, const RecognizeOptions& options) {
   std::ranges::stable_sort(result.rejected, [](const RejectedPose& a, const RejectedPose& b) {
     return a.score > b.score;
   });
-  std::map<std::string, std::uint32_t> told;  // by model
+  std::map<std::string, std::uint32_t> num_rejected;  // by model
   std::erase_if(result.rejected, [&](const RejectedPose& rejected) {
-    return ++told[rejected.model] > options.max_rejected;
+    return ++num_rejected[rejected.model] > options.max_rejected;
   });
   return result;
 }

@@ -127,8 +127,8 @@ std::string trace_parent(const HttpRequest& request) {
       std::equal(given.begin(), given.end(), kForm.begin(), [](char c, char form) {
         return form == '-' ? c == '-' : (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
       });
-  const auto is_zero = [&](std::size_t at, std::size_t count) {
-    return given.find_first_not_of('0', at) >= at + count;
+  const auto is_zero = [&](std::size_t first, std::size_t count) {
+    return given.find_first_not_of('0', first) >= first + count;
   };
   return good && !given.starts_with("ff") && !is_zero(3, 32) && !is_zero(36, 16) ? given : "";
 }
@@ -136,12 +136,12 @@ std::string trace_parent(const HttpRequest& request) {
 Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,
                                                           std::chrono::milliseconds otherwise) {
   std::chrono::milliseconds deadline = otherwise;
-  if (const std::string asked = request.header("x-deadline-ms"); !asked.empty()) {
-    const double value = parse_number(asked).value_or(0);
+  if (const std::string given = request.header("x-deadline-ms"); !given.empty()) {
+    const double value = parse_number(given).value_or(0);
     if (!(value > 0) || value > kMaxDeadlineMs) {
       return Error{ErrorCode::usage,
                    fmt::format("X-Deadline-Ms: expected above 0 to {:.0f}, found '{}'",
-                               kMaxDeadlineMs, asked)};
+                               kMaxDeadlineMs, given)};
     }
     deadline = std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(value)));
   }

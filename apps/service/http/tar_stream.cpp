@@ -22,8 +22,8 @@ std::uint64_t padded(std::uint64_t bytes) { return (bytes + kBlock - 1) / kBlock
 /// POSIX.1-1988, ustar; the time is the file's own.
 std::string header_of(const TarEntry& entry, std::int64_t time) {
   std::array<char, kBlock> block{};
-  const auto put = [&](std::size_t at, const std::string& text) {
-    std::ranges::copy(text, block.begin() + static_cast<std::ptrdiff_t>(at));
+  const auto put = [&](std::size_t offset, const std::string& text) {
+    std::ranges::copy(text, block.begin() + static_cast<std::ptrdiff_t>(offset));
   };
   std::string name = entry.name, prefix;
   if (name.size() > kNameBytes) {

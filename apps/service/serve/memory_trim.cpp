@@ -20,7 +20,7 @@ MemoryTrim::MemoryTrim() {
   mallopt(M_TRIM_THRESHOLD, kLargestFreeEnd);
 }
 
-void MemoryTrim::look(bool is_busy) {
+void MemoryTrim::trim(bool is_busy) {
   const auto now = Clock::now();
   if (is_busy) last_busy_ = now;
   const bool has_ended = last_busy_ > last_ && now - last_busy_ >= kQuiet;

@@ -13,7 +13,7 @@ class MemoryTrim {
   MemoryTrim();
 
   /// Give back when work has ended, and every few seconds while it goes on.
-  void look(bool is_busy);
+  void trim(bool is_busy);
 
  private:
   using Clock = std::chrono::steady_clock;

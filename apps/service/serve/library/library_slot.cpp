@@ -12,7 +12,7 @@
 namespace trivet::apps::service {
 namespace {
 
-constexpr std::chrono::seconds kLookInterval{1};
+constexpr std::chrono::seconds kCheckInterval{1};
 
 }  // namespace
 
@@ -45,7 +45,7 @@ LibrarySlot::~LibrarySlot() {
 void LibrarySlot::reload(Done done) {
   {
     const std::lock_guard lock(mutex_);
-    asked_.push_back(std::move(done));
+    requests_.push_back(std::move(done));
   }
   changed_.notify_all();
 }
@@ -53,19 +53,19 @@ void LibrarySlot::reload(Done done) {
 void LibrarySlot::work() {
   wait_for_memory_on_this_thread();
   for (;;) {
-    std::vector<Done> asked;
+    std::vector<Done> requests;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, kLookInterval, [&] { return is_closed_ || !asked_.empty(); });
-      if (is_closed_ && asked_.empty()) return;
-      asked.swap(asked_);
+      changed_.wait_for(lock, kCheckInterval, [&] { return is_closed_ || !requests_.empty(); });
+      if (is_closed_ && requests_.empty()) return;
+      requests.swap(requests_);
     }
-    if (!asked.empty()) read_anew(asked);
-    look_for_change();
+    if (!requests.empty()) load_next(requests);
+    check_for_change();
   }
 }
 
-void LibrarySlot::read_anew(const std::vector<Done>& asked) {
+void LibrarySlot::load_next(const std::vector<Done>& requests) {
   const auto next = [&]() -> Result<std::shared_ptr<const LibraryGeneration>> {
     try {
       return load_generation(files_, next_number_);
@@ -80,10 +80,10 @@ void LibrarySlot::read_anew(const std::vector<Done>& asked) {
     service_.publish(*next);
     ++next_number_;
   }
-  for (const Done& done : asked) done(next ? Result<void>() : Result<void>(next.error()));
+  for (const Done& done : requests) done(next ? Result<void>() : Result<void>(next.error()));
 }
 
-void LibrarySlot::look_for_change() {
+void LibrarySlot::check_for_change() {
   try {
     const auto generation = service_.generation();
     if (generation->number == logged_number_) return;

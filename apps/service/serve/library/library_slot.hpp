@@ -28,7 +28,7 @@ Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFi
                                                                  std::uint64_t number);
 
 /// Reads on a thread of its own, one after the other. A bad file leaves the old library answering. Once
-/// a second it looks whether others changed the library in place, and says so in the log.
+/// a second it checks whether others changed the library in place, and says so in the log.
 class LibrarySlot {
  public:
   using Done = std::function<void(Result<void>)>;
@@ -43,8 +43,8 @@ class LibrarySlot {
 
  private:
   void work();
-  void read_anew(const std::vector<Done>& asked);
-  void look_for_change();
+  void load_next(const std::vector<Done>& requests);
+  void check_for_change();
 
   const LibraryFiles files_;
   RecognitionService& service_;
@@ -52,7 +52,7 @@ class LibrarySlot {
   RequestLog& log_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<Done> asked_;
+  std::vector<Done> requests_;
   bool is_closed_ = false;
   std::uint64_t next_number_ = 2;
   std::uint64_t logged_number_ = 0;  ///< of the generation whose change was logged

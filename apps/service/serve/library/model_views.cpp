@@ -24,7 +24,7 @@ std::string model_mesh(const Model& model) {
   return encode_ply(cloud);
 }
 
-Result<std::string> Thumbnails::of(const LibraryGeneration& generation, const Model& model) {
+Result<std::string> Thumbnails::png(const LibraryGeneration& generation, const Model& model) {
   {
     const std::lock_guard lock(mutex_);
     if (generation.number == generation_) {
@@ -36,10 +36,10 @@ Result<std::string> Thumbnails::of(const LibraryGeneration& generation, const Mo
       static_cast<std::uint32_t>(&model - generation.recognizer.library().models.data());
   const auto surface = generation.recognizer.surface(index);
   if (!surface) return surface.error();
-  const Result<std::vector<std::byte>> png =
+  const Result<std::vector<std::byte>> encoded =
       encode_png(draw_model(**surface, model.vertices, kWidth));
-  if (!png) return png.error();
-  std::string bytes(reinterpret_cast<const char*>(png->data()), png->size());
+  if (!encoded) return encoded.error();
+  std::string bytes(reinterpret_cast<const char*>(encoded->data()), encoded->size());
   const std::lock_guard lock(mutex_);
   if (generation.number > generation_) {
     generation_ = generation.number;

@@ -23,7 +23,7 @@ std::string model_mesh(const Model& model);
 class Thumbnails {
  public:
   /// PNG. Pre: `model` is one of the generation's. Errors: internal.
-  Result<std::string> of(const LibraryGeneration& generation, const Model& model);
+  Result<std::string> png(const LibraryGeneration& generation, const Model& model);
 
  private:
   std::mutex mutex_;

@@ -44,22 +44,22 @@ class ScanFolder {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Seen {
+  struct WatchedFile {
     FileStamp stamp;
     Clock::time_point rests_since, waits_since;
-    bool is_done = false;   ///< told of, or old
-    bool is_noted = false;  ///< told that it never rests
+    bool is_done = false;   ///< reported as whole, or old
+    bool is_noted = false;  ///< reported as one that never rests
   };
 
   /// What lies in the folder now. Returns false where it cannot be read.
-  bool look(std::map<std::filesystem::path, FileStamp>& files) const;
+  bool list_files(std::map<std::filesystem::path, FileStamp>& files) const;
   /// Names that were renamed into the folder since this was last asked.
-  std::set<std::string> take_renamed() const;
+  std::set<std::string> read_renamed() const;
 
   const std::filesystem::path folder_;
   const std::chrono::milliseconds rest_;
   int events_ = -1;  ///< inotify; none: all must rest
-  std::map<std::filesystem::path, Seen> seen_;
+  std::map<std::filesystem::path, WatchedFile> watched_;
 };
 
 }  // namespace trivet::apps::service

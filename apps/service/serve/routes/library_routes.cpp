@@ -75,7 +75,7 @@ void LibraryRoutes::view_model(const CallPtr& call, std::string_view rest) {
                          }
                          if (view == "mesh.ply")
                            return HttpResponse{200, model_mesh(*model), "model/ply", {}};
-                         Result<std::string> png = thumbnails_.of(generation, *model);
+                         Result<std::string> png = thumbnails_.png(generation, *model);
                          if (!png) return png.error();
                          return HttpResponse{200, std::move(*png), "image/png", {}};
                        });

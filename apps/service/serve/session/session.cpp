@@ -56,7 +56,7 @@ Session::Session(fs::path folder, std::uint64_t max_bytes, FileLock lock)
       contents_(load_session(folder_)) {}
 
 Result<std::unique_ptr<Session>> Session::open(const fs::path& folder, std::uint64_t max_bytes) {
-  TRIVET_TRY(take_folder(folder, kSessionFolder));
+  TRIVET_TRY(claim_folder(folder, kSessionFolder));
   Result<FileLock> lock = FileLock::acquire(folder / kScansFile);
   if (!lock) return lock.error();
   remove_pending_files(folder / kManifestFile);

@@ -98,7 +98,7 @@ std::string_view name_of(DraftState state) { return kStateNames[static_cast<std:
 Result<std::unique_ptr<PartWorkshop>> PartWorkshop::open(WorkshopSettings settings,
                                                          fs::path library, Reload reload,
                                                          RequestLog& log) {
-  TRIVET_TRY(take_folder(settings.folder, kPartsFolder));
+  TRIVET_TRY(claim_folder(settings.folder, kPartsFolder));
   const Result<Library> opened = open_library(library);
   if (!opened) return opened.error();
   const Result<TrainOptions> options = engine::parse_parameters(opened->header.parameters);
@@ -145,7 +145,7 @@ Result<void> PartWorkshop::load_drafts() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(settings_.folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (look_at_folder(entry.path(), kPartFolder) != FolderState::own) continue;
+    if (folder_state(entry.path(), kPartFolder) != FolderState::own) continue;
     const Result<Manifest> manifest = read_manifest(entry.path() / kManifest);
     if (!is_model_name(name) || !manifest || manifest->models.size() != 1) continue;
     const ManifestModel& model = manifest->models.front();
@@ -261,7 +261,7 @@ Result<void> PartWorkshop::forget(const std::string& name) {
 void PartWorkshop::remove_folder(const std::string& name) const {
   const fs::path folder = folder_of(name);
   const std::optional<std::string> file = note_of(folder, kPartFolder);
-  if (!file || look_at_folder(folder, kPartFolder) != FolderState::own) return;
+  if (!file || folder_state(folder, kPartFolder) != FolderState::own) return;
   const fs::path parts = engine::parts_folder(kLibrary);
   if (check_below(folder, parts / "any")) engine::remove_parts(folder / parts, {});
   remove_own_folder(folder, kPartFolder, files_of(*file));
@@ -274,7 +274,7 @@ bool PartWorkshop::has(const std::string& name) const {
 
 std::optional<std::string> PartWorkshop::refuse_folder(const std::string& name) const {
   if (!is_model_name(name)) return std::nullopt;  // nor has it a folder
-  if (look_at_folder(folder_of(name), kPartFolder) != FolderState::foreign) return std::nullopt;
+  if (folder_state(folder_of(name), kPartFolder) != FolderState::foreign) return std::nullopt;
   return fmt::format(
       "part '{}': expected nothing of this name in the workshop's folder, or a part, with the file "
       "{}, found something else, which stays; choose another name, or move it away",
