@@ -11,7 +11,7 @@
 
 namespace trivet::apps {
 
-/// {"library", "calibration", "scenes", "cameras"}, written when it is finished.
+/// The document is {"library", "calibration", "scenes", "cameras"}. It is written at the end.
 class JsonOutput : public Output {
  public:
   using Json = nlohmann::ordered_json;
@@ -25,9 +25,11 @@ class JsonOutput : public Output {
   void add_failed(const SceneInput& scene, const Error& error) override;
   Result<void> finish() override;
 
-  /// An element of "scenes", which add_element takes: made by one process, added by another.
+  /// Make an element of "scenes", which this process adds or sends to one that does.
   static Json element(const SceneInput& scene, const SceneResult& reported,
                       const RecognitionRequest& request);
+  /// Add what element() made.
+  ///
   /// check  of the scene's camera, if there was any
   void add_element(Json element, const std::optional<CameraCheck>& check);
 

@@ -25,7 +25,8 @@ class Output {
   virtual ~Output() = default;
 
   virtual Result<void> add(const RecognizedScene& scene) = 0;
-  /// Add a scene that could not be read or recognized. Most outputs leave it out.
+  /// Add a scene that could not be read or recognized. An output that has no place for it leaves it
+  /// out.
   virtual void add_failed(const SceneInput&, const Error&) {}
   /// Write what the scenes added up to, once all are added.
   virtual Result<void> finish() = 0;

@@ -16,7 +16,7 @@ namespace trivet::apps {
 
 struct RecognitionRequest;
 
-/// Files and folders; empty: not asked for.
+/// Files and folders to write. An empty name asks for nothing.
 struct OutputArguments {
   std::string json, report, bop_csv, coco;
   std::string robot_csv, robot, robot_frame, grasps;
@@ -25,7 +25,7 @@ struct OutputArguments {
 /// `arguments` must live as long as the command.
 void add_output_options(CLI::App& command, OutputArguments& arguments);
 
-/// Every output that the arguments ask for; lines for a person unless they ask for JSON.
+/// Make every output that the arguments ask for, and lines for a person unless they ask for JSON.
 ///
 /// library           as the command line names it
 /// request, context  outlive the outputs

@@ -25,7 +25,8 @@ struct RobotOptions {
 class RobotOutput : public Output {
  public:
   /// Read what the arguments name, and warn of a calibration that looks like one of another unit.
-  /// Errors: of reading the frame and the grasps; usage (a grasp of a model that the library lacks).
+  /// Errors: of reading the frame and the grasps; usage (a grasp of a model that is not in the
+  /// library).
   ///
   /// request  outlives the output
   static Result<std::unique_ptr<RobotOutput>> open(const OutputArguments& arguments,

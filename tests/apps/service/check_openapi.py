@@ -79,7 +79,8 @@ def check_document():
 
 def check_routes():
     """Every route of the program is described, and the other way round."""
-    sources = "".join(path.read_text() for path in sorted(pathlib.Path(routes_folder).glob("*_routes.cpp")))
+    files = sorted(pathlib.Path(routes_folder).glob("*_routes.cpp"))
+    sources = "".join(file.read_text() for file in files)
     routes = re.findall(r'\{"(GET|POST|PUT|PATCH|DELETE)", "(/[^"]*)", (true|false), ', sources)
     if len(routes) < 10:
         fault(f"{routes_folder}: expected a table of routes")

@@ -27,7 +27,7 @@ struct Recognition {
 /// failure to itself. `metrics` outlives the job.
 ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metrics& metrics);
 
-/// The answer to the client once the job is done. Errors: every scan failed; those of failed_scenes.
+/// The answer to the client once the job is done. Errors: every scan failed, as failed_scenes has it.
 Result<nlohmann::ordered_json> recognition_json(const Recognition& done,
                                                 const ServiceAnswer& answer,
                                                 const std::string& request_id);

@@ -23,8 +23,8 @@ struct ServedScene {
   std::optional<LengthUnit> unit{};            ///< absent: the library's
 
   SceneInput input(LengthUnit library_unit) const;
-  /// Put what is known of the images to the camera, once all is set. Errors: usage (no camera, numbers
-  /// that say nothing).
+  /// Put what is known of the images to the camera, once all is set. Errors: usage (no camera,
+  /// numbers that say nothing).
   Result<void> complete_camera();
 };
 

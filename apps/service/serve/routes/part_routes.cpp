@@ -30,8 +30,8 @@ Result<LengthUnit> parse_unit(const std::string& text) {
   return Error{ErrorCode::usage, fmt::format("unit: expected m or mm, found '{}'", text)};
 }
 
-/// Of {"declaration": as a manifest declares symmetries, or null for what the program finds}. Errors:
-/// bad_data.
+/// Read {"declaration": as a manifest declares symmetries, or null for what the program finds}.
+/// Errors: bad_data.
 Result<std::optional<Symmetry>> parse_declaration(const std::string& body) {
   std::optional<Symmetry> symmetry;
   const Result<void> read =

@@ -24,7 +24,7 @@ class PartRoutes {
   void publish_part(const CallPtr& call, std::string_view rest) const;
   void remove_model(const CallPtr& call, std::string_view rest) const;
   void rename_model(const CallPtr& call, std::string_view rest) const;
-  /// Answers where there is none.
+  /// Answers the call where there is no workshop.
   bool has_workshop(const CallPtr& call) const;
 
   const Responder& responder_;

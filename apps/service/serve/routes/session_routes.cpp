@@ -24,7 +24,7 @@
 namespace trivet::apps::service {
 namespace {
 
-/// Of a library that outlives what it returns.
+/// Find models of a library that outlives the returned function.
 ModelOfName models_of(const LibraryGeneration& generation) {
   return [&generation](const std::string& name) -> std::optional<SessionModel> {
     const Library& library = generation.recognizer.library();
@@ -37,8 +37,8 @@ ModelOfName models_of(const LibraryGeneration& generation) {
   };
 }
 
-/// With the viewpoint that a recognition would find out, since a manifest must say it. Errors: those
-/// of read_scan and find_view.
+/// How the scan is read, with the viewpoint that a recognition would find out, since a manifest must
+/// say it. Errors: those of read_scan and find_view.
 Result<ScanReading> reading_of(const ScanPart& scan, LengthUnit library_unit) {
   const Result<Cloud> cloud =
       read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene, library_unit);
@@ -54,7 +54,7 @@ Result<ScanReading> reading_of(const ScanPart& scan, LengthUnit library_unit) {
   return reading;
 }
 
-/// Of {"truth": entries of a manifest, or null where it is not known}. Errors: bad_data.
+/// Read {"truth": entries of a manifest, or null where it is not known}. Errors: bad_data.
 Result<ScanTruth> parse_scan_truth(const std::string& body, const ModelOfName& models) {
   ScanTruth truth;
   const Result<void> read =
@@ -85,13 +85,13 @@ HttpResponse archive_response(const std::vector<SessionFile>& files) {
   return response;
 }
 
-/// What is answered at once, where no error is expected of the disk.
+/// The answer to a request that needs no job, where nothing can have failed.
 HttpResponse refusal_at_once(const SessionError& error) {
   Result<HttpResponse> response = session_error_response(error);
   return response ? *std::move(response) : error_response(response.error());
 }
 
-/// The names in a path, as RUN/NAME; none where it has another number of them.
+/// Split a path that has two names, as RUN/NAME; none where it has another number of them.
 std::optional<std::pair<std::string, std::string>> two_names(std::string_view path) {
   const std::size_t slash = path.find('/');
   if (slash == std::string_view::npos || path.find('/', slash + 1) != std::string_view::npos)

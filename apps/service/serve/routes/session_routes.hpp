@@ -25,7 +25,7 @@ class SessionRoutes {
   void get_answer(const CallPtr& call, std::string_view rest) const;
   void put_answer(const CallPtr& call, std::string_view rest) const;
   void delete_run(const CallPtr& call, std::string_view rest) const;
-  /// Answers where there is none.
+  /// Answers the call where no session is kept.
   bool has_session(const CallPtr& call) const;
 
   const Responder& responder_;

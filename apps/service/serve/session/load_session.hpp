@@ -7,8 +7,8 @@
 
 namespace trivet::apps::service {
 
-/// Read all of it. What is damaged stays as it is, but for damaged listings, which are renamed; all of
-/// it is in `damaged`. Files that a dying service was writing are removed.
+/// Read all of it. What is damaged is listed in `damaged` and stays as it is, but damaged listings
+/// are renamed. Files that a dying service was writing are removed.
 SessionContents load_session(const std::filesystem::path& folder);
 
 }  // namespace trivet::apps::service

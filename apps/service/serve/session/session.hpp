@@ -71,23 +71,25 @@ struct OpenAnswer {
 /// with the faults that they name, and with `failed`: cannot_create, io, no_space of the disk.
 class Session {
  public:
-  /// What is damaged in the folder is listed in the contents and left as it is; damaged listings are
-  /// put aside. Errors: cannot_create (no folder, one that is no session's, or another service has
-  /// it).
+  /// Open the session of a folder, or begin one. What is damaged is listed in the contents and left
+  /// as it is; damaged listings are renamed. Errors: cannot_create (no folder, one that is no
+  /// session's, or another service has it).
   static Result<std::unique_ptr<Session>> open(const std::filesystem::path& folder,
                                                std::uint64_t max_bytes);
 
-  /// What it holds now.
+  /// Copy what it holds now.
   SessionContents contents() const;
   std::uint64_t max_bytes() const noexcept { return max_bytes_; }
 
-  /// Faults: invalid, exists, too_large, full.
+  /// Keep a scan. Faults: invalid, exists, too_large, full.
   SessionResult<KeptScan> put_scan(const std::string& name, std::string_view bytes,
                                    const ScanReading& reading);
-  /// The scan's file. Faults: unknown.
+  /// Open the file of a scan. Faults: unknown.
   SessionResult<FileReader> scan(const std::string& name) const;
-  /// With its answers and its truth. Faults: unknown.
+  /// Delete a scan with its answers and its truth. Faults: unknown.
   SessionResult<void> delete_scan(const std::string& name);
+  /// Replace the truth of a scan.
+  ///
   /// expected  versions of the truth that may be replaced, as of expects_version
   /// Faults: unknown, stale (with the scan as it is), too_large, full.
   SessionResult<KeptScan> put_truth(const std::string& name, const ScanTruth& truth,
@@ -102,12 +104,12 @@ class Session {
   SessionResult<std::string> put_answer(const std::string& run, const std::string& scan,
                                         const std::string& text, const std::string& expected,
                                         const ModelOfName& models);
-  /// Faults: unknown.
+  /// Open the file of an answer. Faults: unknown.
   SessionResult<OpenAnswer> answer(const std::string& run, const std::string& scan) const;
-  /// Faults: unknown.
+  /// Delete a run with all its answers. Faults: unknown.
   SessionResult<void> delete_run(const std::string& run);
 
-  /// All files of the folder that are the session's.
+  /// List all files of the folder that are the session's.
   std::vector<SessionFile> files() const;
 
  private:

@@ -47,13 +47,14 @@ struct SessionContents {
 
 /// What the files take of a disk.
 std::uint64_t bytes_on_disk(const SessionContents& contents);
-/// The same of one file of so many bytes.
+/// What one file of so many bytes takes of a disk.
 std::uint64_t bytes_on_disk(std::uint64_t bytes);
 
-/// Read an answer, as `trivet recognize --json` and the service write it, to one scan. Errors: bad_data.
+/// Read an answer about one scan, as `trivet recognize --json` and the service write it. Errors:
+/// bad_data.
 Result<SessionAnswer> read_answer(std::span<const std::byte> bytes, const std::string& name);
 
-/// [{"model", "T_scene_model"}], null where the truth is not known.
+/// The truth as [{"model", "T_scene_model"}], or null where it is not known.
 nlohmann::ordered_json truth_json(const SessionScan& scan);
 
 /// A version is the same for the same content.

@@ -1,4 +1,4 @@
-/// What a session answers: a value, or why it refuses.
+/// Results of a session: a value, or why it refuses.
 #pragma once
 
 #include <cstdint>

@@ -257,7 +257,7 @@ Result<void> PartWorkshop::forget(const std::string& name) {
   return {};
 }
 
-/// Remove what the workshop has made in it, also of a damaged draft, which the workshop does not know.
+/// Remove what the workshop has made in it, also where the draft is damaged and so not known.
 void PartWorkshop::remove_folder(const std::string& name) const {
   const fs::path folder = folder_of(name);
   const std::optional<std::string> file = note_of(folder, kPartFolder);
