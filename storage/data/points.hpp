@@ -44,6 +44,18 @@ using NormalsView = PointsView;  ///< unit vectors; NaN where there is none
 /// Unit vectors to write.
 using NormalsSpan = PointsSpan;
 
+/// Points with a normal each, to read.
+struct OrientedView {
+  PointsView points;
+  NormalsView normals;
+};
+
+/// The same to write.
+struct OrientedSpan {
+  PointsSpan points;
+  NormalsSpan normals;
+};
+
 /// The owner: three aligned columns of equal length.
 class Points {
  public:
