@@ -49,13 +49,13 @@ void by_rays(benchmark::State& state) {
   if (!surface) return state.SkipWithError(surface.error().message.c_str());
   kernels::ExamineOptions examine{options(), 2};
   kernels::ExamineScratch scratch;
-  kernels::Examination found;
   double agreeing = 0;
   for (auto _ : state) {
     agreeing = 0;
     for (const Pose& pose : rough_poses()) {
-      kernels::examine_pose(prepared_scan().images, *surface, samples(), model.symmetry.axis, pose,
-                            examine, scratch, found);
+      const kernels::Examination found =
+          kernels::examine_pose(prepared_scan().images, {*surface, samples(), pose},
+                                model.symmetry.axis, examine, scratch);
       agreeing += static_cast<double>(found.consistent / found.covered);
     }
   }

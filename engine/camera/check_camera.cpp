@@ -57,7 +57,7 @@ void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
     const Model& model = recognizer.library().models[object.model];
     const auto surface = recognizer.surface(object.model);
     if (!surface) return;
-    kernels::gather_object(image, **surface, samples_of(model), object.T_camera_model, scales,
+    kernels::gather_object(image, {**surface, samples_of(model), object.T_camera_model}, scales,
                            object.options, scratch.local(), object.equations);
   });
 }

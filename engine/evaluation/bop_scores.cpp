@@ -234,8 +234,8 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
         }
         estimate = *std::move(rendered);
       }
-      kernels::vsd(measured.map(), estimate->map(), (*truths[t])->map(), delta,
-                   gauge.mesh->diameter, kBopShares, group.vsd(e, t));
+      kernels::vsd(measured.map(), estimate->map(), (*truths[t])->map(),
+                   {delta, gauge.mesh->diameter, kBopShares}, group.vsd(e, t));
     }
   });
   for (const std::optional<Error>& failure : failures) {

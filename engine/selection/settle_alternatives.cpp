@@ -118,9 +118,10 @@ class AmbiguityTest {
   kernels::TurnComparison settle_turn(TestedPose& pose) {
     if (!model_.near_axis) return {};
     kernels::TurnComparison turns = kernels::compare_turns(
-        tester_.scene().images, surface_, tester_.samples(), pose.T_scene_model, *model_.near_axis,
-        turn_period(), kRightRotationRad, tester_.errors_of(pose.T_scene_model),
-        tester_.strict(pose.T_scene_model), compare_scratch_);
+        tester_.scene().images, {surface_, tester_.samples(), pose.T_scene_model},
+        {*model_.near_axis, turn_period(), kRightRotationRad},
+        tester_.errors_of(pose.T_scene_model), tester_.strict(pose.T_scene_model),
+        compare_scratch_);
     const bool far = std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad;
     const Pose there = pose.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
     TestedPose turned = examine(far ? tester_.polished(there) : there);

@@ -110,10 +110,9 @@ const std::optional<Symmetry::Axis>& PoseTester::free_axis() const {
 std::vector<kernels::JudgedRay> PoseTester::judged_rays(const kernels::RayScene& surface,
                                                         const Pose& pose) const {
   kernels::ExamineScratch scratch;
-  kernels::Examination examination;
   std::vector<kernels::JudgedRay> rays;
-  kernels::examine_pose(scene_.images, surface, samples_, free_axis(), pose, examine_options(pose),
-                        scratch, examination, nullptr, &rays);
+  kernels::examine_pose(scene_.images, {surface, samples_, pose}, free_axis(),
+                        examine_options(pose), scratch, {.rays = &rays});
   return rays;
 }
 
@@ -124,9 +123,9 @@ TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::
   FullTest& test = tested.test;
   tested.T_scene_model = pose;
   test.tolerance = options.verify.tolerance;
-  kernels::examine_pose(scene_.images, surface, samples_, free_axis(), pose, options, scratch,
-                        test.examination, &test.explained);
-  const kernels::Examination& e = test.examination;
+  const kernels::Examination& e = test.examination =
+      kernels::examine_pose(scene_.images, {surface, samples_, pose}, free_axis(), options, scratch,
+                            {.explained = &test.explained});
   test.parts = kernels::score_parts(e, test.tolerance / model_.diameter, scene_.sensor.correlation);
   const bool looked_through =
       e.violation > kMostViolation * (e.consistent + e.violation + e.background);

@@ -198,8 +198,8 @@ void PoseVerifier::score_by_contour(const PoseTester& tester, const kernels::Ver
                                     kernels::ContourScratch& scratch, PoseTable& table,
                                     Row row) const {
   if (!options_.contour) return;
-  kernels::judge_contour(scene_.images, tester.samples(), kContourSamples, table.T_scene_model[row],
-                         how, scratch, table.evidence[row]);
+  table.evidence[row].add(kernels::judge_contour(scene_.images, tester.samples(), kContourSamples,
+                                                 table.T_scene_model[row], how, scratch));
   table.score[row] = table.evidence[row].score();
 }
 

@@ -25,12 +25,12 @@ struct Rendered {
   float scale = 0;  // perpendicular distance per depth; 0 where the surface is grazing
 };
 
-Rendered render(const CompareScratch::Rendering& rendering, std::size_t at,
-                const Eigen::Matrix3f& R, const Eigen::Vector3f& ray) noexcept {
-  const float z = rendering.depth[at];
+Rendered render(const RayHits& hits, std::size_t at, const Eigen::Matrix3f& R,
+                const Eigen::Vector3f& ray) noexcept {
+  const float z = hits.depths[at];
   if (!std::isfinite(z)) return {};
   const float length = ray.norm();
-  const float facing = std::abs((R * rendering.normals[at]).dot(ray)) / length;
+  const float facing = std::abs((R * hits.normals[at]).dot(ray)) / length;
   return {true, z, facing > kGrazing ? facing * length : 0};
 }
 
@@ -60,7 +60,7 @@ class Comparer {
   double log_likelihood(const Rendered& pose, int u, int v) const noexcept {
     if (!pose.meets) return 0;
     const float tolerance = options_.tolerance;
-    const auto [r, pixel] = measure_along(image_, u, v, pose.z, pose.scale, tolerance);
+    const auto [r, pixel] = measure_along(image_, {u, v, pose.z, pose.scale}, tolerance);
     if (pixel < 0) return log_missing();
     if (options_.is_background(image_.plane[static_cast<std::size_t>(pixel)]))
       return std::abs(r) <= tolerance ? 0 : std::log(kSeenThrough);
@@ -90,7 +90,7 @@ class Comparer {
   }
 
   bool is_missing(int u, int v) const noexcept {
-    return measure_along(image_, u, v, 1, 1, 0).pixel < 0;
+    return measure_along(image_, {u, v, 1, 1}, 0).pixel < 0;
   }
 
   const RangeImage& image_;
@@ -120,10 +120,8 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
     const auto other = ball_of(g, second.samples, T_camera_second);
     if (!box && !other) continue;
     const RayCrop crop(box && other ? box->joined(*other) : box ? *box : *other, 0);
-    shoot_rays(g, crop, first.surface, T_camera_first, scratch.directions, scratch.first.depth,
-               scratch.first.normals);
-    shoot_rays(g, crop, second.surface, T_camera_second, scratch.directions, scratch.second.depth,
-               scratch.second.normals);
+    shoot_rays(g, crop, first.surface, T_camera_first, scratch.directions, scratch.first);
+    shoot_rays(g, crop, second.surface, T_camera_second, scratch.directions, scratch.second);
 
     Comparer comparer(image, sigma, errors.correlation, options);
     const int side =

@@ -26,13 +26,6 @@ struct PoseComparison {
   bool significant() const noexcept { return z > kSignificant || z < -kSignificant; }
 };
 
-/// A model where it may lie. All are referred to.
-struct PosedModel {
-  const RayScene& surface;  ///< of the model, in its own frame and unit
-  const ModelSamples& samples;
-  const Pose& T_scene_model;
-};
-
 /// How measurements err across the surface.
 struct MeasurementErrors {
   float deviation = 0;    ///< standard deviation [scene unit], >= 0
@@ -42,12 +35,8 @@ struct MeasurementErrors {
 
 /// Working memory of compare_poses.
 struct CompareScratch {
-  struct Rendering {
-    Column<float> depth;
-    Normals normals;
-  };
   Points directions;
-  Rendering first, second;
+  RayHits first, second;
   std::vector<double> votes;
 };
 

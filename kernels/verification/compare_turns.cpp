@@ -19,15 +19,14 @@ constexpr double kAsWell = 0.1;
 
 }  // namespace
 
-TurnComparison compare_turns(std::span<const RangeImage> images, const RayScene& surface,
-                             const ModelSamples& samples, const Pose& T_scene_model,
-                             const Symmetry::Axis& axis, float period, float near,
-                             const MeasurementErrors& errors, const VerifyOptions& options,
-                             CompareScratch& scratch) {
+TurnComparison compare_turns(std::span<const RangeImage> images, const PosedModel& model,
+                             const TurnRange& turns, const MeasurementErrors& errors,
+                             const VerifyOptions& options, CompareScratch& scratch) {
+  const float period = turns.period;
   const auto log_ratio = [&](float angle) {
-    const Pose turned = T_scene_model * turn_about(axis, angle);
-    return compare_poses(images, {surface, samples, turned}, {surface, samples, T_scene_model},
-                         errors, options, scratch)
+    const Pose turned = model.T_scene_model * turn_about(turns.axis, angle);
+    return compare_poses(images, {model.surface, model.samples, turned}, model, errors, options,
+                         scratch)
         .log_ratio;
   };
   const auto n = whole_number(std::round(period / kStep), kFewest, kMost);
@@ -77,7 +76,7 @@ TurnComparison compare_turns(std::span<const RangeImage> images, const RayScene&
   }
 
   const auto apart = [&](float a, float b) {
-    return std::abs(std::remainder(a - b, period)) >= near;
+    return std::abs(std::remainder(a - b, period)) >= turns.near;
   };
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -21,16 +21,20 @@ struct TurnComparison {
                               ///< well or better, likeliest first [rad]
 };
 
+/// The turns to compare.
+struct TurnRange {
+  const Symmetry::Axis& axis;  ///< of the model
+  /// Turns by multiples of it place the model alike [rad], > 0; 2 pi without symmetry.
+  float period;
+  float near;  ///< half the width of what counts as one turn [rad]
+};
+
 /// Compare the turns T_scene_model * turn_about(axis, angle) with T_scene_model by compare_poses, 4
 /// degrees apart, and closer to the best one until half a degree.
 ///
-/// period  turns by multiples of it place the model alike [rad], > 0; 2 pi without symmetry
-/// near    half the width of what counts as one turn [rad]
 /// The other arguments are those of compare_poses. Deterministic.
-TurnComparison compare_turns(std::span<const RangeImage> images, const RayScene& surface,
-                             const ModelSamples& samples, const Pose& T_scene_model,
-                             const Symmetry::Axis& axis, float period, float near,
-                             const MeasurementErrors& errors, const VerifyOptions& options,
-                             CompareScratch& scratch);
+TurnComparison compare_turns(std::span<const RangeImage> images, const PosedModel& model,
+                             const TurnRange& turns, const MeasurementErrors& errors,
+                             const VerifyOptions& options, CompareScratch& scratch);
 
 }  // namespace trivet::kernels

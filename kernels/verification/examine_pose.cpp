@@ -49,38 +49,45 @@ struct Sums {
   Matrix6 outline_covariance = Matrix6::Zero();
 };
 
+/// A ray, and the direction along the image in which what it met ends.
+struct RayEnd {
+  int i, j;    // of the ray in the crop
+  int di, dj;  // one of the four steps to a neighbor
+};
+
 /// One image's share of an examination.
 class Examiner {
  public:
-  Examiner(const RangeImage& image, const ModelSamples& samples, const Pose& T_scene_model,
-           const PixelBox& box, const ExamineOptions& options, ExamineScratch& scratch,
-           std::vector<JudgedRay>* rays)
+  Examiner(const RangeImage& image, const PosedModel& model, const PixelBox& box,
+           const ExamineOptions& options, ExamineScratch& scratch, std::vector<JudgedRay>* rays)
       : image_(image),
         g_(image.geometry),
         options_(options),
         s_(scratch),
         rays_(rays),
-        T_camera_model_(g_.T_camera_scene * T_scene_model),
-        diameter_(samples.diameter),
-        center_(T_camera_model_ * samples.center),
+        surface_(model.surface),
+        T_camera_model_(g_.T_camera_scene * model.T_scene_model),
+        R_scene_camera_(g_.T_camera_scene.linear().transpose()),
+        diameter_(model.samples.diameter),
+        jump_(std::max(2 * options.verify.tolerance, 0.03F * diameter_)),
+        center_(T_camera_model_ * model.samples.center),
         edge_(options.edge_pixels),
         softness_(std::max(1e-6F, kSoftness * options.correlation)),
         crop_(box, kMargin) {}
 
   const RayCrop& crop() const noexcept { return crop_; }
 
-  void compare(const RayScene& surface, std::uint32_t first_pixel, Examination& out, Sums& sums,
+  void compare(std::uint32_t first_pixel, Examination& out, Sums& sums,
                ExplainedPixels* explained) {
-    shoot_rays(g_, crop_, surface, T_camera_model_, s_.directions, s_.distance, s_.normals);
+    shoot_rays(g_, crop_, surface_, T_camera_model_, s_.directions, s_.hits);
     s_.state.assign(crop_.size(), kMissed);
     s_.residual.assign(crop_.size(), 0);
-    const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
     const Eigen::Matrix3f R_camera_model = T_camera_model_.linear();
     const auto square = static_cast<float>(crop_.stride * crop_.stride);
     for (int j = 0; j < crop_.height; ++j) {
       for (int i = 0; i < crop_.width; ++i) {
         const std::size_t at = crop_.at(i, j);
-        const float z = s_.distance[at];
+        const float z = s_.hits.depths[at];
         if (!std::isfinite(z)) continue;
         const int u = crop_.u(i), v = crop_.v(j);
         if (!inside(u, v)) {
@@ -91,14 +98,15 @@ class Examiner {
         s_.state[at] = kJudged;
         out.covered += square;
         const Eigen::Vector3f ray = ray_through(g_, u, v);
-        Eigen::Vector3f normal = (R_camera_model * s_.normals[at]).normalized();
+        Eigen::Vector3f normal = (R_camera_model * s_.hits.normals[at]).normalized();
         const float length = ray.norm();
         if (normal.dot(ray) > 0) normal = -normal;
         const float facing = -normal.dot(ray) / length;
         if (!(facing > kOblique)) continue;
 
-        const auto [r, pixel] =
-            measure_along(image_, u, v, z, length * facing, options_.verify.tolerance);
+        const float tolerance = options_.verify.tolerance;
+        const ExpectedPoint expected{u, v, z, length * facing};
+        const auto [r, pixel] = measure_along(image_, expected, tolerance);
         if (pixel < 0) {
           out.unknown += square;
           tell(RayVerdict::unmeasured, ray * z);
@@ -106,9 +114,8 @@ class Examiner {
         }
         const bool background =
             options_.verify.is_background(image_.plane[static_cast<std::size_t>(pixel)]);
-        const float tolerance = options_.verify.tolerance;
         if (std::abs(r) > tolerance) {
-          if (measured_beside(image_, u, v, z, length * facing, tolerance, edge_)) continue;
+          if (measured_beside(image_, expected, tolerance, edge_)) continue;
           if (r > 0 || background) {  // nothing reaches through a table
             out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
             tell(RayVerdict::looked_through, ray * z);
@@ -131,10 +138,10 @@ class Examiner {
           sums.count += 1;
           sums.squares += share * share;
           sums.area += static_cast<double>(square * z * z / (g_.fx * g_.fy * facing));
-          const Eigen::Vector3d place = (R_scene_camera * (ray * z - center_)).cast<double>();
+          const Eigen::Vector3d place = (R_scene_camera_ * (ray * z - center_)).cast<double>();
           sums.places += place;
           sums.spread.noalias() += place * place.transpose();
-          const Vector6 J = constraint(R_scene_camera, ray * z, normal);
+          const Vector6 J = constraint(ray * z, normal);
           sums.covariance.noalias() += J * J.transpose();
           if (explained)
             explained->pixels.push_back(first_pixel + static_cast<std::uint32_t>(v) * g_.width +
@@ -163,7 +170,7 @@ class Examiner {
         const SlopeFit fit = fit_slope({n, w[2], w[3], w[4], w[6], w[5], w[1], w[7], w[8]});
         if (!(fit.determinant > 1e-3 * n * n)) continue;
         const double step =
-            static_cast<double>(s_.distance[at] / g_.fx * static_cast<float>(crop_.stride));
+            static_cast<double>(s_.hits.depths[at] / g_.fx * static_cast<float>(crop_.stride));
         sums.slope += std::atan(std::sqrt(fit.gx * fit.gx + fit.gy * fit.gy) / step);
         sums.num_slopes += 1;
       }
@@ -173,16 +180,15 @@ class Examiner {
   /// Beyond the outline a real object's scene falls back or is not measured, within the few pixels
   /// that sensors blur edges over; a wrong fit on a larger surface finds that surface running on.
   void follow_outline(Examination& out, Sums& sums) const {
-    const float jump = std::max(2 * options_.verify.tolerance, 0.03F * diameter_);
-    const Eigen::Matrix3f R_scene_camera = g_.T_camera_scene.linear().transpose();
     constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     for (int j = kMargin; j < crop_.height - kMargin; ++j) {
       for (int i = kMargin; i < crop_.width - kMargin; ++i) {
         if (s_.state[crop_.at(i, j)] < kJudged) continue;
         for (const auto& [di, dj] : kSteps) {
-          if (ends_at(i, j, di, dj)) {
-            judge_end(R_scene_camera, i, j, di, dj, jump, out, sums);
-          } else if (dips_at(i, j, di, dj) && runs_on(i, j, di, dj, jump)) {
+          const RayEnd end{i, j, di, dj};
+          if (ends_at(end)) {
+            judge_end(end, out, sums);
+          } else if (dips_at(end) && runs_on(end)) {
             out.buried += static_cast<float>(crop_.stride);
           }
         }
@@ -195,6 +201,8 @@ class Examiner {
   void tell(RayVerdict verdict, const Eigen::Vector3f& at) const {
     if (rays_ != nullptr) rays_->push_back({g_.T_camera_scene.inverse() * at, verdict});
   }
+
+  float depth_at(int i, int j) const noexcept { return s_.hits.depths[crop_.at(i, j)]; }
 
   bool inside(int u, int v) const noexcept {
     return u >= 0 && v >= 0 && u < static_cast<int>(g_.width) && v < static_cast<int>(g_.height);
@@ -237,20 +245,20 @@ class Examiner {
 
   /// Whether the model ends here: nothing is met by the rays beyond. Clouds have holes a few rays
   /// wide.
-  bool ends_at(int i, int j, int di, int dj) const noexcept {
+  bool ends_at(const RayEnd& end) const noexcept {
     for (int k = 1; k <= kMargin; ++k) {
-      if (s_.state[crop_.at(i + k * di, j + k * dj)] != kMissed) return false;
+      if (s_.state[crop_.at(end.i + k * end.di, end.j + k * end.dj)] != kMissed) return false;
     }
     return true;
   }
 
   /// Whether the seen part ends here, and the model goes on deep beneath what is measured.
-  bool dips_at(int i, int j, int di, int dj) const noexcept {
-    if (s_.state[crop_.at(i, j)] != kConsistent) return false;
+  bool dips_at(const RayEnd& end) const noexcept {
+    if (s_.state[crop_.at(end.i, end.j)] != kConsistent) return false;
     const float deep = -kDeep * options_.verify.tolerance;
     const int least = kLeastRays + edge_ / crop_.stride;
     for (int k = 1; k <= kMostRays; ++k) {
-      const int x = i + k * di, y = j + k * dj;
+      const int x = end.i + k * end.di, y = end.j + k * end.dj;
       if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
       const std::size_t at = crop_.at(x, y);
       if (s_.state[at] != kHidden) return false;
@@ -260,7 +268,8 @@ class Examiner {
   }
 
   /// Whether the scene goes on as the plane that it is before this ray: no edge, no fold.
-  bool runs_on(int i, int j, int di, int dj, float jump) const noexcept {
+  bool runs_on(const RayEnd& end) const noexcept {
+    const auto [i, j, di, dj] = end;
     const int u = crop_.u(i), v = crop_.v(j);
     const int away = static_cast<int>(options_.window) + 1;  // no normal is fitted to both sides
     if (folds(u, v, away * di, away * dj)) return false;
@@ -270,24 +279,23 @@ class Examiner {
     const Eigen::Vector3f n = image_.normals[before];
     if (!(image_.depth[before] > 0) || !std::isfinite(n.x())) return false;
     const float offset = n.dot(g_.back_project(before, image_.depth[before]));
-    const int last = reach(s_.distance[crop_.at(i, j)]);
+    const int last = reach(depth_at(i, j));
     for (int step = 1; step <= last; ++step) {
       const int x = u + step * di, y = v + step * dj;
       if (!inside(x, y)) return false;
       const float d = image_.depth[pixel_at(x, y)];
-      if (!(d > 0) || std::abs(n.dot(g_.back_project(pixel_at(x, y), d)) - offset) > jump)
+      if (!(d > 0) || std::abs(n.dot(g_.back_project(pixel_at(x, y), d)) - offset) > jump_)
         return false;
     }
     return true;
   }
 
   /// A place where the model ends: what lies beyond, and how it holds the pose.
-  void judge_end(const Eigen::Matrix3f& R_scene_camera, int i, int j, int di, int dj, float jump,
-                 Examination& out, Sums& sums) const {
-    const bool free = judge_beyond(i, j, di, dj, jump, out);
+  void judge_end(const RayEnd& end, Examination& out, Sums& sums) const {
+    const bool free = judge_beyond(end, out);
     sums.outline += 1;
-    if (!free || !agrees_within(i, j, di, dj)) return;
-    const Vector6 J = outline_constraint(R_scene_camera, i, j, jump);
+    if (!free || !agrees_within(end)) return;
+    const Vector6 J = outline_constraint(end.i, end.j);
     sums.outline_covariance.noalias() += J * J.transpose();
   }
 
@@ -299,8 +307,9 @@ class Examiner {
   }
 
   /// Add what lies beyond a place of the outline; returns whether that is free.
-  bool judge_beyond(int i, int j, int di, int dj, float jump, Examination& out) const {
-    const float z = s_.distance[crop_.at(i, j)];
+  bool judge_beyond(const RayEnd& end, Examination& out) const {
+    const auto [i, j, di, dj] = end;
+    const float z = depth_at(i, j);
     const int last = reach(z);
     bool any = false, open = false, judged = true;
     for (int step = 1; step <= last; ++step) {
@@ -309,9 +318,9 @@ class Examiner {
       any = true;
       const std::size_t pixel = pixel_at(u, v);
       const float d = image_.depth[pixel];
-      if (d > 0 && d < z - jump) {
+      if (d > 0 && d < z - jump_) {
         judged = false;  // hidden by something nearer
-      } else if (!(d > 0) || d > z + jump) {
+      } else if (!(d > 0) || d > z + jump_) {
         open = true;
       } else if (options_.verify.is_background(image_.near_plane[pixel])) {
         judged = false;  // things stand on it
@@ -332,10 +341,10 @@ class Examiner {
 
   /// Whether the sensor saw the model up to its end here, but for the rays that graze it or that
   /// edges are blurred over.
-  bool agrees_within(int i, int j, int di, int dj) const noexcept {
-    const int last = reach(s_.distance[crop_.at(i, j)]) / crop_.stride;
+  bool agrees_within(const RayEnd& end) const noexcept {
+    const int last = reach(depth_at(end.i, end.j)) / crop_.stride;
     for (int k = 0; k <= last; ++k) {
-      const int x = i - k * di, y = j - k * dj;
+      const int x = end.i - k * end.di, y = end.j - k * end.dj;
       if (x < 0 || y < 0 || x >= crop_.width || y >= crop_.height) return false;
       if (s_.state[crop_.at(x, y)] == kConsistent) return true;
     }
@@ -343,22 +352,21 @@ class Examiner {
   }
 
   /// J of the outline, which would be seen to move across itself.
-  Vector6 outline_constraint(const Eigen::Matrix3f& R_scene_camera, int i, int j,
-                             float jump) const noexcept {
-    const float z = s_.distance[crop_.at(i, j)];
+  Vector6 outline_constraint(int i, int j) const noexcept {
+    const float z = depth_at(i, j);
     const Eigen::Vector3f ray = ray_through(g_, crop_.u(i), crop_.v(j));
-    const Eigen::Vector2f across = direction_across(i, j, jump);
+    const Eigen::Vector2f across = direction_across(i, j);
     const Eigen::Vector2f a(across.x() * g_.fx, across.y() * g_.fy);
     const Eigen::Vector3f n(a.x(), a.y(), -a.dot(ray.head<2>()));
-    return constraint(R_scene_camera, ray * z, n.normalized());
+    return constraint(ray * z, n.normalized());
   }
 
   /// The direction in the image across the outline, to 4 degrees; a unit vector. Zero where the
   /// rays around that miss the model lie elsewhere than those of them that met something farther:
   /// near a corner of the model that hides or runs on, its sides would hold it along themselves, as
   /// the steps would do where they are slanted.
-  Eigen::Vector2f direction_across(int i, int j, float jump) const noexcept {
-    const float farther = s_.distance[crop_.at(i, j)] + jump;
+  Eigen::Vector2f direction_across(int i, int j) const noexcept {
+    const float farther = depth_at(i, j) + jump_;
     Eigen::Vector2f missed(0, 0), seen(0, 0);
     for (int dj = -kAcross; dj <= kAcross; ++dj) {
       for (int di = -kAcross; di <= kAcross; ++di) {
@@ -375,10 +383,9 @@ class Examiner {
   }
 
   /// J of a point and a direction in the camera's frame.
-  Vector6 constraint(const Eigen::Matrix3f& R_scene_camera, const Eigen::Vector3f& point,
-                     const Eigen::Vector3f& normal) const noexcept {
-    const Eigen::Vector3f n = R_scene_camera * normal;
-    const Eigen::Vector3f arm = R_scene_camera * (point - center_) / (0.5F * diameter_);
+  Vector6 constraint(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const noexcept {
+    const Eigen::Vector3f n = R_scene_camera_ * normal;
+    const Eigen::Vector3f arm = R_scene_camera_ * (point - center_) / (0.5F * diameter_);
     Vector6 J;
     J << arm.cross(n).cast<double>(), n.cast<double>();
     return J;
@@ -414,8 +421,11 @@ class Examiner {
   const ExamineOptions& options_;
   ExamineScratch& s_;
   std::vector<JudgedRay>* rays_;
+  const RayScene& surface_;
   Pose T_camera_model_;
+  Eigen::Matrix3f R_scene_camera_;
   float diameter_;
+  float jump_;  // between depths of different things
   Eigen::Vector3f center_;
   int edge_;        // [pixel]
   float softness_;  // [tolerances]
@@ -423,14 +433,15 @@ class Examiner {
 };
 
 /// What turning about the symmetry axis does to J, as a unit vector; zero without an axis.
-Vector6 free_turn(const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
-                  const Pose& T_scene_model) noexcept {
+Vector6 free_turn(const PosedModel& model,
+                  const std::optional<Symmetry::Axis>& free_axis) noexcept {
   Vector6 turn = Vector6::Zero();
   if (!free_axis) return turn;
+  const Pose& T_scene_model = model.T_scene_model;
   const Eigen::Vector3f axis = T_scene_model.linear() * free_axis->direction;
   const Eigen::Vector3f arm =
-      T_scene_model * samples.center - T_scene_model * Eigen::Vector3f(free_axis->point);
-  turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * samples.diameter)).cast<double>();
+      T_scene_model * model.samples.center - T_scene_model * Eigen::Vector3f(free_axis->point);
+  turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * model.samples.diameter)).cast<double>();
   return turn.normalized();
 }
 
@@ -444,29 +455,32 @@ float off_plane(const Sums& sums) {
 
 }  // namespace
 
-void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
-                  const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
-                  const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
-                  Examination& out, ExplainedPixels* explained, std::vector<JudgedRay>* rays) {
-  out = {};
+Examination examine_pose(std::span<const RangeImage> images, const PosedModel& model,
+                         const std::optional<Symmetry::Axis>& free_axis,
+                         const ExamineOptions& options, ExamineScratch& scratch,
+                         const ExamineLists& lists) {
+  const auto [explained, rays] = lists;
   if (explained) *explained = {};
   if (rays) rays->clear();
+  const ModelSamples& samples = model.samples;
+  Examination out;
   const float radius = 0.5F * ball_diameter(samples);
   Sums sums;
   std::uint32_t first_pixel = 0;
   for (const RangeImage& image : images) {
     const std::optional<PixelBox> box = project_ball(
-        image.geometry, image.geometry.T_camera_scene * (T_scene_model * samples.center), radius);
+        image.geometry, image.geometry.T_camera_scene * (model.T_scene_model * samples.center),
+        radius);
     if (box) {
-      Examiner examiner(image, samples, T_scene_model, *box, options, scratch, rays);
-      examiner.compare(surface, first_pixel, out, sums, explained);
+      Examiner examiner(image, model, *box, options, scratch, rays);
+      examiner.compare(first_pixel, out, sums, explained);
       examiner.smooth(sums);
       examiner.follow_outline(out, sums);
       if (explained) explained->square = static_cast<std::uint32_t>(examiner.crop().stride);
     }
     first_pixel += static_cast<std::uint32_t>(image.depth.size());
   }
-  if (sums.count == 0) return;
+  if (sums.count == 0) return out;
   const float shared = options.correlated_noise.height / options.verify.tolerance;
   const auto beyond = [](double squares, float expected) {
     return std::max(0.0F, static_cast<float>(squares) - expected * expected);
@@ -478,11 +492,12 @@ void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
   out.slope = std::sqrt(beyond(slope * slope, options.correlated_noise.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
   out.relief = off_plane(sums) / options.verify.tolerance;
-  const Vector6 turn = free_turn(samples, free_axis, T_scene_model);
+  const Vector6 turn = free_turn(model, free_axis);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
   if (sums.outline > 0) held += kOutlineShare / sums.outline * sums.outline_covariance;
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(held, Eigen::EigenvaluesOnly);
   out.stability = static_cast<float>(std::max(0.0, solver.eigenvalues()(0)));
+  return out;
 }
 
 }  // namespace trivet::kernels

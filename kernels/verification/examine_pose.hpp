@@ -10,6 +10,7 @@
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/correlated_noise.hpp"
 #include "kernels/scans/range_image.hpp"
+#include "kernels/verification/ray_crop.hpp"
 #include "kernels/verification/verify_pose.hpp"
 #include "storage/data/model.hpp"
 
@@ -61,8 +62,8 @@ struct ExamineOptions {
 /// Working memory of examine_pose.
 struct ExamineScratch {
   Points directions;
-  Normals normals;
-  Column<float> distance, residual;
+  RayHits hits;
+  Column<float> residual;
   std::vector<std::uint8_t> state;
   std::vector<std::array<double, 9>> sums;
 };
@@ -87,13 +88,17 @@ struct JudgedRay {
   RayVerdict verdict;
 };
 
+/// What an examination lists where it is asked to: each list is replaced.
+struct ExamineLists {
+  ExplainedPixels* explained = nullptr;    ///< the consistent pixels
+  std::vector<JudgedRay>* rays = nullptr;  ///< what single rays say, one at an end of the model
+                                           ///< perhaps twice
+};
+
 /// Shoot rays at the model through the pixels that it may cover, at most some 2,500 an image, and
 /// compare what they meet with the measured depth.
 ///
-/// surface    of the model, in its own frame and unit
 /// free_axis  if any, turns about it need not be held by what is seen
-/// explained  if given, is replaced by the consistent pixels
-/// rays       if given, is replaced by what single rays say; one at an end of the model may do so twice
 /// Along each ray: r = (measured - model's depth) times the cosine of incidence. |r| <= tolerance
 /// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose; so are
 /// background planes, and the neighbors that are looked at where the pixel itself does not agree.
@@ -101,10 +106,9 @@ struct JudgedRay {
 /// leaves shape.
 /// Sources: Papazov and Burschka, ACCV 2010 (acceptance by visibility and penalty); Gelfand et al.,
 /// 3DIM 2003 (stability of a registration by the eigenvalues of its covariance).
-void examine_pose(std::span<const RangeImage> images, const RayScene& surface,
-                  const ModelSamples& samples, const std::optional<Symmetry::Axis>& free_axis,
-                  const Pose& T_scene_model, const ExamineOptions& options, ExamineScratch& scratch,
-                  Examination& out, ExplainedPixels* explained = nullptr,
-                  std::vector<JudgedRay>* rays = nullptr);
+Examination examine_pose(std::span<const RangeImage> images, const PosedModel& model,
+                         const std::optional<Symmetry::Axis>& free_axis,
+                         const ExamineOptions& options, ExamineScratch& scratch,
+                         const ExamineLists& lists = {});
 
 }  // namespace trivet::kernels

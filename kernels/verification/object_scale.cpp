@@ -36,8 +36,9 @@ PixelBox within_image(const PixelBox& box, const ImageGeometry& g, int reach) {
 }
 
 /// What was measured along a ray beyond the model's surface, across it.
-float residual_at(const RangeImage& image, int u, int v, float z, float along, float depth_factor,
+float residual_at(const RangeImage& image, const ExpectedPoint& expected, float depth_factor,
                   float gate) {
+  const auto [u, v, z, along] = expected;
   const ImageGeometry& g = image.geometry;
   if (!std::isfinite(z) || u < 0 || v < 0 || u >= static_cast<int>(g.width) ||
       v >= static_cast<int>(g.height))
@@ -68,18 +69,20 @@ Vector8 derivative(const Eigen::Vector3d& met, const Eigen::Vector3d& center,
 
 }  // namespace
 
-void gather_object(const RangeImage& image, const RayScene& surface, const ModelSamples& samples,
-                   const Pose& T_camera_model, const LogScales& scales, const ScaleOptions& options,
-                   ScaleScratch& s, ObjectEquations& out) {
+void gather_object(const RangeImage& image, const ObjectInView& object, const LogScales& scales,
+                   const ScaleOptions& options, ScaleScratch& s, ObjectEquations& out) {
   out = {};
+  const Pose& T_camera_model = object.T_camera_model;
   const ImageGeometry g = scaled(image.geometry, scales.focal);
   const auto depth_factor = static_cast<float>(std::exp(scales.depth));
-  const Eigen::Vector3f center = T_camera_model * samples.center;
-  const std::optional<PixelBox> box = project_ball(g, center, 0.5F * ball_diameter(samples));
+  const Eigen::Vector3f center = T_camera_model * object.samples.center;
+  const std::optional<PixelBox> box = project_ball(g, center, 0.5F * ball_diameter(object.samples));
   if (!box) return;
   const RayCrop crop(within_image(*box, g, options.edge_pixels), 1);
   out.num_rays = crop.size();
-  shoot_rays(g, crop, surface, T_camera_model, s.directions, s.depths, s.normals);
+  shoot_rays(g, crop, object.surface, T_camera_model, s.directions, s.hits);
+  const Column<float>& depths = s.hits.depths;
+  Normals& normals = s.hits.normals;
 
   // Normals come to the camera's frame and side.
   const Eigen::Matrix3f R = T_camera_model.linear();
@@ -87,16 +90,16 @@ void gather_object(const RangeImage& image, const RayScene& surface, const Model
   for (int j = 0; j < crop.height; ++j) {
     for (int i = 0; i < crop.width; ++i) {
       const std::size_t at = crop.at(i, j);
-      if (!std::isfinite(s.depths[at])) {
+      if (!std::isfinite(depths[at])) {
         s.residuals[at] = kEdge;
         continue;
       }
       const Eigen::Vector3f ray = ray_through(g, crop.u(i), crop.v(j));
-      const Eigen::Vector3f normal = (R * s.normals[at]).normalized();
+      const Eigen::Vector3f normal = (R * normals[at]).normalized();
       const float along = std::abs(normal.dot(ray));
-      s.normals.set(at, normal.dot(ray) > 0 ? Eigen::Vector3f(-normal) : normal);
+      normals.set(at, normal.dot(ray) > 0 ? Eigen::Vector3f(-normal) : normal);
       s.residuals[at] =
-          residual_at(image, crop.u(i), crop.v(j), s.depths[at], along, depth_factor, options.gate);
+          residual_at(image, {crop.u(i), crop.v(j), depths[at], along}, depth_factor, options.gate);
       if (s.residuals[at] != kEdge && !(along > kCoarsePixel * ray.norm()))
         s.residuals[at] = kUnknown;
     }
@@ -111,9 +114,9 @@ void gather_object(const RangeImage& image, const RayScene& surface, const Model
     for (int i = 0; i < crop.width; ++i) {
       const std::size_t at = crop.at(i, j);
       if (!std::isfinite(s.residuals[at]) || is_near_edge(crop, s.residuals, i, j, reach)) continue;
-      const Eigen::Vector3f met = s.depths[at] * ray_through(g, crop.u(i), crop.v(j));
+      const Eigen::Vector3f met = depths[at] * ray_through(g, crop.u(i), crop.v(j));
       const Vector8 J =
-          derivative(met.cast<double>(), center.cast<double>(), s.normals[at].cast<double>());
+          derivative(met.cast<double>(), center.cast<double>(), normals[at].cast<double>());
       const double r = -static_cast<double>(s.residuals[at]);  // beyond is against the normal
       const double share = r / static_cast<double>(options.gate);
       const double root = (1 - share * share) / sigma;

@@ -7,6 +7,7 @@
 
 #include "kernels/common/ray_scene.hpp"
 #include "kernels/scans/range_image.hpp"
+#include "kernels/verification/ray_crop.hpp"
 #include "kernels/verification/verify_pose.hpp"
 #include "storage/common/columns.hpp"
 #include "storage/data/model.hpp"
@@ -38,26 +39,30 @@ struct ObjectEquations {
   std::size_t num_used = 0;        ///< that count
 };
 
+/// A model before a camera. All are referred to.
+struct ObjectInView {
+  const RayScene& surface;  ///< of the model, in its own frame
+  const ModelSamples& samples;
+  const Pose& T_camera_model;  ///< once the camera's scales are applied
+};
+
 /// Working memory of gather_object.
 struct ScaleScratch {
   Points directions;
-  Normals normals;
-  Column<float> depths, residuals;
+  RayHits hits;
+  Column<float> residuals;
 };
 
 /// Hold the surface of a posed object against the measured depth, along at most some 2,500 rays.
 ///
-/// image           of a pinhole camera, as it was said to be
-/// surface         of the model, in its own frame
-/// T_camera_model  the model's pose, once `scales` are applied
-/// scales          at which the equations are set up
+/// image   of a pinhole camera, as it was said to be
+/// scales  at which the equations are set up
 /// Along a ray r = n . (q - h): h where it meets the model, n the model's normal there, q the
 /// measured point; Tukey's weights. Derivatives are taken at h: at q they would share the noise of
 /// r, which makes all noisy objects look too large. Steep surfaces and what lies near the ends of
 /// the model, or of where the scene agrees, stay out: there pixels blend, lean and belong to
 /// others. Source of the residual: Chen and Medioni, Image and Vision Computing 10(3), 1992.
-void gather_object(const RangeImage& image, const RayScene& surface, const ModelSamples& samples,
-                   const Pose& T_camera_model, const LogScales& scales, const ScaleOptions& options,
-                   ScaleScratch& scratch, ObjectEquations& out);
+void gather_object(const RangeImage& image, const ObjectInView& object, const LogScales& scales,
+                   const ScaleOptions& options, ScaleScratch& scratch, ObjectEquations& out);
 
 }  // namespace trivet::kernels

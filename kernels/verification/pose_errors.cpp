@@ -111,7 +111,9 @@ void depths_to_distances(const Camera& camera, std::uint32_t width, std::span<fl
 }
 
 void vsd(const DistanceMap& measured, const DistanceMap& estimate, const DistanceMap& truth,
-         double delta, double diameter, std::span<const double> taus, std::span<double> errors) {
+         const VsdTolerances& tolerances, std::span<double> errors) {
+  const double delta = tolerances.delta, diameter = tolerances.diameter;
+  const std::span<const double> taus = tolerances.taus;
   TRIVET_REQUIRE(errors.size() == taus.size() && diameter > 0, "one error a tolerance");
   std::size_t in_truth = 0, in_estimate = 0, in_both = 0;
   for_surface(truth, [&](std::uint32_t u, std::uint32_t v, float distance) {

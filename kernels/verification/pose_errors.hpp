@@ -62,20 +62,24 @@ inline bool is_visible(float surface, float measured, double delta) noexcept {
 /// camera  of the window (camera_of_window) that the rows of `width` pixels are
 void depths_to_distances(const Camera& camera, std::uint32_t width, std::span<float> depths);
 
+struct VsdTolerances {
+  /// How far behind the measurement a surface still counts as visible, in the unit of the
+  /// distances; 15 mm in the benchmark.
+  double delta;
+  double diameter;               ///< of the model, > 0
+  std::span<const double> taus;  ///< tolerances [diameters]
+};
+
 /// Visible surface discrepancy, for several tolerances at once.
 ///
 /// measured         what the sensor saw: the whole image; 0 without a measurement
 /// estimate, truth  the model alone in either pose
-/// delta            how far behind the measurement a surface still counts as visible, in the unit
-///                  of the distances; 15 mm in the benchmark
-/// diameter         of the model, > 0
-/// taus             tolerances [diameters]
 /// errors           one a tolerance: the share of the pixels where the model is visible in either
 ///                  pose that see it in one only, or at distances that differ by tau or more; 1
 ///                  where it is visible in neither
 /// A surface is visible where nothing was measured, or nothing more than delta in front of it; that
 /// of the estimate also where the truth is. No allocation.
 void vsd(const DistanceMap& measured, const DistanceMap& estimate, const DistanceMap& truth,
-         double delta, double diameter, std::span<const double> taus, std::span<double> errors);
+         const VsdTolerances& tolerances, std::span<double> errors);
 
 }  // namespace trivet::kernels

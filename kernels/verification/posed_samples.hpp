@@ -23,6 +23,11 @@ struct SampleBlock {
   alignas(64) BlockColumn<float> x, y, z;
   alignas(64) BlockColumn<float> normal_x, normal_y, normal_z;
   alignas(64) BlockColumn<std::int32_t> column, row;  ///< of the pixel; -1 outside or behind
+
+  PointsSpan points() noexcept { return {{x.data(), count}, {y.data(), count}, {z.data(), count}}; }
+  NormalsSpan normals() noexcept {
+    return {{normal_x.data(), count}, {normal_y.data(), count}, {normal_z.data(), count}};
+  }
 };
 
 /// A model at a pose before the camera of one image, which both must outlive it.
@@ -50,7 +55,8 @@ class PosedSamples {
   std::size_t view_word_, view_bit_;
 };
 
-/// Move points: ((c0 x + c1 y) + c2 z) + t, c the rotation's columns. Columns must not overlap.
-void move_points(const Pose& pose, PointsView points, float* x, float* y, float* z) noexcept;
+/// Move points: ((c0 x + c1 y) + c2 z) + t, c the rotation's columns. `out` has as many points and
+/// does not overlap them.
+void move_points(const Pose& pose, const PointsView& points, const PointsSpan& out) noexcept;
 
 }  // namespace trivet::kernels

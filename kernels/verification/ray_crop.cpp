@@ -64,51 +64,50 @@ Eigen::Vector3f ray_through(const ImageGeometry& g, int u, int v) noexcept {
 }
 
 void shoot_rays(const ImageGeometry& g, const RayCrop& crop, const RayScene& surface,
-                const Pose& T_camera_model, Points& directions, Column<float>& depths,
-                Normals& normals) {
+                const Pose& T_camera_model, Points& directions, RayHits& hits) {
   directions.resize(crop.size());
-  depths.resize(crop.size());
-  normals.resize(crop.size());
+  hits.depths.resize(crop.size());
+  hits.normals.resize(crop.size());
   const Pose T_model_camera = T_camera_model.inverse();
   const Eigen::Matrix3f R = T_model_camera.linear();
   for (int j = 0; j < crop.height; ++j) {
     for (int i = 0; i < crop.width; ++i)
       directions.set(crop.at(i, j), R * ray_through(g, crop.u(i), crop.v(j)));
   }
-  surface.intersect_many(T_model_camera.translation(), directions, depths, normals);
+  surface.intersect_many(T_model_camera.translation(), directions, hits.depths, hits.normals);
 }
 
-Measurement measure_along(const RangeImage& image, int u, int v, float z, float scale,
+Measurement measure_along(const RangeImage& image, const ExpectedPoint& expected,
                           float tolerance) noexcept {
   const ImageGeometry& g = image.geometry;
   Measurement best{std::numeric_limits<float>::infinity(), -1};
   for (const auto& [du, dv] : kCross) {
-    const int x = u + du, y = v + dv;
+    const int x = expected.u + du, y = expected.v + dv;
     if (x < 0 || y < 0 || x >= static_cast<int>(g.width) || y >= static_cast<int>(g.height))
       continue;
     const std::int64_t pixel = static_cast<std::int64_t>(y) * g.width + x;
     const float d = image.depth[static_cast<std::size_t>(pixel)];
     if (!(d > 0)) continue;
-    const float r = (d - z) * scale;
+    const float r = (d - expected.z) * expected.scale;
     if (std::abs(r) < std::abs(best.residual)) best = {r, pixel};
     if (du == 0 && dv == 0 && std::abs(r) <= tolerance) break;
   }
   return best;
 }
 
-bool measured_beside(const RangeImage& image, int u, int v, float z, float scale, float tolerance,
+bool measured_beside(const RangeImage& image, const ExpectedPoint& expected, float tolerance,
                      int reach) noexcept {
   constexpr std::array<std::array<int, 2>, 8> kDirections{
       {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
   const ImageGeometry& g = image.geometry;
   for (int step = 2; step <= reach; ++step) {
     for (const auto& [du, dv] : kDirections) {
-      const int x = u + step * du, y = v + step * dv;
+      const int x = expected.u + step * du, y = expected.v + step * dv;
       if (x < 0 || y < 0 || x >= static_cast<int>(g.width) || y >= static_cast<int>(g.height))
         continue;
       const float d =
           image.depth[static_cast<std::size_t>(y) * g.width + static_cast<std::size_t>(x)];
-      if (d > 0 && std::abs(d - z) * scale <= tolerance) return true;
+      if (d > 0 && std::abs(d - expected.z) * expected.scale <= tolerance) return true;
     }
   }
   return false;

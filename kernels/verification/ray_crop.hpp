@@ -14,6 +14,13 @@
 
 namespace trivet::kernels {
 
+/// A model where it may lie. All are referred to.
+struct PosedModel {
+  const RayScene& surface;  ///< of the model, in its own frame and unit
+  const ModelSamples& samples;
+  const Pose& T_scene_model;
+};
+
 /// A rectangle of an image plane [pixel]; it may reach beyond the image.
 struct PixelBox {
   float u0, v0, u1, v1;
@@ -54,14 +61,24 @@ std::optional<PixelBox> project_ball(const ImageGeometry& geometry, const Eigen:
 /// The direction of a pixel's ray in the camera's frame; its z is 1.
 Eigen::Vector3f ray_through(const ImageGeometry& geometry, int u, int v) noexcept;
 
-/// Where the rays of a crop meet a model.
+/// Where rays meet a model.
+struct RayHits {
+  Column<float> depths;  ///< along the optical axis; infinite where nothing is met
+  Normals normals;       ///< in the model's frame; not written where nothing is met
+};
+
+/// Find where the rays of a crop meet a model.
 ///
 /// directions  working memory
-/// depths      per ray, along the optical axis; infinite where nothing is met
-/// normals     per ray, in the model's frame; not written where nothing is met
 void shoot_rays(const ImageGeometry& geometry, const RayCrop& crop, const RayScene& surface,
-                const Pose& T_camera_model, Points& directions, Column<float>& depths,
-                Normals& normals);
+                const Pose& T_camera_model, Points& directions, RayHits& hits);
+
+/// Where a pixel's ray meets the surface of a posed model.
+struct ExpectedPoint {
+  int u, v;     ///< of the pixel
+  float z;      ///< depth of the surface
+  float scale;  ///< length of the ray with z = 1, times the cosine of incidence
+};
 
 /// What was measured along a ray.
 struct Measurement {
@@ -72,17 +89,12 @@ struct Measurement {
 /// The measurement of a pixel, or where that is off by more than `tolerance`, of the pixel or of
 /// one of its four neighbors, whichever fits best: half a pixel of error must not look like a
 /// hole.
-///
-/// z      depth of the model's surface
-/// scale  length of the ray with z = 1, times the cosine of incidence
-Measurement measure_along(const RangeImage& image, int u, int v, float z, float scale,
+Measurement measure_along(const RangeImage& image, const ExpectedPoint& expected,
                           float tolerance) noexcept;
 
 /// Whether a pixel two or more away, and at most `reach`, shows what the model has here: outlines
 /// of sensors that match windows lie beside their places. Looks along eight directions.
-///
-/// z, scale  as of measure_along
-bool measured_beside(const RangeImage& image, int u, int v, float z, float scale, float tolerance,
+bool measured_beside(const RangeImage& image, const ExpectedPoint& expected, float tolerance,
                      int reach) noexcept;
 
 }  // namespace trivet::kernels

@@ -25,6 +25,15 @@ struct Pulls {
   alignas(64) BlockColumn<std::array<float, 8>> rows;
 };
 
+/// Samples of a block in the scene's frame.
+struct MovedBlock {
+  alignas(64) BlockColumn<float> x, y, z;
+
+  PointsSpan points(std::size_t count) noexcept {
+    return {{x.data(), count}, {y.data(), count}, {z.data(), count}};
+  }
+};
+
 /// Where one iteration stands.
 struct Stand {
   Eigen::Vector3f pivot;  // turning about the object keeps the system well conditioned
@@ -32,15 +41,13 @@ struct Stand {
 };
 
 /// Compare samples with the measured points on their viewing rays.
-///
-/// moved_x ... the samples in the scene's frame
 TRIVET_SIMD_CLONES
-void measure(const ImageGeometry& geometry, const float* __restrict depth,
-             const float* __restrict scene_x, const float* __restrict scene_y,
-             const float* __restrict scene_z, const SampleBlock& __restrict block,
-             const float* __restrict moved_x, const float* __restrict moved_y,
-             const float* __restrict moved_z, const Stand& stand,
+void measure(const RangeImage& image, const SampleBlock& __restrict block,
+             const MovedBlock& __restrict moved, const Stand& stand,
              Pulls& __restrict pulls) noexcept {
+  const ImageGeometry& geometry = image.geometry;
+  const float* const depth = image.depth.data();
+  const auto [scene_x, scene_y, scene_z] = image.normals.view();
   const auto& T = geometry.T_camera_scene.matrix();
   const float xx = T(0, 0), xy = T(1, 0), xz = T(2, 0);  // its inverse turns normals
   const float yx = T(0, 1), yy = T(1, 1), yz = T(2, 1);
@@ -50,6 +57,7 @@ void measure(const ImageGeometry& geometry, const float* __restrict depth,
   const float gate = stand.gate, min_cosine = stand.min_cosine;
   const auto width = static_cast<std::int32_t>(geometry.width);
   const std::size_t n = pulls.count;
+  TRIVET_SIMD_LOOP
   for (std::size_t k = 0; k < n; ++k) {
     const std::int32_t i = pulls.index[k], u = block.column[i], v = block.row[i];
     const std::int32_t at = v * width + u;
@@ -63,7 +71,7 @@ void measure(const ImageGeometry& geometry, const float* __restrict depth,
     pulls.counts[k] = (d > 0) & (cosine > min_cosine) & !(std::abs(residual) > gate) &
                       !(ex * ex + (ey * ey + ez * ez) > 9 * gate * gate);
 
-    const float ax = moved_x[i] - px, ay = moved_y[i] - py, az = moved_z[i] - pz;
+    const float ax = moved.x[i] - px, ay = moved.y[i] - py, az = moved.z[i] - pz;
     const float sx = xx * nx + (xy * ny + xz * nz);
     const float sy = yx * nx + (yy * ny + yz * nz);
     const float sz = zx * nx + (zy * ny + zz * nz);
@@ -120,7 +128,7 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
   const float min_cosine = std::cos(options.max_normal_angle_rad);
   const std::size_t n = std::min(options.num_samples, samples.points.size());
   SampleBlock block;
-  BlockColumn<float> moved_x, moved_y, moved_z;
+  MovedBlock moved;
   Pulls pulls;
   float gate = options.first_gate;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration, gate *= shrink) {
@@ -128,19 +136,15 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
     NormalEquations sums;
     for (const RangeImage& image : images) {
       const PosedSamples posed(image.geometry, samples, pose);
-      const NormalsView normals = image.normals;
       for (std::size_t first = 0; first < n; first += kSampleBlock) {
         posed.place(first, n, block);
-        move_points(pose, samples.points.slice(first, block.count), moved_x.data(), moved_y.data(),
-                    moved_z.data());
+        move_points(pose, samples.points.slice(first, block.count), moved.points(block.count));
         pulls.count = 0;
         for (std::size_t i = 0; i < block.count; ++i) {
           pulls.index[pulls.count] = static_cast<std::int32_t>(i);
           pulls.count += posed.sees(first + i) & (block.column[i] >= 0);
         }
-        measure(image.geometry, image.depth.data(), normals.x.data(), normals.y.data(),
-                normals.z.data(), block, moved_x.data(), moved_y.data(), moved_z.data(), stand,
-                pulls);
+        measure(image, block, moved, stand, pulls);
         add(pulls, sums);
       }
     }

@@ -51,13 +51,13 @@ constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
 /// Cosines between the rays and the surface.
 TRIVET_SIMD_CLONES
-void find_facing(std::size_t n, const float* __restrict x, const float* __restrict y,
-                 const float* __restrict z, const float* __restrict normal_x,
-                 const float* __restrict normal_y, const float* __restrict normal_z,
-                 float* __restrict facing) noexcept {
+void find_facing(const SampleBlock& block, BlockColumn<float>& facing) noexcept {
+  const std::size_t n = block.count;
+  TRIVET_SIMD_LOOP
   for (std::size_t i = 0; i < n; ++i) {
-    facing[i] = -(normal_x[i] * x[i] + (normal_y[i] * y[i] + normal_z[i] * z[i])) /
-                std::sqrt(x[i] * x[i] + (y[i] * y[i] + z[i] * z[i]));
+    const float x = block.x[i], y = block.y[i], z = block.z[i];
+    facing[i] = -(block.normal_x[i] * x + (block.normal_y[i] * y + block.normal_z[i] * z)) /
+                std::sqrt(x * x + (y * y + z * z));
   }
 }
 
@@ -72,14 +72,16 @@ struct Seen {
 /// The pixel or a neighbor, whichever fits best: half a pixel of error must not look like a hole.
 /// Beyond the image's edge the pixel stands for its neighbor.
 TRIVET_SIMD_CLONES
-void fit_pixels(const float* __restrict depth, std::int32_t width, std::int32_t height,
-                float tolerance, std::size_t n, const std::int32_t* __restrict index,
-                const std::int32_t* __restrict column, const std::int32_t* __restrict row,
-                const float* __restrict z, const float* __restrict facing,
-                std::int32_t* __restrict pixel, float* __restrict residual) noexcept {
+void fit_pixels(const RangeImage& image, const SampleBlock& block, const BlockColumn<float>& facing,
+                float tolerance, Seen& seen) noexcept {
+  const float* const depth = image.depth.data();
+  const auto width = static_cast<std::int32_t>(image.geometry.width);
+  const auto height = static_cast<std::int32_t>(image.geometry.height);
+  const std::size_t n = seen.count;
+  TRIVET_SIMD_LOOP
   for (std::size_t k = 0; k < n; ++k) {
-    const std::int32_t i = index[k], u = column[i], v = row[i], at = v * width + u;
-    const float model_depth = z[i], cosine = facing[i];
+    const std::int32_t i = seen.index[k], u = block.column[i], v = block.row[i], at = v * width + u;
+    const float model_depth = block.z[i], cosine = facing[i];
     const float own_depth = depth[at];
     const float own = own_depth > 0 ? (own_depth - model_depth) * cosine : kUnreached;
     float best = own;
@@ -97,15 +99,28 @@ void fit_pixels(const float* __restrict depth, std::int32_t width, std::int32_t 
     consider(at - above * width);
     consider(at + below * width);
     const bool agrees = std::abs(own) <= tolerance;
-    residual[k] = agrees ? own : best;
-    pixel[k] = agrees ? at : best_pixel;
+    seen.residual[k] = agrees ? own : best;
+    seen.pixel[k] = agrees ? at : best_pixel;
   }
 }
 
+/// Where the pixels of consistent samples go, if anywhere: as numbers after those of the images
+/// before.
+struct PixelList {
+  std::vector<std::uint32_t>* pixels;
+  std::uint32_t first;
+};
+
+/// The limits of agreement.
+struct Limits {
+  const VerifyOptions& options;
+  float min_normal_cosine;
+};
+
 /// What the seen samples of one block met.
 void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen& seen,
-                   const VerifyOptions& options, float min_normal_cosine, Evidence& evidence,
-                   std::uint32_t first_pixel, std::vector<std::uint32_t>* explained) {
+                   const Limits& limits, Evidence& evidence, const PixelList& explained) {
+  const VerifyOptions& options = limits.options;
   // Branches here would be guessed wrong as often as right: count without any.
   BlockColumn<std::uint32_t> agreeing;
   std::uint32_t num_agreeing = 0, unknown = 0, violation = 0, occluded = 0, on_background = 0;
@@ -131,7 +146,7 @@ void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen
     const auto i = static_cast<std::size_t>(seen.index[k]);
     const Eigen::Vector3f normal(block.normal_x[i], block.normal_y[i], block.normal_z[i]);
     const float cosine = normal.dot(image.normals[static_cast<std::size_t>(seen.pixel[k])]);
-    if (cosine < min_normal_cosine) {  // also false without a scene normal
+    if (cosine < limits.min_normal_cosine) {  // also false without a scene normal
       ++evidence.oblique;
       continue;
     }
@@ -140,10 +155,10 @@ void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen
     const float agreement = std::isfinite(cosine) ? cosine : kUnknownNormal;
     evidence.weight += (1 - share * share) * agreement;
     evidence.squared_residuals += seen.residual[k] * seen.residual[k];
-    if (explained) {
-      explained->push_back(first_pixel +
-                           static_cast<std::uint32_t>(block.row[i]) * image.geometry.width +
-                           static_cast<std::uint32_t>(block.column[i]));
+    if (explained.pixels != nullptr) {
+      explained.pixels->push_back(explained.first +
+                                  static_cast<std::uint32_t>(block.row[i]) * image.geometry.width +
+                                  static_cast<std::uint32_t>(block.column[i]));
     }
   }
 }
@@ -154,9 +169,9 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
                      std::size_t num_samples, const Pose& T_scene_model,
                      const VerifyOptions& options, std::vector<std::uint32_t>* explained) {
   Evidence evidence;
-  const float min_normal_cosine = std::cos(options.max_normal_angle_rad);
+  const Limits limits{options, std::cos(options.max_normal_angle_rad)};
   const std::size_t n = std::min(num_samples, samples.points.size());
-  std::uint32_t first_pixel = 0;
+  PixelList list{explained, 0};
   SampleBlock block;
   BlockColumn<float> facing;
   Seen seen;
@@ -164,9 +179,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
     const PosedSamples posed(image.geometry, samples, T_scene_model);
     for (std::size_t first = 0; first < n; first += kSampleBlock) {
       posed.place(first, n, block);
-      find_facing(block.count, block.x.data(), block.y.data(), block.z.data(),
-                  block.normal_x.data(), block.normal_y.data(), block.normal_z.data(),
-                  facing.data());
+      find_facing(block, facing);
       seen.count = 0;
       for (std::size_t i = 0; i < block.count; ++i) {
         const bool faces = posed.sees(first + i) & (facing[i] > kUnmeasurable);
@@ -176,14 +189,10 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
         seen.count += faces & inside;
       }
       evidence.visible += static_cast<std::uint32_t>(seen.count);
-      fit_pixels(image.depth.data(), static_cast<std::int32_t>(image.geometry.width),
-                 static_cast<std::int32_t>(image.geometry.height), options.tolerance, seen.count,
-                 seen.index.data(), block.column.data(), block.row.data(), block.z.data(),
-                 facing.data(), seen.pixel.data(), seen.residual.data());
-      judge_samples(image, block, seen, options, min_normal_cosine, evidence, first_pixel,
-                    explained);
+      fit_pixels(image, block, facing, options.tolerance, seen);
+      judge_samples(image, block, seen, limits, evidence, list);
     }
-    first_pixel += static_cast<std::uint32_t>(image.depth.size());
+    list.first += static_cast<std::uint32_t>(image.depth.size());
   }
   return evidence;
 }
@@ -199,20 +208,26 @@ struct OutlineGrid {
   int side = 0;
 };
 
-/// The cell of each point, -1 near the grid's border or outside.
+/// The cells of a block's samples, -1 near the grid's border or outside.
+struct SampleCells {
+  alignas(64) BlockColumn<std::int32_t> column, row;
+};
+
 TRIVET_SIMD_CLONES
-void find_cells(const ImageGeometry& geometry, const OutlineGrid& grid, std::size_t n,
-                const float* __restrict x, const float* __restrict y, const float* __restrict z,
-                std::int32_t* __restrict column, std::int32_t* __restrict row) noexcept {
+void find_cells(const ImageGeometry& geometry, const OutlineGrid& grid, const SampleBlock& block,
+                SampleCells& cells) noexcept {
   const float fx = geometry.fx, fy = geometry.fy, cx = geometry.cx, cy = geometry.cy;
   const float u0 = grid.u0, v0 = grid.v0, cell = grid.cell;
   const auto last = static_cast<float>(grid.side - 3);
+  const std::size_t n = block.count;
+  TRIVET_SIMD_LOOP
   for (std::size_t i = 0; i < n; ++i) {
-    const float u = (fx * x[i] / z[i] + cx - u0) / cell;
-    const float v = (fy * y[i] / z[i] + cy - v0) / cell;
-    const bool inside = (z[i] > 0) & (u >= 3) & (v >= 3) & (u < last) & (v < last);
-    column[i] = static_cast<std::int32_t>(inside ? u : -1.0F);
-    row[i] = static_cast<std::int32_t>(inside ? v : -1.0F);
+    const float z = block.z[i];
+    const float u = (fx * block.x[i] / z + cx - u0) / cell;
+    const float v = (fy * block.y[i] / z + cy - v0) / cell;
+    const bool inside = (z > 0) & (u >= 3) & (v >= 3) & (u < last) & (v < last);
+    cells.column[i] = static_cast<std::int32_t>(inside ? u : -1.0F);
+    cells.row[i] = static_cast<std::int32_t>(inside ? v : -1.0F);
   }
 }
 
@@ -250,20 +265,20 @@ Outline draw_samples(const PosedSamples& posed, std::size_t n, const ImageGeomet
   const auto side = static_cast<std::size_t>(grid.side);
   Outline hit{};
   SampleBlock block;
-  BlockColumn<std::int32_t> columns, rows;
+  SampleCells cells;
   BlockColumn<std::uint32_t> drawn;
   for (std::size_t first = 0; first < n; first += kSampleBlock) {
     posed.place(first, n, block);
-    find_cells(geometry, grid, block.count, block.x.data(), block.y.data(), block.z.data(),
-               columns.data(), rows.data());
+    find_cells(geometry, grid, block, cells);
     std::size_t num_drawn = 0;
     for (std::size_t i = 0; i < block.count; ++i) {
       drawn[num_drawn] = static_cast<std::uint32_t>(i);
-      num_drawn += posed.sees(first + i) & (columns[i] >= 0);
+      num_drawn += posed.sees(first + i) & (cells.column[i] >= 0);
     }
     for (std::size_t k = 0; k < num_drawn; ++k) {
       const std::size_t i = drawn[k];
-      const auto u = static_cast<std::size_t>(columns[i]), v = static_cast<std::size_t>(rows[i]);
+      const auto u = static_cast<std::size_t>(cells.column[i]),
+                 v = static_cast<std::size_t>(cells.row[i]);
       hit[v] |= Cells{1} << u;
       float& nearest = depth[v * side + u];
       nearest = std::min(nearest, block.z[i]);
@@ -310,11 +325,12 @@ float nearest_around(std::span<const float> depth, std::size_t side, std::size_t
 
 }  // namespace
 
-void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
-                   std::size_t num_samples, const Pose& T_scene_model, const VerifyOptions& options,
-                   ContourScratch& scratch, Evidence& evidence) {
+ContourEvidence judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
+                              std::size_t num_samples, const Pose& T_scene_model,
+                              const VerifyOptions& options, ContourScratch& scratch) {
+  ContourEvidence evidence;
   const std::size_t n = std::min(num_samples, samples.points.size());
-  if (n == 0) return;
+  if (n == 0) return evidence;
   const float spacing = samples.spacing * std::sqrt(static_cast<float>(samples.points.size()) /
                                                     static_cast<float>(n));
   const float jump = std::max(2 * options.tolerance, 0.03F * samples.diameter);
@@ -342,12 +358,13 @@ void judge_contour(std::span<const RangeImage> images, const ModelSamples& sampl
       const float d = image.depth[pixel];
       if (d > 0 && d < z - jump) return;  // hidden by something nearer
       if (!(d > 0) || d > z + jump) {
-        ++evidence.contour_free;
+        ++evidence.free;
       } else if (!options.is_background(image.near_plane[pixel])) {
-        ++evidence.contour_crossed;
+        ++evidence.crossed;
       }
     });
   }
+  return evidence;
 }
 
 }  // namespace trivet::kernels

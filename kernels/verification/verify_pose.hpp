@@ -23,6 +23,12 @@ struct VerifyOptions {
   }
 };
 
+/// What lies beyond places of a posed model's outline.
+struct ContourEvidence {
+  std::uint32_t free = 0;     ///< the scene falls back or is not measured
+  std::uint32_t crossed = 0;  ///< the scene runs on at the model's depth
+};
+
 /// What the samples that should be visible met, over all images.
 struct Evidence {
   /// Samples that face a camera, not hidden by the model, inside the image.
@@ -41,6 +47,11 @@ struct Evidence {
   std::uint32_t contour_free = 0;
   /// Contour places beyond which the scene runs on at the model's depth.
   std::uint32_t contour_crossed = 0;
+
+  void add(const ContourEvidence& contour) noexcept {
+    contour_free += contour.free;
+    contour_crossed += contour.crossed;
+  }
 
   float support() const noexcept;  ///< mean agreement of what was seen, 0..1
   /// Agreeing share of the samples that should be visible.
@@ -77,13 +88,13 @@ struct ContourScratch {
   std::vector<float> depth;
 };
 
-/// Add the contour's evidence: the posed model's outline is drawn by its first `num_samples`
+/// Judge the contour: the posed model's outline is drawn by its first `num_samples`
 /// samples on a grid as coarse as they are; just beyond it a real object's scene falls back or is
 /// not measured (sensors fail at depth edges), while a wrong fit on a larger surface finds that
 /// surface running on. Something nearer is neutral, and so are background planes: things stand on
 /// them.
-void judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
-                   std::size_t num_samples, const Pose& T_scene_model, const VerifyOptions& options,
-                   ContourScratch& scratch, Evidence& evidence);
+ContourEvidence judge_contour(std::span<const RangeImage> images, const ModelSamples& samples,
+                              std::size_t num_samples, const Pose& T_scene_model,
+                              const VerifyOptions& options, ContourScratch& scratch);
 
 }  // namespace trivet::kernels

@@ -41,7 +41,7 @@ struct Brackets {
       std::vector<ObjectEquations> equations(at.size());
       pulls.clear();
       for (std::size_t k = 0; k < at.size(); ++k) {
-        gather_object(image, surface, samples, at[k], scales, {0.001F, 0.03F, 2}, scratch,
+        gather_object(image, {surface, samples, at[k]}, scales, {0.001F, 0.03F, 2}, scratch,
                       equations[k]);
         EXPECT_GT(equations[k].num_used, 200U);
         EXPECT_LE(equations[k].num_rays, 2600U);
@@ -136,7 +136,7 @@ TEST(GatherObject, TakesNoMoreThanTheImageOfAPoseNextToTheCamera) {
   const float radius = 0.5F * ball_diameter(brackets.samples);
   Pose pose = Pose::Identity();
   pose.translation() = Eigen::Vector3f(60, 0, 1.06F * radius) - brackets.samples.center;
-  gather_object(brackets.image, brackets.surface, brackets.samples, pose, {}, {0.001F, 0.03F, 2},
+  gather_object(brackets.image, {brackets.surface, brackets.samples, pose}, {}, {0.001F, 0.03F, 2},
                 scratch, equations);
   EXPECT_GT(equations.num_rays, 0U);
   EXPECT_EQ(equations.num_used, 0U);

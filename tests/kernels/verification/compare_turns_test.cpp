@@ -49,8 +49,8 @@ struct Drum {
   }
   TurnComparison compare(const RangeImage& image, const Pose& pose, float period) const {
     CompareScratch scratch;
-    return compare_turns({&image, 1}, surface, sampled.view(), pose, kAxis, period, kNear, kErrors,
-                         {.tolerance = 0.003F, .plane_is_background = {}}, scratch);
+    return compare_turns({&image, 1}, {surface, sampled.view(), pose}, {kAxis, period, kNear},
+                         kErrors, {.tolerance = 0.003F, .plane_is_background = {}}, scratch);
   }
   double log_ratio(const RangeImage& image, const Pose& pose, float angle) const {
     CompareScratch scratch;

@@ -83,10 +83,8 @@ Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
   static const std::array<std::uint8_t, 1> kBackground{1};
   options.verify.plane_is_background = kBackground;
   ExamineScratch scratch;
-  Examination out;
-  examine_pose({&image, 1}, body.surface, body.samples, free_axis, pose, options, scratch, out,
-               explained, rays);
-  return out;
+  return examine_pose({&image, 1}, {body.surface, body.samples, pose}, free_axis, options, scratch,
+                      {explained, rays});
 }
 
 const Body& brick() {
@@ -339,14 +337,13 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   ExamineOptions options;
   options.verify.tolerance = 1000 * kTolerance;
   ExamineScratch scratch;
-  Examination out;
-  examine_pose({&in_millimeters, 1}, larger.surface, larger.samples, {}, far, options, scratch,
-               out);
+  Examination out = examine_pose({&in_millimeters, 1}, {larger.surface, larger.samples, far}, {},
+                                 options, scratch);
   EXPECT_NEAR(out.stability, stability, 1e-2F * stability);
 
   options.verify.tolerance = kTolerance;
   const std::array<RangeImage, 2> twice{image, image};
-  examine_pose(twice, brick().surface, brick().samples, {}, pose, options, scratch, out);
+  out = examine_pose(twice, {brick().surface, brick().samples, pose}, {}, options, scratch);
   EXPECT_NEAR(out.stability, stability, 1e-4F * stability) << "means, over all images";
 }
 
@@ -536,9 +533,8 @@ TEST(ExaminePose, AllocatesNothingOnceItsMemoryIsThere) {
   ExamineOptions options;
   options.verify.tolerance = kTolerance;
   ExamineScratch scratch;
-  Examination out;
   const auto run = [&] {
-    examine_pose({&image, 1}, brick().surface, brick().samples, {}, kCorner, options, scratch, out);
+    examine_pose({&image, 1}, {brick().surface, brick().samples, kCorner}, {}, options, scratch);
   };
   run();
   EXPECT_EQ(test::allocations_in(run), 0U);

@@ -33,7 +33,7 @@ struct PlateScene {
     options.tolerance = 0.03F;
     if (background) options.plane_is_background = kBackground;
     Evidence e;
-    judge_contour(images, plate.view(), plate.view().points.size(), pose, options, scratch, e);
+    e.add(judge_contour(images, plate.view(), plate.view().points.size(), pose, options, scratch));
     return e;
   }
 };

@@ -205,7 +205,7 @@ class Vsd : public testing::Test {
   std::array<double, 3> errors(const Image& estimate, const Image& truth) const {
     const PixelWindow whole{0, 0, kWidth, kHeight};
     std::array<double, 3> out{-1, -1, -1};
-    vsd({whole, measured}, {whole, estimate}, {whole, truth}, 0.5, 2, kTaus, out);
+    vsd({whole, measured}, {whole, estimate}, {whole, truth}, {0.5, 2, kTaus}, out);
     return out;
   }
   static std::array<double, 3> all(double value) { return {value, value, value}; }
@@ -242,7 +242,7 @@ TEST_F(Vsd, TakesPixelsApartByJustTheToleranceForWrong) {
   const Image a = with(kLeft, 10), b = with(kLeft, 9.5F);
   constexpr std::array<double, 2> taus{0.25, 0.2501};
   std::array<double, 2> out{};
-  vsd({whole, measured}, {whole, b}, {whole, a}, 0.5, 2, taus, out);
+  vsd({whole, measured}, {whole, b}, {whole, a}, {0.5, 2, taus}, out);
   EXPECT_EQ(out, (std::array<double, 2>{1, 0}));
 }
 
@@ -314,7 +314,7 @@ TEST_F(Vsd, GivesTheSameForWindowsAsForWholeImages) {
     draw(a, small_a, large_a);
     draw(b, small_b, large_b);
     std::array<double, 3> out{};
-    vsd({{0, 0, kWidth, kHeight}, measured}, {a, small_a}, {b, small_b}, 0.5, 2, kTaus, out);
+    vsd({{0, 0, kWidth, kHeight}, measured}, {a, small_a}, {b, small_b}, {0.5, 2, kTaus}, out);
     EXPECT_EQ(out, errors(large_a, large_b));
   }
 }
@@ -330,7 +330,7 @@ TEST(PoseErrors, AllocateNothing) {
               mssd(box, estimate, truth, kNoSymmetry);
               mspd(box, kCamera, estimate, truth, kNoSymmetry);
               depths_to_distances(kCamera, 8, distance);
-              vsd(map, map, map, 0.1, 1, taus, errors);
+              vsd(map, map, map, {0.1, 1, taus}, errors);
             }),
             0U);
 }

@@ -43,7 +43,8 @@ struct BallScene {
     if (background) options.plane_is_background = kBackground;
     Evidence evidence = verify_pose(images, ball.view(), 3000, pose, options);
     ContourScratch scratch;
-    judge_contour(images, ball.view(), ball.view().points.size(), pose, options, scratch, evidence);
+    evidence.add(
+        judge_contour(images, ball.view(), ball.view().points.size(), pose, options, scratch));
     return evidence;
   }
 };
@@ -291,8 +292,8 @@ TEST(VerifyPose, AllocatesNothing) {
   ContourScratch scratch;
   const auto run = [&] {
     Evidence e = verify_pose(images, scene.ball.view(), 3000, scene.truth, options, &explained);
-    judge_contour(images, scene.ball.view(), scene.ball.view().points.size(), scene.truth, options,
-                  scratch, e);
+    e.add(judge_contour(images, scene.ball.view(), scene.ball.view().points.size(), scene.truth,
+                        options, scratch));
     explained.clear();
   };
   run();
