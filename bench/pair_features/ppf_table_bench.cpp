@@ -41,9 +41,9 @@ Table build(const TableInput& input) {
   Column<std::uint32_t> counts(num_cells, 0);
   Table table;
   table.offsets.resize(num_cells + 1);
-  kernels::count_ppf_pairs(model, input.quantization, 0, n, scratch, counts);
+  kernels::count_ppf_pairs({model, input.quantization, 0, n}, scratch, counts);
   table.entries.resize(kernels::scan_ppf_counts(counts, 1, table.offsets));
-  kernels::fill_ppf_entries(model, input.quantization, 0, n, scratch, counts, table.entries);
+  kernels::fill_ppf_entries({model, input.quantization, 0, n}, scratch, counts, table.entries);
   kernels::sort_ppf_cells(table.offsets, 0, num_cells, table.entries);
   return table;
 }

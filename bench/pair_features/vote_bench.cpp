@@ -43,7 +43,7 @@ Sweep make_sweep() {
       normals.push_back(level.normals[i]);
     });
     kernels::collect_scene_votes(kernels::reference_frame(level.points[r], level.normals[r]),
-                                 points, normals, quantization, 0, scratch, keys,
+                                 {points, normals}, {quantization, 0}, scratch, keys,
                                  sweep.references.emplace_back());
   }
   return sweep;

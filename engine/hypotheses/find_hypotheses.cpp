@@ -77,8 +77,9 @@ void vote_from(const SceneLevel& level, std::uint32_t reference, const Library& 
   const float radius =
       quantization.distance_step * static_cast<float>(quantization.num_distance_bins);
   gather_neighbors(level, frame.point, radius, scratch);
-  kernels::collect_scene_votes(frame, scratch.points, scratch.normals, quantization,
-                               options.neighbor_share, scratch.pairs, scratch.keys, scratch.votes);
+  kernels::collect_scene_votes(frame, {scratch.points, scratch.normals},
+                               {quantization, options.neighbor_share}, scratch.pairs, scratch.keys,
+                               scratch.votes);
   if (scratch.votes.size() > kMaxPairs) scratch.votes.resize(kMaxPairs);
   scratch.num_pairs += scratch.points.size();
   const Pose T_scene_frame = kernels::frame_pose(frame).inverse();

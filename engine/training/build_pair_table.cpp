@@ -89,13 +89,13 @@ TableStorage fill_table(const kernels::PpfPoints& points, const PpfQuantization&
   PerThread<kernels::PairScratch> scratch(
       [&] { return kernels::PairScratch(points.points.size()); });
   for_each_index(num_chunks, [&](std::size_t chunk) {
-    kernels::count_ppf_pairs(points, quantization, chunk_first(chunk), chunk_size(chunk),
+    kernels::count_ppf_pairs({points, quantization, chunk_first(chunk), chunk_size(chunk)},
                              scratch.local(), counts_of(chunk));
   });
   table.entries.resize(kernels::scan_ppf_counts(counts, num_chunks, table.offsets));
   if (table.entries.empty()) return table;
   for_each_index(num_chunks, [&](std::size_t chunk) {
-    kernels::fill_ppf_entries(points, quantization, chunk_first(chunk), chunk_size(chunk),
+    kernels::fill_ppf_entries({points, quantization, chunk_first(chunk), chunk_size(chunk)},
                               scratch.local(), counts_of(chunk), table.entries);
   });
   for_chunks(num_cells, 4096, [&](std::size_t first, std::size_t count) {

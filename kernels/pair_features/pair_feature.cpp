@@ -29,19 +29,18 @@ Pose frame_pose(const ReferenceFrame& frame) noexcept {
 
 namespace {
 
-/// Columns that do not overlap: said at the parameters, where the compiler believes it and
-/// vectorizes the loop.
 TRIVET_SIMD_CLONES
-void compute_columns(const ReferenceFrame& reference, std::size_t n, const float* __restrict x,
-                     const float* __restrict y, const float* __restrict z,
-                     const float* __restrict mx, const float* __restrict my,
-                     const float* __restrict mz, float* __restrict distance,
-                     float* __restrict angle1, float* __restrict angle2, float* __restrict angle3,
-                     float* __restrict rotation) noexcept {
+void compute_columns(const ReferenceFrame& reference, const OrientedView& seconds,
+                     const PairFeaturesSpan& out) noexcept {
+  const std::size_t n = seconds.points.size();
+  const auto [x, y, z] = seconds.points;
+  const auto [mx, my, mz] = seconds.normals;
+  const auto [distance, angle1, angle2, angle3, rotation] = out;
   const float px = reference.point.x(), py = reference.point.y(), pz = reference.point.z();
   const float nx = reference.normal.x(), ny = reference.normal.y(), nz = reference.normal.z();
   const float ux = reference.u.x(), uy = reference.u.y(), uz = reference.u.z();
   const float vx = reference.v.x(), vy = reference.v.y(), vz = reference.v.z();
+  TRIVET_SIMD_LOOP
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
     distance[i] = std::sqrt(dx * dx + dy * dy + dz * dz);
@@ -71,10 +70,7 @@ void compute_pair_features(const ReferenceFrame& reference, PointsView points, N
                            const PairFeaturesSpan& out) {
   TRIVET_REQUIRE(normals.size() == points.size() && out.distance.size() == points.size(),
                  "one normal and one feature per point");
-  compute_columns(reference, points.size(), points.x.data(), points.y.data(), points.z.data(),
-                  normals.x.data(), normals.y.data(), normals.z.data(), out.distance.data(),
-                  out.angle_n1_d.data(), out.angle_n2_d.data(), out.angle_n1_n2.data(),
-                  out.rotation.data());
+  compute_columns(reference, {points, normals}, out);
 }
 
 TRIVET_SIMD_CLONES

@@ -34,15 +34,15 @@ bool seen_together(const ViewMask& a, const ViewMask& b) noexcept {
 
 /// Call body(reference, cell, rotation) for every pair that belongs in the table.
 template <class Body>
-void for_each_pair(const PpfPoints& model, const PpfQuantization& quantization, std::size_t first,
-                   std::size_t count, PairScratch& scratch, Body&& body) noexcept {
+void for_each_pair(const PpfChunk& chunk, PairScratch& scratch, Body&& body) noexcept {
+  const PpfPoints& model = chunk.model;
   const std::size_t n = model.points.size();
   assert(scratch.cells.size() >= n && "scratch holds one model's points");
   const PairFeaturesSpan features = scratch.features(n);
-  for (std::size_t reference = first; reference < first + count; ++reference) {
+  for (std::size_t reference = chunk.first; reference < chunk.first + chunk.count; ++reference) {
     compute_pair_features(reference_frame(model.points[reference], model.normals[reference]),
                           model.points, model.normals, features);
-    quantize_pair_features(quantization, features, std::span(scratch.cells).first(n),
+    quantize_pair_features(chunk.quantization, features, std::span(scratch.cells).first(n),
                            std::span(scratch.rotations).first(n));
     for (std::size_t i = 0; i < n; ++i) {
       if (scratch.cells[i] == kNoCell) continue;
@@ -96,10 +96,9 @@ void spread_references(PointsView points, NormalsView normals, float distance,
   }
 }
 
-void count_ppf_pairs(const PpfPoints& model, const PpfQuantization& quantization, std::size_t first,
-                     std::size_t count, PairScratch& scratch,
+void count_ppf_pairs(const PpfChunk& chunk, PairScratch& scratch,
                      std::span<std::uint32_t> counts) noexcept {
-  for_each_pair(model, quantization, first, count, scratch,
+  for_each_pair(chunk, scratch,
                 [&](std::size_t, std::uint32_t cell, std::uint16_t) { ++counts[cell]; });
 }
 
@@ -121,10 +120,9 @@ std::uint64_t scan_ppf_counts(std::span<std::uint32_t> counts, std::size_t num_c
   return total;
 }
 
-void fill_ppf_entries(const PpfPoints& model, const PpfQuantization& quantization,
-                      std::size_t first, std::size_t count, PairScratch& scratch,
+void fill_ppf_entries(const PpfChunk& chunk, PairScratch& scratch,
                       std::span<std::uint32_t> positions, std::span<PpfEntry> entries) noexcept {
-  for_each_pair(model, quantization, first, count, scratch,
+  for_each_pair(chunk, scratch,
                 [&](std::size_t reference, std::uint32_t cell, std::uint16_t rotation) {
                   entries[positions[cell]++] = {static_cast<std::uint16_t>(reference), rotation};
                 });

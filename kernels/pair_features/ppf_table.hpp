@@ -48,9 +48,15 @@ void choose_references(PointsView points, const Symmetry& symmetry, float margin
 void spread_references(PointsView points, NormalsView normals, float distance,
                        std::span<std::uint8_t> is_reference);
 
-/// Add the pairs of references [first, first + count) to counts[num_cells].
-void count_ppf_pairs(const PpfPoints& model, const PpfQuantization& quantization, std::size_t first,
-                     std::size_t count, PairScratch& scratch,
+/// The pairs of the references [first, first + count) of a model.
+struct PpfChunk {
+  const PpfPoints& model;
+  const PpfQuantization& quantization;
+  std::size_t first, count;
+};
+
+/// Add the pairs of a chunk to counts[num_cells].
+void count_ppf_pairs(const PpfChunk& chunk, PairScratch& scratch,
                      std::span<std::uint32_t> counts) noexcept;
 
 /// counts: num_chunks rows of num_cells, as counted; becomes each chunk's first write position per
@@ -58,10 +64,9 @@ void count_ppf_pairs(const PpfPoints& model, const PpfQuantization& quantization
 std::uint64_t scan_ppf_counts(std::span<std::uint32_t> counts, std::size_t num_chunks,
                               std::span<std::uint32_t> offsets) noexcept;
 
-/// Write the entries of references [first, first + count); positions[num_cells] advance.
+/// Write the entries of a chunk; positions[num_cells] advance.
 /// Chunks write to disjoint places; within a cell references rise, as chunks are in order.
-void fill_ppf_entries(const PpfPoints& model, const PpfQuantization& quantization,
-                      std::size_t first, std::size_t count, PairScratch& scratch,
+void fill_ppf_entries(const PpfChunk& chunk, PairScratch& scratch,
                       std::span<std::uint32_t> positions, std::span<PpfEntry> entries) noexcept;
 
 /// Put the entries of cells [first, first + count) in order of reference, then angle.

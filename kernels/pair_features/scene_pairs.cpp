@@ -29,10 +29,12 @@ Bins bins_of(float value, float per_bin, std::uint32_t num_bins, float share) no
   return {{bin, 0}, 1};
 }
 
-void collect_with_neighbor_cells(const PpfQuantization& q, const PairFeaturesSpan& f, float share,
+void collect_with_neighbor_cells(const CellLookup& lookup, const PairFeaturesSpan& f,
                                  std::span<const std::uint32_t> cells,
                                  std::span<const std::uint16_t> rotations,
                                  std::vector<std::uint64_t>& keys) {
+  const PpfQuantization& q = lookup.quantization;
+  const float share = lookup.neighbor_share;
   const std::uint32_t angles = q.num_angle_bins;
   const float per_angle = static_cast<float>(angles) / std::numbers::pi_v<float>;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -57,20 +59,19 @@ void collect_with_neighbor_cells(const PpfQuantization& q, const PairFeaturesSpa
 
 }  // namespace
 
-void collect_scene_votes(const ReferenceFrame& reference, PointsView neighbors, NormalsView normals,
-                         const PpfQuantization& quantization, float neighbor_share,
-                         PairScratch& scratch, std::vector<std::uint64_t>& keys,
-                         std::vector<SceneVote>& votes) {
-  const std::size_t n = neighbors.size();
+void collect_scene_votes(const ReferenceFrame& reference, const OrientedView& neighbors,
+                         const CellLookup& lookup, PairScratch& scratch,
+                         std::vector<std::uint64_t>& keys, std::vector<SceneVote>& votes) {
+  const std::size_t n = neighbors.points.size();
   const PairFeaturesSpan features = scratch.features(n);
   const auto cells = std::span(scratch.cells).first(n);
   const auto rotations = std::span(scratch.rotations).first(n);
-  compute_pair_features(reference, neighbors, normals, features);
-  quantize_pair_features(quantization, features, cells, rotations);
+  compute_pair_features(reference, neighbors.points, neighbors.normals, features);
+  quantize_pair_features(lookup.quantization, features, cells, rotations);
 
   keys.clear();
-  if (neighbor_share > 0) {
-    collect_with_neighbor_cells(quantization, features, neighbor_share, cells, rotations, keys);
+  if (lookup.neighbor_share > 0) {
+    collect_with_neighbor_cells(lookup, features, cells, rotations, keys);
   } else {
     for (std::size_t i = 0; i < n; ++i) {
       if (cells[i] != kNoCell) keys.push_back(pack(cells[i], rotations[i]));

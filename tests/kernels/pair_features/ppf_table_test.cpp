@@ -35,14 +35,14 @@ Table build(const PpfPoints& model, std::size_t num_references, std::size_t num_
     return std::span(counts).subspan(chunk * num_cells, num_cells);
   };
   for (std::size_t c = 0; c < num_chunks; ++c) {
-    count_ppf_pairs(model, kQuantization, chunk_first(c), chunk_first(c + 1) - chunk_first(c),
+    count_ppf_pairs({model, kQuantization, chunk_first(c), chunk_first(c + 1) - chunk_first(c)},
                     scratch, row(c));
   }
   Table table;
   table.offsets.resize(num_cells + 1);
   table.entries.resize(scan_ppf_counts(counts, num_chunks, table.offsets));
   for (std::size_t c = num_chunks; c-- > 0;) {  // chunks may be filled in any order
-    fill_ppf_entries(model, kQuantization, chunk_first(c), chunk_first(c + 1) - chunk_first(c),
+    fill_ppf_entries({model, kQuantization, chunk_first(c), chunk_first(c + 1) - chunk_first(c)},
                      scratch, row(c), table.entries);
   }
   sort_ppf_cells(table.offsets, 0, num_cells, table.entries);
@@ -200,9 +200,9 @@ TEST(PpfTable, CountingFillingAndSortingAllocateNothing) {
   std::vector<std::uint32_t> counts(kQuantization.num_cells(), 0), offsets(counts.size() + 1);
   std::vector<PpfEntry> entries(50 * 49);
   EXPECT_EQ(test::allocations_in([&] {
-              count_ppf_pairs(points, kQuantization, 0, 50, scratch, counts);
+              count_ppf_pairs({points, kQuantization, 0, 50}, scratch, counts);
               scan_ppf_counts(counts, 1, offsets);
-              fill_ppf_entries(points, kQuantization, 0, 50, scratch, counts, entries);
+              fill_ppf_entries({points, kQuantization, 0, 50}, scratch, counts, entries);
               sort_ppf_cells(offsets, 0, counts.size(), entries);
             }),
             0U);

@@ -27,9 +27,9 @@ struct Scratch {
 /// The look-ups of the pairs that begin at a cloud's first point.
 std::vector<SceneVote> collect(const OrientedCloud& cloud, float share) {
   Scratch scratch(cloud.points.size());
-  collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]), cloud.points,
-                      cloud.normals, kQuantization, share, scratch.pairs, scratch.keys,
-                      scratch.votes);
+  collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]),
+                      {cloud.points, cloud.normals}, {kQuantization, share}, scratch.pairs,
+                      scratch.keys, scratch.votes);
   return scratch.votes;
 }
 
@@ -170,9 +170,9 @@ TEST(SceneVotes, AllocateNothingOnceWarm) {
   const OrientedCloud cloud = test::random_oriented(random, 300);
   Scratch scratch(300);
   const auto run = [&] {
-    collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]), cloud.points,
-                        cloud.normals, kQuantization, 0.3F, scratch.pairs, scratch.keys,
-                        scratch.votes);
+    collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]),
+                        {cloud.points, cloud.normals}, {kQuantization, 0.3F}, scratch.pairs,
+                        scratch.keys, scratch.votes);
   };
   run();
   EXPECT_EQ(test::allocations_in(run), 0U);

@@ -217,9 +217,9 @@ struct Table {
     const PpfPoints points{model.points, model.normals, {}};
     PairScratch scratch(n);
     std::vector<std::uint32_t> counts(quantization.num_cells(), 0);
-    count_ppf_pairs(points, quantization, 0, n, scratch, counts);
+    count_ppf_pairs({points, quantization, 0, n}, scratch, counts);
     entries.resize(scan_ppf_counts(counts, 1, offsets));
-    fill_ppf_entries(points, quantization, 0, n, scratch, counts, entries);
+    fill_ppf_entries({points, quantization, 0, n}, scratch, counts, entries);
   }
   PpfTableView view() const {
     return {.quantization = quantization, .offsets = offsets, .entries = entries};
@@ -243,7 +243,7 @@ TEST(Voting, FindsTheMotionOfACopy) {
     Accumulator accumulator(100 * kRotationBins, 0);
     for (std::uint32_t r = 0; r < 100; r += 10) {
       const ReferenceFrame frame = reference_frame(scene.points[r], scene.normals[r]);
-      collect_scene_votes(frame, scene.points, scene.normals, table.quantization, 0.2F, scratch,
+      collect_scene_votes(frame, {scene.points, scene.normals}, {table.quantization, 0.2F}, scratch,
                           keys, votes);
       cast_votes(votes, table.view(), kNoLimit, accumulator);
       const VotePeak peak = take_peaks(accumulator, 1, 0.5F).peak[0];
