@@ -31,9 +31,9 @@ void for_each_keypoint(const KeypointSurface& surface, std::span<float> features
 void describe_trisi(const KeypointSurface& surface, std::span<float> features) {
   for_each_keypoint(
       surface, features, [&](const auto& grid, std::size_t k, auto out, auto& scratch) {
-        kernels::describe_keypoint(grid, surface.areas, surface.keypoints[k],
-                                   surface.keypoint_normals[k], surface.radius, kNoLimits,
-                                   out.template first<kernels::kTriSpinSize>(), scratch);
+        kernels::describe_keypoint(
+            {grid, surface.areas}, {surface.keypoints[k], surface.keypoint_normals[k]},
+            surface.radius, kNoLimits, out.template first<kernels::kTriSpinSize>(), scratch);
       });
 }
 

@@ -32,7 +32,7 @@ std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView norma
   for_chunks(n, kSampleGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       const std::uint32_t i = keypoints[k];
-      frames[k] = kernels::describe_keypoint(grid, areas, points[i], normals[i], radius, limits,
+      frames[k] = kernels::describe_keypoint({grid, areas}, {points[i], normals[i]}, radius, limits,
                                              image(k), scratch.local())
                       .axes;
     }

@@ -27,12 +27,12 @@ struct Lanes {
 };
 
 TRIVET_SIMD_CLONES
-void add_moments(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
-                 const float* __restrict areas, std::size_t n, float radius,
-                 Lanes<kMoments>& __restrict lanes) noexcept {
+Lanes<kMoments> sum_moments(const Support& support, float radius) noexcept {
   constexpr std::size_t L = Support::kLanes;
-  Lanes<kMoments> sums = lanes;
-  for (std::size_t first = 0; first < n; first += L) {
+  const float *xs = support.x.data(), *ys = support.y.data(), *zs = support.z.data(),
+              *areas = support.area.data();
+  Lanes<kMoments> sums;
+  for (std::size_t first = 0; first < support.size; first += L) {
     for (std::size_t k = 0; k < L; ++k) {
       const float x = xs[first + k], y = ys[first + k], z = zs[first + k];
       const float inside = std::max(0.0F, radius - std::sqrt(x * x + y * y + z * z));
@@ -50,16 +50,17 @@ void add_moments(const float* __restrict xs, const float* __restrict ys, const f
       sums.sums[9][k] += wz * z;
     }
   }
-  lanes = sums;
+  return sums;
 }
 
 TRIVET_SIMD_CLONES
-void add_heights(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
-                 const float* __restrict areas, std::size_t n, float radius, float ax, float ay,
-                 float az, Lanes<4>& __restrict lanes) noexcept {
+Lanes<4> sum_heights(const Support& support, float radius, const Eigen::Vector3f& axis) noexcept {
   constexpr std::size_t L = Support::kLanes;
-  Lanes<4> sums = lanes;
-  for (std::size_t first = 0; first < n; first += L) {
+  const float *xs = support.x.data(), *ys = support.y.data(), *zs = support.z.data(),
+              *areas = support.area.data();
+  const float ax = axis.x(), ay = axis.y(), az = axis.z();
+  Lanes<4> sums;
+  for (std::size_t first = 0; first < support.size; first += L) {
     for (std::size_t k = 0; k < L; ++k) {
       const float x = xs[first + k], y = ys[first + k], z = zs[first + k];
       const float squared = x * x + (y * y + z * z), height = ax * x + (ay * y + az * z);
@@ -71,7 +72,7 @@ void add_heights(const float* __restrict xs, const float* __restrict ys, const f
       sums.sums[3][k] += w * std::sqrt(std::max(0.0F, squared - height * height));
     }
   }
-  lanes = sums;
+  return sums;
 }
 
 struct Moments {
@@ -108,10 +109,7 @@ LocalFrame frame_of(const Moments& moments, float radius, const Eigen::Vector3f&
 LocalFrame local_frame(const Support& support, float radius,
                        const Eigen::Vector3f& normal) noexcept {
   if (support.size < kFewest) return {};
-  Lanes<kMoments> lanes;
-  add_moments(support.x.data(), support.y.data(), support.z.data(), support.area.data(),
-              support.size, radius, lanes);
-  const std::array<double, kMoments> sums = lanes.totals();
+  const std::array<double, kMoments> sums = sum_moments(support, radius).totals();
   Moments moments;
   moments.weight = sums[0];
   moments.first = {sums[1], sums[2], sums[3]};
@@ -119,13 +117,15 @@ LocalFrame local_frame(const Support& support, float radius,
   return frame_of(moments, radius, normal);
 }
 
-LocalFrame local_frame(PointsView vertices, const Triangles& triangles,
-                       std::span<const std::uint32_t> around, const Eigen::Vector3f& keypoint,
-                       float radius, float max_edge, const Eigen::Vector3f& normal) noexcept {
+LocalFrame local_frame(const TriangleSupport& support, const Eigen::Vector3f& keypoint,
+                       float radius, const Eigen::Vector3f& normal) noexcept {
+  const PointsView& vertices = support.vertices;
+  const Triangles& triangles = support.triangles;
   const Eigen::Vector3d p = keypoint.cast<double>();
-  const double r = radius, longest = static_cast<double>(max_edge) * static_cast<double>(max_edge);
+  const auto max_edge = static_cast<double>(support.max_edge);
+  const double r = radius, longest = max_edge * max_edge;
   Moments moments;
-  for (const std::uint32_t t : around) {
+  for (const std::uint32_t t : support.around) {
     const std::array<Eigen::Vector3d, 3> d{vertices[triangles.a[t]].cast<double>() - p,
                                            vertices[triangles.b[t]].cast<double>() - p,
                                            vertices[triangles.c[t]].cast<double>() - p};
@@ -148,10 +148,7 @@ LocalFrame local_frame(PointsView vertices, const Triangles& triangles,
 void aim_first_axis(const Support& support, float radius, LocalFrame& frame) noexcept {
   frame.hold = 0;
   const Eigen::Vector3f e3 = frame.axes.row(2);
-  Lanes<4> lanes;
-  add_heights(support.x.data(), support.y.data(), support.z.data(), support.area.data(),
-              support.size, radius, e3.x(), e3.y(), e3.z(), lanes);
-  const auto [x, y, z, all] = lanes.totals();
+  const auto [x, y, z, all] = sum_heights(support, radius, e3).totals();
   const Eigen::Vector3d along = e3.cast<double>(), sum(x, y, z);
   const Eigen::Vector3d across = sum - sum.dot(along) / along.squaredNorm() * along;
   const double length = across.norm();

@@ -34,16 +34,21 @@ struct LocalFrame {
 LocalFrame local_frame(const Support& support, float radius,
                        const Eigen::Vector3f& normal) noexcept;
 
+/// Triangles around a keypoint.
+struct TriangleSupport {
+  PointsView vertices;
+  const Triangles& triangles;             ///< corners < vertices.size()
+  std::span<const std::uint32_t> around;  ///< those around the keypoint, all or more
+  float max_edge;                         ///< a triangle with a longer edge has no weight
+};
+
 /// The same of triangles, each with the exact second moments of its area; those whose centroid is
-/// farther than the radius have no weight, nor have those with an edge longer than max_edge.
+/// farther than the radius have no weight.
 ///
-/// vertices   positions
-/// triangles  those around the keypoint, all or more; corners < vertices.size()
 /// Source: Guo et al., "Rotational projection statistics", IJCV 2013, eq. 1 to 8; the limit of
 /// edges is TriSI's.
-LocalFrame local_frame(PointsView vertices, const Triangles& triangles,
-                       std::span<const std::uint32_t> around, const Eigen::Vector3f& keypoint,
-                       float radius, float max_edge, const Eigen::Vector3f& normal) noexcept;
+LocalFrame local_frame(const TriangleSupport& support, const Eigen::Vector3f& keypoint,
+                       float radius, const Eigen::Vector3f& normal) noexcept;
 
 /// Turn a frame about e3, so that e1 points to where the surface rises or falls most.
 ///

@@ -13,11 +13,16 @@ constexpr std::size_t kStride = 16;
 using FourFloats [[gnu::vector_size(16)]] = float;
 
 TRIVET_SIMD_CLONES
-void find_bins(const float* __restrict xs, const float* __restrict ys, const float* __restrict zs,
-               const float* __restrict areas, std::size_t n, float ax, float ay, float az,
-               float bins_per_unit, float* __restrict weights,
-               std::int32_t* __restrict bins) noexcept {
+void find_bins(const Support& support, const Eigen::Vector3f& axis, float bins_per_unit,
+               SpinScratch& scratch) noexcept {
   constexpr float kLast = kSpinBins - 1;
+  const float *xs = support.x.data(), *ys = support.y.data(), *zs = support.z.data(),
+              *areas = support.area.data();
+  float* const weights = scratch.weights.data();
+  std::int32_t* const bins = scratch.bins.data();
+  const float ax = axis.x(), ay = axis.y(), az = axis.z();
+  const std::size_t n = support.size;
+  TRIVET_SIMD_LOOP
   for (std::size_t k = 0; k < n; ++k) {
     const float x = xs[k], y = ys[k], z = zs[k];
     const float beta = ax * x + (ay * y + az * z);
@@ -50,9 +55,7 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
     scratch.weights.resize(4 * n);
     scratch.bins.resize(n);
   }
-  find_bins(support.x.data(), support.y.data(), support.z.data(), support.area.data(), n, axis.x(),
-            axis.y(), axis.z(), static_cast<float>(kSpinBins - 1) / radius, scratch.weights.data(),
-            scratch.bins.data());
+  find_bins(support, axis, static_cast<float>(kSpinBins - 1) / radius, scratch);
   // Each bin collects for itself and the three bins after it, so that a point adds four numbers in
   // one place: where neighbors add to places that half overlap, each waits for the one before.
   alignas(64) std::array<FourFloats, kSpinBins * kStride> shares{};

@@ -25,12 +25,11 @@ LocalFrame describe_support(const Support& support, const Eigen::Vector3f& norma
   return frame;
 }
 
-LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
-                             const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
-                             float radius, const FrameLimits& limits,
-                             std::span<float, kTriSpinSize> image, TriSpinScratch& scratch) {
-  gather_support(surface, areas, keypoint, radius, scratch.support);
-  return describe_support(scratch.support, normal, radius, limits, image, scratch.spin);
+LocalFrame describe_keypoint(const WeightedSurface& surface, const Keypoint& keypoint, float radius,
+                             const FrameLimits& limits, std::span<float, kTriSpinSize> image,
+                             TriSpinScratch& scratch) {
+  gather_support(surface.grid, surface.areas, keypoint.position, radius, scratch.support);
+  return describe_support(scratch.support, keypoint.normal, radius, limits, image, scratch.spin);
 }
 
 }  // namespace trivet::kernels

@@ -48,12 +48,20 @@ LocalFrame describe_support(const Support& support, const Eigen::Vector3f& norma
                             const FrameLimits& limits, std::span<float, kTriSpinSize> image,
                             SpinScratch& scratch);
 
+/// Points of a surface.
+struct WeightedSurface {
+  const VoxelHash& grid;         ///< of the points
+  std::span<const float> areas;  ///< that each of them stands for; empty: the same
+};
+
+/// A place of a surface, and its normal, outward or towards the sensor.
+struct Keypoint {
+  Eigen::Vector3f position, normal;
+};
+
 /// The same of the points of a surface around a keypoint.
-///
-/// areas  that each point of the surface stands for; empty: the same
-LocalFrame describe_keypoint(const VoxelHash& surface, std::span<const float> areas,
-                             const Eigen::Vector3f& keypoint, const Eigen::Vector3f& normal,
-                             float radius, const FrameLimits& limits,
-                             std::span<float, kTriSpinSize> image, TriSpinScratch& scratch);
+LocalFrame describe_keypoint(const WeightedSurface& surface, const Keypoint& keypoint, float radius,
+                             const FrameLimits& limits, std::span<float, kTriSpinSize> image,
+                             TriSpinScratch& scratch);
 
 }  // namespace trivet::kernels

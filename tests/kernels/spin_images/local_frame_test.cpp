@@ -137,7 +137,7 @@ struct Mesh {
     std::iota(all.begin(), all.end(), 0U);
   }
   LocalFrame frame(float max_edge = 1) const {
-    return local_frame(vertices, triangles, all, {0, 0, 0}, kRadius, max_edge, kUp);
+    return local_frame({vertices, triangles, all, max_edge}, {0, 0, 0}, kRadius, kUp);
   }
 };
 
