@@ -57,9 +57,9 @@ KeypointSurface sample_surface(Mesh mesh, std::span<const std::uint32_t> keypoin
   Points samples(n);
   Normals face_normals(n);
   engine::for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-    kernels::sample_mesh(mesh.vertices, mesh.triangles, sums, 3, first, n,
-                         samples.span().slice(first, count),
-                         face_normals.span().slice(first, count));
+    kernels::sample_mesh(
+        {mesh.vertices, mesh.triangles, sums}, 3, first, n,
+        {samples.span().slice(first, count), face_normals.span().slice(first, count)});
   });
 
   KeypointSurface out;
@@ -70,8 +70,8 @@ KeypointSurface sample_surface(Mesh mesh, std::span<const std::uint32_t> keypoin
   out.keypoint_normals = fit_normals(samples, face_normals, out.keypoints, radius);
   Normals unused;
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(samples, normals, resolution, kNormalClusterRad, out.points, unused,
-                                scratch);
+  kernels::subsample_by_normals({samples, normals}, resolution, kNormalClusterRad, out.points,
+                                unused, scratch);
   const float share = kShareRadius * resolution;
   const kernels::VoxelHash grid(out.points, share);
   out.areas.resize(out.points.size());

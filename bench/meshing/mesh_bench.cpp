@@ -73,7 +73,7 @@ const bool kGrid = [] {
     Triangles triangles;
     for (auto _ : state) {
       kernels::arrange_pixels(scan.grid, scan.points, pixels);
-      kernels::estimate_normals_grid(scan.grid, pixels, {0, 0, 0}, {.window = 2}, 0,
+      kernels::estimate_normals_grid({scan.grid, pixels, {0, 0, 0}}, {.window = 2}, 0,
                                      scan.grid.height, normals, residuals);
       noise.assign(n, kernels::estimate_scan_noise(residuals, scratch));
       triangles = kernels::triangulate_grid(scan.grid, scan.points, {0, 0, 0}, noise);

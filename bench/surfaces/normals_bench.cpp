@@ -17,7 +17,7 @@ const bool kGrid =
       kernels::PixelPoints pixels;
       for (auto _ : state) {
         kernels::arrange_pixels(scan.grid, scan.points, pixels);
-        kernels::estimate_normals_grid(scan.grid, pixels, {0, 0, 0}, {.window = 3}, 0,
+        kernels::estimate_normals_grid({scan.grid, pixels, {0, 0, 0}}, {.window = 3}, 0,
                                        scan.grid.height, normals);
       }
       state.counters["angle_rmse_deg"] = angle_rmse_deg(scan, normals);

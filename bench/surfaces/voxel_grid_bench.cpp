@@ -46,16 +46,17 @@ const bool kApproximate =
       state.counters["voxels"] = static_cast<double>(out.size());
     });
 
-const bool kByNormals = add_rows("subsample_by_normals/ours", [](benchmark::State& state,
-                                                                 const Scan& scan) {
-  Points points;
-  Normals normals;
-  kernels::SubsampleScratch scratch;
-  for (auto _ : state) {
-    kernels::subsample_by_normals(scan.points, scan.truth, kCell, 0.52F, points, normals, scratch);
-  }
-  state.counters["voxels"] = static_cast<double>(points.size());
-});
+const bool kByNormals =
+    add_rows("subsample_by_normals/ours", [](benchmark::State& state, const Scan& scan) {
+      Points points;
+      Normals normals;
+      kernels::SubsampleScratch scratch;
+      for (auto _ : state) {
+        kernels::subsample_by_normals({scan.points, scan.truth}, kCell, 0.52F, points, normals,
+                                      scratch);
+      }
+      state.counters["voxels"] = static_cast<double>(points.size());
+    });
 
 }  // namespace
 }  // namespace trivet::bench

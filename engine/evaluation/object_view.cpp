@@ -45,7 +45,7 @@ Result<ObjectImage> render_object(const RayScene& surface, const Pose& T_camera_
   if (!posed) return posed.error();
   const Camera own = kernels::camera_of_window(camera, window);
   std::vector<std::uint32_t> instances(window.size());
-  kernels::render_depth(*posed, own, window.width, 0, image.distance, instances);
+  kernels::render_depth(*posed, own, window.width, 0, {image.distance, instances});
   kernels::depths_to_distances(own, window.width, image.distance);
   return image;
 }

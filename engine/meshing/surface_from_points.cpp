@@ -58,7 +58,7 @@ Column<float> measure_noise(const PixelGrid& grid, PointsView points,
   Normals normals(n);
   Column<float> residuals(n, NAN);
   for_chunks(grid.height, kRowGrain, [&](std::size_t first, std::size_t count) {
-    kernels::estimate_normals_grid(grid, pixels, viewpoint, {.window = 2}, first, count, normals,
+    kernels::estimate_normals_grid({grid, pixels, viewpoint}, {.window = 2}, first, count, normals,
                                    residuals);
   });
 

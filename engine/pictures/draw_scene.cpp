@@ -227,9 +227,9 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
                       static_cast<double>(geometry.cx), static_cast<double>(geometry.cy), 1};
   engine::for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     const std::size_t begin = first * geometry.width, size = count * geometry.width;
-    kernels::render_depth(*rays, camera, geometry.width, static_cast<std::uint32_t>(first),
-                          std::span(out.depth).subspan(begin, size),
-                          std::span(out.overlay).subspan(begin, size));
+    kernels::render_depth(
+        *rays, camera, geometry.width, static_cast<std::uint32_t>(first),
+        {std::span(out.depth).subspan(begin, size), std::span(out.overlay).subspan(begin, size)});
   });
   for (std::uint32_t& overlay : out.overlay) {
     if (overlay != kernels::Hit::kNone) overlay = which[overlay];

@@ -234,7 +234,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
     kernels::GridNormalOptions window_options;
     window_options.window = window;
     for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
-      kernels::estimate_normals_grid(view->grid, pixels, viewpoint, window_options, first, count,
+      kernels::estimate_normals_grid({view->grid, pixels, viewpoint}, window_options, first, count,
                                      scene.normals, residuals);
     });
   };
@@ -287,7 +287,7 @@ bool keep_one_layer(float cell, Points& points, Normals& outward) {
   }
   Points kept;
   Normals kept_outward;
-  kernels::subsample_by_normals(points, outward, cell, kNormalClusterRad, kept, kept_outward,
+  kernels::subsample_by_normals({points, outward}, cell, kNormalClusterRad, kept, kept_outward,
                                 scratch);
   points = std::move(kept);
   outward = std::move(kept_outward);
@@ -321,8 +321,8 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
     Points points(n);
     normals.resize(n);
     for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-      kernels::sample_mesh(scene.points, triangles, area_sums, 0, first, n,
-                           points.span().slice(first, count), normals.span().slice(first, count));
+      kernels::sample_mesh({scene.points, triangles, area_sums}, 0, first, n,
+                           {points.span().slice(first, count), normals.span().slice(first, count)});
     });
     scene.points = std::move(points);
     scene.spacing = static_cast<float>(std::sqrt(area / static_cast<double>(n)));
@@ -467,7 +467,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   Points points;
   Normals normals;
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(scene.points, scene.normals, step, kNormalClusterRad, points,
+  kernels::subsample_by_normals({scene.points, scene.normals}, step, kNormalClusterRad, points,
                                 normals, scratch);
   if (large_planes == LargePlanes::kept) {
     sample.points = std::move(points);

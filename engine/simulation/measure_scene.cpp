@@ -247,10 +247,10 @@ ExactImage render_exactly(const RayScene& rays, const Camera& camera, std::uint3
   ExactImage image(width, height);
   for_chunks(height, kRowGrain, [&](std::size_t first, std::size_t count) {
     const std::size_t begin = first * width, size = count * width;
-    kernels::render_depth(rays, camera, width, static_cast<std::uint32_t>(first),
-                          std::span(image.depth).subspan(begin, size),
-                          std::span(image.instance).subspan(begin, size),
-                          image.normals.span().slice(begin, size));
+    kernels::render_depth(
+        rays, camera, width, static_cast<std::uint32_t>(first),
+        {std::span(image.depth).subspan(begin, size),
+         std::span(image.instance).subspan(begin, size), image.normals.span().slice(begin, size)});
   });
   return image;
 }

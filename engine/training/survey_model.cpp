@@ -39,9 +39,9 @@ SpreadPoints spread_over(const Points& vertices, const Triangles& triangles,
   surface.points.resize(n);
   surface.normals.resize(n);
   for_chunks(n, 1024, [&](std::size_t first, std::size_t count) {
-    kernels::sample_mesh(vertices, triangles, areas, seed, first, n,
-                         surface.points.span().slice(first, count),
-                         surface.normals.span().slice(first, count));
+    kernels::sample_mesh(
+        {vertices, triangles, areas}, seed, first, n,
+        {surface.points.span().slice(first, count), surface.normals.span().slice(first, count)});
   });
   surface.spacing = static_cast<float>(std::sqrt(areas.back() / static_cast<double>(n)));
   return surface;
@@ -53,7 +53,7 @@ SpreadPoints thin_cloud(PointsView points, float cell) {
   Normals up(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) up.set(i, Eigen::Vector3f::UnitZ());
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(points, up, cell, 4, surface.points, surface.normals, scratch);
+  kernels::subsample_by_normals({points, up}, cell, 4, surface.points, surface.normals, scratch);
   const kernels::VoxelHash grid(points, 2 * cell);
   surface.normals.resize(surface.points.size());
   Neighborhoods rows;
@@ -264,7 +264,7 @@ SpreadPoints sample_evenly(const SurveyedModel& model, float step, float max_ang
   SpreadPoints even;
   even.spacing = step;
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals(dense.points, dense.normals, step, max_angle_rad, even.points,
+  kernels::subsample_by_normals({dense.points, dense.normals}, step, max_angle_rad, even.points,
                                 even.normals, scratch);
   return even;
 }

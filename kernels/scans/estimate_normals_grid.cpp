@@ -137,10 +137,11 @@ void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out) 
 }
 
 TRIVET_SIMD_CLONES
-void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
-                           const Eigen::Vector3f& viewpoint, const GridNormalOptions& options,
+void estimate_normals_grid(const GridScan& scan, const GridNormalOptions& options,
                            std::size_t first_row, std::size_t num_rows, NormalsSpan normals,
                            std::span<float> residuals) {
+  const PixelGrid& grid = scan.grid;
+  const PixelPoints& pixels = scan.pixels;
   TRIVET_REQUIRE(options.window >= 1 && options.window <= GridNormalOptions::kMaxWindow,
                  "a window within the margins");
   TRIVET_REQUIRE(first_row + num_rows <= pixels.height, "rows of the image");
@@ -148,7 +149,7 @@ void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
   const float gate_factor = options.gate * static_cast<float>(options.window);
   const float min_points = static_cast<float>(std::max(options.min_points, 3U));
   const float min_cosine = std::cos(options.max_obliquity_rad);
-  const Eigen::Vector3f sensor = viewpoint;
+  const Eigen::Vector3f sensor = scan.viewpoint;
 
   for (std::size_t v = first_row; v < first_row + num_rows; ++v) {
     const std::span<const std::int32_t> row(&grid.point_index[v * grid.width], grid.width);

@@ -36,11 +36,15 @@ struct PixelPoints {
 /// Pre: grid.point_index holds kNone or indices < points.size().
 void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out);
 
+/// An organized scan.
+struct GridScan {
+  const PixelGrid& grid;      ///< which point each pixel holds; each point at one pixel at most
+  const PixelPoints& pixels;  ///< arrange_pixels(grid, points)
+  Eigen::Vector3f viewpoint;  ///< where the sensor stood, same frame and unit
+};
+
 /// Fit a plane around each pixel of some rows, and write the normals that face the sensor.
 ///
-/// grid                 which point each pixel holds; each point at one pixel at most
-/// pixels               arrange_pixels(grid, points)
-/// viewpoint            where the sensor stood, same frame and unit
 /// first_row, num_rows  rows of the image
 /// normals              one unit vector a point of the scan, written for the points of these rows
 /// residuals            root mean square distance of each fit to its plane, unit of the points; or
@@ -54,8 +58,7 @@ void arrange_pixels(const PixelGrid& grid, PointsView points, PixelPoints& out);
 /// neighboring pixel, points on a line, too oblique. No allocation or lock. Rows are
 /// independent: any split into chunks gives the same bits. Cost: O((2 w + 1)^2) a pixel. Source:
 /// Hoppe et al., SIGGRAPH 1992, tangent plane estimation, on a gated window of pixels.
-void estimate_normals_grid(const PixelGrid& grid, const PixelPoints& pixels,
-                           const Eigen::Vector3f& viewpoint, const GridNormalOptions& options,
+void estimate_normals_grid(const GridScan& scan, const GridNormalOptions& options,
                            std::size_t first_row, std::size_t num_rows, NormalsSpan normals,
                            std::span<float> residuals = {});
 

@@ -26,10 +26,17 @@ std::uint8_t first_plane(std::span<const Plane> planes, Lies&& lies) noexcept {
   return 0;
 }
 
+/// Points that are not on a plane yet.
+struct LeftPoints {
+  PointsView points;
+  NormalsView normals;
+  std::span<const float> areas;
+  std::span<const std::uint8_t> taken;  // not 0: on a plane that was found
+};
+
 /// Least squares through the points on the plane, weighted by area.
-Plane refit(const Plane& plane, PointsView points, NormalsView normals,
-            std::span<const float> areas, std::span<const std::uint8_t> taken, float tolerance,
-            float min_cosine) {
+Plane refit(const Plane& plane, const LeftPoints& left, float tolerance, float min_cosine) {
+  const auto& [points, normals, areas, taken] = left;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double sum = 0;
   const auto each = [&](auto&& body) {
@@ -85,7 +92,7 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
     if (!(best.area > 0.3F * options.min_area))
       break;  // one point's normal meets only part of its plane
     for (int round = 0; round < 3; ++round) {
-      best = refit(best, points, normals, areas, taken, options.tolerance, min_cosine);
+      best = refit(best, {points, normals, areas, taken}, options.tolerance, min_cosine);
     }
     if (!(best.area >= options.min_area)) break;
     planes.push_back(best);

@@ -7,8 +7,8 @@
 namespace trivet::kernels {
 
 void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t width,
-                  std::uint32_t first_row, std::span<float> depth,
-                  std::span<std::uint32_t> instances, NormalsSpan normals) {
+                  std::uint32_t first_row, const RenderedRows& out) {
+  const auto& [depth, instances, normals] = out;
   TRIVET_REQUIRE(width > 0 && depth.size() % width == 0, "whole rows");
   TRIVET_REQUIRE(instances.size() == depth.size(), "one instance per depth");
   TRIVET_REQUIRE(normals.size() == 0 || normals.size() == depth.size(), "one normal per depth");

@@ -20,8 +20,10 @@ constexpr std::uint32_t kLeafSize = 32;
 
 /// Largest squared distance from one point to a run of points.
 TRIVET_SIMD_CLONES
-float farthest_squared(float px, float py, float pz, const float* x, const float* y, const float* z,
-                       std::size_t n) {
+float farthest_squared(const Eigen::Vector3f& from, const PointsView& points) {
+  const float px = from.x(), py = from.y(), pz = from.z();
+  const auto [x, y, z] = points;
+  const std::size_t n = points.size();
   // Floats that are not negative compare as their bits; the compiler vectorizes the integer
   // maximum.
   std::int32_t best = 0;
@@ -142,12 +144,10 @@ class Search {
   }
 
   void compare(const Cell& a, const Cell& b) {
-    const PointsView p = sorted_.view();
+    const PointsView others = sorted_.view().slice(b.first, b.count);
     float squared = 0;
-    for (std::uint32_t i = a.first; i < a.first + a.count; ++i) {
-      squared = std::max(squared, farthest_squared(p.x[i], p.y[i], p.z[i], &p.x[b.first],
-                                                   &p.y[b.first], &p.z[b.first], b.count));
-    }
+    for (std::uint32_t i = a.first; i < a.first + a.count; ++i)
+      squared = std::max(squared, farthest_squared(sorted_[i], others));
     best_ = std::max(best_, std::sqrt(static_cast<double>(squared)));
   }
 

@@ -52,9 +52,12 @@ double sum_areas(PointsView vertices, const Triangles& triangles, std::span<doub
   return sum;
 }
 
-void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
-                 std::uint64_t seed, std::size_t first, std::size_t num_samples, PointsSpan points,
-                 NormalsSpan normals) {
+void sample_mesh(const MeshSurface& surface, std::uint64_t seed, std::size_t first,
+                 std::size_t num_samples, const OrientedSpan& out) {
+  const std::span<const double> area_sums = surface.area_sums;
+  const Triangles& triangles = surface.triangles;
+  const PointsSpan points = out.points;
+  const NormalsSpan normals = out.normals;
   TRIVET_REQUIRE(area_sums.size() == triangles.size(), "one sum per triangle");
   TRIVET_REQUIRE(!area_sums.empty() && area_sums.back() > 0,
                  "a surface without area has no samples");
@@ -75,7 +78,7 @@ void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<cons
   };
   auto found = std::upper_bound(area_sums.begin(), last, place_of(first));
   const auto corner_at = [&](auto triangle) {
-    return first_corner(vertices, triangles,
+    return first_corner(surface.vertices, triangles,
                         static_cast<std::size_t>(triangle - area_sums.begin()));
   };
   Corner corner = corner_at(found);

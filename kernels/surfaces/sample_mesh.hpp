@@ -18,12 +18,17 @@ namespace trivet::kernels {
 /// Returns the whole area [m^2], 0 for an empty mesh.
 double sum_areas(PointsView vertices, const Triangles& triangles, std::span<double> sums);
 
-/// Write the samples first .. first + points.size() of a set of num_samples over the whole surface.
+/// A mesh whose surface is sampled.
+struct MeshSurface {
+  PointsView vertices;  ///< [m]
+  const Triangles& triangles;
+  std::span<const double> area_sums;  ///< from `sum_areas`; the last one > 0
+};
+
+/// Write the samples first .. first + out.points.size() of a set of num_samples over the whole surface.
 ///
-/// area_sums    from `sum_areas`; its last value > 0
-/// seed         another seed gives other, equally good samples
-/// points       positions [m], each on a triangle
-/// normals      unit face normals, by winding; as many as points
+/// seed  another seed gives other, equally good samples
+/// out   positions [m], each on a triangle, and as many unit face normals, by winding
 /// Sample i stands for the i-th of num_samples equal shares of the area, in the order of the
 /// triangles; a triangle of k shares gets k samples to within two, spread evenly over it.
 /// Sample i depends on seed, i and num_samples only: any split into chunks gives the same bits.
@@ -31,8 +36,7 @@ double sum_areas(PointsView vertices, const Triangles& triangles, std::span<doub
 /// Source: stratified sampling; positions by the R2 sequence (Roberts, "The unreasonable
 /// effectiveness of quasirandom sequences", 2018), taken to the triangle by the map of Heitz
 /// ("A low-distortion map between triangle and square", 2019).
-void sample_mesh(PointsView vertices, const Triangles& triangles, std::span<const double> area_sums,
-                 std::uint64_t seed, std::size_t first, std::size_t num_samples, PointsSpan points,
-                 NormalsSpan normals);
+void sample_mesh(const MeshSurface& surface, std::uint64_t seed, std::size_t first,
+                 std::size_t num_samples, const OrientedSpan& out);
 
 }  // namespace trivet::kernels

@@ -27,8 +27,9 @@ void group_by_normal(PointsView points, NormalsView normals, std::span<const std
 
 }  // namespace
 
-void subsample_by_normals(PointsView points, NormalsView normals, float cell, float max_angle_rad,
+void subsample_by_normals(const OrientedView& cloud, float cell, float max_angle_rad,
                           Points& out_points, Normals& out_normals, SubsampleScratch& scratch) {
+  const auto& [points, normals] = cloud;
   TRIVET_REQUIRE(normals.size() == points.size(), "one normal per point");
   // From pi on every direction agrees, whatever rounding does to a dot product near -1.
   const float min_cosine = max_angle_rad < std::numbers::pi_v<float> ? std::cos(max_angle_rad) : -2;

@@ -9,8 +9,8 @@ namespace trivet::kernels {
 /// Replace the points of each voxel by one oriented point for each direction that its surface
 /// takes.
 ///
-/// points         n positions; those with a non-finite coordinate are left out
-/// normals        n unit vectors; points with a NaN normal are left out
+/// cloud          n positions and unit vectors; points with a coordinate that is not finite, or a
+///                NaN normal, are left out
 /// cell           edge of a voxel, > 0, unit of the points; voxels have a corner at the origin
 /// max_angle_rad  largest angle between a point's normal and that of its group's first point;
 ///                about 0.52 (30 degrees) by the source;
@@ -23,7 +23,7 @@ namespace trivet::kernels {
 /// enough or founds one. So an edge gives two points and a corner three, and a permutation of the
 /// points may group those at the limit of the angle otherwise. Cost: O(n) times groups a voxel.
 /// Source: Vidal, Lin, Llado, Marti, Sensors 18(8), 2018, section on preprocessing.
-void subsample_by_normals(PointsView points, NormalsView normals, float cell, float max_angle_rad,
+void subsample_by_normals(const OrientedView& cloud, float cell, float max_angle_rad,
                           Points& out_points, Normals& out_normals, SubsampleScratch& scratch);
 
 }  // namespace trivet::kernels

@@ -35,18 +35,17 @@ const Views& views() noexcept {
   return table;
 }
 
-TRIVET_SIMD_CLONES
-void dot_all(const float* x, const float* y, const float* z, float vx, float vy, float vz,
-             float* out) {
-  for (std::size_t d = 0; d < kNumViews; ++d) out[d] = x[d] * vx + y[d] * vy + z[d] * vz;
-}
-
 using Cosines = std::array<float, kNumViews>;
 
-void dot_views(const Eigen::Vector3f& v, Cosines& out) {
-  const Views& table = views();
-  dot_all(table.x.data(), table.y.data(), table.z.data(), v.x(), v.y(), v.z(), out.data());
+TRIVET_SIMD_CLONES
+void dot_all(const Views& table, const Eigen::Vector3f& v, Cosines& out) {
+  const float vx = v.x(), vy = v.y(), vz = v.z();
+  TRIVET_SIMD_LOOP
+  for (std::size_t d = 0; d < kNumViews; ++d)
+    out[d] = table.x[d] * vx + table.y[d] * vy + table.z[d] * vz;
 }
+
+void dot_views(const Eigen::Vector3f& v, Cosines& out) { dot_all(views(), v, out); }
 
 /// In lanes, since the order of a maximum is of no account and the compiler may not assume it.
 TRIVET_SIMD_CLONES

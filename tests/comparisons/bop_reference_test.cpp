@@ -203,7 +203,7 @@ class Case {
     const auto rays = kernels::RayScene::from_instances(instances);
     std::vector<float> depth(kWidth * kHeight);
     std::vector<std::uint32_t> hit(depth.size());
-    kernels::render_depth(*rays, *scene.camera, kWidth, 0, depth, hit);
+    kernels::render_depth(*rays, *scene.camera, kWidth, 0, {depth, hit});
     std::vector<std::uint16_t> raw(depth.size());
     for (std::size_t i = 0; i < raw.size(); ++i) {
       const float z = depth[i] > 0 ? depth[i] / mm_ : random_.uniform(400, 900);

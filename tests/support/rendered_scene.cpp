@@ -23,7 +23,7 @@ Cloud render_scan(const std::vector<Placed>& placed) {
   cloud.viewpoint = Eigen::Vector3f::Zero();
   std::vector<float> depth(std::size_t{kWidth} * kHeight);
   std::vector<std::uint32_t> hits(depth.size());
-  kernels::render_depth(*world, *cloud.camera, kWidth, 0, depth, hits);
+  kernels::render_depth(*world, *cloud.camera, kWidth, 0, {depth, hits});
   cloud.grid = PixelGrid{kWidth, kHeight, {}};
   cloud.grid->point_index.assign(depth.size(), PixelGrid::kNone);
   for (std::size_t pixel = 0; pixel < depth.size(); ++pixel) {

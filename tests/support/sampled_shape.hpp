@@ -38,7 +38,7 @@ inline SampledShape sample_shape(PointsView vertices, const Triangles& triangles
   kernels::sum_areas(vertices, triangles, sums);
   Points points(n);
   Normals normals(n);
-  kernels::sample_mesh(vertices, triangles, sums, seed, 0, n, points, normals);
+  kernels::sample_mesh({vertices, triangles, sums}, seed, 0, n, {points, normals});
   SampledShape surface;
   surface.spacing = static_cast<float>(std::sqrt(sums.back() / static_cast<double>(n)));
   Eigen::Array3f low = vertices[0], high = low;

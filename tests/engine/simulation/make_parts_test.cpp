@@ -104,7 +104,7 @@ Symmetry found_symmetry(const Part& part, float diameter) {
   kernels::sum_areas(part.vertices, part.triangles, sums);
   Points points(kNumSamples);
   Normals normals(kNumSamples);
-  kernels::sample_mesh(part.vertices, part.triangles, sums, 1, 0, kNumSamples, points, normals);
+  kernels::sample_mesh({part.vertices, part.triangles, sums}, 1, 0, kNumSamples, {points, normals});
   const kernels::SampledSurface surface(points, normals, diameter);
   return kernels::find_symmetry(surface, kernels::TurnScreen(surface));
 }

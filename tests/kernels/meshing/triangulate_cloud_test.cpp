@@ -32,7 +32,8 @@ Samples sample(const test::Shape& shape, std::size_t n, std::uint64_t seed = 1) 
   const double area = sum_areas(shape.vertices, shape.triangles, sums);
   Samples samples{Points(n), Normals(n),
                   static_cast<float>(std::sqrt(area / static_cast<double>(n)))};
-  sample_mesh(shape.vertices, shape.triangles, sums, seed, 0, n, samples.points, samples.normals);
+  sample_mesh({shape.vertices, shape.triangles, sums}, seed, 0, n,
+              {samples.points, samples.normals});
   return samples;
 }
 

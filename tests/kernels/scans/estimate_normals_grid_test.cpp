@@ -38,7 +38,7 @@ Estimate estimate(const DepthScan& scan, const GridNormalOptions& options = {},
   PixelPoints pixels;
   arrange_pixels(scan.grid, scan.points, pixels);
   test::for_chunks(scan.grid.height, grain, [&](std::size_t first, std::size_t count) {
-    estimate_normals_grid(scan.grid, pixels, viewpoint, options, first, count, out.normals,
+    estimate_normals_grid({scan.grid, pixels, viewpoint}, options, first, count, out.normals,
                           out.residuals);
   });
   return out;
@@ -221,7 +221,7 @@ TEST(EstimateNormalsGrid, AllocatesNothing) {
   arrange_pixels(s.grid, s.points, pixels);
   EXPECT_EQ(test::allocations_in([&] {
               arrange_pixels(s.grid, s.points, pixels);
-              estimate_normals_grid(s.grid, pixels, {0, 0, 0}, {}, 0, 30, normals);
+              estimate_normals_grid({s.grid, pixels, {0, 0, 0}}, {}, 0, 30, normals);
             }),
             0U);
 }

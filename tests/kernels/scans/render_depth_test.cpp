@@ -26,9 +26,9 @@ Image render(const RayScene& scene, std::uint32_t grain = kHeight) {
   Image image;
   test::for_chunks(kHeight, grain, [&](std::size_t first, std::size_t count) {
     render_depth(scene, kCamera, kWidth, static_cast<std::uint32_t>(first),
-                 std::span(image.depth).subspan(first * kWidth, count * kWidth),
-                 std::span(image.instances).subspan(first * kWidth, count * kWidth),
-                 image.normals.span().slice(first * kWidth, count * kWidth));
+                 {std::span(image.depth).subspan(first * kWidth, count * kWidth),
+                  std::span(image.instances).subspan(first * kWidth, count * kWidth),
+                  image.normals.span().slice(first * kWidth, count * kWidth)});
   });
   return image;
 }
@@ -141,10 +141,11 @@ TEST(RenderDepth, AllocatesNothing) {
   const auto scene = RayScene::from_instances({});
   ASSERT_TRUE(scene);
   Image image;
-  EXPECT_EQ(test::allocations_in([&] {
-              render_depth(*scene, kCamera, kWidth, 0, image.depth, image.instances, image.normals);
-            }),
-            0U);
+  EXPECT_EQ(
+      test::allocations_in([&] {
+        render_depth(*scene, kCamera, kWidth, 0, {image.depth, image.instances, image.normals});
+      }),
+      0U);
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ Samples sample(const Shape& shape, std::size_t n, std::uint64_t seed = 1, std::s
   sum_areas(shape.vertices, shape.triangles, sums);
   Samples out{Points(n), Normals(n)};
   test::for_chunks(n, grain == 0 ? n : grain, [&](std::size_t first, std::size_t count) {
-    sample_mesh(shape.vertices, shape.triangles, sums, seed, first, n,
-                out.points.span().slice(first, count), out.normals.span().slice(first, count));
+    sample_mesh({shape.vertices, shape.triangles, sums}, seed, first, n,
+                {out.points.span().slice(first, count), out.normals.span().slice(first, count)});
   });
   return out;
 }
@@ -143,12 +143,12 @@ TEST(SampleMesh, AllocatesNothing) {
   const Shape shape = test::tetrahedron();
   std::vector<double> sums(shape.triangles.size());
   Samples out{Points(100), Normals(100)};
-  EXPECT_EQ(test::allocations_in([&] {
-              sum_areas(shape.vertices, shape.triangles, sums);
-              sample_mesh(shape.vertices, shape.triangles, sums, 1, 0, 100, out.points,
-                          out.normals);
-            }),
-            0U);
+  EXPECT_EQ(
+      test::allocations_in([&] {
+        sum_areas(shape.vertices, shape.triangles, sums);
+        sample_mesh({shape.vertices, shape.triangles, sums}, 1, 0, 100, {out.points, out.normals});
+      }),
+      0U);
 }
 
 }  // namespace

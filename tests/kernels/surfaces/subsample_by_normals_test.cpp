@@ -20,7 +20,7 @@ struct Oriented {
 Oriented subsample(const Oriented& in, float cell, float max_angle = kThirtyDegrees) {
   Oriented out;
   SubsampleScratch scratch;
-  subsample_by_normals(in.points, in.normals, cell, max_angle, out.points, out.normals, scratch);
+  subsample_by_normals({in.points, in.normals}, cell, max_angle, out.points, out.normals, scratch);
   return out;
 }
 
@@ -154,7 +154,7 @@ TEST(SubsampleByNormals, AllocatesNothingTheSecondTime) {
   Oriented out;
   SubsampleScratch scratch;
   const auto run = [&] {
-    subsample_by_normals(in.points, in.normals, 0.25F, kThirtyDegrees, out.points, out.normals,
+    subsample_by_normals({in.points, in.normals}, 0.25F, kThirtyDegrees, out.points, out.normals,
                          scratch);
   };
   run();
