@@ -80,7 +80,7 @@ void add_shot_noise(double share, std::uint64_t seed, PointsSpan points) {
   Eigen::AlignedBox3f box;
   for (std::size_t i = 0; i < points.size(); ++i) box.extend(PointsView(points)[i]);
   for_points(points, [&](PointsView in, std::size_t first, PointsSpan out) {
-    kernels::add_shot_noise(in, box.min(), box.max(), share, seed, first, out);
+    kernels::add_shot_noise(in, box, share, seed, first, out);
   });
 }
 

@@ -190,12 +190,11 @@ double range_of(const Echo& echo, double noise, CounterRandom& random) {
          noise * kernels::time_of_flight_sigma(echo.light) * random.normal();
 }
 
-std::vector<float> echo_scene(const kernels::RayScene& rays, const Camera& camera,
-                              const ExactImage& image, std::span<const Finish> finishes,
-                              const SensorOptions& options, const SensorFlaws& flaws,
-                              std::uint64_t seed, std::uint64_t stream) {
+std::vector<float> echo_scene(const ExactScene& scene, const SensorOptions& options,
+                              const SensorFlaws& flaws, std::uint64_t seed, std::uint64_t stream) {
   const EchoFlaws& flaw = flaws.echo;
-  const Echoes echoes(rays, camera, image, finishes);
+  const ExactImage& image = scene.image;
+  const Echoes echoes(scene);
   const std::size_t width = image.width, height = image.height;
   std::vector<Echo> light(image.depth.size());
   std::vector<double> glints(light.size(), std::numeric_limits<double>::infinity());
@@ -213,7 +212,7 @@ std::vector<float> echo_scene(const kernels::RayScene& rays, const Camera& camer
   for_pixels([&](std::size_t i) {
     if (image.depth[i] == 0) return;
     Echo echo = echoes.direct(i, glints[i]);
-    if (flaw.drops_edges && at_edge(image, camera, i))
+    if (flaw.drops_edges && at_edge(image, scene.camera, i))
       glints[i] = std::numeric_limits<double>::infinity();
     if (bounced) {
       const Echo more = bounced->at(i);

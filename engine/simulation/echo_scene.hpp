@@ -23,9 +23,8 @@ struct Echo {
 /// The light of each pixel. All parameters outlive it.
 class Echoes {
  public:
-  Echoes(const kernels::RayScene& rays, const Camera& camera, const ExactImage& image,
-         std::span<const Finish> finishes)
-      : rays_(rays), camera_(camera), image_(image), finishes_(finishes) {}
+  explicit Echoes(const ExactScene& scene)
+      : rays_(scene.rays), camera_(scene.camera), image_(scene.image), finishes_(scene.finishes) {}
 
   /// Along a pixel's ray; of length 1 along the optical axis.
   Eigen::Vector3d ray(double u, double v) const {
@@ -65,9 +64,7 @@ double range_of(const Echo& echo, double noise, kernels::CounterRandom& random);
 ///
 /// Parameters as of measure_scene. Returns depths [m]; 0 for no measurement. Same bits for any
 /// number of threads.
-std::vector<float> echo_scene(const kernels::RayScene& rays, const Camera& camera,
-                              const ExactImage& image, std::span<const Finish> finishes,
-                              const SensorOptions& options, const SensorFlaws& flaws,
-                              std::uint64_t seed, std::uint64_t stream);
+std::vector<float> echo_scene(const ExactScene& scene, const SensorOptions& options,
+                              const SensorFlaws& flaws, std::uint64_t seed, std::uint64_t stream);
 
 }  // namespace trivet::engine

@@ -21,23 +21,22 @@ using kernels::CounterRandom;
 /// The dots, one by one, and what is added to what windows find of them.
 class Matcher {
  public:
-  Matcher(const kernels::RayScene& rays, const Camera& camera, const ExactImage& image,
-          std::span<const Finish> finishes, const SensorOptions& options, const SensorFlaws& flaws,
+  Matcher(const ExactScene& scene, const SensorOptions& options, const SensorFlaws& flaws,
           std::uint64_t seed, std::uint64_t stream)
-      : rays_(rays),
-        camera_(camera),
-        image_(image),
-        finishes_(finishes),
+      : rays_(scene.rays),
+        camera_(scene.camera),
+        image_(scene.image),
+        finishes_(scene.finishes),
         match_(flaws.match),
         patches_(flaws.patches),
         seed_(seed),
         stream_(stream),
-        fb_(camera.fx * baseline(flaws.match, options.sensor)),
+        fb_(camera_.fx * baseline(flaws.match, options.sensor)),
         light_((flaws.match.light_on_left ? -1 : 1) * baseline(flaws.match, options.sensor), 0, 0),
         min_cosine_(std::cos(flaws.match.steepest_degree * kDegree)),
-        waves_(image.width, image.height, flaws.match.wave_length_pixel, seed, stream,
+        waves_(image_.width, image_.height, flaws.match.wave_length_pixel, seed, stream,
                kNoiseFieldItem),
-        print_(image.width, image.height, flaws.patch_length_pixel, seed, stream, kPatchItem) {
+        print_(image_.width, image_.height, flaws.patch_length_pixel, seed, stream, kPatchItem) {
     // The frames' own part of the noise falls with their number.
     const double noise = static_cast<double>(options.noise) * match_.noise_pixel,
                  own = match_.frame_share / match_.frames,
@@ -130,11 +129,10 @@ class Matcher {
 
 }  // namespace
 
-std::vector<float> match_scene(const kernels::RayScene& rays, const Camera& camera,
-                               const ExactImage& image, std::span<const Finish> finishes,
-                               const SensorOptions& options, const SensorFlaws& flaws,
-                               std::uint64_t seed, std::uint64_t stream) {
-  const Matcher matcher(rays, camera, image, finishes, options, flaws, seed, stream);
+std::vector<float> match_scene(const ExactScene& scene, const SensorOptions& options,
+                               const SensorFlaws& flaws, std::uint64_t seed, std::uint64_t stream) {
+  const ExactImage& image = scene.image;
+  const Matcher matcher(scene, options, flaws, seed, stream);
   const MatchFlaws& match = flaws.match;
   std::vector<float> now(image.depth.size()), next(now.size());
   // One pass over the image: body(first_row, rows of the output).

@@ -16,9 +16,7 @@ namespace trivet::engine {
 ///
 /// Parameters as of measure_scene; flaws.match.half_window_pixel > 0.
 /// Returns depths [m]; 0 for no measurement. Same bits for any number of threads.
-std::vector<float> match_scene(const kernels::RayScene& rays, const Camera& camera,
-                               const ExactImage& image, std::span<const Finish> finishes,
-                               const SensorOptions& options, const SensorFlaws& flaws,
-                               std::uint64_t seed, std::uint64_t stream);
+std::vector<float> match_scene(const ExactScene& scene, const SensorOptions& options,
+                               const SensorFlaws& flaws, std::uint64_t seed, std::uint64_t stream);
 
 }  // namespace trivet::engine

@@ -36,14 +36,13 @@ constexpr std::uint64_t kPixelFieldItem = 15ULL << 40, kHoleItem = 16ULL << 40;
 /// Everything that one pixel's measurement looks at.
 class Pixels {
  public:
-  Pixels(const RayScene& rays, const Camera& camera, const ExactImage& image,
-         std::span<const Finish> finishes, const SensorOptions& options, const LineFlaws& line,
+  Pixels(const ExactScene& scene, const SensorOptions& options, const LineFlaws& line,
          std::uint64_t seed, std::uint64_t stream)
-      : rays_(rays),
-        camera_(camera),
-        image_(image),
-        finishes_(finishes),
-        echoes_(rays, camera, image, finishes),
+      : rays_(scene.rays),
+        camera_(scene.camera),
+        image_(scene.image),
+        finishes_(scene.finishes),
+        echoes_(scene),
         sensor_(options.sensor),
         noise_(static_cast<double>(options.noise) * line.noise),
         traits_(traits_of(options.sensor)),
@@ -53,7 +52,7 @@ class Pixels {
         beam_m_(line.beam_m) {
     if (line.wave > 0) {
       wave_height_ = line.wave;
-      waves_.emplace(image.width, image.height, line.wave_length_pixel, seed, stream,
+      waves_.emplace(image_.width, image_.height, line.wave_length_pixel, seed, stream,
                      kPixelFieldItem);
     }
   }
@@ -255,17 +254,17 @@ ExactImage render_exactly(const RayScene& rays, const Camera& camera, std::uint3
   return image;
 }
 
-std::vector<std::uint16_t> measure_scene(const RayScene& rays, const Camera& camera,
-                                         const ExactImage& image, std::span<const Finish> finishes,
-                                         const SensorOptions& options, std::uint64_t seed,
-                                         std::uint64_t stream, const SensorFlaws& flaws) {
+std::vector<std::uint16_t> measure_scene(const ExactScene& scene, const SensorOptions& options,
+                                         std::uint64_t seed, std::uint64_t stream,
+                                         const SensorFlaws& flaws) {
+  const ExactImage& image = scene.image;
   const SensorTraits& traits = traits_of(options.sensor);
   std::vector<float> whole;  // depths of a sensor whose pixels depend on one another
   if (flaws.match.half_window_pixel > 0)
-    whole = match_scene(rays, camera, image, finishes, options, flaws, seed, stream);
+    whole = match_scene(scene, options, flaws, seed, stream);
   else if (flaws.echo != EchoFlaws{})
-    whole = echo_scene(rays, camera, image, finishes, options, flaws, seed, stream);
-  const Pixels pixels(rays, camera, image, finishes, options, flaws.line, seed, stream);
+    whole = echo_scene(scene, options, flaws, seed, stream);
+  const Pixels pixels(scene, options, flaws.line, seed, stream);
   const Writer writer(image.width, image.height, flaws, traits.depth_step);
   std::vector<std::uint16_t> out(image.depth.size());
   for_chunks(image.height, kRowGrain, [&](std::size_t first, std::size_t count) {

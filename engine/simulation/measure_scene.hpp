@@ -63,15 +63,19 @@ struct Finish {
 double glare(const Finish& finish, const Eigen::Vector3d& normal, const Eigen::Vector3d& to_light,
              const Eigen::Vector3d& to_camera);
 
+/// A scene that a sensor measures. All are referred to.
+struct ExactScene {
+  const kernels::RayScene& rays;     ///< in the camera's frame [m]
+  const Camera& camera;              ///< pinhole
+  const ExactImage& image;           ///< render_exactly of both
+  std::span<const Finish> finishes;  ///< one an instance
+};
+
 /// Rays from a light to what the camera sees end so much of their length before it.
 inline constexpr double kBeforeSurface = 3e-4;
 
 /// Measure a scene.
 ///
-/// rays          in the camera's frame [m]
-/// camera        pinhole
-/// image         render_exactly of both
-/// finishes      one an instance
 /// seed, stream  give the noise: each pixel has its own
 /// flaws         none: what follows. With a window, depth is matched
 ///               (engine/simulation/match_scene); light that comes back is mixed and bounced
@@ -85,10 +89,9 @@ inline constexpr double kBeforeSurface = 3e-4;
 /// the pixel, weighted by the light, so that they float between the surfaces, and loses surfaces
 /// that throw too little light back.
 /// Noise: kernels/simulation/sensor_noise.hpp. Same bytes for any number of threads.
-std::vector<std::uint16_t> measure_scene(const kernels::RayScene& rays, const Camera& camera,
-                                         const ExactImage& image, std::span<const Finish> finishes,
-                                         const SensorOptions& options, std::uint64_t seed,
-                                         std::uint64_t stream, const SensorFlaws& flaws = {});
+std::vector<std::uint16_t> measure_scene(const ExactScene& scene, const SensorOptions& options,
+                                         std::uint64_t seed, std::uint64_t stream,
+                                         const SensorFlaws& flaws = {});
 
 }  // namespace engine
 }  // namespace trivet

@@ -510,7 +510,7 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
   const Result<RayScene> rays = RayScene::from_instances(instances);
   if (!rays) return rays.error();
   scene.exact = engine::render_exactly(*rays, scene.true_camera, scene.width, scene.height);
-  scene.depths = engine::measure_scene(*rays, scene.true_camera, scene.exact, finishes,
+  scene.depths = engine::measure_scene({*rays, scene.true_camera, scene.exact, finishes},
                                        options.sensor, options.seed, index, scene.flaws);
 
   const Measured measured =

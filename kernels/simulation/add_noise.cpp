@@ -37,8 +37,8 @@ void add_ray_noise(PointsView points, const Eigen::Vector3f& viewpoint, float si
   }
 }
 
-void add_shot_noise(PointsView points, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                    double share, std::uint64_t seed, std::size_t first, PointsSpan out) {
+void add_shot_noise(PointsView points, const Eigen::AlignedBox3f& box, double share,
+                    std::uint64_t seed, std::size_t first, PointsSpan out) {
   TRIVET_REQUIRE(out.size() == points.size(), "one result a point");
   for (std::size_t i = 0; i < points.size(); ++i) {
     CounterRandom random(seed, kShot, first + i);
@@ -46,9 +46,9 @@ void add_shot_noise(PointsView points, const Eigen::Vector3f& low, const Eigen::
     const auto between = [&](float from, float to) {
       return static_cast<float>(random.uniform(from, to));
     };
-    const float x = between(low.x(), high.x());
-    const float y = between(low.y(), high.y());
-    const float z = between(low.z(), high.z());
+    const float x = between(box.min().x(), box.max().x());
+    const float y = between(box.min().y(), box.max().y());
+    const float z = between(box.min().z(), box.max().z());
     out.set(i, moves ? Eigen::Vector3f(x, y, z) : points[i]);
   }
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 
@@ -30,10 +31,10 @@ void add_gaussian_noise(PointsView points, float sigma, std::uint64_t seed, std:
 void add_ray_noise(PointsView points, const Eigen::Vector3f& viewpoint, float sigma,
                    std::uint64_t seed, std::size_t first, PointsSpan out);
 
-/// Move each point with the probability `share` to a place that is uniform in the box from `low` to
-/// `high`, in use that of the cloud. The others keep their bits.
+/// Move each point with the probability `share` to a place that is uniform in the box, in use that
+/// of the cloud. The others keep their bits.
 /// Source: the shot noise of Guo et al., IJCV 2013.
-void add_shot_noise(PointsView points, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                    double share, std::uint64_t seed, std::size_t first, PointsSpan out);
+void add_shot_noise(PointsView points, const Eigen::AlignedBox3f& box, double share,
+                    std::uint64_t seed, std::size_t first, PointsSpan out);
 
 }  // namespace trivet::kernels

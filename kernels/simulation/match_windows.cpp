@@ -20,14 +20,21 @@ struct Votes {
   float weight_of_all = 0;  // those that are not seen, too
 };
 
-void gather(std::span<const float> dots, int width, int height, int u, int v, int half, float taper,
+/// The dots of an image, row by row.
+struct DotImage {
+  std::span<const float> dots;
+  int width, height;
+};
+
+void gather(const DotImage& image, int u, int v, const WindowMatching& options,
             Votes& votes) noexcept {
+  const auto half = static_cast<int>(options.half_window);
   votes.count = 0;
   votes.weight_of_all = 0;
-  const float loss = taper / static_cast<float>(2 * half);
-  for (int y = std::max(0, v - half); y <= std::min(height - 1, v + half); ++y) {
-    const float* row = dots.data() + static_cast<std::ptrdiff_t>(y) * width;
-    for (int x = std::max(0, u - half); x <= std::min(width - 1, u + half); ++x) {
+  const float loss = options.taper / static_cast<float>(2 * half);
+  for (int y = std::max(0, v - half); y <= std::min(image.height - 1, v + half); ++y) {
+    const float* row = image.dots.data() + static_cast<std::ptrdiff_t>(y) * image.width;
+    for (int x = std::max(0, u - half); x <= std::min(image.width - 1, u + half); ++x) {
       const float dot = row[x];
       if (dot == kNoDot) continue;
       const float weight = 1 - loss * static_cast<float>(std::abs(x - u) + std::abs(y - v));
@@ -78,13 +85,12 @@ void match_windows(std::span<const float> dots, std::uint32_t width, std::uint32
   TRIVET_REQUIRE(width > 0 && dots.size() % width == 0 && disparities.size() % width == 0,
                  "whole rows");
   TRIVET_REQUIRE(options.half_window >= 1 && options.half_window <= kMaxHalfWindow, "a window");
-  const auto columns = static_cast<int>(width), rows = static_cast<int>(dots.size() / width),
-             half = static_cast<int>(options.half_window);
+  const DotImage image{dots, static_cast<int>(width), static_cast<int>(dots.size() / width)};
   Votes votes;
   for (std::size_t i = 0; i < disparities.size(); ++i) {
     const auto u = static_cast<int>(i % width), v = static_cast<int>(first_row + i / width);
     disparities[i] = 0;
-    gather(dots, columns, rows, u, v, half, options.taper, votes);
+    gather(image, u, v, options, votes);
     if (votes.count < options.fewest_dots) continue;
     const Cluster cluster = winner(votes, options.reach_pixel);
     if (cluster.count < options.fewest_dots ||

@@ -57,7 +57,7 @@ Scan scan(const std::vector<Shape>& shapes, const SensorOptions& options, bool m
   Scan out;
   out.exact = render_exactly(*rays, kCamera, kWidth, kHeight);
   const std::vector<Finish> finishes(shapes.size(), Finish{metal, reflectance});
-  out.depths = measure_scene(*rays, kCamera, out.exact, finishes, options, 1, 0);
+  out.depths = measure_scene({*rays, kCamera, out.exact, finishes}, options, 1, 0);
   out.step = traits_of(options.sensor).depth_step;
   return out;
 }

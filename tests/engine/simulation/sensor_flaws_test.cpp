@@ -44,7 +44,7 @@ std::vector<double> scan(const std::vector<Shape>& shapes, Sensor sensor, const 
   const std::vector<Finish> finishes(shapes.size(), Finish{false, reflectance});
   std::vector<double> out;
   for (const std::uint16_t raw :
-       measure_scene(*rays, kCamera, image, finishes, {.sensor = sensor}, 1, 0, flaws))
+       measure_scene({*rays, kCamera, image, finishes}, {.sensor = sensor}, 1, 0, flaws))
     out.push_back(raw * traits_of(sensor).depth_step);
   return out;
 }

@@ -59,7 +59,7 @@ const std::vector<Kernel> kKernels{
       add_ray_noise(points, {0.5F, 0.25F, -3}, 0.25F, seed, first, out);
     },
     [](PointsView points, std::uint64_t seed, std::size_t first, PointsSpan out) {
-      add_shot_noise(points, {-2, -2, -2}, {2, 2, 2}, 0.5, seed, first, out);
+      add_shot_noise(points, {Vector3f(-2, -2, -2), Vector3f(2, 2, 2)}, 0.5, seed, first, out);
     }};
 
 Points disturbed(const Kernel& kernel, PointsView points, std::uint64_t seed = 1) {
@@ -108,7 +108,7 @@ TEST(AddNoise, AllocatesNothing) {
   EXPECT_EQ(test::allocations_in([&] {
               add_gaussian_noise(points, 1, 0, 0, out);
               add_ray_noise(points, low, 1, 0, 0, out);
-              add_shot_noise(points, low, high, 0.5, 0, 0, out);
+              add_shot_noise(points, {low, high}, 0.5, 0, 0, out);
             }),
             0U);
 }
@@ -196,7 +196,7 @@ TEST(AddShotNoise, MovesTheShareUniformlyIntoTheBox) {
   Points before;
   for (const double share : {0.002, 0.05, 0.5}) {
     Points out(kMany);
-    add_shot_noise(points, low, high, share, 5, 0, out);
+    add_shot_noise(points, {low, high}, share, 5, 0, out);
     std::vector<std::vector<double>> place(3);
     for (std::size_t i = 0; i < kMany; ++i) {
       if (out[i] == points[i]) continue;
@@ -227,9 +227,10 @@ TEST(AddShotNoise, MovesTheShareUniformlyIntoTheBox) {
 TEST(AddShotNoise, MovesNoneOrAll) {
   const Points points = test::Random().dyadic_cloud(500);
   Points out(500);
-  add_shot_noise(points, {10, 10, 10}, {11, 11, 11}, 0, 5, 0, out);
+  const Eigen::AlignedBox3f box(Vector3f(10, 10, 10), Vector3f(11, 11, 11));
+  add_shot_noise(points, box, 0, 5, 0, out);
   EXPECT_TRUE(test::same_bits(out, points));
-  add_shot_noise(points, {10, 10, 10}, {11, 11, 11}, 1, 5, 0, out);
+  add_shot_noise(points, box, 1, 5, 0, out);
   for (std::size_t i = 0; i < 500; ++i) EXPECT_GE(out[i].minCoeff(), 10);
 }
 

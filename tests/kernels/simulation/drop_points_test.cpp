@@ -61,7 +61,7 @@ TEST(KeepAtRandom, GivesTheSameMarksForAnyChunking) {
 TEST(KeepAtRandom, IsIndependentOfOtherSeedsAndOfShotNoise) {
   const Marks a = thinned(kMany, 0.5, 1), b = thinned(kMany, 0.5, 2);
   Points points(kMany), moved(kMany);
-  add_shot_noise(points, {1, 1, 1}, {2, 2, 2}, 0.5, 1, 0, moved);
+  add_shot_noise(points, {Eigen::Vector3f(1, 1, 1), Eigen::Vector3f(2, 2, 2)}, 0.5, 1, 0, moved);
   std::size_t both_seeds = 0, both_kinds = 0;
   for (std::size_t i = 0; i < kMany; ++i) {
     both_seeds += a[i] == 1 && b[i] == 1;
