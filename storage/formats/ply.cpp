@@ -382,13 +382,20 @@ Result<void> check_room(const PlyBody& body, const PlyElement& element) {
                   element.count, quote(element.name)));
 }
 
+/// What the elements of a file give.
+struct PlyContent {
+  Cloud cloud;
+  Faces faces;
+  std::optional<Eigen::Vector3d> viewpoint;
+};
+
 Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHeader& header,
-                          const Input& input, Faces& faces, Cloud& cloud,
-                          std::optional<Eigen::Vector3d>& viewpoint) {
+                          const Input& input, PlyContent& out) {
+  Cloud& cloud = out.cloud;
   TRIVET_TRY(check_room(body, element));
   if (element.name == "vertex") return read_vertices(body, element, input, cloud);
   const Role role = role_of(element);
-  if (role == Role::camera) return read_viewpoint(body, element, viewpoint);
+  if (role == Role::camera) return read_viewpoint(body, element, out.viewpoint);
   if (role == Role::other) {
     return read_scalars(body, element, std::vector<double*>(element.properties.size(), nullptr));
   }
@@ -397,7 +404,7 @@ Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHea
     return input.refuse(fmt::format("expected a list vertex_indices in the element {}, found {}",
                                     quote(element.name), names_of(element)));
   }
-  if (role == Role::face) return read_faces(body, element, *list, cloud.points.size(), faces);
+  if (role == Role::face) return read_faces(body, element, *list, cloud.points.size(), out.faces);
   if (role == Role::tristrips) return read_strips(body, element, *list, cloud);
   return read_range_grid(body, element, *list, header, cloud);
 }
@@ -410,22 +417,21 @@ Result<Cloud> read_ply(const Input& input) {
   const PlyElement* const vertex = header->find("vertex");
   if (!vertex) return input.refuse("expected an element vertex, found none");
 
-  Cloud cloud;
-  Faces faces;
+  PlyContent content;
+  Cloud& cloud = content.cloud;
   PlyBody body(input, *header);
   // Faces may come before the vertices that they name.
   TRIVET_TRY(check_room(body, *vertex));
   if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
   cloud.points.resize(vertex->count);
-  std::optional<Eigen::Vector3d> viewpoint;
   for (const PlyElement& element : header->elements) {
-    auto done = read_element(body, element, *header, input, faces, cloud, viewpoint);
+    auto done = read_element(body, element, *header, input, content);
     if (!done) return done.error();
   }
   TRIVET_TRY(body.end());
-  if (viewpoint) place_viewpoint(*viewpoint, cloud);
-  TRIVET_TRY(std::move(faces).put_into(cloud, input));
-  return cloud;
+  if (content.viewpoint) place_viewpoint(*content.viewpoint, cloud);
+  TRIVET_TRY(std::move(content.faces).put_into(cloud, input));
+  return std::move(content.cloud);
 }
 
 }  // namespace trivet::formats

@@ -18,14 +18,11 @@ std::uint64_t mapped_bytes_in_memory() {
 
 }  // namespace
 
-LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
-                             std::shared_ptr<const void> owner, MappedFile mapped, Held held,
+LibraryChecks::LibraryChecks(std::filesystem::path file, FileBytes bytes, Held held,
                              const std::vector<ModelRecord>& models,
                              std::vector<LevelColumns> levels)
     : file_(std::move(file)),
-      bytes_(bytes),
-      owner_(std::move(owner)),
-      mapped_(std::move(mapped)),
+      file_bytes_(std::move(bytes)),
       held_(held),
       levels_(std::move(levels)),
       good_parts_(models.size() * kModelParts.size()),
@@ -35,18 +32,19 @@ LibraryChecks::LibraryChecks(std::filesystem::path file, std::span<const std::by
 
 Result<void> LibraryChecks::unchanged() const {
   using State = MappedFile::State;
-  if (mapped_.state() == State::same) return {};
+  const MappedFile& mapped = file_bytes_.mapped;
+  if (mapped.state() == State::same) return {};
   // All who come meanwhile wait: the bytes may be others.
   const std::lock_guard lock(touched_);
-  if (mapped_.state() == State::touched) {
-    const std::int64_t time = mapped_.time_of_touch();
+  if (mapped.state() == State::touched) {
+    const std::int64_t time = mapped.time_of_touch();
     if (is_still_good()) {
-      mapped_.accept_touch(time);
+      mapped.accept_touch(time);
     } else {
-      mapped_.condemn();
+      mapped.condemn();
     }
   }
-  if (mapped_.state() != State::changed) return {};
+  if (mapped.state() != State::changed) return {};
   return Error{
       ErrorCode::changed,
       fmt::format("{}: the library was changed in place after it was opened, so nothing is "
@@ -136,7 +134,7 @@ void LibraryChecks::ask_for(std::size_t index, ModelPart part) const noexcept {
 }
 
 void LibraryChecks::give_back() const noexcept {
-  if (held_ == Held::mapped) give_back_pages(bytes_);
+  if (held_ == Held::mapped) give_back_pages(file_bytes_.bytes);
 }
 
 Result<void> Library::check(std::uint32_t model, ModelPart part) const {

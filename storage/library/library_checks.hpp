@@ -19,12 +19,16 @@ namespace trivet {
 /// Where a library's bytes are: pages of a mapping come back from the file when they are given back.
 enum class Held : std::uint8_t { mapped, in_memory };
 
+/// Bytes of a file, in which offsets count.
+struct FileBytes {
+  std::span<const std::byte> bytes;
+  std::shared_ptr<const std::byte> owner;  ///< keeps them alive
+  MappedFile mapped{};                     ///< where they lie, for as long as others may write it
+};
+
 class LibraryChecks {
  public:
-  /// bytes   of the file, kept alive by the owner
-  /// mapped  where they lie, for as long as others may write it
-  LibraryChecks(std::filesystem::path file, std::span<const std::byte> bytes,
-                std::shared_ptr<const void> owner, MappedFile mapped, Held held,
+  LibraryChecks(std::filesystem::path file, FileBytes bytes, Held held,
                 const std::vector<ModelRecord>& models, std::vector<LevelColumns> levels);
 
   /// As Library::check.
@@ -32,7 +36,9 @@ class LibraryChecks {
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
   /// As Library::unchanged.
   Result<void> unchanged() const;
-  bool is_changed() const noexcept { return mapped_.state() == MappedFile::State::changed; }
+  bool is_changed() const noexcept {
+    return file_bytes_.mapped.state() == MappedFile::State::changed;
+  }
   /// As Library::ask_for.
   void ask_for(std::size_t index, ModelPart part) const noexcept;
   /// Let go of the pages of all bytes, where they are mapped.
@@ -44,7 +50,7 @@ class LibraryChecks {
     return model * kModelParts.size() + static_cast<std::size_t>(part);
   }
   std::span<const std::byte> bytes_of(const StoredColumn& column) const noexcept {
-    return bytes_.subspan(column.offset, column.bytes);
+    return file_bytes_.bytes.subspan(column.offset, column.bytes);
   }
   Result<void> check_bytes(const StoredColumn& column, const std::string& place) const;
   bool has_checksum(const StoredColumn& column) const;
@@ -52,9 +58,7 @@ class LibraryChecks {
   bool is_still_good() const;
 
   std::filesystem::path file_;
-  std::span<const std::byte> bytes_;
-  std::shared_ptr<const void> owner_;
-  MappedFile mapped_;
+  FileBytes file_bytes_;
   Held held_;
   std::vector<ModelColumns> models_;
   std::vector<LevelColumns> levels_;

@@ -160,13 +160,6 @@ std::vector<ModelRecord> read_records(GroupReader& reader, const StoredGroup& ro
   return records;
 }
 
-/// Bytes of a file, in which offsets count, what keeps them alive, and where they are mapped.
-struct FileBytes {
-  std::span<const std::byte> bytes;
-  std::shared_ptr<const std::byte> owner;
-  MappedFile mapped{};
-};
-
 FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.owner(), mapped}; }
 
 /// As parse_library.
@@ -249,8 +242,8 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
         map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
     level_columns.push_back(level.columns);
   }
-  out.checks = std::make_shared<const LibraryChecks>(
-      file, columns.bytes, columns.owner, columns.mapped, held, records, std::move(level_columns));
+  out.checks =
+      std::make_shared<const LibraryChecks>(file, columns, held, records, std::move(level_columns));
   return out;
 }
 
