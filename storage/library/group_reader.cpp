@@ -46,23 +46,10 @@ const StoredAttribute* GroupReader::find(const StoredAttributes& from, const std
   return nullptr;
 }
 
-std::array<std::uint64_t, 3> GroupReader::shape_of(const format::DatasetSpec& spec) const noexcept {
-  std::array<std::uint64_t, 3> shape = spec.shape;
-  std::ranges::replace(shape, format::kComponents, std::uint64_t{num_components_});
-  std::ranges::replace(shape, format::kStride, std::uint64_t{stride_});
-  return shape;
-}
-
-std::uint64_t GroupReader::row_bytes(const format::DatasetSpec& spec) const noexcept {
-  const std::array<std::uint64_t, 3> shape = shape_of(spec);
-  std::uint64_t bytes = size_of(spec.type);
-  for (std::size_t i = 0; i < spec.rank; ++i) bytes *= shape[i] == format::kRows ? 1 : shape[i];
-  return bytes;
-}
-
 std::optional<StoredColumn> GroupReader::column(const StoredGroup& group,
                                                 const format::DatasetSpec& spec,
-                                                const std::string& path) {
+                                                const std::string& path,
+                                                const format::RowSizes& sizes) {
   if (spec.since > minor_) return std::nullopt;
   const std::string place = path + "/" + std::string(spec.name);
   const auto found = group.datasets.find(std::string(spec.name));
@@ -71,7 +58,7 @@ std::optional<StoredColumn> GroupReader::column(const StoredGroup& group,
     return std::nullopt;
   }
   const StoredDataset& dataset = found->second;
-  const std::array<std::uint64_t, 3> expected_shape = shape_of(spec);
+  const std::array<std::uint64_t, 3> expected_shape = format::shape_of(spec, sizes);
   bool fits = dataset.type == spec.type && dataset.shape.size() == spec.rank;
   for (std::size_t i = 0; fits && i < spec.rank; ++i)
     fits = spec.shape[i] == format::kRows || expected_shape[i] == dataset.shape[i];

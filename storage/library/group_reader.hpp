@@ -31,10 +31,14 @@ struct StoredColumn {
 class GroupReader {
  public:
   /// bytes  of the file, which offsets count in
-  GroupReader(const std::filesystem::path& file, std::span<const std::byte> bytes)
-      : file_(file), bytes_(bytes) {}
+  /// minor  version of the file: older ones have fewer datasets, newer ones may have more;
+  ///        attributes are read alike in all
+  GroupReader(const std::filesystem::path& file, std::span<const std::byte> bytes,
+              std::uint32_t minor = kLibraryVersionMinor)
+      : file_(file), bytes_(bytes), minor_(minor) {}
 
   const std::filesystem::path& file() const noexcept { return file_; }
+  std::uint32_t version() const noexcept { return minor_; }
   const std::optional<Error>& fault() const noexcept { return fault_; }
   void refuse(const std::string& place, const std::string& what);
   void refuse(const Error& error);
@@ -69,7 +73,7 @@ class GroupReader {
   /// Where a dataset lies, when its type and shape are right; nothing of a dataset that the file's
   /// version did not have.
   std::optional<StoredColumn> column(const StoredGroup& group, const format::DatasetSpec& spec,
-                                     const std::string& path);
+                                     const std::string& path, const format::RowSizes& sizes = {});
   /// The bytes of a dataset, when its checksum is right, too.
   std::span<const std::byte> data(const StoredGroup& group, const format::DatasetSpec& spec,
                                   const std::string& path);
@@ -83,18 +87,7 @@ class GroupReader {
     return out;
   }
 
-  /// The minor version of the file: older ones have fewer datasets, newer ones may have more.
-  void set_version(std::uint32_t minor) noexcept { minor_ = minor; }
-  std::uint32_t version() const noexcept { return minor_; }
-  /// Of the library's features.
-  void set_components(std::size_t number) noexcept { num_components_ = number; }
-  std::size_t num_components() const noexcept { return num_components_; }
-  /// Bytes of a code in the index.
-  void set_stride(std::size_t bytes) noexcept { stride_ = bytes; }
-  /// The numbers of a row of a dataset.
-  std::uint64_t row_bytes(const format::DatasetSpec& spec) const noexcept;
-
-  /// Refuse what the format of that version does not name.
+  /// Refuse what the format of the file's version does not name.
   void expect_only(const StoredGroup& group, std::string_view spec_group,
                    std::initializer_list<std::string_view> below, const std::string& path);
   /// A group below another one; null where there is none.
@@ -107,12 +100,10 @@ class GroupReader {
   const StoredAttribute* find(const StoredAttributes& from, const std::string& name,
                               ElementType type, const std::string& path);
   void refuse_size(const std::string& place, std::size_t expected, std::size_t bytes);
-  std::array<std::uint64_t, 3> shape_of(const format::DatasetSpec& spec) const noexcept;
 
   const std::filesystem::path& file_;
   std::span<const std::byte> bytes_;
-  std::uint32_t minor_ = kLibraryVersionMinor;
-  std::size_t num_components_ = 0, stride_ = 0;
+  std::uint32_t minor_;
   std::optional<Error> fault_;
 };
 

@@ -1,5 +1,6 @@
 #include "storage/library/library_format.hpp"
 
+#include <algorithm>
 #include <span>
 
 #include "storage/files/file.hpp"
@@ -31,6 +32,20 @@ class Canonical {
 };
 
 }  // namespace
+
+std::array<std::uint64_t, 3> shape_of(const DatasetSpec& spec, const RowSizes& sizes) noexcept {
+  std::array<std::uint64_t, 3> shape = spec.shape;
+  std::ranges::replace(shape, kComponents, sizes.components);
+  std::ranges::replace(shape, kStride, sizes.stride);
+  return shape;
+}
+
+std::uint64_t row_bytes(const DatasetSpec& spec, const RowSizes& sizes) noexcept {
+  const std::array<std::uint64_t, 3> shape = shape_of(spec, sizes);
+  std::uint64_t bytes = size_of(spec.type);
+  for (std::size_t i = 0; i < spec.rank; ++i) bytes *= shape[i] == kRows ? 1 : shape[i];
+  return bytes;
+}
 
 std::string digest(const StoredDataset& dataset) {
   Canonical canonical;

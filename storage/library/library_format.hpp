@@ -21,6 +21,7 @@ inline constexpr std::string_view kDataChecksum = "xxh3_128";       ///< attribu
 inline constexpr std::string_view kModelsDigest = "models_digest";  ///< attribute of /directory
 inline constexpr std::uint64_t kRows = 0;  ///< stands in a shape for the number of rows
 inline constexpr std::uint64_t kComponents = ~std::uint64_t{0};  ///< ... of principal components
+inline constexpr std::uint64_t kStride = ~std::uint64_t{1};      ///< ... of the bytes of a code
 
 /// One dataset of a model, or with the group "/trisi" of the library.
 struct DatasetSpec {
@@ -33,6 +34,17 @@ struct DatasetSpec {
   std::string_view units;   ///< empty: the library's unit of length
   std::uint32_t since = 0;  ///< minor version that brought it
 };
+
+/// The numbers of a row that differ between libraries: what stands for kComponents and kStride.
+struct RowSizes {
+  std::uint64_t components = 0;  ///< of the library's features
+  std::uint64_t stride = 0;      ///< bytes of a code in a level of the index
+};
+
+/// The shape of a dataset in a library of these sizes.
+std::array<std::uint64_t, 3> shape_of(const DatasetSpec& spec, const RowSizes& sizes) noexcept;
+/// The bytes of a row of it.
+std::uint64_t row_bytes(const DatasetSpec& spec, const RowSizes& sizes) noexcept;
 
 // Vectors lie as three columns: row 0 of (3, n) holds every x.
 inline constexpr DatasetSpec kVertices{
@@ -225,7 +237,6 @@ constexpr DatasetSpec of_index(std::string_view name, ElementType type,
                                std::string_view long_name, std::string_view units = "1") {
   return {"/index", name, type, shape, rank, long_name, units, kDirectorySince};
 }
-inline constexpr std::uint64_t kStride = ~std::uint64_t{1};  ///< stands in a shape for its bytes
 inline constexpr DatasetSpec kLevelModels =
     of_index("models", ElementType::u32, {kRows}, 1, "models that have features");
 inline constexpr DatasetSpec kListCentroids =

@@ -58,9 +58,10 @@ std::vector<LevelRecord> read_index(GroupReader& reader, const StoredGroup& inde
     LevelRecord& level = levels.emplace_back();
     level.resolution = reader.f32(group.attributes, "resolution", path);
     level.stride = reader.u32(group.attributes, "stride", path);
-    reader.set_stride(level.stride);
-    for (std::size_t c = 0; c < kLevelColumns.size(); ++c)
-      level.columns[c] = reader.column(group, kLevelColumns[c], path).value_or(StoredColumn{});
+    for (std::size_t c = 0; c < kLevelColumns.size(); ++c) {
+      level.columns[c] = reader.column(group, kLevelColumns[c], path, {.stride = level.stride})
+                             .value_or(StoredColumn{});
+    }
     reader.expect_only(group, "/index", {}, path);
   }
   if (!index.datasets.empty()) reader.refuse("/index", "expected no datasets");
@@ -144,12 +145,13 @@ bool same(const ModelRecord& record, const ModelRecord& other) {
 
 /// What is known of all models, whose columns lie in a file of so many bytes.
 std::vector<ModelRecord> read_records(GroupReader& reader, const StoredGroup& root, From from,
-                                      std::uint64_t file_bytes) {
-  if (from == From::groups) return read_models(reader, root.groups.at("models"));
+                                      std::size_t num_components, std::uint64_t file_bytes) {
+  if (from == From::groups) return read_models(reader, root.groups.at("models"), num_components);
   const StoredGroup& directory = root.groups.at("directory");
-  std::vector<ModelRecord> records = read_directory(reader, directory, file_bytes);
+  std::vector<ModelRecord> records = read_directory(reader, directory, num_components, file_bytes);
   if (from == From::directory || reader.fault()) return records;
-  const std::vector<ModelRecord> walked = read_models(reader, root.groups.at("models"));
+  const std::vector<ModelRecord> walked =
+      read_models(reader, root.groups.at("models"), num_components);
   const std::string digest =
       reader.text(directory.attributes, std::string(format::kModelsDigest), "/directory");
   if (!reader.fault() && (digest != format::digest(root.groups.at("models")) ||
@@ -168,9 +170,10 @@ FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.ow
 /// columns  of the file that the models' columns lie in
 Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileBytes& own,
                       const FileBytes& columns, From from, Held held) {
-  GroupReader reader(file, own.bytes);
-  const std::uint32_t minor = reader.u32(root.attributes, "format_version_minor", "/");
-  reader.set_version(minor);
+  GroupReader of_any_version(file, own.bytes);
+  const std::uint32_t minor = of_any_version.u32(root.attributes, "format_version_minor", "/");
+  if (of_any_version.fault()) return *of_any_version.fault();
+  GroupReader reader(file, own.bytes, minor);
   Library out{file, {}, minor, own.bytes.size(), {}, {}, {}, {}};
   out.header.producer = reader.text(root.attributes, "producer", "/");
   out.header.parameters = reader.text(root.attributes, "parameters", "/");
@@ -204,8 +207,8 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
     if (!reader.fault()) {
       if (const auto good = format::check_basis(out.basis); !good) reader.refuse(good.error());
     }
-    reader.set_components(out.basis.components.size());
   }
+  const std::size_t num_components = out.basis.components.size();
   const std::uint32_t count = reader.u32(root.attributes, "num_models", "/");
   const auto expect_count = [&](std::size_t num_groups) {
     if (num_groups == count && models->datasets.empty()) return;
@@ -213,7 +216,8 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
                                          num_groups, models->datasets.size()));
   };
   if (from != From::directory) expect_count(models->groups.size());
-  const std::vector<ModelRecord> records = read_records(reader, root, from, columns.bytes.size());
+  const std::vector<ModelRecord> records =
+      read_records(reader, root, from, num_components, columns.bytes.size());
   if (!reader.fault()) expect_count(records.size());
   // Of a file that was stored anew, the index lies somewhere else than it was.
   std::vector<LevelRecord> levels;
@@ -222,7 +226,7 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
   if (reader.fault()) return *reader.fault();
 
   for (const ModelRecord& record : records) {
-    out.models.push_back(map_model(record, columns.bytes, columns.owner, reader.num_components()));
+    out.models.push_back(map_model(record, columns.bytes, columns.owner, num_components));
     if (const auto good = format::check_traits(out.models.back()); !good) {
       reader.refuse(good.error());
       return *reader.fault();

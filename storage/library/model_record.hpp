@@ -20,13 +20,16 @@ struct ModelRecord {
 
 /// Take the records of all models from their groups, by name. Nothing of the large datasets is
 /// read.
-std::vector<ModelRecord> read_models(GroupReader& reader, const StoredGroup& models);
+///
+/// num_components  of the library's features; 0: it has none
+std::vector<ModelRecord> read_models(GroupReader& reader, const StoredGroup& models,
+                                     std::size_t num_components);
 
 /// Take them from the directory. Extents are checked.
 ///
 /// file_bytes  of the file that the columns lie in
 std::vector<ModelRecord> read_directory(GroupReader& reader, const StoredGroup& directory,
-                                        std::uint64_t file_bytes);
+                                        std::size_t num_components, std::uint64_t file_bytes);
 
 /// Rigid motions of sixteen numbers each, row-major.
 std::vector<Pose> poses_of(std::span<const float> numbers);

@@ -123,11 +123,12 @@ ModelRecord record_at(const Columns& c, std::size_t m) {
 }
 
 /// Columns lie inside the file, and are of whole rows.
-void check_places(GroupReader& reader, const ModelRecord& record, std::uint64_t file_bytes) {
+void check_places(GroupReader& reader, const ModelRecord& record, std::size_t num_components,
+                  std::uint64_t file_bytes) {
   for (std::size_t k = 0; k < kColumns; ++k) {
     const StoredColumn& column = record.columns[k];
     const format::DatasetSpec& spec = format::kModelColumns[k].spec;
-    const std::uint64_t row = reader.row_bytes(spec);
+    const std::uint64_t row = format::row_bytes(spec, {.components = num_components});
     if (column.offset <= file_bytes && column.bytes <= file_bytes - column.offset &&
         (row == 0 ? column.bytes == 0 : column.bytes % row == 0))
       continue;
@@ -142,7 +143,7 @@ void check_places(GroupReader& reader, const ModelRecord& record, std::uint64_t 
 }  // namespace
 
 std::vector<ModelRecord> read_directory(GroupReader& reader, const StoredGroup& directory,
-                                        std::uint64_t file_bytes) {
+                                        std::size_t num_components, std::uint64_t file_bytes) {
   const Columns columns = read_columns(reader, directory);
   const std::size_t n = columns.names.size() / format::kNameBytes;
   if (!reader.fault()) check_columns(reader, columns, n);
@@ -150,7 +151,7 @@ std::vector<ModelRecord> read_directory(GroupReader& reader, const StoredGroup& 
   std::vector<ModelRecord> records;
   for (std::size_t m = 0; m < n; ++m) {
     records.push_back(record_at(columns, m));
-    check_places(reader, records.back(), file_bytes);
+    check_places(reader, records.back(), num_components, file_bytes);
     if (m > 0 && records[m - 1].traits.name >= records[m].traits.name)
       reader.refuse(kPath + "/names", "expected names to rise");
     if (reader.fault()) return {};

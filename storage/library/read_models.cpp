@@ -9,30 +9,33 @@ namespace {
 
 /// The columns of a group of the format, below a model's own.
 void read_columns(GroupReader& reader, const StoredGroup& group, std::string_view spec_group,
-                  const std::string& path, ModelRecord& record) {
+                  const std::string& path, const format::RowSizes& sizes, ModelRecord& record) {
   for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
     const format::DatasetSpec& spec = format::kModelColumns[c].spec;
     if (spec.group != spec_group) continue;
-    record.columns[c] = reader.column(group, spec, path).value_or(StoredColumn{});
+    record.columns[c] = reader.column(group, spec, path, sizes).value_or(StoredColumn{});
   }
 }
 
-void read_features(GroupReader& reader, const StoredGroup& model, const std::string& name,
-                   const std::string& path, TriSpinFeatures& features, ModelRecord& record) {
+/// The features of one of kFeatureScales.
+void read_features(GroupReader& reader, const StoredGroup& model, std::size_t scale,
+                   const std::string& path, std::size_t num_components, ModelRecord& record) {
+  const std::string name(format::kFeatureGroups[scale]);
   const StoredGroup* const group = GroupReader::below(model, name);
   const std::string place = path + "/" + name;
-  if (reader.num_components() == 0) {
+  if (num_components == 0) {
     if (group != nullptr) reader.refuse(place, "expected the group /trisi beside it, found none");
   } else if (group != nullptr) {
-    features.resolution = reader.f32(group->attributes, "resolution", place);
+    record.traits.features[scale].resolution = reader.f32(group->attributes, "resolution", place);
     reader.expect_only(*group, name, {}, place);
-    read_columns(reader, *group, name, place, record);
+    read_columns(reader, *group, name, place, {.components = num_components}, record);
   } else {
     reader.refuse(place, "expected this group, found none");
   }
 }
 
-ModelRecord read_model(GroupReader& reader, const std::string& name, const StoredGroup& group) {
+ModelRecord read_model(GroupReader& reader, const std::string& name, const StoredGroup& group,
+                       std::size_t num_components) {
   const std::string path = "/models/" + name;
   ModelRecord record;
   Model& model = record.traits;
@@ -57,7 +60,7 @@ ModelRecord read_model(GroupReader& reader, const std::string& name, const Store
   if (axes.size() >= 6)
     model.near_axis = {Eigen::Vector3f(axes.data()), Eigen::Vector3f(axes.data() + 3)};
   reader.expect_only(group, "", {"ppf", "trisi", "trisi_2x", "trisi_4x"}, path);
-  read_columns(reader, group, "", path, record);
+  read_columns(reader, group, "", path, {}, record);
 
   if (const StoredGroup* const table = GroupReader::below(group, "ppf")) {
     const std::string place = path + "/ppf";
@@ -66,25 +69,25 @@ ModelRecord read_model(GroupReader& reader, const std::string& name, const Store
                               reader.u32(table->attributes, "num_angle_bins", place)};
     model.ppf.num_references = reader.u32(table->attributes, "num_references", place);
     reader.expect_only(*table, "ppf", {}, place);
-    read_columns(reader, *table, "ppf", place, record);
+    read_columns(reader, *table, "ppf", place, {}, record);
   } else {
     reader.refuse(path + "/ppf", "expected this group, found none");
   }
 
   for (std::size_t k = 0; k < kFeatureScales.size(); ++k) {
     if (reader.version() < format::at_scale(format::kFeatures, k).since) continue;
-    read_features(reader, group, std::string(format::kFeatureGroups[k]), path, model.features[k],
-                  record);
+    read_features(reader, group, k, path, num_components, record);
   }
   return record;
 }
 
 }  // namespace
 
-std::vector<ModelRecord> read_models(GroupReader& reader, const StoredGroup& models) {
+std::vector<ModelRecord> read_models(GroupReader& reader, const StoredGroup& models,
+                                     std::size_t num_components) {
   std::vector<ModelRecord> records;
   for (const auto& [name, group] : models.groups) {
-    records.push_back(read_model(reader, name, group));
+    records.push_back(read_model(reader, name, group, num_components));
     if (reader.fault()) return {};
   }
   return records;

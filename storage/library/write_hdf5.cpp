@@ -71,13 +71,11 @@ Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis) {
 StoredDataset describe(const format::DatasetSpec& spec, std::uint64_t num_bytes,
                        std::string_view checksum, std::string_view unit, std::size_t num_components,
                        std::size_t stride) {
-  StoredDataset out{
-      spec.type, {spec.shape.begin(), spec.shape.begin() + spec.rank}, 0, num_bytes, {}};
-  std::ranges::replace(out.shape, format::kComponents, std::uint64_t{num_components});
-  std::ranges::replace(out.shape, format::kStride, std::uint64_t{stride});
-  std::uint64_t row_bytes = size_of(spec.type);
-  for (const std::uint64_t n : out.shape) row_bytes *= n == format::kRows ? 1 : n;
-  for (std::uint64_t& n : out.shape) n = n == format::kRows ? num_bytes / row_bytes : n;
+  const format::RowSizes sizes{num_components, stride};
+  const std::array<std::uint64_t, 3> shape = format::shape_of(spec, sizes);
+  StoredDataset out{spec.type, {shape.begin(), shape.begin() + spec.rank}, 0, num_bytes, {}};
+  const std::uint64_t num_rows = num_bytes / format::row_bytes(spec, sizes);
+  std::ranges::replace(out.shape, format::kRows, num_rows);
   out.attributes.emplace("long_name", attribute(spec.long_name));
   out.attributes.emplace("units", attribute(spec.units.empty() ? unit : spec.units));
   out.attributes.emplace(format::kDataChecksum, attribute(checksum));
