@@ -91,3 +91,15 @@ class [[nodiscard]] Result<void> {
   do {                                                                                   \
     if (auto&& trivet_tried = (__VA_ARGS__); !trivet_tried) return trivet_tried.error(); \
   } while (false)
+
+/// Declare what a Result holds, or end the function with its error:
+/// TRIVET_TRY_ASSIGN(const Cloud cloud, read_cloud(file));
+/// Several statements, so in braces where it follows an `if`.
+#define TRIVET_TRY_ASSIGN(declaration, ...) \
+  TRIVET_TRY_ASSIGN_FROM(TRIVET_JOINED(trivet_tried_, __COUNTER__), declaration, __VA_ARGS__)
+#define TRIVET_TRY_ASSIGN_FROM(tried, declaration, ...) \
+  auto tried = (__VA_ARGS__);                           \
+  if (!tried) return tried.error();                     \
+  declaration = *std::move(tried)
+#define TRIVET_JOINED(first, second) TRIVET_JOINED_AS_THEY_ARE(first, second)
+#define TRIVET_JOINED_AS_THEY_ARE(first, second) first##second

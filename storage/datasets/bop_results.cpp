@@ -134,9 +134,8 @@ Result<void> write_bop_results(const std::filesystem::path& file,
 }
 
 Result<std::vector<BopResult>> read_bop_results(const std::filesystem::path& file) {
-  const auto read = read_text_file(file, kMaxBytes);
-  if (!read) return read.error();
-  std::string_view text = *read;
+  TRIVET_TRY_ASSIGN(const auto read, read_text_file(file, kMaxBytes));
+  std::string_view text = read;
   std::vector<BopResult> results;
   ImageTimes times;
   std::size_t line_number = 0;

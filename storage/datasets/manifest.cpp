@@ -124,9 +124,8 @@ Result<Manifest> read_manifest(const std::filesystem::path& file) {
       }
     }
   };
-  auto done =
-      with_json(file, walk, [&](int depth, const std::string& key) { order.on_key(depth, key); });
-  if (!done) return done.error();
+  TRIVET_TRY(
+      with_json(file, walk, [&](int depth, const std::string& key) { order.on_key(depth, key); }));
   return manifest;
 }
 

@@ -219,9 +219,8 @@ class SceneReader {
   /// images   to be read, all if absent
   Result<void> read(int scene_id, const ImageTargets* images) {
     const fs::path folder = bop_scene_folder(split_, scene_id);
-    const Result<std::string> camera = find_camera(folder);
-    if (!camera) return camera.error();
-    const SceneFiles files{folder, *camera};
+    TRIVET_TRY_ASSIGN(const std::string camera, find_camera(folder));
+    const SceneFiles files{folder, camera};
     std::map<int, ManifestScene> scenes;
     TRIVET_TRY(read_cameras(files, images, scenes));
     TRIVET_TRY(read_truth(files, scenes));
@@ -360,11 +359,10 @@ class SceneReader {
 };
 
 Result<Manifest> read_models(const Place& place) {
-  const auto objects = read_bop_models_info(place.models / "models_info.json");
-  if (!objects) return objects.error();
+  TRIVET_TRY_ASSIGN(const auto objects, read_bop_models_info(place.models / "models_info.json"));
   Manifest manifest;
   manifest.unit = LengthUnit::millimeter;
-  for (const BopObject& object : *objects) {
+  for (const BopObject& object : objects) {
     ManifestModel model;
     model.name = bop_model_name(object.id);
     model.file = place.models / (model.name + ".ply");
@@ -383,40 +381,37 @@ Result<Manifest> read_models(const Place& place) {
 bool is_bop_folder(const fs::path& folder) { return find_place(folder).has_value(); }
 
 Result<Manifest> read_bop_models(const fs::path& folder) {
-  const Result<Place> place = place_of(folder);
-  if (!place) return place.error();
-  return read_models(*place);
+  TRIVET_TRY_ASSIGN(const Place place, place_of(folder));
+  return read_models(place);
 }
 
 Result<Manifest> read_bop(const fs::path& folder) {
-  const Result<Place> place = place_of(folder);
-  if (!place) return place.error();
-  Result<Manifest> manifest = read_models(*place);
+  TRIVET_TRY_ASSIGN(const Place place, place_of(folder));
+  Result<Manifest> manifest = read_models(place);
   if (!manifest) return manifest;
-  const Result<fs::path> split = place->split.empty() ? choose_split(place->root) : place->split;
-  if (!split) return split.error();
+  TRIVET_TRY_ASSIGN(const fs::path split,
+                    place.split.empty() ? choose_split(place.root) : place.split);
 
   Result<std::optional<Targets>> targets = std::optional<Targets>();
-  if (is_test(name_of(*split).string())) targets = read_targets(place->root);
+  if (is_test(name_of(split).string())) targets = read_targets(place.root);
   if (!targets) return targets.error();
-  SceneReader reader(*split, place->camera, *manifest);
+  SceneReader reader(split, place.camera, *manifest);
   if (*targets) {
     for (const auto& [scene_id, images] : **targets) TRIVET_TRY(reader.read(scene_id, &images));
   } else {
-    for (const int scene_id : list_scenes(*split)) TRIVET_TRY(reader.read(scene_id, nullptr));
+    for (const int scene_id : list_scenes(split)) TRIVET_TRY(reader.read(scene_id, nullptr));
   }
   return manifest;
 }
 
 Result<std::vector<BopObject>> read_bop_models_info(const fs::path& file) {
   std::map<int, BopObject> objects;
-  const auto done = with_json(file, [&](const JsonNode& root) {
+  TRIVET_TRY(with_json(file, [&](const JsonNode& root) {
     for (const auto& [key, node] : root.members()) {
       const int id = parse_id(key, node);
       objects.emplace(id, parse_object(id, node));
     }
-  });
-  if (!done) return done.error();
+  }));
   std::vector<BopObject> sorted;
   for (auto& [id, object] : objects) sorted.push_back(std::move(object));
   return sorted;

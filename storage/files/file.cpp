@@ -196,14 +196,13 @@ void remove_pending_files(const std::filesystem::path& given) noexcept {
 }
 
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  auto pending = PendingFile::create(file);
-  if (!pending) return pending.error();
-  if (!write_all(pending->descriptor(), bytes)) {
+  TRIVET_TRY_ASSIGN(auto pending, PendingFile::create(file));
+  if (!write_all(pending.descriptor(), bytes)) {
     return Error{
         write_error(errno, ErrorCode::io),
         fmt::format("{}: writing {} bytes failed: {}", file.string(), bytes.size(), errno_text())};
   }
-  return pending->publish();
+  return pending.publish();
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {

@@ -66,11 +66,9 @@ bool is_gzip(std::span<const std::byte> bytes) noexcept {
 
 Result<std::vector<std::byte>> gunzip(std::span<const std::byte> packed, std::string_view name,
                                       std::uint64_t max_bytes) {
-  const Result<std::uint64_t> size = unpack(packed, name, max_bytes, {});
-  if (!size) return size.error();
-  std::vector<std::byte> bytes(static_cast<std::size_t>(*size));
-  const Result<std::uint64_t> done = unpack(packed, name, max_bytes, bytes);
-  if (!done) return done.error();
+  TRIVET_TRY_ASSIGN(const std::uint64_t size, unpack(packed, name, max_bytes, {}));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  TRIVET_TRY(unpack(packed, name, max_bytes, bytes));
   return bytes;
 }
 

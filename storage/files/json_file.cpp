@@ -253,9 +253,8 @@ std::vector<Pose> JsonNode::symmetry_poses() const {
 Result<void> with_json(const std::filesystem::path& file,
                        const std::function<void(const JsonNode& root)>& walk,
                        const OnJsonKey& on_key) {
-  const auto bytes = read_file(file, kMaxBytes);
-  if (!bytes) return bytes.error();
-  return with_json(*bytes, file.string(), walk, on_key);
+  TRIVET_TRY_ASSIGN(const auto bytes, read_file(file, kMaxBytes));
+  return with_json(bytes, file.string(), walk, on_key);
 }
 
 Result<void> with_json(std::span<const std::byte> bytes, const std::string& name,

@@ -39,21 +39,19 @@ Result<void*> map(const std::filesystem::path& file, const OpenedFile& opened) {
 
 Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint64_t max_bytes,
                                     Writers writers) {
-  Result<OpenedFile> opened = open_regular(file, max_bytes);
-  if (!opened) return opened.error();
-  if (writers == Writers::others && !wait_for_rest(*opened)) {
+  TRIVET_TRY_ASSIGN(OpenedFile opened, open_regular(file, max_bytes));
+  if (writers == Writers::others && !wait_for_rest(opened)) {
     return Error{ErrorCode::changed,
                  fmt::format("{}: is being written; wait until it is whole", file.string())};
   }
   MappedFile out;
-  if (opened->identity.size == 0) return out;
-  const Result<void*> memory = map(file, *opened);
-  if (!memory) return memory.error();
+  if (opened.identity.size == 0) return out;
+  TRIVET_TRY_ASSIGN(const void* memory, map(file, opened));
   out.mapping_ = std::make_shared<Mapping>(
-      std::span(static_cast<const std::byte*>(*memory), opened->identity.size));
-  out.mapping_->identity = opened->identity;
-  out.mapping_->touched = opened->identity.touched;
-  if (writers == Writers::others) out.mapping_->descriptor = std::move(opened->descriptor);
+      std::span(static_cast<const std::byte*>(memory), opened.identity.size));
+  out.mapping_->identity = opened.identity;
+  out.mapping_->touched = opened.identity.touched;
+  if (writers == Writers::others) out.mapping_->descriptor = std::move(opened.descriptor);
   return out;
 }
 

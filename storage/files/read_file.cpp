@@ -23,17 +23,16 @@ Error changed_meanwhile(const std::filesystem::path& file) {
 /// Of a file as long as it was when it was opened, into a buffer of bytes or characters.
 template <class Buffer>
 Result<Buffer> read_whole(const std::filesystem::path& file, std::uint64_t max_bytes) {
-  Result<OpenedFile> opened = open_regular(file, max_bytes);
-  if (!opened) return opened.error();
-  if (!wait_for_rest(*opened)) return changed_meanwhile(file);
-  if (opened->identity.size > max_bytes) return changed_meanwhile(file);
-  const int descriptor = opened->descriptor.get();
+  TRIVET_TRY_ASSIGN(OpenedFile opened, open_regular(file, max_bytes));
+  if (!wait_for_rest(opened)) return changed_meanwhile(file);
+  if (opened.identity.size > max_bytes) return changed_meanwhile(file);
+  const int descriptor = opened.descriptor.get();
   Buffer bytes;
   try {
-    bytes.resize(opened->identity.size);
+    bytes.resize(opened.identity.size);
   } catch (const std::exception&) {
     return Error{ErrorCode::io, fmt::format("{}: not enough memory to read {} bytes", file.string(),
-                                            opened->identity.size)};
+                                            opened.identity.size)};
   }
   std::size_t size = 0;
   while (size < bytes.size()) {
@@ -47,7 +46,7 @@ Result<Buffer> read_whole(const std::filesystem::path& file, std::uint64_t max_b
     size += static_cast<std::size_t>(count);
   }
   struct stat after {};
-  if (::fstat(descriptor, &after) != 0 || !FileIdentity::of(after).same_bytes(opened->identity))
+  if (::fstat(descriptor, &after) != 0 || !FileIdentity::of(after).same_bytes(opened.identity))
     return changed_meanwhile(file);
   return bytes;
 }

@@ -99,23 +99,21 @@ bool decode(Source& source, std::span<const png_bytep> rows, std::uint32_t width
 }  // namespace
 
 Result<Cloud> read_depth_png(const Input& input) {
-  const auto header = read_header(input);
-  if (!header) return header.error();
-  TRIVET_TRY(check_header(input, *header));
-  const auto camera = depth_camera(input, header->width, header->height);
-  if (!camera) return camera.error();
+  TRIVET_TRY_ASSIGN(const auto header, read_header(input));
+  TRIVET_TRY(check_header(input, header));
+  TRIVET_TRY_ASSIGN(const auto camera, depth_camera(input, header.width, header.height));
 
-  std::vector<std::uint16_t> depths(std::size_t{header->width} * header->height);
-  std::vector<png_bytep> rows(header->height);
+  std::vector<std::uint16_t> depths(std::size_t{header.width} * header.height);
+  std::vector<png_bytep> rows(header.height);
   for (std::size_t v = 0; v < rows.size(); ++v) {
-    rows[v] = reinterpret_cast<png_bytep>(depths.data() + v * header->width);
+    rows[v] = reinterpret_cast<png_bytep>(depths.data() + v * header.width);
   }
   Source source{input.bytes, {}};
-  if (!decode(source, rows, header->width)) {
+  if (!decode(source, rows, header.width)) {
     check_stop();
     return input.refuse(fmt::format("cannot be decoded as PNG: {}", source.fault.data()));
   }
-  return back_project(input, header->width, header->height, *camera,
+  return back_project(input, header.width, header.height, camera,
                       [&](std::size_t pixel) { return static_cast<double>(depths[pixel]); });
 }
 

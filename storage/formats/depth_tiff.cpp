@@ -199,23 +199,21 @@ Result<Cloud> read_depth_tiff(const Input& input) {
   const Handle tiff = open(source, input.options);
   if (!tiff)
     return input.refuse(fmt::format("cannot be opened as a TIFF image: {}", source.reason()));
-  const auto header = read_header(input, tiff.get());
-  if (!header) return header.error();
+  TRIVET_TRY_ASSIGN(const auto header, read_header(input, tiff.get()));
   if (source.guesses_lengths)
     return input.refuse(
         "the lengths of its strips are absent or wrong; it is truncated or damaged");
-  const auto camera = depth_camera(input, header->width, header->height);
-  if (!camera) return camera.error();
+  TRIVET_TRY_ASSIGN(const auto camera, depth_camera(input, header.width, header.height));
 
-  std::vector<std::byte> depths(header->row_bytes() * header->height);
-  const bool done = TIFFIsTiled(tiff.get()) ? decode_tiles(tiff.get(), *header, depths)
-                                            : decode_strips(tiff.get(), *header, depths);
+  std::vector<std::byte> depths(header.row_bytes() * header.height);
+  const bool done = TIFFIsTiled(tiff.get()) ? decode_tiles(tiff.get(), header, depths)
+                                            : decode_strips(tiff.get(), header, depths);
   if (!done) {
     return input.refuse(fmt::format(
         "the TIFF image cannot be decoded; it is truncated or damaged: {}", source.reason()));
   }
-  return back_project(input, header->width, header->height, *camera, [&](std::size_t pixel) {
-    return load(depths.data() + pixel * size_of(header->type), header->type, std::endian::native);
+  return back_project(input, header.width, header.height, camera, [&](std::size_t pixel) {
+    return load(depths.data() + pixel * size_of(header.type), header.type, std::endian::native);
   });
 }
 

@@ -282,13 +282,11 @@ class GltfReader {
 }  // namespace
 
 Result<Cloud> read_gltf(const Input& input) {
-  const auto parts = split_gltf(input);
-  if (!parts) return parts.error();
+  TRIVET_TRY_ASSIGN(const auto parts, split_gltf(input));
   Cloud cloud;
-  const Result<void> done = with_json(parts->json, input.file.string(), [&](const JsonNode& root) {
-    cloud = GltfReader(input, root, parts->binary).read();
-  });
-  if (!done) return done.error();
+  TRIVET_TRY(with_json(parts.json, input.file.string(), [&](const JsonNode& root) {
+    cloud = GltfReader(input, root, parts.binary).read();
+  }));
   return cloud;
 }
 

@@ -165,9 +165,8 @@ Result<Cloud> take_points(const Input& input, const ArrayView& xyz,
   const std::size_t num_points = positions.size();
   Triangles triangles;
   if (options.triangles) {
-    Result<Triangles> taken = take_triangles(input, *options.triangles, num_points);
-    if (!taken) return taken.error();
-    triangles = *std::move(taken);
+    TRIVET_TRY_ASSIGN(Triangles taken, take_triangles(input, *options.triangles, num_points));
+    triangles = std::move(taken);
   }
   const std::size_t height = xyz.num_dimensions == 3 && num_points > 0 ? xyz.shape[0] : 1;
   Cloud cloud = arrange_points(
@@ -186,11 +185,10 @@ Result<Cloud> take_depths(const Input& input, const ArrayView& depths) {
   }
   const std::size_t height = depths.shape[0], width = depths.shape[1];
   TRIVET_TRY(check_pixels(input, width, height));
-  const Result<Camera> camera = depth_camera(input, width, height);
-  if (!camera) return camera.error();
+  TRIVET_TRY_ASSIGN(const Camera camera, depth_camera(input, width, height));
   Result<Cloud> cloud = with_numbers(depths, [&](auto number) {
     return back_project(input, static_cast<std::uint32_t>(width),
-                        static_cast<std::uint32_t>(height), *camera, [&](std::size_t pixel) {
+                        static_cast<std::uint32_t>(height), camera, [&](std::size_t pixel) {
                           return static_cast<double>(number(pixel / width, pixel % width, 0));
                         });
   });

@@ -91,27 +91,25 @@ Result<Cloud> read_points(const Input& input, const NpyHeader& header) {
 Result<Cloud> read_depths(const Input& input, const NpyHeader& header) {
   const std::uint64_t height = header.shape[0], width = header.shape[1];
   TRIVET_TRY(check_pixels(input, width, height));
-  const auto camera = depth_camera(input, width, height);
-  if (!camera) return camera.error();
+  TRIVET_TRY_ASSIGN(const auto camera, depth_camera(input, width, height));
   const Table table(input, header, 1);
   return back_project(input, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
-                      *camera, [&](std::size_t pixel) { return table.value(pixel, 0); });
+                      camera, [&](std::size_t pixel) { return table.value(pixel, 0); });
 }
 
 }  // namespace
 
 Result<Cloud> read_npy(const Input& input) {
-  const auto header = parse_npy_header(input);
-  if (!header) return header.error();
-  const auto& shape = header->shape;
+  TRIVET_TRY_ASSIGN(const auto header, parse_npy_header(input));
+  const auto& shape = header.shape;
   const bool vectors = !shape.empty() && (shape.back() == 3 || shape.back() == 6);
-  if (shape.size() == 3 && vectors && header->type == Scalar::uint8) {
+  if (shape.size() == 3 && vectors && header.type == Scalar::uint8) {
     return input.refuse("expected points or depths, found a picture: 8-bit values in three colors");
   }
-  if ((shape.size() == 2 || shape.size() == 3) && vectors) return read_points(input, *header);
+  if ((shape.size() == 2 || shape.size() == 3) && vectors) return read_points(input, header);
   const bool image = shape.size() == 2 || (shape.size() == 3 && shape[2] == 1);
   if (image && shape[0] > kMostColumns && shape[1] > kMostColumns)
-    return read_depths(input, *header);
+    return read_depths(input, header);
   return input.refuse(fmt::format(
       "expected the shape (N, 3) or (N, 6) of points with or without normals, (height, width, 3) "
       "of "

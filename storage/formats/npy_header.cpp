@@ -187,25 +187,23 @@ Result<void> check_length(const Input& input, const NpyHeader& header) {
 }  // namespace
 
 Result<NpyHeader> parse_npy_header(const Input& input) {
-  const auto found = find_header(input);
-  if (!found) return found.error();
-  Literals text(found->first);
+  TRIVET_TRY_ASSIGN(const auto found, find_header(input));
+  Literals text(found.first);
   Entries entries;
   if (!read_dictionary(text, entries)) {
-    if (entries.complete() || found->first.find("'descr': [") == std::string_view::npos) {
+    if (entries.complete() || found.first.find("'descr': [") == std::string_view::npos) {
       return input.refuse(fmt::format(
           "byte {}: expected {{'descr': ..., 'fortran_order': ..., 'shape': (...)}}, found {}",
-          found->second - found->first.size() + text.position(),
-          quote(found->first.substr(text.position()))));
+          found.second - found.first.size() + text.position(),
+          quote(found.first.substr(text.position()))));
     }
     return input.refuse(
         "expected an array of numbers, found a structured one of named fields; if the first three "
         "are the coordinates, save numpy.stack([a[n] for n in a.dtype.names[:3]], axis=-1)");
   }
-  const auto type = parse_type(input, *entries.descr);
-  if (!type) return type.error();
-  NpyHeader header{type->first, type->second, *entries.fortran_order, *std::move(entries.shape),
-                   found->second};
+  TRIVET_TRY_ASSIGN(const auto type, parse_type(input, *entries.descr));
+  NpyHeader header{type.first, type.second, *entries.fortran_order, *std::move(entries.shape),
+                   found.second};
   TRIVET_TRY(check_length(input, header));
   return header;
 }

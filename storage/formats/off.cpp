@@ -173,13 +173,11 @@ class OffReader {
   Result<void> read_vertices(std::uint64_t count, const OffKeyword& keyword) {
     constexpr std::uint64_t kMostNumbers = 4 + 2;  // a color and texture coordinates
     for (std::uint64_t i = 0; i < count; ++i) {
-      const auto point = read_vector(true);
-      if (!point) return point.error();
-      positions_.push_back(*point);
+      TRIVET_TRY_ASSIGN(const auto point, read_vector(true));
+      positions_.push_back(point);
       if (keyword.has_normals) {
-        const auto normal = read_vector(false);
-        if (!normal) return normal.error();
-        normals_.push_back(*normal);
+        TRIVET_TRY_ASSIGN(const auto normal, read_vector(false));
+        normals_.push_back(normal);
       }
       if (layout_ == Layout::rows_of_numbers) {
         for (std::uint32_t k = 0; k < keyword.num_others(); ++k) {

@@ -185,44 +185,43 @@ Result<void> check_body(const Input& input, const PcdHeader& header) {
 }  // namespace
 
 Result<Cloud> read_pcd(const Input& input) {
-  const auto header = parse_pcd_header(input);
-  if (!header) return header.error();
+  TRIVET_TRY_ASSIGN(const auto header, parse_pcd_header(input));
 
-  const std::array position{header->find("x"), header->find("y"), header->find("z")};
-  const std::array normal{header->find("normal_x"), header->find("normal_y"),
-                          header->find("normal_z")};
+  const std::array position{header.find("x"), header.find("y"), header.find("z")};
+  const std::array normal{header.find("normal_x"), header.find("normal_y"),
+                          header.find("normal_z")};
   if (!position[0] || !position[1] || !position[2]) {
     return input.refuse(fmt::format("expected the fields x, y and z with a COUNT of 1, found {}",
-                                    names_of(*header)));
+                                    names_of(header)));
   }
-  TRIVET_TRY(check_body(input, *header));
+  TRIVET_TRY(check_body(input, header));
 
   Cloud cloud;
   Positions positions, normals;
-  positions.resize(header->num_points);
+  positions.resize(header.num_points);
   std::vector<Target> targets{
       {position[0], positions.x}, {position[1], positions.y}, {position[2], positions.z}};
   if (normal[0] && normal[1] && normal[2]) {
-    normals.resize(header->num_points);
+    normals.resize(header.num_points);
     targets.insert(targets.end(),
                    {{normal[0], normals.x}, {normal[1], normals.y}, {normal[2], normals.z}});
   }
 
   const std::optional<PcdField> bright =
-      input.options.intensity ? find_intensity(*header) : std::nullopt;
-  Column<double> intensity(bright ? header->num_points : 0);
+      input.options.intensity ? find_intensity(header) : std::nullopt;
+  Column<double> intensity(bright ? header.num_points : 0);
   if (bright) targets.push_back({&*bright, intensity});
 
   Result<void> done;
-  switch (header->encoding) {
+  switch (header.encoding) {
     case PcdEncoding::ascii:
-      done = read_ascii(input, *header, targets);
+      done = read_ascii(input, header, targets);
       break;
     case PcdEncoding::binary:
-      read_binary(input.bytes.subspan(header->body_begin), *header, targets);
+      read_binary(input.bytes.subspan(header.body_begin), header, targets);
       break;
     case PcdEncoding::binary_compressed:
-      done = read_compressed(input, *header, targets);
+      done = read_compressed(input, header, targets);
       break;
   }
   if (!done) return done.error();
@@ -231,15 +230,15 @@ Result<Cloud> read_pcd(const Input& input) {
   if (bright && is_color(*bright)) unpack_colors(*bright, intensity);
   cloud.intensity = to_floats(intensity);
 
-  const bool organized = header->width > 1 && header->height > 1;
+  const bool organized = header.width > 1 && header.height > 1;
   if (organized) {
-    cloud.grid = PixelGrid{static_cast<std::uint32_t>(header->width),
-                           static_cast<std::uint32_t>(header->height),
-                           Column<std::int32_t>(header->num_points)};
+    cloud.grid = PixelGrid{static_cast<std::uint32_t>(header.width),
+                           static_cast<std::uint32_t>(header.height),
+                           Column<std::int32_t>(header.num_points)};
     std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
   }
   // Zero is what writers put when they do not know; for an organized cloud it is the camera.
-  if (organized || !header->viewpoint.isZero(0)) place_viewpoint(header->viewpoint, cloud);
+  if (organized || !header.viewpoint.isZero(0)) place_viewpoint(header.viewpoint, cloud);
   return cloud;
 }
 

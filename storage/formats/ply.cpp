@@ -126,9 +126,8 @@ Result<void> skip_property(PlyBody& body, const PlyElement& element, std::uint64
                            const PlyProperty& property) {
   std::uint64_t count = 1;
   if (property.count_type) {
-    const auto length = read_count(body, element, row, property);
-    if (!length) return length.error();
-    count = *length;
+    TRIVET_TRY_ASSIGN(const auto length, read_count(body, element, row, property));
+    count = length;
   }
   for (double ignored = 0; count > 0; --count) {
     if (!body.read(property.type, ignored)) return body.fault(element, row, "a number");
@@ -170,13 +169,12 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
         TRIVET_TRY(skip_property(body, element, row, property));
         continue;
       }
-      const auto count = read_count(body, element, row, property);
-      if (!count) return count.error();
-      if (!begin(row, *count)) {
+      TRIVET_TRY_ASSIGN(const auto count, read_count(body, element, row, property));
+      if (!begin(row, count)) {
         return body.refuse(fmt::format("{} {}: a list of {} vertices is too long",
-                                       quote(element.name), row, *count));
+                                       quote(element.name), row, count));
       }
-      for (std::uint64_t i = 0; i < *count; ++i) {
+      for (std::uint64_t i = 0; i < count; ++i) {
         double value = 0;
         if (!body.read(property.type, value)) return body.fault(element, row, "a vertex index");
         if (!take(value)) {
@@ -412,21 +410,19 @@ Result<void> read_element(PlyBody& body, const PlyElement& element, const PlyHea
 }  // namespace
 
 Result<Cloud> read_ply(const Input& input) {
-  const auto header = parse_ply_header(input);
-  if (!header) return header.error();
-  const PlyElement* const vertex = header->find("vertex");
+  TRIVET_TRY_ASSIGN(const auto header, parse_ply_header(input));
+  const PlyElement* const vertex = header.find("vertex");
   if (!vertex) return input.refuse("expected an element vertex, found none");
 
   PlyContent content;
   Cloud& cloud = content.cloud;
-  PlyBody body(input, *header);
+  PlyBody body(input, header);
   // Faces may come before the vertices that they name.
   TRIVET_TRY(check_room(body, *vertex));
   if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
   cloud.points.resize(vertex->count);
-  for (const PlyElement& element : header->elements) {
-    auto done = read_element(body, element, *header, input, content);
-    if (!done) return done.error();
+  for (const PlyElement& element : header.elements) {
+    TRIVET_TRY(read_element(body, element, header, input, content));
   }
   TRIVET_TRY(body.end());
   if (content.viewpoint) place_viewpoint(*content.viewpoint, cloud);

@@ -60,9 +60,8 @@ Result<Camera> camera_of_numbers(const std::vector<double>& numbers, const std::
                         : fmt::format(R"({{"fx": {}, "fy": {}, "cx": {}, "cy": {}}})", numbers[0],
                                       numbers[1], numbers[2], numbers[3]);
   Camera camera;
-  const auto done = with_json(std::as_bytes(std::span(text)), name,
-                              [&](const JsonNode& root) { camera = parse_camera(root); });
-  if (!done) return done.error();
+  TRIVET_TRY(with_json(std::as_bytes(std::span(text)), name,
+                       [&](const JsonNode& root) { camera = parse_camera(root); }));
   return camera;
 }
 
@@ -90,16 +89,14 @@ Result<Camera> read_camera(std::span<const std::byte> bytes, const std::string& 
                              name)};
   }
   Camera camera;
-  auto done =
-      with_json(bytes, name, [&](const JsonNode& root) { camera = camera_of(root, image_id); });
-  if (!done) return done.error();
+  TRIVET_TRY(
+      with_json(bytes, name, [&](const JsonNode& root) { camera = camera_of(root, image_id); }));
   return camera;
 }
 
 Result<Camera> read_camera(const std::filesystem::path& file, std::optional<int> image_id) {
-  const auto bytes = read_file(file, kMaxCameraBytes);
-  if (!bytes) return bytes.error();
-  return read_camera(*bytes, file.string(), image_id);
+  TRIVET_TRY_ASSIGN(const auto bytes, read_file(file, kMaxCameraBytes));
+  return read_camera(bytes, file.string(), image_id);
 }
 
 std::optional<int> image_id_of(const std::filesystem::path& image) {

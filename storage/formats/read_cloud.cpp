@@ -138,18 +138,16 @@ std::string cloud_name(const std::filesystem::path& file) {
 Result<Cloud> formats::read(const Input& input) {
   return within_memory(input, [&]() -> Result<Cloud> {
     if (!is_gzip(input.bytes)) return read_unpacked(input);
-    const Result<std::vector<std::byte>> unpacked =
-        gunzip(input.bytes, input.file.string(), input.options.max_file_bytes);
-    if (!unpacked) return unpacked.error();
-    if (is_gzip(*unpacked)) return input.refuse("is packed by gzip twice; unpack it once");
-    return read_unpacked({input.file, *unpacked, input.options, input.folder});
+    TRIVET_TRY_ASSIGN(const std::vector<std::byte> unpacked,
+                      gunzip(input.bytes, input.file.string(), input.options.max_file_bytes));
+    if (is_gzip(unpacked)) return input.refuse("is packed by gzip twice; unpack it once");
+    return read_unpacked({input.file, unpacked, input.options, input.folder});
   });
 }
 
 Result<Cloud> read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
-  const auto bytes = read_file(file, options.max_file_bytes);
-  if (!bytes) return bytes.error();
-  return formats::read({file, *bytes, options, file.parent_path()});
+  TRIVET_TRY_ASSIGN(const auto bytes, read_file(file, options.max_file_bytes));
+  return formats::read({file, bytes, options, file.parent_path()});
 }
 
 Result<Cloud> read_cloud(std::span<const std::byte> bytes, const std::filesystem::path& name,

@@ -90,13 +90,12 @@ Result<void> add_face(const Input& input, const TopoDS_Face& face, double scale,
 }
 
 Result<Cloud> read_faces(const Input& input) {
-  const auto shape = read_shape(input);
-  if (!shape) return shape.error();
-  TRIVET_TRY(tessellate(input, *shape));
+  TRIVET_TRY_ASSIGN(const auto shape, read_shape(input));
+  TRIVET_TRY(tessellate(input, shape));
   const double scale =
       unit_scale(LengthUnit::millimeter, input.options.unit.value_or(LengthUnit::millimeter));
   Cloud cloud;
-  for (TopExp_Explorer face(*shape, TopAbs_FACE); face.More(); face.Next()) {
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
     TRIVET_TRY(add_face(input, TopoDS::Face(face.Current()), scale, cloud));
   }
   return cloud;

@@ -186,10 +186,9 @@ Cloud weld(PointsView corners) {
 
 Result<Cloud> read_stl(const Input& input) {
   if (!is_binary(input) && is_damaged_binary(input)) return refuse_size(input);
-  auto corners = is_binary(input) ? read_binary(input) : TextReader(input).read();
-  if (!corners) return corners.error();
+  TRIVET_TRY_ASSIGN(auto corners, is_binary(input) ? read_binary(input) : TextReader(input).read());
   Cloud soup;
-  place(std::move(*corners), input, soup);
+  place(std::move(corners), input, soup);
   Cloud cloud = weld(soup.points);
   cloud.offset = soup.offset;
   return cloud;

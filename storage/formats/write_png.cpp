@@ -81,11 +81,11 @@ Result<void> write_gray(const std::filesystem::path& file, std::span<const std::
                         int bits, std::uint32_t width) {
   const std::size_t stride = std::size_t{width} * static_cast<std::size_t>(bits) / 8;
   TRIVET_REQUIRE(stride > 0 && pixels.size() % stride == 0, "whole rows");
-  const auto bytes =
+  TRIVET_TRY_ASSIGN(
+      const auto bytes,
       encode({width, static_cast<std::uint32_t>(pixels.size() / stride), bits, PNG_COLOR_TYPE_GRAY,
-              reinterpret_cast<const png_byte*>(pixels.data()), stride});
-  if (!bytes) return bytes.error();
-  return publish_file(file, *bytes);
+              reinterpret_cast<const png_byte*>(pixels.data()), stride}));
+  return publish_file(file, bytes);
 }
 
 }  // namespace

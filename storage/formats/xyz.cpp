@@ -253,9 +253,8 @@ class XyzReader {
     if (fields_.size() != columns_.count) return refuse_width();
     if (positions_.size() == input_.max_points()) return input_.refuse_count(positions_.size() + 1);
 
-    const auto point = read_three(columns_.position, "xyz");
-    if (!point) return point.error();
-    positions_.push_back(*point);
+    TRIVET_TRY_ASSIGN(const auto point, read_three(columns_.position, "xyz"));
+    positions_.push_back(point);
     if (columns_.intensity) {
       constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
       intensity_.push_back(parse_column(fields_[*columns_.intensity], delimiter_).value_or(kNone));

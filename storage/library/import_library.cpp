@@ -15,11 +15,10 @@ namespace trivet {
 namespace {
 
 Result<Library> read_repacked(const std::filesystem::path& file) {
-  const auto mapped = MappedFile::open(file, std::numeric_limits<std::uint64_t>::max());
-  if (!mapped) return mapped.error();
-  Result<UnpackedTree> read = read_unpacked_tree(file, mapped->bytes().size());
-  if (!read) return read.error();
-  const auto tree = std::make_shared<const UnpackedTree>(*std::move(read));
+  TRIVET_TRY_ASSIGN(const auto mapped,
+                    MappedFile::open(file, std::numeric_limits<std::uint64_t>::max()));
+  TRIVET_TRY_ASSIGN(UnpackedTree read, read_unpacked_tree(file, mapped.bytes().size()));
+  const auto tree = std::make_shared<const UnpackedTree>(std::move(read));
   Result<Library> library =
       parse_library(file, tree->root, tree->bytes, {tree, tree->bytes.data()});
   if (!library) return library;

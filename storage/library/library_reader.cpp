@@ -278,11 +278,10 @@ Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole)
 Result<Library> open(const fs::path& file, Writers writers, bool whole) {
   constexpr int kMostTries = 10;
   for (int i = 0;; ++i) {
-    const auto mapped = map(file, writers);
-    if (!mapped) return mapped.error();
-    Result<Library> library = open(file, *mapped, whole);
-    if (!mapped->is_at(file) && i + 1 < kMostTries) continue;
-    if (mapped->state() != MappedFile::State::changed) return library;
+    TRIVET_TRY_ASSIGN(const auto mapped, map(file, writers));
+    Result<Library> library = open(file, mapped, whole);
+    if (!mapped.is_at(file) && i + 1 < kMostTries) continue;
+    if (mapped.state() != MappedFile::State::changed) return library;
     return Error{
         ErrorCode::changed,
         fmt::format("{}: was changed while it was opened; open it again when it is written, "
@@ -292,21 +291,18 @@ Result<Library> open(const fs::path& file, Writers writers, bool whole) {
 }
 
 Result<Library> open_with_columns(const fs::path& file) {
-  const auto mapped = map(file, Writers::none);
-  if (!mapped) return mapped.error();
-  const FileBytes own = bytes_of(*mapped);
+  TRIVET_TRY_ASSIGN(const auto mapped, map(file, Writers::none));
+  const FileBytes own = bytes_of(mapped);
   TRIVET_TRY(check_superblock(file, own.bytes));
-  const Result<StoredGroup> root = read_stored_tree(file, own.bytes.size());
-  if (!root) return root.error();
+  TRIVET_TRY_ASSIGN(const StoredGroup root, read_stored_tree(file, own.bytes.size()));
   GroupReader reader(file, own.bytes);
-  const fs::path name = reader.text(root->attributes, std::string(format::kColumnsIn), "/");
-  if (GroupReader::below(*root, "directory") == nullptr ||
-      GroupReader::below(*root, "index") != nullptr)
+  const fs::path name = reader.text(root.attributes, std::string(format::kColumnsIn), "/");
+  if (GroupReader::below(root, "directory") == nullptr ||
+      GroupReader::below(root, "index") != nullptr)
     reader.refuse("/", "expected a directory and no index");
   if (reader.fault()) return *reader.fault();
-  const auto columns = map(file.parent_path() / name.filename(), Writers::none);
-  if (!columns) return columns.error();
-  return parse(file, *root, own, bytes_of(*columns), From::directory, Held::mapped);
+  TRIVET_TRY_ASSIGN(const auto columns, map(file.parent_path() / name.filename(), Writers::none));
+  return parse(file, root, own, bytes_of(columns), From::directory, Held::mapped);
 }
 
 /// What a file is opened by, where memory may not suffice for it.

@@ -258,13 +258,12 @@ Result<void> LibraryWriter::add(PackedModel& packed) {
 Result<void> LibraryWriter::write_contents(const fs::path& file) {
   if (!state_) return over();
   State& state = *state_;
-  Result<LibraryWriter> contents = create(file, state.header);
-  if (!contents) return contents.error();
-  TRIVET_TRY(contents->add(state.basis));
-  contents->state_->columns_in = state.file.path().filename().string();
+  TRIVET_TRY_ASSIGN(LibraryWriter contents, create(file, state.header));
+  TRIVET_TRY(contents.add(state.basis));
+  contents.state_->columns_in = state.file.path().filename().string();
   for (const std::string& name : state.untold)
-    contents->state_->written.emplace(name, state.written.at(name));
-  const Result<void> published = contents->publish(Outlasts::process);
+    contents.state_->written.emplace(name, state.written.at(name));
+  const Result<void> published = contents.publish(Outlasts::process);
   if (published) state.untold.clear();
   return published;
 }
@@ -277,18 +276,17 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
   }
   hdf5::start();
   if (H5Fflush(state.hdf5.get(), H5F_SCOPE_LOCAL) < 0) return state.fail("the models");
-  const auto mapped =
-      MappedFile::open(state.file.path(), std::numeric_limits<std::uint64_t>::max());
-  if (!mapped) return mapped.error();
+  TRIVET_TRY_ASSIGN(const auto mapped,
+                    MappedFile::open(state.file.path(), std::numeric_limits<std::uint64_t>::max()));
   std::vector<FeaturesOfModel> features;
   std::uint32_t rank = 0;
   for (const auto& [name, written] : state.written) {
     const Model model =
-        map_model(written.record, mapped->bytes(), mapped->owner(), state.num_components());
+        map_model(written.record, mapped.bytes(), mapped.owner(), state.num_components());
     for (const TriSpinFeatures& at_scale : model.features) features.push_back({rank, at_scale});
     ++rank;
   }
-  const WrittenFeatures all{features, mapped->bytes()};
+  const WrittenFeatures all{features, mapped.bytes()};
   const LevelPlace place{state.file.path(), rank, unit_name(state.header.unit), piece_bytes};
   Handle group;
   StoredGroup described;

@@ -163,9 +163,8 @@ Result<StoredAttributes> Scanner::attributes(hid_t object, const std::string& pa
   }
   StoredAttributes out;
   for (const std::string& name : names) {
-    auto read = attribute(object, name, path);
-    if (!read) return read.error();
-    out.emplace(name, *std::move(read));
+    TRIVET_TRY_ASSIGN(auto read, attribute(object, name, path));
+    out.emplace(name, std::move(read));
   }
   return out;
 }
@@ -238,9 +237,8 @@ Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
   const hdf5::Handle creation(H5Dget_create_plist(id));
   if (H5Pget_external_count(creation.get()) != 0)
     return bad(path, "expected data inside the file, found external storage");
-  const Result<void> allowed = storing_ == Storing::in_place ? check_in_place(creation.get(), path)
-                                                             : check_packed(creation.get(), path);
-  if (!allowed) return allowed.error();
+  TRIVET_TRY(storing_ == Storing::in_place ? check_in_place(creation.get(), path)
+                                           : check_packed(creation.get(), path));
 
   const hdf5::Handle type(H5Dget_type(id));
   const hdf5::Handle space(H5Dget_space(id));
@@ -260,9 +258,7 @@ Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
         fmt::format("the datasets declare more bytes than the {} that the file can hold", most));
   TRIVET_TRY(place(id, path, out));
 
-  auto read = attributes(id, path);
-  if (!read) return read.error();
-  out.attributes = *std::move(read);
+  TRIVET_TRY_ASSIGN(out.attributes, attributes(id, path));
   return out;
 }
 
@@ -272,9 +268,7 @@ Result<StoredGroup> Scanner::group(hid_t id, const std::string& path, int depth)
     return bad(path, fmt::format("expected at most {} nested groups, found more", kMaxDepth));
 
   StoredGroup out;
-  auto read = attributes(id, path);
-  if (!read) return read.error();
-  out.attributes = *std::move(read);
+  TRIVET_TRY_ASSIGN(out.attributes, attributes(id, path));
 
   std::vector<std::string> names;
   const auto visit = [](hid_t, const char* name, const H5L_info_t*, void* list) {
@@ -299,13 +293,11 @@ Result<StoredGroup> Scanner::group(hid_t id, const std::string& path, int depth)
     if (!object) return bad(child, "the object cannot be opened: the file is damaged");
     const H5I_type_t kind = H5Iget_type(object.get());
     if (kind == H5I_GROUP) {
-      auto below = group(object.get(), child, depth + 1);
-      if (!below) return below.error();
-      out.groups.emplace(name, *std::move(below));
+      TRIVET_TRY_ASSIGN(auto below, group(object.get(), child, depth + 1));
+      out.groups.emplace(name, std::move(below));
     } else if (kind == H5I_DATASET) {
-      auto below = dataset(object.get(), child);
-      if (!below) return below.error();
-      out.datasets.emplace(name, *std::move(below));
+      TRIVET_TRY_ASSIGN(auto below, dataset(object.get(), child));
+      out.datasets.emplace(name, std::move(below));
     } else {
       return bad(child, "expected a group or a dataset, found another object");
     }
@@ -348,11 +340,10 @@ Result<void> check_version(const Scanner& scanner, hid_t root) {
                                    "make one with `trivet train`",
                                    format::kName));
   }
-  const auto major = scanner.attribute(root, "format_version_major", "");
-  if (!major) return major.error();
+  TRIVET_TRY_ASSIGN(const auto major, scanner.attribute(root, "format_version_major", ""));
   std::uint32_t version = 0;
-  if (major->type == ElementType::u32 && major->bytes.size() == 4)
-    std::memcpy(&version, major->bytes.data(), 4);
+  if (major.type == ElementType::u32 && major.bytes.size() == 4)
+    std::memcpy(&version, major.bytes.data(), 4);
   if (version != kLibraryVersionMajor) {
     const auto producer = scanner.attribute(root, "producer", "");
     return scanner.bad(
@@ -426,22 +417,18 @@ const char* name_of(ElementType type) noexcept {
 Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes,
                                      std::string_view left_out) {
   Scanner scanner(file, file_bytes, Storing::in_place, left_out);
-  const Result<OpenFile> opened = open_file(file, scanner);
-  if (!opened) return opened.error();
-  return scanner.group(opened->root.get(), "", 0);
+  TRIVET_TRY_ASSIGN(const OpenFile opened, open_file(file, scanner));
+  return scanner.group(opened.root.get(), "", 0);
 }
 
 Result<UnpackedTree> read_unpacked_tree(const std::filesystem::path& file,
                                         std::uint64_t file_bytes) {
   Scanner scanner(file, file_bytes, Storing::packed);
-  const Result<OpenFile> opened = open_file(file, scanner);
-  if (!opened) return opened.error();
-  Result<StoredGroup> root = scanner.group(opened->root.get(), "", 0);
-  if (!root) return root.error();
-  UnpackedTree tree{*std::move(root), {}};
+  TRIVET_TRY_ASSIGN(const OpenFile opened, open_file(file, scanner));
+  TRIVET_TRY_ASSIGN(StoredGroup root, scanner.group(opened.root.get(), "", 0));
+  UnpackedTree tree{std::move(root), {}};
   tree.bytes.resize(scanner.unpacked_bytes());
-  const Result<void> read = read_datasets(scanner, opened->root.get(), tree.root, "", tree.bytes);
-  if (!read) return read.error();
+  TRIVET_TRY(read_datasets(scanner, opened.root.get(), tree.root, "", tree.bytes));
   return tree;
 }
 
