@@ -14,14 +14,12 @@ Result<std::unique_ptr<trivet_library>> open_recognizer(const char* file, const 
   if (!file) return Error{ErrorCode::usage, "expected the path of a library, found null"};
   trivet::kernels::ScoreModel score = trivet::default_score();
   if (calibration) {
-    const Result<trivet::ScoreCalibration> read = trivet::read_calibration(calibration);
-    if (!read) return read.error();
-    score = trivet::calibrated_score(*read);
+    TRIVET_TRY_ASSIGN(const trivet::ScoreCalibration read, trivet::read_calibration(calibration));
+    score = trivet::calibrated_score(read);
   }
-  Result<Library> library = trivet::open_library(file);
-  if (!library) return library.error();
+  TRIVET_TRY_ASSIGN(Library library, trivet::open_library(file));
   return std::make_unique<trivet_library>(
-      trivet_library{trivet::Recognizer(*std::move(library), score)});
+      trivet_library{trivet::Recognizer(std::move(library), score)});
 }
 
 /// None of null and of an index that is too large.

@@ -80,8 +80,7 @@ Result<ArrayView> points_array(const void* xyz, trivet_number number, std::size_
     return usage("points: expected floats or doubles, found integers of 16 bits");
   Result<ArrayView> array = typed_array(xyz, number);
   if (!array) return array.error();
-  const Result<std::ptrdiff_t> step = take_stride(stride, 3);
-  if (!step) return step.error();
+  TRIVET_TRY_ASSIGN(const std::ptrdiff_t step, take_stride(stride, 3));
   if (width > 0 && std::size_t{std::numeric_limits<std::ptrdiff_t>::max()} / width < stride)
     return usage(
         fmt::format("points: expected an array that fits into memory, found rows of {} "
@@ -89,7 +88,7 @@ Result<ArrayView> points_array(const void* xyz, trivet_number number, std::size_
                     width, stride));
   array->num_dimensions = 3;
   array->shape = {height, width, 3};
-  array->strides = {*step * static_cast<std::ptrdiff_t>(width), *step, 1};
+  array->strides = {step * static_cast<std::ptrdiff_t>(width), step, 1};
   return array;
 }
 
@@ -97,10 +96,9 @@ Result<ArrayView> depths_array(const void* depths, trivet_number number, std::si
                                std::size_t height, std::size_t stride) {
   Result<ArrayView> array = typed_array(depths, number);
   if (!array) return array.error();
-  const Result<std::ptrdiff_t> step = take_stride(stride, width);
-  if (!step) return step.error();
+  TRIVET_TRY_ASSIGN(const std::ptrdiff_t step, take_stride(stride, width));
   array->shape = {height, width, 1};
-  array->strides = {*step, 1, 1};
+  array->strides = {step, 1, 1};
   return array;
 }
 
@@ -118,18 +116,15 @@ FoundInScene recognize_scene(const Call& call, SceneInput input, TakeCloud&& tak
   if (!call.library) return usage("expected a library, found null");
   const trivet::Recognizer& recognizer = call.library->recognizer;
   const trivet::Library& library = recognizer.library();
-  const Result<double> scale = scale_of(call.unit, library.header.unit);
-  if (!scale) return scale.error();
-  input.scale = *scale;
-  const Result<RecognizeOptions> options = parse_options(call.options);
-  if (!options) return options.error();
-  const Result<Cloud> cloud = take_cloud();
-  if (!cloud) return cloud.error();
+  TRIVET_TRY_ASSIGN(const double scale, scale_of(call.unit, library.header.unit));
+  input.scale = scale;
+  TRIVET_TRY_ASSIGN(const RecognizeOptions options, parse_options(call.options));
+  TRIVET_TRY_ASSIGN(const Cloud cloud, take_cloud());
 
   const std::stop_token stop = call.stopper ? call.stopper->source.get_token() : std::stop_token();
-  Result<trivet::SceneResult> found = trivet::recognize(recognizer, *cloud, input, *options, stop);
-  if (!found) return found.error();
-  auto result = std::make_unique<trivet_result>(trivet_result{*std::move(found), {}});
+  TRIVET_TRY_ASSIGN(trivet::SceneResult found,
+                    trivet::recognize(recognizer, cloud, input, options, stop));
+  auto result = std::make_unique<trivet_result>(trivet_result{std::move(found), {}});
   for (const trivet::Detection& detection : result->scene.detections) {
     const auto model =
         std::ranges::lower_bound(library.models, detection.model, {}, &trivet::Model::name);
@@ -163,9 +158,8 @@ trivet_status trivet_recognize_points(const trivet_library* library, const void*
     input.file = "points";
     if (viewpoint) input.viewpoint.emplace(viewpoint[0], viewpoint[1], viewpoint[2]);
     return recognize_scene({library, unit, options, stopper}, input, [&]() -> Result<Cloud> {
-      const Result<ArrayView> array = points_array(xyz, number, width, height, stride);
-      if (!array) return array.error();
-      return trivet::cloud_from_points(*array, {.name = "points"});
+      TRIVET_TRY_ASSIGN(const ArrayView array, points_array(xyz, number, width, height, stride));
+      return trivet::cloud_from_points(array, {.name = "points"});
     });
   });
 }
@@ -181,9 +175,8 @@ trivet_status trivet_recognize_depth(const trivet_library* library, const void* 
     input.file = "depth image";
     input.camera = camera_of(*camera);
     return recognize_scene({library, unit, options, stopper}, input, [&]() -> Result<Cloud> {
-      const Result<ArrayView> array = depths_array(depths, number, width, height, stride);
-      if (!array) return array.error();
-      return trivet::cloud_from_depths(*array, *input.camera, {.name = "depth image"});
+      TRIVET_TRY_ASSIGN(const ArrayView array, depths_array(depths, number, width, height, stride));
+      return trivet::cloud_from_depths(array, *input.camera, {.name = "depth image"});
     });
   });
 }

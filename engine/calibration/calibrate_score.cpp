@@ -39,14 +39,12 @@ Result<void> add_outcomes(const Recognizer& recognizer, const Manifest& manifest
       recognizer, scenes_of(manifest, recognizer.library().header.unit), options, progress,
       [&](std::size_t index, const SceneResult& result) { results[index] = result; });
   if (!done) return done;
-  const Result<std::vector<EvaluationMesh>> meshes = read_evaluation_meshes(manifest);
-  if (!meshes) return meshes.error();
-  const Result<Evaluation> judged =
-      evaluate(with_near_axes(manifest, recognizer.library()), *meshes, results);
-  if (!judged) return judged.error();
+  TRIVET_TRY_ASSIGN(const std::vector<EvaluationMesh> meshes, read_evaluation_meshes(manifest));
+  TRIVET_TRY_ASSIGN(const Evaluation judged,
+                    evaluate(with_near_axes(manifest, recognizer.library()), meshes, results));
   for (std::size_t s = 0; s < results.size(); ++s) {
     outcomes.scans.push_back(manifest.scenes[s].name);
-    for (const JudgedDetection& detection : judged->scenes[s].detections) {
+    for (const JudgedDetection& detection : judged.scenes[s].detections) {
       const bool right = detection.verdict == Verdict::right;
       if (detection.verdict == Verdict::neutral ||
           (!right && detection.translation_error < kSamePlace &&

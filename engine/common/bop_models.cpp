@@ -46,8 +46,7 @@ Result<std::vector<ManifestModel>> write_bop_models(std::span<const BopModel> mo
     entries.push_back(std::move(entry));
   }
   for (const auto& place : folders) {
-    const Result<void> written = write_bop_models_info(place / "models_info.json", objects);
-    if (!written) return written.error();
+    TRIVET_TRY(write_bop_models_info(place / "models_info.json", objects));
   }
   return entries;
 }

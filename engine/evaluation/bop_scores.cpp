@@ -62,9 +62,8 @@ Result<Gauge> make_gauge(const EvaluationMesh& mesh) {
     gauge.radius = std::max(gauge.radius, (mesh.vertices[i].cast<double>() - gauge.center).norm());
   }
   if (!mesh.triangles.empty()) {
-    Result<RayScene> rays = RayScene::from_mesh(mesh.vertices, mesh.triangles);
-    if (!rays) return rays.error();
-    gauge.rays.emplace(*std::move(rays));
+    TRIVET_TRY_ASSIGN(RayScene rays, RayScene::from_mesh(mesh.vertices, mesh.triangles));
+    gauge.rays.emplace(std::move(rays));
   }
   return gauge;
 }
@@ -502,8 +501,7 @@ Result<BopScores> bop_scores(const Manifest& manifest, std::span<const Evaluatio
   TRIVET_REQUIRE(results.size() == manifest.scenes.size(), "one result, or none, for each scene");
   TRIVET_REQUIRE(options.vsd_delta_mm > 0, "a tolerance above zero");
   std::vector<const EvaluationMesh*> used;
-  const Result<std::map<std::string, std::size_t>> models = index_models(manifest, meshes, used);
-  if (!models) return models.error();
+  TRIVET_TRY_ASSIGN(const auto models, index_models(manifest, meshes, used));
   std::vector<std::optional<Result<Gauge>>> made(used.size());
   engine::for_each_index(used.size(), [&](std::size_t m) { made[m] = make_gauge(*used[m]); });
   std::vector<Gauge> gauges;
@@ -517,7 +515,7 @@ Result<BopScores> bop_scores(const Manifest& manifest, std::span<const Evaluatio
   out.errors.resize(results.size());
   std::vector<SceneScores> scenes(results.size());
   engine::for_each_index(results.size(), [&](std::size_t s) {
-    scenes[s] = score_scene(manifest.scenes[s], results[s], *models, gauges, delta, out.errors[s]);
+    scenes[s] = score_scene(manifest.scenes[s], results[s], models, gauges, delta, out.errors[s]);
   });
   for (const SceneScores& scene : scenes) {
     if (scene.failure) return *scene.failure;

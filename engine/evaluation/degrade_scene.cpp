@@ -124,9 +124,8 @@ Result<void> degrade_scene(Cloud& cloud, const DegradeOptions& options, float di
   if (!degrades(options)) return {};
   float resolution = 0;
   if (options.noise > 0 || options.ray_noise > 0) {
-    const Result<double> found = find_resolution(cloud);
-    if (!found) return found.error();
-    resolution = static_cast<float>(*found);
+    TRIVET_TRY_ASSIGN(const double found, find_resolution(cloud));
+    resolution = static_cast<float>(found);
   }
   const Vector3f viewpoint =
       cloud.camera

@@ -208,9 +208,8 @@ Result<Evaluation> evaluate(const Manifest& manifest, std::span<const Evaluation
                             std::span<const std::optional<SceneResult>> results, float min_score,
                             bool require_pose) {
   TRIVET_REQUIRE(results.size() == manifest.scenes.size(), "one result, or none, for each scene");
-  const Result<std::vector<std::string>> scored = scored_with_mesh(manifest, meshes);
-  if (!scored) return scored.error();
-  Judge judge(*scored, meshes, min_score, require_pose);
+  TRIVET_TRY_ASSIGN(const std::vector<std::string> scored, scored_with_mesh(manifest, meshes));
+  Judge judge(scored, meshes, min_score, require_pose);
 
   Evaluation out;
   std::map<std::string, Tally> models;
@@ -257,7 +256,7 @@ Result<Evaluation> evaluate(const Manifest& manifest, std::span<const Evaluation
   out.by_occlusion = occlusion.tallies();
   out.by_clutter = clutter.tallies();
   out.by_visible_fraction = visible.tallies();
-  for (const std::string& name : *scored) {
+  for (const std::string& name : scored) {
     if (const auto found = models.find(name); found != models.end())
       out.by_model.emplace_back(*found);
   }

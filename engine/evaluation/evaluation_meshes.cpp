@@ -15,12 +15,11 @@ namespace {
 
 Result<EvaluationMesh> read_mesh(const ManifestModel& model, LengthUnit unit) {
   const std::filesystem::path& file = model.eval_file.empty() ? model.file : model.eval_file;
-  Result<Cloud> cloud = read_cloud(file, {.unit = unit, .keep_origin = true});
-  if (!cloud) return cloud.error();
+  TRIVET_TRY_ASSIGN(Cloud cloud, read_cloud(file, {.unit = unit, .keep_origin = true}));
   EvaluationMesh mesh;
   mesh.name = model.name;
-  mesh.vertices = engine::scaled_points(cloud->points, model.scale);
-  mesh.triangles = std::move(cloud->triangles);
+  mesh.vertices = engine::scaled_points(cloud.points, model.scale);
+  mesh.triangles = std::move(cloud.triangles);
   mesh.diameter =
       model.diameter ? *model.diameter : static_cast<double>(kernels::find_diameter(mesh.vertices));
   if (model.symmetry) mesh.symmetry = *model.symmetry;

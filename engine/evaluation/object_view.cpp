@@ -12,15 +12,14 @@ using kernels::RayScene;
 Result<std::optional<MeasuredImage>> read_measured_image(const std::filesystem::path& file,
                                                          const std::optional<Camera>& camera) {
   if (!camera || !is_depth_file(file)) return std::optional<MeasuredImage>();
-  const Result<Cloud> cloud = read_cloud(file, {.camera = camera});
-  if (!cloud) return cloud.error();
-  if (!cloud->camera || !cloud->grid) return std::optional<MeasuredImage>();
-  const PixelGrid& grid = *cloud->grid;
+  TRIVET_TRY_ASSIGN(const Cloud cloud, read_cloud(file, {.camera = camera}));
+  if (!cloud.camera || !cloud.grid) return std::optional<MeasuredImage>();
+  const PixelGrid& grid = *cloud.grid;
   MeasuredImage image{
-      *cloud->camera, {0, 0, grid.width, grid.height}, std::vector<float>(grid.point_index.size())};
+      *cloud.camera, {0, 0, grid.width, grid.height}, std::vector<float>(grid.point_index.size())};
   for (std::size_t i = 0; i < image.distance.size(); ++i) {
     if (grid.point_index[i] == PixelGrid::kNone) continue;
-    image.distance[i] = cloud->points[static_cast<std::size_t>(grid.point_index[i])].norm();
+    image.distance[i] = cloud.points[static_cast<std::size_t>(grid.point_index[i])].norm();
   }
   return std::optional(std::move(image));
 }
@@ -41,11 +40,10 @@ Result<ObjectImage> render_object(const RayScene& surface, const Pose& T_camera_
   ObjectImage image{window, std::vector<float>(window.size())};
   if (window.empty()) return image;
   const RayScene::Instance instance{&surface, T_camera_object};
-  const Result<RayScene> posed = RayScene::from_instances({&instance, 1});
-  if (!posed) return posed.error();
+  TRIVET_TRY_ASSIGN(const RayScene posed, RayScene::from_instances({&instance, 1}));
   const Camera own = kernels::camera_of_window(camera, window);
   std::vector<std::uint32_t> instances(window.size());
-  kernels::render_depth(*posed, own, window.width, 0, {image.distance, instances});
+  kernels::render_depth(posed, own, window.width, 0, {image.distance, instances});
   kernels::depths_to_distances(own, window.width, image.distance);
   return image;
 }
@@ -58,15 +56,14 @@ Result<ObjectView> view_object(const ObjectShape& object, const Pose& T_camera_o
   canvas.cy += height;
   const PixelWindow window = kernels::window_of_ball(
       canvas, 3 * width, 3 * height, T_camera_object.cast<double>() * object.center, object.radius);
-  const Result<ObjectImage> rendered =
-      render_object(object.surface, T_camera_object, canvas, window);
-  if (!rendered) return rendered.error();
+  TRIVET_TRY_ASSIGN(const ObjectImage rendered,
+                    render_object(object.surface, T_camera_object, canvas, window));
 
   ObjectView view;
   view.mask.assign(image.distance.size(), 0);
   view.mask_visible = view.mask;
-  for (std::size_t i = 0; i < rendered->distance.size(); ++i) {
-    const float distance = rendered->distance[i];
+  for (std::size_t i = 0; i < rendered.distance.size(); ++i) {
+    const float distance = rendered.distance[i];
     if (!(distance > 0)) continue;
     const auto u = static_cast<int>(window.left + i % window.width) - static_cast<int>(width),
                v = static_cast<int>(window.top + i / window.width) - static_cast<int>(height);

@@ -60,9 +60,8 @@ class Shelf {
     if (!open_[index]) {
       reset_peak();
       const auto begin = std::chrono::steady_clock::now();
-      Result<Library> library = trivet::open_library(files_[index]);
-      if (!library) return library.error();
-      const auto open = std::make_shared<OpenLibrary>(std::move(*library));
+      TRIVET_TRY_ASSIGN(Library library, trivet::open_library(files_[index]));
+      const auto open = std::make_shared<OpenLibrary>(std::move(library));
       open->open_seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       open_[index] = open;
@@ -84,12 +83,11 @@ class Shelf {
 
 Result<SceneResult> recognize_cell(const OpenLibrary& library, const RecognitionCell& cell,
                                    const std::stop_token& stop) {
-  Result<Cloud> cloud = read_scene(cell.scene);
-  if (!cloud) return cloud.error();
-  if (cell.scene.viewpoint) cloud->viewpoint = in_cloud_frame(*cell.scene.viewpoint, cloud->offset);
+  TRIVET_TRY_ASSIGN(Cloud cloud, read_scene(cell.scene));
+  if (cell.scene.viewpoint) cloud.viewpoint = in_cloud_frame(*cell.scene.viewpoint, cloud.offset);
   const float diameter = library.mean_diameter / static_cast<float>(cell.scene.scale);
-  TRIVET_TRY(degrade_scene(*cloud, cell.degrade, diameter, cell.degrade_seed));
-  return recognize(library.recognizer, *cloud, cell.scene, cell.options, stop);
+  TRIVET_TRY(degrade_scene(cloud, cell.degrade, diameter, cell.degrade_seed));
+  return recognize(library.recognizer, cloud, cell.scene, cell.options, stop);
 }
 
 }  // namespace

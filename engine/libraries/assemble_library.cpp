@@ -79,10 +79,9 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
   std::ranges::stable_sort(models, {}, &ModelCopy::name);
   NamesToCome names;
   for (const ModelCopy& copy : models) names.add(copy.name);
-  Result<LibraryWriter> writer = LibraryWriter::create(lock.file(), header, names);
-  if (!writer) return writer.error();
-  TRIVET_TRY(writer->add(basis));
-  return finish_library(std::move(*writer), models, 0, lock, progress);
+  TRIVET_TRY_ASSIGN(LibraryWriter writer, LibraryWriter::create(lock.file(), header, names));
+  TRIVET_TRY(writer.add(basis));
+  return finish_library(std::move(writer), models, 0, lock, progress);
 }
 
 }  // namespace trivet

@@ -23,11 +23,9 @@ struct OpenedForChange {
 };
 
 Result<OpenedForChange> open_for_change(const fs::path& file) {
-  Result<FileLock> lock = FileLock::acquire(file);
-  if (!lock) return lock.error();
-  Result<Library> library = open_library(file);
-  if (!library) return library.error();
-  return OpenedForChange{std::move(*lock), std::move(*library)};
+  TRIVET_TRY_ASSIGN(FileLock lock, FileLock::acquire(file));
+  TRIVET_TRY_ASSIGN(Library library, open_library(file));
+  return OpenedForChange{std::move(lock), std::move(library)};
 }
 
 bool has_model(const Library& library, const std::string& name) {
@@ -70,12 +68,11 @@ Result<std::uint32_t> find_model(const Library& library, const std::string& name
 
 Result<void> remove_models(const fs::path& file, std::span<const std::string> names,
                            const Progress& progress) {
-  const Result<OpenedForChange> opened = open_for_change(file);
-  if (!opened) return opened.error();
+  TRIVET_TRY_ASSIGN(const OpenedForChange opened, open_for_change(file));
   for (const std::string& name : names) {
-    TRIVET_TRY(find_model(opened->library, name));
+    TRIVET_TRY(find_model(opened.library, name));
   }
-  std::vector<ModelCopy> staying = copies_of(opened->library);
+  std::vector<ModelCopy> staying = copies_of(opened.library);
   std::erase_if(staying, [&](const ModelCopy& copy) {
     return std::ranges::find(names, copy.name) != names.end();
   });
@@ -84,22 +81,20 @@ Result<void> remove_models(const fs::path& file, std::span<const std::string> na
         ErrorCode::usage,
         fmt::format("{}: expected models that stay, found none: remove the file", file.string())};
   }
-  return write_again(*opened, std::move(staying), progress);
+  return write_again(opened, std::move(staying), progress);
 }
 
 Result<void> rename_model(const fs::path& file, const std::string& from, const std::string& to,
                           const Progress& progress) {
-  const Result<OpenedForChange> opened = open_for_change(file);
-  if (!opened) return opened.error();
-  const Result<std::uint32_t> renamed = find_model(opened->library, from);
-  if (!renamed) return renamed.error();
-  if (has_model(opened->library, to)) {
+  TRIVET_TRY_ASSIGN(const OpenedForChange opened, open_for_change(file));
+  TRIVET_TRY_ASSIGN(const std::uint32_t renamed, find_model(opened.library, from));
+  if (has_model(opened.library, to)) {
     return Error{ErrorCode::usage,
                  fmt::format("{}: has a model '{}' already; remove it first", file.string(), to)};
   }
-  std::vector<ModelCopy> models = copies_of(opened->library);
-  models[*renamed].name = to;
-  return write_again(*opened, std::move(models), progress);
+  std::vector<ModelCopy> models = copies_of(opened.library);
+  models[renamed].name = to;
+  return write_again(opened, std::move(models), progress);
 }
 
 std::string why_not_together(const Library& library, const LibraryHeader& header,
@@ -118,9 +113,8 @@ std::string why_not_together(const Library& library, const LibraryHeader& header
 
 Result<void> take_models(const Library& from, const fs::path& file, std::size_t most_models,
                          const Progress& progress) {
-  const Result<OpenedForChange> opened = open_for_change(file);
-  if (!opened) return opened.error();
-  const Library& library = opened->library;
+  TRIVET_TRY_ASSIGN(const OpenedForChange opened, open_for_change(file));
+  const Library& library = opened.library;
   if (const std::string differs = why_not_together(from, library.header, library.basis);
       !differs.empty()) {
     return Error{ErrorCode::usage,
@@ -134,7 +128,7 @@ Result<void> take_models(const Library& from, const fs::path& file, std::size_t 
     return Error{ErrorCode::usage, fmt::format("{}: expected at most {} models, found {}",
                                                file.string(), most_models, models.size())};
   }
-  return write_again(*opened, std::move(models), progress);
+  return write_again(opened, std::move(models), progress);
 }
 
 Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& into,
@@ -142,9 +136,8 @@ Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& in
   std::deque<Library> libraries;  // copies refer to them
   std::map<std::string, ModelCopy> models;
   for (const fs::path& file : files) {
-    Result<Library> opened = open_library(file);
-    if (!opened) return opened.error();
-    const Library& library = libraries.emplace_back(std::move(*opened));
+    TRIVET_TRY_ASSIGN(Library opened, open_library(file));
+    const Library& library = libraries.emplace_back(std::move(opened));
     const Library& first = libraries.front();
     if (const std::string differs = why_not_together(library, first.header, first.basis);
         !differs.empty()) {
@@ -160,11 +153,10 @@ Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& in
                                at->second.library->file.string(), file.string(), copy.name)};
     }
   }
-  const Result<FileLock> lock = FileLock::acquire(into);
-  if (!lock) return lock.error();
+  TRIVET_TRY_ASSIGN(const FileLock lock, FileLock::acquire(into));
   std::vector<ModelCopy> all;
   for (auto& [name, copy] : models) all.push_back(std::move(copy));
-  return assemble_library(libraries.front().header, libraries.front().basis, std::move(all), *lock,
+  return assemble_library(libraries.front().header, libraries.front().basis, std::move(all), lock,
                           progress);
 }
 

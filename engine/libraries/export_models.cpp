@@ -15,9 +15,8 @@ Result<std::vector<const Model*>> models_named(const Library& library,
                                                std::span<const std::string> names) {
   std::vector<std::uint32_t> wanted;
   for (const std::string& name : names) {
-    const Result<std::uint32_t> found = find_model(library, name);
-    if (!found) return found.error();
-    wanted.push_back(*found);
+    TRIVET_TRY_ASSIGN(const std::uint32_t found, find_model(library, name));
+    wanted.push_back(found);
   }
   for (std::uint32_t m = 0; names.empty() && m < library.models.size(); ++m) wanted.push_back(m);
   std::vector<const Model*> models;
@@ -35,8 +34,7 @@ Result<fs::path> write_surface(const Model& model, LengthUnit unit, SurfaceForma
   cloud.triangles = Triangles(TrianglesView(model.triangles));
   const bool as_ply = format == SurfaceFormat::ply;
   fs::path file = folder / (model.name + (as_ply ? ".ply" : ".glb"));
-  const Result<void> written = as_ply ? write_ply(file, cloud) : write_glb(file, cloud, unit);
-  if (!written) return written.error();
+  TRIVET_TRY(as_ply ? write_ply(file, cloud) : write_glb(file, cloud, unit));
   return file;
 }
 
@@ -45,11 +43,11 @@ Result<fs::path> write_data_set(std::span<const Model* const> models, LengthUnit
   std::vector<engine::BopModel> of_bop;
   for (const Model* model : models)
     of_bop.push_back({model->name, model->vertices, model->triangles, model->symmetry});
-  Result<std::vector<ManifestModel>> entries = engine::write_bop_models(of_bop, unit, unit, folder);
-  if (!entries) return entries.error();
+  TRIVET_TRY_ASSIGN(std::vector<ManifestModel> entries,
+                    engine::write_bop_models(of_bop, unit, unit, folder));
   Manifest manifest;
   manifest.unit = unit;
-  manifest.models = std::move(*entries);
+  manifest.models = std::move(entries);
   fs::path file = folder / "manifest.json";
   TRIVET_TRY(write_manifest(file, manifest));
   return file;
@@ -60,21 +58,18 @@ Result<fs::path> write_data_set(std::span<const Model* const> models, LengthUnit
 Result<std::vector<fs::path>> export_models(const Library& library,
                                             std::span<const std::string> names,
                                             SurfaceFormat format, const fs::path& folder) {
-  const Result<std::vector<const Model*>> models = models_named(library, names);
-  if (!models) return models.error();
+  TRIVET_TRY_ASSIGN(const std::vector<const Model*> models, models_named(library, names));
   TRIVET_TRY(make_folder(folder));
   const LengthUnit unit = library.header.unit;
   std::vector<fs::path> files;
   if (format == SurfaceFormat::bop) {
-    Result<fs::path> file = write_data_set(*models, unit, folder);
-    if (!file) return file.error();
-    files.push_back(std::move(*file));
+    TRIVET_TRY_ASSIGN(fs::path file, write_data_set(models, unit, folder));
+    files.push_back(std::move(file));
     return files;
   }
-  for (const Model* model : *models) {
-    Result<fs::path> file = write_surface(*model, unit, format, folder);
-    if (!file) return file.error();
-    files.push_back(std::move(*file));
+  for (const Model* model : models) {
+    TRIVET_TRY_ASSIGN(fs::path file, write_surface(*model, unit, format, folder));
+    files.push_back(std::move(file));
   }
   return files;
 }

@@ -82,7 +82,7 @@ Result<void> write_calibration(const std::filesystem::path& file,
 
 Result<ScoreCalibration> read_calibration(const std::filesystem::path& file) {
   ScoreCalibration calibration;
-  const Result<void> done = with_json(file, [&](const JsonNode& root) {
+  TRIVET_TRY(with_json(file, [&](const JsonNode& root) {
     check_origin(root);
     root.only({"format", "version", "score", "name", "shift", "weights", "made_from"});
     calibration.adaptation = parse_adaptation(root);
@@ -90,8 +90,7 @@ Result<ScoreCalibration> read_calibration(const std::filesystem::path& file) {
     calibration.num_scans = count(from.at("scans"));
     calibration.num_right = count(from.at("right"));
     calibration.num_wrong = count(from.at("wrong"));
-  });
-  if (!done) return done.error();
+  }));
   return calibration;
 }
 

@@ -57,7 +57,7 @@ std::string score_text(const FittedScore& score) {
 Result<FittedScore> parse_score(std::span<const std::byte> bytes, const std::string& name) {
   FittedScore score;
   ScoreModel& model = score.model;
-  const Result<void> done = with_json(bytes, name, [&](const JsonNode& root) {
+  TRIVET_TRY(with_json(bytes, name, [&](const JsonNode& root) {
     engine::check_format(root, kScoreFormat, kScoreVersion, "trivet fit-score");
     score.origin = root.at("origin").string();
     for (std::size_t errors = 0; errors < kErrors.size(); ++errors) {
@@ -71,8 +71,7 @@ Result<FittedScore> parse_score(std::span<const std::byte> bytes, const std::str
       for (std::size_t errors = 0; errors < kErrors.size(); ++errors)
         model.weights[errors][part] = read_row<ScoreModel::kKnots - 1>(rows.at(kErrors[errors]), 0);
     });
-  });
-  if (!done) return done.error();
+  }));
   return score;
 }
 

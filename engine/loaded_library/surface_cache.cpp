@@ -31,9 +31,8 @@ Result<SurfaceCache::Surface> SurfaceCache::get(
   bool is_new = false;
   const Result<Surface>& surface = slot->surface.get([&]() -> Result<Surface> {
     is_new = true;
-    Result<kernels::RayScene> made = make();
-    if (!made) return made.error();
-    return std::make_shared<const kernels::RayScene>(*std::move(made));
+    TRIVET_TRY_ASSIGN(kernels::RayScene made, make());
+    return std::make_shared<const kernels::RayScene>(std::move(made));
   });
   if (is_new && surface) {
     const std::lock_guard lock(mutex_);

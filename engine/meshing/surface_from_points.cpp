@@ -82,8 +82,7 @@ Column<float> measure_noise(const PixelGrid& grid, PointsView points,
 /// Errors: bad_data (a point is not finite), no_memory.
 Result<Normals> estimate_normals(PointsView points, const Eigen::Vector3f& viewpoint) {
   const std::size_t n = points.size(), k = std::min(kNormalNeighbors, n);
-  const Result<kernels::NearestNeighbors> tree = kernels::NearestNeighbors::build(points);
-  if (!tree) return tree.error();
+  TRIVET_TRY_ASSIGN(const kernels::NearestNeighbors tree, kernels::NearestNeighbors::build(points));
   Neighborhoods rows;
   for (std::size_t i = 0; i <= n; ++i) rows.offsets.push_back(static_cast<std::uint32_t>(i * k));
   rows.indices.resize(n * k);
@@ -91,9 +90,9 @@ Result<Normals> estimate_normals(PointsView points, const Eigen::Vector3f& viewp
   Normals normals(n);
   std::vector<std::optional<Error>> errors(n);  // one a chunk, at its first point
   for_chunks(n, kPointGrain, [&](std::size_t first, std::size_t count) {
-    const Result<void> found = tree->k_nearest(
-        points.slice(first, count), k, std::span(rows.indices).subspan(first * k, count * k),
-        std::span(squared).subspan(first * k, count * k));
+    const Result<void> found = tree.k_nearest(points.slice(first, count), k,
+                                              std::span(rows.indices).subspan(first * k, count * k),
+                                              std::span(squared).subspan(first * k, count * k));
     if (!found) {
       errors[first] = found.error();
       return;
@@ -158,8 +157,7 @@ Result<void> validate(const SurfaceOptions& options) {
 Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
                                     const SurfaceOptions& options) {
   TRIVET_TRY(validate(options));
-  const Result<SurfaceMethod> method = choose_method(cloud, name, options);
-  if (!method) return method.error();
+  TRIVET_TRY_ASSIGN(const SurfaceMethod method, choose_method(cloud, name, options));
   if (cloud.points.size() < 3) {
     return Error{ErrorCode::bad_data, fmt::format("{}: expected at least 3 points, found {}", name,
                                                   cloud.points.size())};
@@ -167,24 +165,23 @@ Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
   TRIVET_TRY(engine::check_extent(cloud.points, name));
   const Result<Eigen::Vector3f> place = engine::find_viewpoint(cloud, options.viewpoint, name);
   const bool is_seen =
-      *method == SurfaceMethod::grid || (*method == SurfaceMethod::greedy && cloud.normals.empty());
+      method == SurfaceMethod::grid || (method == SurfaceMethod::greedy && cloud.normals.empty());
   if (is_seen && !place) return place.error();
   const Eigen::Vector3f viewpoint = place ? *place : Eigen::Vector3f::Zero();
 
   Surface surface;
-  surface.method = *method;
+  surface.method = method;
   surface.mesh = std::move(cloud);
   Cloud& mesh = surface.mesh;
-  if (*method == SurfaceMethod::grid) {
+  if (method == SurfaceMethod::grid) {
     span_pixels(name, viewpoint, options, surface);
-  } else if (*method == SurfaceMethod::greedy) {
-    Result<Normals> normals = mesh.normals.empty() ? estimate_normals(mesh.points, viewpoint)
-                                                   : Result<Normals>(mesh.normals);
-    if (!normals) return normals.error();
-    Result<Triangles> triangles =
-        kernels::triangulate_greedy(mesh.points, *normals, options.greedy);
-    if (!triangles) return triangles.error();
-    mesh.triangles = std::move(*triangles);
+  } else if (method == SurfaceMethod::greedy) {
+    TRIVET_TRY_ASSIGN(Normals normals, mesh.normals.empty()
+                                           ? estimate_normals(mesh.points, viewpoint)
+                                           : Result<Normals>(mesh.normals));
+    TRIVET_TRY_ASSIGN(Triangles triangles,
+                      kernels::triangulate_greedy(mesh.points, normals, options.greedy));
+    mesh.triangles = std::move(triangles);
   }
   if (mesh.triangles.empty()) {
     return Error{

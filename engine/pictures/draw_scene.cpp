@@ -210,15 +210,13 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
   for (const std::uint32_t i : which) {
     auto found = surfaces.find(overlays[i].mesh);
     if (found == surfaces.end()) {
-      Result<RayScene> surface = surface_of(*overlays[i].mesh);
-      if (!surface) return surface.error();
-      found = surfaces.emplace(overlays[i].mesh, std::move(*surface)).first;
+      TRIVET_TRY_ASSIGN(RayScene surface, surface_of(*overlays[i].mesh));
+      found = surfaces.emplace(overlays[i].mesh, std::move(surface)).first;
     }
     const Pose pose = placed_in(scene, overlays[i]);
     instances.push_back({&found->second, geometry.T_camera_scene * pose});
   }
-  const Result<RayScene> rays = RayScene::from_instances(instances);
-  if (!rays) return rays.error();
+  TRIVET_TRY_ASSIGN(const RayScene rays, RayScene::from_instances(instances));
 
   Rendering out;
   out.depth.resize(std::size_t{geometry.width} * geometry.height);
@@ -228,7 +226,7 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
   engine::for_chunks(geometry.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     const std::size_t begin = first * geometry.width, size = count * geometry.width;
     kernels::render_depth(
-        *rays, camera, geometry.width, static_cast<std::uint32_t>(first),
+        rays, camera, geometry.width, static_cast<std::uint32_t>(first),
         {std::span(out.depth).subspan(begin, size), std::span(out.overlay).subspan(begin, size)});
   });
   for (std::uint32_t& overlay : out.overlay) {
@@ -385,12 +383,11 @@ struct SceneDrawing::State {
     Canvas canvas = draw_scan(frame, background);
     out.scan = to_picture(canvas, widths.most);
     const auto add = [&](std::span<const std::uint32_t> which) -> Result<void> {
-      const Result<Rendering> rendering =
-          render(frame.geometry, overlays, which, prepared, surfaces);
-      if (!rendering) return rendering.error();
-      draw_overlays(frame, *rendering, overlays, widths.outlines, canvas);
-      extend_boxes(frame.geometry, *rendering, out.boxes);
-      place_labels(frame, *rendering, overlays, which, out.boxes);
+      TRIVET_TRY_ASSIGN(const Rendering rendering,
+                        render(frame.geometry, overlays, which, prepared, surfaces));
+      draw_overlays(frame, rendering, overlays, widths.outlines, canvas);
+      extend_boxes(frame.geometry, rendering, out.boxes);
+      place_labels(frame, rendering, overlays, which, out.boxes);
       return {};
     };
     std::vector<std::uint32_t> filled;
@@ -421,9 +418,8 @@ SceneDrawing::~SceneDrawing() = default;
 Result<SceneDrawing> SceneDrawing::prepare(const Cloud& cloud, const SceneInput& input,
                                            float largest_diameter) {
   StageTimes times;
-  Result<engine::PreparedScene> prepared = engine::prepare_scene(cloud, input, times);
-  if (!prepared) return prepared.error();
-  return SceneDrawing(std::make_unique<State>(std::move(*prepared), largest_diameter));
+  TRIVET_TRY_ASSIGN(engine::PreparedScene prepared, engine::prepare_scene(cloud, input, times));
+  return SceneDrawing(std::make_unique<State>(std::move(prepared), largest_diameter));
 }
 
 Result<ScenePictures> SceneDrawing::draw(std::span<const Overlay> overlays) {

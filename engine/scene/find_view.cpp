@@ -97,9 +97,9 @@ Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
       return SceneView{SceneKind::surface, ViewSource::given};
     if (const std::optional<SceneView> view = view_of_faces(cloud)) return *view;
   }
-  const Result<Eigen::Vector3f> place = find_viewpoint(cloud, input.viewpoint, input.file.string());
-  if (!place) return place.error();
-  return SceneView{SceneKind::points, source, place->cast<double>() + cloud.offset};
+  TRIVET_TRY_ASSIGN(const Eigen::Vector3f place,
+                    find_viewpoint(cloud, input.viewpoint, input.file.string()));
+  return SceneView{SceneKind::points, source, place.cast<double>() + cloud.offset};
 }
 
 }  // namespace trivet::engine

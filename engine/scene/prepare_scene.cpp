@@ -435,9 +435,8 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
       for (float& value : column) value *= scale;
     }
   }
-  Result<SceneView> view = find_view(cloud, input);
-  if (!view) return view.error();
-  scene.view = *view;
+  TRIVET_TRY_ASSIGN(SceneView view, find_view(cloud, input));
+  scene.view = view;
   const bool closed = scene.view.kind == SceneKind::surface;
   if (!closed && cloud.points.size() < kFewestPoints) {
     return Error{ErrorCode::bad_data,
@@ -445,10 +444,8 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), kFewestPoints, cloud.points.size())};
   }
   TRIVET_TRY(check_extent(scene.points, input.file.string()));
-  const Result<void> prepared =
-      closed ? prepare_closed_scene(take_surface(cloud, scene), input, options, scene)
-             : prepare_sensor_scene(cloud, input, options, scene);
-  if (!prepared) return prepared.error();
+  TRIVET_TRY(closed ? prepare_closed_scene(take_surface(cloud, scene), input, options, scene)
+                    : prepare_sensor_scene(cloud, input, options, scene));
   return scene;
 }
 

@@ -20,11 +20,11 @@ Result<BopTruth> BopTruth::create(std::span<const ScanModel> models) {
   BopTruth truth;
   for (const ScanModel& model : models) {
     const Points vertices = scaled_points(model.vertices, 1000);
-    Result<kernels::RayScene> surface = kernels::RayScene::from_mesh(vertices, model.triangles);
-    if (!surface) return surface.error();
+    TRIVET_TRY_ASSIGN(kernels::RayScene surface,
+                      kernels::RayScene::from_mesh(vertices, model.triangles));
     Eigen::AlignedBox3d box;
     for (std::size_t i = 0; i < vertices.size(); ++i) box.extend(vertices[i].cast<double>());
-    truth.objects_.push_back({std::move(*surface), box.center(), box.diagonal().norm() / 2});
+    truth.objects_.push_back({std::move(surface), box.center(), box.diagonal().norm() / 2});
   }
   return truth;
 }
@@ -35,20 +35,19 @@ Result<std::vector<ObjectView>> BopTruth::describe(std::span<const std::uint16_t
   std::vector<ObjectView> views;
   for (BopInstance& instance : image.instances) {
     const Object& object = objects_[static_cast<std::size_t>(instance.object_id) - 1];
-    Result<ObjectView> view = view_object({object.surface, object.center, object.radius},
-                                          instance.T_camera_model, measured, kBopDeltaMm);
-    if (!view) return view.error();
-    instance.px_count_all = view->all.num_pixels;
-    instance.px_count_valid = view->num_valid;
-    instance.px_count_visib = view->visible.num_pixels;
-    if (view->all.num_pixels > 0) {
-      instance.visib_fract = static_cast<double>(view->visible.num_pixels) / view->all.num_pixels;
+    TRIVET_TRY_ASSIGN(ObjectView view, view_object({object.surface, object.center, object.radius},
+                                                   instance.T_camera_model, measured, kBopDeltaMm));
+    instance.px_count_all = view.all.num_pixels;
+    instance.px_count_valid = view.num_valid;
+    instance.px_count_visib = view.visible.num_pixels;
+    if (view.all.num_pixels > 0) {
+      instance.visib_fract = static_cast<double>(view.visible.num_pixels) / view.all.num_pixels;
     }
-    if (view->visible.num_pixels > 0) {
-      instance.bbox_obj = box_of(view->all);
-      instance.bbox_visib = box_of(view->visible);
+    if (view.visible.num_pixels > 0) {
+      instance.bbox_obj = box_of(view.all);
+      instance.bbox_visib = box_of(view.visible);
     }
-    views.push_back(std::move(*view));
+    views.push_back(std::move(view));
   }
   return views;
 }

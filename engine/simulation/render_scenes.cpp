@@ -53,9 +53,9 @@ void keep_used(const Cloud& surface, double factor, ScanModel& model) {
 
 Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
                              const ScanModelOptions& options) {
-  const Result<Cloud> surface = read_cloud(source.file, {.unit = unit, .keep_origin = true});
-  if (!surface) return surface.error();
-  if (surface->triangles.empty()) {
+  TRIVET_TRY_ASSIGN(const Cloud surface,
+                    read_cloud(source.file, {.unit = unit, .keep_origin = true}));
+  if (surface.triangles.empty()) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected a mesh, found points without faces, which a sensor "
                              "sees through",
@@ -63,14 +63,14 @@ Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
   }
   double scale = source.scale;  // to the library's unit
   if (options.diameter > 0) {
-    const float diameter = kernels::find_diameter(surface->points);
+    const float diameter = kernels::find_diameter(surface.points);
     if (diameter > 0) scale = static_cast<double>(options.diameter) / static_cast<double>(diameter);
   }
   const double meters = unit_scale(unit, LengthUnit::meter);
   ScanModel model;
   model.name = source.name;
   model.metal = options.metal;
-  keep_used(*surface, scale * meters, model);
+  keep_used(surface, scale * meters, model);
   if (source.symmetry) {
     model.symmetry = engine::scaled(*source.symmetry, scale / source.scale * meters);
     return model;
@@ -78,9 +78,9 @@ Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
   Cloud own;
   own.points = model.vertices;
   own.triangles = model.triangles;
-  Result<TrainedModel> trained = train_model(own, {source.name, source.file, 1, {}}, kSymmetryOnly);
-  if (!trained) return trained.error();
-  model.symmetry = std::move(trained->model.symmetry);
+  TRIVET_TRY_ASSIGN(TrainedModel trained,
+                    train_model(own, {source.name, source.file, 1, {}}, kSymmetryOnly));
+  model.symmetry = std::move(trained.model.symmetry);
   return model;
 }
 
@@ -174,15 +174,12 @@ double randomize_object(ScanModel& object, kernels::CounterRandom& random) {
 
 Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
                                                 LengthUnit unit, const ScanModelOptions& options) {
-  const Result<void> valid =
-      engine::check_ranges({{options.diameter >= 0 && options.diameter < 1e6F, "diameter",
-                             "0 to a million", static_cast<double>(options.diameter)}});
-  if (!valid) return valid.error();
+  TRIVET_TRY(engine::check_ranges({{options.diameter >= 0 && options.diameter < 1e6F, "diameter",
+                                    "0 to a million", static_cast<double>(options.diameter)}}));
   std::vector<ScanModel> models;
   for (const ModelSource& source : sources) {
-    Result<ScanModel> model = read_model(source, unit, options);
-    if (!model) return model.error();
-    models.push_back(std::move(*model));
+    TRIVET_TRY_ASSIGN(ScanModel model, read_model(source, unit, options));
+    models.push_back(std::move(model));
   }
   return models;
 }
@@ -218,10 +215,8 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
                                const ScanOptions& options, const fs::path& folder,
                                const Progress& progress) {
   const std::vector<ScanModel> objects = scanned_objects(models, options);
-  const Result<VirtualScanner> scanner = VirtualScanner::create(objects, unit, options);
-  if (!scanner) return scanner.error();
-  const Result<engine::BopTruth> bop_truth = engine::BopTruth::create(models);
-  if (!bop_truth) return bop_truth.error();
+  TRIVET_TRY_ASSIGN(const VirtualScanner scanner, VirtualScanner::create(objects, unit, options));
+  TRIVET_TRY_ASSIGN(const engine::BopTruth bop_truth, engine::BopTruth::create(models));
   const fs::path scene_folder = bop_scene_folder(folder / "test", kSceneId);
   for (const fs::path& made_folder : {bop_depth_file(scene_folder, 0).parent_path(),
                                       bop_mask_file(scene_folder, 0, 0).parent_path(),
@@ -230,9 +225,8 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   }
   Manifest manifest;
   manifest.unit = unit;
-  Result<std::vector<ManifestModel>> entries = write_models(models, unit, folder);
-  if (!entries) return entries.error();
-  manifest.models = std::move(*entries);
+  TRIVET_TRY_ASSIGN(std::vector<ManifestModel> entries, write_models(models, unit, folder));
+  manifest.models = std::move(entries);
 
   manifest.scenes.resize(options.num_scenes);
   std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
@@ -240,26 +234,24 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   std::uint32_t width = kScanWidth, height = kScanHeight;  // of every scene
   const Result<void> rendered =
       make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
-        Result<RenderedScene> scene = scanner->scan(static_cast<std::uint32_t>(i));
-        if (!scene) return scene.error();
+        TRIVET_TRY_ASSIGN(RenderedScene scene, scanner.scan(static_cast<std::uint32_t>(i)));
         ManifestScene& entry = manifest.scenes[i];
         entry.file = bop_depth_file(scene_folder, static_cast<int>(i));
         entry.name = entry.file.lexically_relative(folder).generic_string();
-        entry.camera = scene->camera;
-        entry.truth = std::move(scene->truth);
+        entry.camera = scene.camera;
+        entry.truth = std::move(scene.truth);
         entry.scene_id = kSceneId;
         entry.image_id = static_cast<int>(i);
-        const Result<std::vector<engine::ObjectView>> views =
-            bop_truth->describe(scene->depths, scene->width, scene->bop);
-        if (!views) return views.error();
-        TRIVET_TRY(write_masks(scene_folder, scene->bop.id, *views, scene->width));
-        coco[i] = engine::coco_image(scene->bop, *views, scene->width, scene->height);
-        bop[0].images[i] = std::move(scene->bop);
+        TRIVET_TRY_ASSIGN(const std::vector<engine::ObjectView> views,
+                          bop_truth.describe(scene.depths, scene.width, scene.bop));
+        TRIVET_TRY(write_masks(scene_folder, scene.bop.id, views, scene.width));
+        coco[i] = engine::coco_image(scene.bop, views, scene.width, scene.height);
+        bop[0].images[i] = std::move(scene.bop);
         if (i == 0) {
-          width = scene->width;
-          height = scene->height;
+          width = scene.width;
+          height = scene.height;
         }
-        TRIVET_TRY(write_depth_png(entry.file, scene->depths, scene->width));
+        TRIVET_TRY(write_depth_png(entry.file, scene.depths, scene.width));
         return entry.name;
       });
   if (!rendered) return rendered.error();

@@ -348,11 +348,10 @@ Result<int> count_silhouette(const RayScene::Instance& object, PointsView vertic
   Camera window = camera;
   window.cx -= low.x();
   window.cy -= low.y();
-  const Result<RayScene> alone = RayScene::from_instances(std::span(&object, 1));
-  if (!alone) return alone.error();
+  TRIVET_TRY_ASSIGN(const RayScene alone, RayScene::from_instances(std::span(&object, 1)));
   const auto width = static_cast<std::uint32_t>(high.x() - low.x()) + 1,
              height = static_cast<std::uint32_t>(high.y() - low.y()) + 1;
-  const ExactImage image = engine::render_exactly(*alone, window, width, height);
+  const ExactImage image = engine::render_exactly(alone, window, width, height);
   return static_cast<int>(image.depth.size() -
                           static_cast<std::size_t>(std::ranges::count(image.depth, 0.0F)));
 }
@@ -440,9 +439,8 @@ Result<VirtualScanner> VirtualScanner::create(std::span<const ScanModel> models,
     return Error{ErrorCode::bad_data, "at least one model expected to scan, none found"};
   auto state = std::make_unique<State>(State{models, unit, options, {}, {}, {}, {}});
   const auto add = [&](const ScanModel& model) -> Result<void> {
-    Result<RayScene> mesh = RayScene::from_mesh(model.vertices, model.triangles);
-    if (!mesh) return mesh.error();
-    state->meshes.push_back(std::move(*mesh));
+    TRIVET_TRY_ASSIGN(RayScene mesh, RayScene::from_mesh(model.vertices, model.triangles));
+    state->meshes.push_back(std::move(mesh));
     state->bodies.push_back(engine::make_body(model.vertices, model.triangles));
     if (state->bodies.back().diameter > 0) return {};
     return Error{ErrorCode::bad_data,
@@ -503,30 +501,28 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
     finishes.push_back(choose_finish(model, options.randomize, finish, drawn));
   }
   const Surroundings around = surround(points, T_camera_world, range, bin, options, drawn);
-  const Result<RayScene> sheet = RayScene::from_mesh(around.sheet.vertices, around.sheet.triangles);
-  if (!sheet) return sheet.error();
-  instances.push_back({&*sheet, T_camera_world});
+  TRIVET_TRY_ASSIGN(const RayScene sheet,
+                    RayScene::from_mesh(around.sheet.vertices, around.sheet.triangles));
+  instances.push_back({&sheet, T_camera_world});
   finishes.push_back(around.finish);
-  const Result<RayScene> rays = RayScene::from_instances(instances);
-  if (!rays) return rays.error();
-  scene.exact = engine::render_exactly(*rays, scene.true_camera, scene.width, scene.height);
-  scene.depths = engine::measure_scene({*rays, scene.true_camera, scene.exact, finishes},
+  TRIVET_TRY_ASSIGN(const RayScene rays, RayScene::from_instances(instances));
+  scene.exact = engine::render_exactly(rays, scene.true_camera, scene.width, scene.height);
+  scene.depths = engine::measure_scene({rays, scene.true_camera, scene.exact, finishes},
                                        options.sensor, options.seed, index, scene.flaws);
 
   const Measured measured =
       count_measured(scene.exact, scene.depths, scene.true_camera, instances.size());
   for (std::size_t i = 0; i < options.num_instances; ++i) {
     const std::uint32_t model = placed[i].body;
-    const Result<int> num_all =
-        count_silhouette(instances[i], models[model].vertices, scene.true_camera);
-    if (!num_all) return num_all.error();
+    TRIVET_TRY_ASSIGN(const int num_all,
+                      count_silhouette(instances[i], models[model].vertices, scene.true_camera));
     const Pose T_written_model =
         engine::written_pose(instances[i].T_world_scene, bodies[model].center.cast<double>(),
                              scene.true_camera, scene.flaws.calibration);
     BopInstance& bop = scene.bop.instances.emplace_back();
     bop.object_id = static_cast<int>(model) + 1;
     bop.T_camera_model = scaled(T_written_model, 1000);
-    TruthInstance truth = Seen{*num_all, measured.visible[i]}.truth();
+    TruthInstance truth = Seen{num_all, measured.visible[i]}.truth();
     truth.model = models[model].name;
     truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::meter, unit));
     truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);

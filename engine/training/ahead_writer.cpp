@@ -56,9 +56,9 @@ Result<void> AheadWriter::begin() {
   const std::filesystem::path folder = parts_folder(file_);
   TRIVET_TRY(make_folder(folder));
   unfinished_ = free_name(folder);
-  Result<LibraryWriter> begun = LibraryWriter::create_lasting(file_, unfinished_, header_, names_);
-  if (!begun) return begun.error();
-  writer_ = std::move(*begun);
+  TRIVET_TRY_ASSIGN(LibraryWriter begun,
+                    LibraryWriter::create_lasting(file_, unfinished_, header_, names_));
+  writer_ = std::move(begun);
   time_.reset();
   return writer_->add(basis_);
 }

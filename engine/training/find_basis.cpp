@@ -21,12 +21,11 @@ constexpr std::size_t kStride = 8;
 Result<std::vector<float>> sample_images(const Cloud& cloud, const ModelSource& source,
                                          std::size_t wanted) {
   StageTimes times;
-  const Result<SurveyedModel> model =
-      survey_model(cloud, source, TrainOptions{}.num_samples, times);
-  if (!model) return model.error();
+  TRIVET_TRY_ASSIGN(const SurveyedModel model,
+                    survey_model(cloud, source, TrainOptions{}.num_samples, times));
   Column<float> all;
   for (const std::uint32_t above : kFeatureScales) {
-    const Descriptions some = describe_model(*model, {.half_octaves = above, .stride = kStride});
+    const Descriptions some = describe_model(model, {.half_octaves = above, .stride = kStride});
     all.insert(all.end(), some.images.begin(), some.images.end());
   }
   const std::size_t num_images = all.size() / kernels::kTriSpinSize;

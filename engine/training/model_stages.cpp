@@ -11,9 +11,9 @@ namespace trivet::engine {
 
 Result<void> survey(const Cloud& cloud, const ModelSource& source, const TrainOptions& options,
                     ModelInTraining& model) {
-  Result<SurveyedModel> surveyed = survey_model(cloud, source, options.num_samples, model.times);
-  if (!surveyed) return surveyed.error();
-  model.surveyed = std::move(*surveyed);
+  TRIVET_TRY_ASSIGN(SurveyedModel surveyed,
+                    survey_model(cloud, source, options.num_samples, model.times));
+  model.surveyed = std::move(surveyed);
   return {};
 }
 

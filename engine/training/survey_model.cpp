@@ -77,22 +77,19 @@ Result<Triangles> faces_of_cloud(PointsView points) {
   for (std::size_t i = 0; i < n; ++i) places.set(i, points[delaunay.places[i]]);
 
   const std::size_t num_near = std::min(kNormalNeighbors, n);
-  const Result<kernels::NearestNeighbors> tree = kernels::NearestNeighbors::build(places);
-  if (!tree) return tree.error();
+  TRIVET_TRY_ASSIGN(const kernels::NearestNeighbors tree, kernels::NearestNeighbors::build(places));
   Neighborhoods near;
   for (std::size_t i = 0; i <= n; ++i)
     near.offsets.push_back(static_cast<std::uint32_t>(i * num_near));
   near.indices.resize(n * num_near);
   std::vector<float> squared(near.indices.size());
-  TRIVET_TRY(tree->k_nearest(places, num_near, near.indices, squared));
+  TRIVET_TRY(tree.k_nearest(places, num_near, near.indices, squared));
   Normals normals_of_places(n), normals(points.size());
   kernels::estimate_normals(places, near, normals_of_places);
   for (std::size_t i = 0; i < n; ++i) normals.set(delaunay.places[i], normals_of_places[i]);
 
   const kernels::TriangulateOptions options;
-  const Result<void> oriented =
-      kernels::orient_by_empty_space(points, delaunay, options.max_radius, normals);
-  if (!oriented) return oriented.error();
+  TRIVET_TRY(kernels::orient_by_empty_space(points, delaunay, options.max_radius, normals));
   Result<Triangles> faces = kernels::triangulate_cloud(points, delaunay, normals, options);
   // A closed surface has two triangles a point; what has less than one is none, or torn.
   if (faces && faces->size() < n) *faces = {};
@@ -159,8 +156,7 @@ Error bad_surface(const ModelSource& source, const std::string& found) {
 Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source,
                                    std::size_t num_samples, StageTimes& times) {
   Points vertices = scaled_points(cloud.points, source.scale);
-  const Result<void> checked = check_extent(vertices, source.file.string());
-  if (!checked) return checked.error();
+  TRIVET_TRY(check_extent(vertices, source.file.string()));
   Triangles triangles = cloud.triangles;
   float diameter = 0;
   {
@@ -172,14 +168,13 @@ Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source
 
   if (triangles.empty()) {
     const StageTimer timer(times, "triangulate");
-    Result<Triangles> faces = faces_of_cloud(vertices);
-    if (!faces) return faces.error();
-    triangles = std::move(*faces);
+    TRIVET_TRY_ASSIGN(Triangles faces, faces_of_cloud(vertices));
+    triangles = std::move(faces);
   }
 
   std::vector<double> areas = areas_of(vertices, triangles, diameter);
   SpreadPoints samples;
-  Result<kernels::RayScene> rays = [&] {
+  TRIVET_TRY_ASSIGN(kernels::RayScene rays, [&] {
     const StageTimer timer(times, "sample");
     if (!areas.empty()) {
       samples = spread_over(vertices, triangles, areas, 1, num_samples);
@@ -187,8 +182,7 @@ Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source
     }
     samples = thin_cloud(vertices, diameter / 40);
     return kernels::RayScene::from_spheres(samples.points, kernels::kCloudRadius * samples.spacing);
-  }();
-  if (!rays) return rays.error();
+  }());
   if (samples.points.size() < 20)
     return bad_surface(source, fmt::format("only {} distinct places", samples.points.size()));
   const float ray_offset =
@@ -202,7 +196,7 @@ Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source
                       .all_samples = std::move(samples),
                       .all_views = {},
                       .areas = std::move(areas),
-                      .rays = std::move(*rays),
+                      .rays = std::move(rays),
                       .ray_offset = ray_offset,
                       .num_unused = cloud.num_unused,
                       .num_without_area = cloud.num_without_area};

@@ -59,9 +59,9 @@ Result<std::vector<ModelSource>> by_name(std::vector<ModelSource> sources) {
 }
 
 Result<std::string> hash_of(const std::filesystem::path& file) {
-  const Result<std::vector<std::byte>> bytes = read_file(file, ReadOptions{}.max_file_bytes);
-  if (!bytes) return bytes.error();
-  return xxh3_hex(*bytes);
+  TRIVET_TRY_ASSIGN(const std::vector<std::byte> bytes,
+                    read_file(file, ReadOptions{}.max_file_bytes));
+  return xxh3_hex(bytes);
 }
 
 ModelFacts facts_of(const ModelCopy& copy, ModelOrigin origin) {
@@ -338,13 +338,11 @@ TrainingRun::~TrainingRun() = default;
 
 Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress& progress) {
   TRIVET_TRY(validate(request.options));
-  Result<std::vector<ModelSource>> sources = by_name(std::move(request.sources));
-  if (!sources) return sources.error();
-  request.sources = std::move(*sources);
-  Result<FileLock> lock = FileLock::acquire(request.file);
-  if (!lock) return lock.error();
+  TRIVET_TRY_ASSIGN(std::vector<ModelSource> sources, by_name(std::move(request.sources)));
+  request.sources = std::move(sources);
+  TRIVET_TRY_ASSIGN(FileLock lock, FileLock::acquire(request.file));
 
-  auto state = std::make_unique<State>(std::move(request), std::move(*lock));
+  auto state = std::make_unique<State>(std::move(request), std::move(lock));
   TRIVET_TRY(state->open_old());
   TRIVET_TRY(state->find_staying());
   state->parts = engine::recover_parts(engine::parts_folder(state->request.file));
@@ -388,15 +386,14 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
   if (!state.faults.empty() && (!state.request.keep_going || state.faults.size() == num_sources))
     return state.all_faults();
 
-  Result<std::vector<ModelCopy>> models = state.gather_models();
-  if (!models) return models.error();
-  TrainReport report = state.report_on(*models);
+  TRIVET_TRY_ASSIGN(std::vector<ModelCopy> models, state.gather_models());
+  TrainReport report = state.report_on(models);
   if (!report.unchanged) {
     std::optional<LibraryWriter> ahead = state.ahead->release();
     const Result<void> written =
-        ahead ? finish_library(std::move(*ahead), *models, state.ahead->num_written(), state.lock,
+        ahead ? finish_library(std::move(*ahead), models, state.ahead->num_written(), state.lock,
                                progress.writing)
-              : assemble_library(state.header, state.basis, std::move(*models), state.lock,
+              : assemble_library(state.header, state.basis, std::move(models), state.lock,
                                  progress.writing);
     if (!written) return state.resumable(written.error());
   }
@@ -406,22 +403,20 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
 }
 
 Result<TrainReport> train_library(const TrainRequest& request, const TrainProgress& progress) {
-  Result<TrainingRun> run = TrainingRun::begin(request, progress);
-  if (!run) return run.error();
-  const std::size_t total = run->sources().size();
-  std::size_t num_done = run->num_taken_over();
+  TRIVET_TRY_ASSIGN(TrainingRun run, TrainingRun::begin(request, progress));
+  const std::size_t total = run.sources().size();
+  std::size_t num_done = run.num_taken_over();
   progress.training(num_done, total, "");
-  const Result<void> trained = train_models(
-      {run->sources(), request.unit, request.options, request.file}, [&] { return run->next(); },
+  TRIVET_TRY(train_models(
+      {run.sources(), request.unit, request.options, request.file}, [&] { return run.next(); },
       [&](JobOutcome outcome) {
-        const std::string& name = run->sources()[outcome.source].name;
-        Result<PackedModels> rest = run->add(std::move(outcome));
+        const std::string& name = run.sources()[outcome.source].name;
+        Result<PackedModels> rest = run.add(std::move(outcome));
         if (rest) progress.training(++num_done, total, name);
         return rest;
       },
-      progress.training.stop);
-  if (!trained) return trained.error();
-  return run->publish(progress);
+      progress.training.stop));
+  return run.publish(progress);
 }
 
 }  // namespace trivet

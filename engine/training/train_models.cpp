@@ -43,10 +43,9 @@ void read_and_survey(const TrainingWork& work, Item& item) {
   const ModelSource& source = work.sources[item.job.source];
   const Result<Cloud> surface = [&]() -> Result<Cloud> {
     const StageTimer timer(item.model.times, "read");
-    const Result<std::vector<std::byte>> bytes =
-        read_file(source.file, ReadOptions{}.max_file_bytes);
-    if (!bytes) return bytes.error();
-    item.source_xxh3 = xxh3_hex(*bytes);
+    TRIVET_TRY_ASSIGN(const std::vector<std::byte> bytes,
+                      read_file(source.file, ReadOptions{}.max_file_bytes));
+    item.source_xxh3 = xxh3_hex(bytes);
     return read_cloud(source.file, {.unit = work.unit, .keep_origin = true});
   }();
   const Result<void> good =

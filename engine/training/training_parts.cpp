@@ -115,11 +115,10 @@ Result<void> PartWriter::open() {
   TRIVET_TRY(make_folder(folder_));
   std::error_code error;
   while (fs::exists(part_of(folder_, writer_, num_parts_), error)) ++num_parts_;
-  Result<LibraryWriter> part =
-      LibraryWriter::create(part_of(folder_, writer_, num_parts_), header_);
-  if (!part) return part.error();
-  TRIVET_TRY(part->add(basis_));
-  part_ = std::move(*part);
+  TRIVET_TRY_ASSIGN(LibraryWriter part,
+                    LibraryWriter::create(part_of(folder_, writer_, num_parts_), header_));
+  TRIVET_TRY(part.add(basis_));
+  part_ = std::move(part);
   time_.reset();
   return {};
 }

@@ -97,11 +97,10 @@ Result<void> Faces::measure(PointsView points, const Delaunay& delaunay) {
 
   // The spacing is the square root of the area that a point has, among its nearest.
   const std::size_t k = std::min(kSpacingNeighbors + 1, n);
-  const Result<NearestNeighbors> tree = NearestNeighbors::build(places);
-  if (!tree) return tree.error();
+  TRIVET_TRY_ASSIGN(const NearestNeighbors tree, NearestNeighbors::build(places));
   std::vector<std::uint32_t> near(k * n);
   std::vector<float> squared(k * n);
-  TRIVET_TRY(tree->k_nearest(places, k, near, squared));
+  TRIVET_TRY(tree.k_nearest(places, k, near, squared));
   for (std::size_t i = 0; i < n; ++i) {
     spacings_.push_back(std::sqrt(static_cast<double>(squared[k * i + k - 1]) * std::numbers::pi /
                                   static_cast<double>(k - 1)));

@@ -205,11 +205,10 @@ Result<void> Growth::measure() {
   spacings_.assign(points_.size(), 0);
   const std::size_t n = places.size(), k = std::min(2 * kFanNeighbors + 1, n);
   if (n < 3) return {};
-  const Result<NearestNeighbors> tree = NearestNeighbors::build(places);
-  if (!tree) return tree.error();
+  TRIVET_TRY_ASSIGN(const NearestNeighbors tree, NearestNeighbors::build(places));
   std::vector<std::uint32_t> nearest(k * n);
   std::vector<float> squared(k * n);
-  TRIVET_TRY(tree->k_nearest(places, k, nearest, squared));
+  TRIVET_TRY(tree.k_nearest(places, k, nearest, squared));
 
   // The spacing is the step of the square lattice whose eighth neighbor is as far, or as dense.
   // The other side of a thin wall does not count.

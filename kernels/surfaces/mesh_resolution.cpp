@@ -35,13 +35,11 @@ double mean_edge_length(PointsView vertices, const Triangles& triangles) {
 
 Result<double> mean_neighbor_distance(PointsView points) {
   if (points.size() < 2) return 0.0;
-  const Result<NearestNeighbors> tree = NearestNeighbors::build(points);
-  if (!tree) return tree.error();
+  TRIVET_TRY_ASSIGN(const NearestNeighbors tree, NearestNeighbors::build(points));
   // The nearest is the point itself, or another one in the same place.
   std::vector<std::uint32_t> indices(2 * points.size());
   std::vector<float> squared_distances(2 * points.size());
-  const Result<void> done = tree->k_nearest(points, 2, indices, squared_distances);
-  if (!done) return done.error();
+  TRIVET_TRY(tree.k_nearest(points, 2, indices, squared_distances));
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
     sum += std::sqrt(static_cast<double>(squared_distances[2 * i + 1]));
