@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "storage/data/bounding_box.hpp"
+
 namespace trivet::engine {
 namespace {
 
@@ -11,13 +13,9 @@ constexpr float kSmallest = 1e-6F, kLargest = 1e9F;
 
 Result<void> check_extent(PointsView points, const std::string& name) {
   if (points.empty()) return {};
-  Eigen::Vector3f low = points[0], high = points[0];
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    low = low.cwiseMin(points[i]);
-    high = high.cwiseMax(points[i]);
-  }
-  const float extent = (high - low).maxCoeff();
-  const float farthest = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  const Eigen::AlignedBox3f box = bounding_box(points);
+  const float extent = box.sizes().maxCoeff();
+  const float farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   if (extent >= kSmallest && farthest <= kLargest) return {};
   return Error{ErrorCode::bad_data,
                fmt::format("{}: expected points that span {:g} or more, none beyond {:g}, found {} "

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "storage/data/bounding_box.hpp"
 #include "storage/data/file_pose.hpp"
 
 namespace trivet::engine {
@@ -22,13 +23,9 @@ struct Spread {
 };
 
 Spread spread_of(PointsView points) {
-  Vector3f low = points[0], high = points[0];
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    low = low.cwiseMin(points[i]);
-    high = high.cwiseMax(points[i]);
-  }
-  const auto extent = static_cast<double>((high - low).maxCoeff());
-  return {((low + high) / 2).cast<double>(), extent,
+  const Eigen::AlignedBox3f box = bounding_box(points);
+  const auto extent = static_cast<double>(box.sizes().maxCoeff());
+  return {((box.min() + box.max()) / 2).cast<double>(), extent,
           extent / std::sqrt(static_cast<double>(points.size()))};
 }
 

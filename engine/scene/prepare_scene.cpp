@@ -20,6 +20,7 @@
 #include "storage/common/counted.hpp"
 #include "storage/common/stop.hpp"
 #include "storage/common/whole_number.hpp"
+#include "storage/data/bounding_box.hpp"
 #include "storage/data/file_pose.hpp"
 #include "storage/formats/keep_points.hpp"
 #include "storage/formats/used_vertices.hpp"
@@ -42,19 +43,6 @@ constexpr std::uint32_t kNoiseWindow = 2;
 /// much as the quantization of the pair's angles, no wider, since corners round off.
 float choose_window(float noise, float spacing) {
   return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
-}
-
-struct Bounds {
-  Eigen::Vector3f low, high;
-};
-
-Bounds bounds(PointsView points) {
-  Bounds box{points[0], points[0]};
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    box.low = box.low.cwiseMin(points[i]);
-    box.high = box.high.cwiseMax(points[i]);
-  }
-  return box;
 }
 
 /// Depth and normals of each pixel from the points that the grid names.
@@ -300,8 +288,7 @@ bool keep_one_layer(float cell, Points& points, Normals& outward) {
 Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   std::vector<double> area_sums(triangles.size());
   const double area = kernels::sum_areas(scene.points, triangles, area_sums);
-  const auto [low, high] = bounds(scene.points);
-  const double extent = static_cast<double>((high - low).norm());
+  const double extent = static_cast<double>(bounding_box(scene.points).diagonal().norm());
   const double widest_spacing = 0.01 * extent;
   const std::size_t num_needed =
       whole_number(area / (widest_spacing * widest_spacing), std::size_t{0}, kMostSamples / 2);
@@ -381,9 +368,9 @@ Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& 
   }
 
   // Six far cameras around the surface see it as sensors would.
-  const auto [low, high] = bounds(scene.points);
-  const Eigen::Vector3f middle = (low + high) / 2;
-  const float distance = 10 * (high - low).norm();
+  const Eigen::AlignedBox3f box = bounding_box(scene.points);
+  const Eigen::Vector3f middle = (box.min() + box.max()) / 2;
+  const float distance = 10 * box.diagonal().norm();
   for (int axis = 0; axis < 3; ++axis) {
     for (const float side : {-1.0F, 1.0F}) {
       const Eigen::Vector3f eye = middle + side * distance * Eigen::Vector3f::Unit(axis);

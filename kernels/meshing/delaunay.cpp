@@ -1,6 +1,7 @@
 #include "kernels/meshing/delaunay.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -253,21 +254,18 @@ class Insertion {
 }  // namespace
 
 Delaunay find_delaunay(PointsView points) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector3d high = -low;
+  Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d p = points[i].cast<double>();
-    if (!p.allFinite()) continue;
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+    if (p.allFinite()) box.extend(p);
   }
-  const double extent = std::max((high - low).maxCoeff(), std::numeric_limits<double>::min());
+  const double extent = std::max(box.sizes().maxCoeff(), std::numeric_limits<double>::min());
 
   std::vector<Entry> entries;
   entries.reserve(points.size());
   const auto place_of = [&](std::size_t i) {
     const Eigen::Vector3d p =
-        ((points[i].cast<double>() - low) * (kSteps / extent)).array().round();
+        ((points[i].cast<double>() - box.min()) * (kSteps / extent)).array().round();
     return Place{static_cast<std::int32_t>(p.x()), static_cast<std::int32_t>(p.y()),
                  static_cast<std::int32_t>(p.z())};
   };
@@ -295,7 +293,7 @@ Delaunay find_delaunay(PointsView points) {
   delaunay.tetrahedra = insertion.take();
   for (std::size_t k = 0; k < 4; ++k) {
     const Place& far = kFarCorners[k];
-    delaunay.far_corners[k] = low + extent / kSteps * Eigen::Vector3d(far[0], far[1], far[2]);
+    delaunay.far_corners[k] = box.min() + extent / kSteps * Eigen::Vector3d(far[0], far[1], far[2]);
   }
   return delaunay;
 }

@@ -8,6 +8,7 @@
 
 #include "storage/common/stop.hpp"
 #include "storage/common/whole_number.hpp"
+#include "storage/data/bounding_box.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -122,13 +123,9 @@ float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen:
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
                                            float pixel_size) {
   if (points.size() < 3) return std::nullopt;
-  Eigen::Array3f low = points[0].array(), high = low;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    low = low.min(points[i].array());
-    high = high.max(points[i].array());
-  }
-  const Eigen::Vector3f towards = ((low + high) / 2).matrix() - viewpoint;
-  if (!(towards.norm() > 1e-6F * (high - low).matrix().norm())) return std::nullopt;
+  const Eigen::AlignedBox3f box = bounding_box(points);
+  const Eigen::Vector3f towards = (box.min() + box.max()) / 2 - viewpoint;
+  if (!(towards.norm() > 1e-6F * box.diagonal().norm())) return std::nullopt;
 
   // Rows of the rotation: right, down, forward. Any roll serves; take the axis least aligned as
   // help.

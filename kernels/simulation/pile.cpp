@@ -322,19 +322,16 @@ double Pile::find_clearance(PointsView vertices, const Triangles& triangles, con
 
 Vector3d Pile::land(PointsView vertices, const Triangles& triangles, double reach, Scratch& scratch,
                     std::vector<Contact>& contacts) const {
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const Vector3d p = vertices[i].cast<double>();
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  Vector3d shift = between_walls(low, high);
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < vertices.size(); ++i) box.extend(vertices[i].cast<double>());
+  const Vector3d& low = box.min();
+  Vector3d shift = between_walls(low, box.max());
   find_candidates(vertices, triangles, shift, low.z() + reach, scratch);
   const double clearance = find_clearance(vertices, triangles, shift, reach, low.z(), scratch);
   shift.z() = -clearance;
 
   contacts.clear();
-  ContactSieve sieve(low, high, shift, scratch.buckets, contacts);
+  ContactSieve sieve(low, box.max(), shift, scratch.buckets, contacts);
   for (const Scratch::Touch& touch : scratch.touches) {
     if (touch.clearance >= clearance + reach) continue;
     sieve.keep(touch.point + Vector3d(0, 0, shift.z()), touch.normal,

@@ -78,13 +78,10 @@ class Search {
     if (count <= kLeafSize) return;
 
     // Halve along the widest side of the bounding box.
-    Eigen::Array3f low = *begin, high = *begin;
-    for (auto p = begin; p != end; ++p) {
-      low = low.min(p->array());
-      high = high.max(p->array());
-    }
+    Eigen::AlignedBox3f box(*begin);
+    for (auto p = begin; p != end; ++p) box.extend(*p);
     int side = 0;
-    (high - low).maxCoeff(&side);
+    box.sizes().maxCoeff(&side);
     const std::uint32_t half = count / 2;
     std::nth_element(begin, begin + half, end,
                      [side](const auto& a, const auto& b) { return a[side] < b[side]; });

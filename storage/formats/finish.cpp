@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "storage/common/stop.hpp"
@@ -43,15 +44,14 @@ void drop_unused(Cloud& cloud) {
 
 Result<void> check_range(const Cloud& cloud, const Input& input) {
   const PointsView points = cloud.points;
-  Eigen::Vector3f low = points[0], high = points[0];
+  Eigen::AlignedBox3f box(points[0]);
   StopCheck check_stop(1 << 18);
   for (std::size_t i = 1; i < points.size(); ++i) {
     check_stop();
-    low = low.cwiseMin(points[i]);
-    high = high.cwiseMax(points[i]);
+    box.extend(points[i]);
   }
-  const float distance = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
-  const float extent = (high - low).maxCoeff();
+  const float distance = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  const float extent = box.sizes().maxCoeff();
   if (distance > kLargestCoordinate) {
     return input.refuse(
         fmt::format("expected coordinates up to {:g}, found {:g}; give the file in "
@@ -65,7 +65,7 @@ Result<void> check_range(const Cloud& cloud, const Input& input) {
   }
   const float smallest = input.options.keep_origin ? kSmallestModel : kSmallestExtent;
   if (points.size() > 1 && extent < smallest * distance) {
-    const Eigen::Vector3f middle = (low + high) / 2;
+    const Eigen::Vector3f middle = (box.min() + box.max()) / 2;
     return input.refuse(fmt::format(
         "the points span {:g} at {:g} from the origin, of which poses would speak: too far for "
         "floats; subtract about ({:.0f}, {:.0f}, {:.0f}) from all coordinates",

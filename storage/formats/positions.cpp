@@ -1,8 +1,8 @@
 #include "storage/formats/positions.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "storage/files/text.hpp"
 
@@ -12,30 +12,23 @@ namespace {
 using Eigen::Vector3d;
 
 /// The box around the finite ones.
-struct Box {
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Vector3d high = -low;
-};
-
-Box box_of(const Positions& positions) {
-  Box box;
+Eigen::AlignedBox3d box_of(const Positions& positions) {
+  Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vector3d p(positions.x[i], positions.y[i], positions.z[i]);
-    if (!p.allFinite()) continue;
-    box.low = box.low.cwiseMin(p);
-    box.high = box.high.cwiseMax(p);
+    if (p.allFinite()) box.extend(p);
   }
   return box;
 }
 
 /// Zero on the axes where floats hold the positions well enough.
-Vector3d choose_offset(const Box& box) {
-  const double extent = (box.high - box.low).maxCoeff();
+Vector3d choose_offset(const Eigen::AlignedBox3d& box) {
+  const double extent = box.sizes().maxCoeff();
   Vector3d offset = Vector3d::Zero();
   if (!(extent > 0 && std::isfinite(extent))) return offset;
   const double unit = std::exp2(std::ceil(std::log2(extent)));
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const double low = box.low[axis], high = box.high[axis];
+    const double low = box.min()[axis], high = box.max()[axis];
     if (std::max(std::abs(low), std::abs(high)) > kMostDistance * extent)
       offset[axis] = std::round((low + high) / 2 / unit) * unit;
   }
