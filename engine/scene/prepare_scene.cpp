@@ -10,6 +10,7 @@
 
 #include "engine/common/check_extent.hpp"
 #include "engine/common/parallel.hpp"
+#include "engine/options/train_options.hpp"
 #include "engine/scene/find_view.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
@@ -31,7 +32,10 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 8;          // image rows a task
 constexpr std::size_t kPixelGrain = 1 << 16;  // pixels a task, where each is little work
-constexpr float kNormalClusterRad = 0.5236F;  // 30 degrees, as in training
+constexpr float kNormalClusterRad = 0.5236F;  // as of models, whose pairs are looked up
+static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi_v<float> / 180 &&
+                  kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
+              "scenes are thinned as models are");
 constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // of a closed surface
 constexpr std::size_t kMostPairs = 16;  // with a point in its voxel; 2 or 3 of one surface
 constexpr double kMostPixels = 256;     // of a side of a closed surface, for each point

@@ -17,7 +17,7 @@ struct PairTableOptions {
   float relative_step = 0.04F;        ///< sampling step / diameter
   float reference_spacing = 1.2F;     ///< between points that pairs start at [steps]
   std::uint32_t num_angle_bins = 15;  ///< over 180 degrees
-  float normal_cluster_angle_deg = 30;
+  float normal_cluster_angle_deg = kNormalClusterDeg;
   bool operator==(const PairTableOptions&) const = default;
 };
 

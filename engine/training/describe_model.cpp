@@ -14,6 +14,7 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kRelativeResolution = 0.0125F;  // of the diameter
+// kNormalClusterDeg, rounded down: the bytes of all trained libraries depend on it.
 constexpr float kNormalClusterRad = 0.52F;
 // Points that supports are made of are so many resolutions apart: their bins are 1.2 wide and more,
 // and points are shared out among four. With 1 no more is found, in twice the time.
