@@ -8,7 +8,6 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr float kGrazing = 0.17F;      // cosine below which a surface is too oblique to be measured
 constexpr float kFitError = 0.004F;    // of model and pose, as a share of the diameter
 constexpr double kAgreement = 10;      // likelihood of r = 0 over that of a pixel off the model
 constexpr double kSeenThrough = 0.03;  // ... of a measurement anywhere behind the surface
@@ -31,7 +30,7 @@ Rendered render(const RayHits& hits, std::size_t at, const Eigen::Matrix3f& R,
   if (!std::isfinite(z)) return {};
   const float length = ray.norm();
   const float facing = std::abs((R * hits.normals[at]).dot(ray)) / length;
-  return {true, z, facing > kGrazing ? facing * length : 0};
+  return {true, z, facing > kMinRayCosine ? facing * length : 0};
 }
 
 class Comparer {

@@ -15,10 +15,9 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr float kOblique = 0.17F;      // cosine below which a surface is too oblique to be measured
-constexpr int kMargin = 4;             // rays beyond an outline, which no hole of a cloud is wide
-constexpr float kFoldCosine = 0.866F;  // 30 degrees: noise turns normals by less
-constexpr int kRounded = 3;            // windows that sensors round a crease over, at most
+constexpr int kMargin = 4;              // rays beyond an outline, which no hole of a cloud is wide
+constexpr float kFoldCosine = 0.866F;   // 30 degrees: noise turns normals by less
+constexpr int kRounded = 3;             // windows that sensors round a crease over, at most
 constexpr double kFewestResiduals = 6;  // residuals of a window that give a slope
 constexpr int kAcross = 3;              // rays around an outline's place that tell its direction
 constexpr float kSameCosine = 0.985F;   // 10 degrees: directions of outlines err by less
@@ -102,7 +101,7 @@ class Examiner {
         const float length = ray.norm();
         if (normal.dot(ray) > 0) normal = -normal;
         const float facing = -normal.dot(ray) / length;
-        if (!(facing > kOblique)) continue;
+        if (!(facing > kMinRayCosine)) continue;
 
         const float tolerance = options_.verify.tolerance;
         const ExpectedPoint expected{u, v, z, length * facing};

@@ -49,6 +49,10 @@ struct RayCrop {
   int v(int j) const noexcept { return v0 + stride * j; }
 };
 
+/// Cosine of incidence below which a surface is too oblique for its depth along a ray to be measured:
+/// that of 80 degrees, as models' views have it (kMinViewCosine).
+inline constexpr float kMinRayCosine = 0.17F;
+
 /// Twice the distance that samples lie from their center, which no other point of the surface
 /// exceeds by more than their spacing: the diameter of a ball around the model.
 float ball_diameter(const ModelSamples& samples) noexcept;

@@ -43,8 +43,9 @@ float Evidence::score() const noexcept {
 
 namespace {
 
-constexpr float kUnmeasurable =
-    0.15F;  // cosine below which a surface is too oblique to be measured
+// Cosine below which a sample is too oblique to be measured, a degree beyond the 80 of rays
+// (kMinRayCosine): its view mask has the limit of 80 degrees already, to the nearest view.
+constexpr float kUnmeasurable = 0.15F;
 // Cosine taken where the scene has no normal: below that of a good fit.
 constexpr float kUnknownNormal = 0.8F;
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
