@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "kernels/verification/adapt_score.hpp"
+#include "kernels/verification/pose_score.hpp"
 
 namespace trivet::apps {
 namespace {
@@ -20,6 +21,8 @@ std::string percent(float share) {
   return share < 0.01F ? "less than 1 %" : fmt::format("{:.0f} %", 100 * std::min(share, 1.0F));
 }
 
+constexpr kernels::ScoreOffsets kOffsets = kernels::kScoreOffsets;
+
 /// Each function undoes the logarithm that kernels::score_parts takes.
 struct Entry {
   std::string_view name;  // of kernels::kScoreParts
@@ -31,12 +34,13 @@ constexpr std::array<Entry, 17> kEntries{{
     {"violation",
      {"looked through", "share of what is seen that the sensor looked through"},
      [](float v) {
-       return "the sensor looked through " + percent(std::exp(v) - 0.03F) + " of it";
+       return "the sensor looked through " + percent(std::exp(v) - kOffsets.violation) + " of it";
      }},
     {"background",
      {"background", "share of what is seen that lies on a table, a floor or a wall"},
      [](float v) {
-       return percent(std::exp(v) - 0.05F) + " of what is seen lies on a table, a floor or a wall";
+       return percent(std::exp(v) - kOffsets.background) +
+              " of what is seen lies on a table, a floor or a wall";
      }},
     {"free",
      {"free", "share of its outline beyond which the scene falls back"},
@@ -44,17 +48,18 @@ constexpr std::array<Entry, 17> kEntries{{
     {"crossed",
      {"outline", "share of its outline beyond which the scene runs on as if it were not there"},
      [](float v) {
-       return "the scene runs on beyond " + percent(std::exp(v) - 0.05F) + " of its outline";
+       return "the scene runs on beyond " + percent(std::exp(v) - kOffsets.crossed) +
+              " of its outline";
      }},
     {"touching",
      {"contact", "share of its outline beyond which something else touches"},
      [](float v) {
-       return "something touches " + percent(std::exp(v) - 0.05F) + " of its outline";
+       return "something touches " + percent(std::exp(v) - kOffsets.touching) + " of its outline";
      }},
     {"buried",
      {"buried", "share of the edge of its seen part where it dips beneath a surface that runs on"},
      [](float v) {
-       return percent(std::exp(v) - 0.05F) +
+       return percent(std::exp(v) - kOffsets.buried) +
               " of the edge of what is seen dips beneath a surface that runs on";
      }},
     {"residual",
@@ -66,13 +71,13 @@ constexpr std::array<Entry, 17> kEntries{{
      {"shape", "the same with noise averaged out: what is left is a difference in shape"},
      [](float v) {
        return fmt::format("its shape is {:.2f} tolerances off, noise left aside",
-                          std::sqrt(std::max(0.0F, std::exp(v) - 0.005F)));
+                          std::sqrt(std::max(0.0F, std::exp(v) - kOffsets.smooth)));
      }},
     {"slope",
      {"slope", "angle between the measured surface and the model's"},
      [](float v) {
        return fmt::format("its surface is inclined by {:.0f}° to the measured one",
-                          kDegreesPerRadian * std::max(0.0F, std::exp(v) - 0.02F));
+                          kDegreesPerRadian * std::max(0.0F, std::exp(v) - kOffsets.slope));
      }},
     {"stability",
      {"stability", "how firmly the seen surface keeps the model from sliding and turning"},
@@ -80,7 +85,7 @@ constexpr std::array<Entry, 17> kEntries{{
     {"consistent",
      {"agreement", "share of its silhouette that was measured where the model says"},
      [](float v) {
-       return "only " + percent(std::exp(v) - 0.02F) +
+       return "only " + percent(std::exp(v) - kOffsets.consistent) +
               " of its silhouette is measured where it should be";
      }},
     {"unknown",
@@ -88,17 +93,20 @@ constexpr std::array<Entry, 17> kEntries{{
      [](float v) { return percent(v) + " of its silhouette was not measured"; }},
     {"pixels",
      {"pixels", "number of pixels that agree"},
-     [](float v) { return fmt::format("only {:.0f} pixels agree", std::exp(v) - 1); }},
+     [](float v) {
+       return fmt::format("only {:.0f} pixels agree", std::exp(v) - kOffsets.pixels);
+     }},
     {"sunk",
      {"sunk", "share of it that lies just beneath the measured surface"},
      [](float v) {
-       return percent(std::exp(v) - 0.03F) + " of it lies just beneath the measured surface";
+       return percent(std::exp(v) - kOffsets.sunk) +
+              " of it lies just beneath the measured surface";
      }},
     {"relief",
      {"relief", "how far what is seen of it is from a plane, in tolerances"},
      [](float v) {
        return fmt::format("what is seen of it is within {:.1f} tolerances of a plane",
-                          std::max(0.0F, std::exp(v) - 0.3F));
+                          std::max(0.0F, std::exp(v) - kOffsets.relief));
      }},
     {"coarseness",
      {"tolerance", "how far off a measurement may be and agree, in diameters"},

@@ -16,21 +16,22 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   // The constants are what a sensor cannot tell from nothing: without them a part would grow with
   // the number of pixels, and near objects would score better than far ones.
-  return {std::log(e.violation / (seen + 10) + 0.03F),
-          std::log(e.background / (seen + 10) + 0.05F),
+  constexpr ScoreOffsets offset = kScoreOffsets;
+  return {std::log(e.violation / (seen + 10) + offset.violation),
+          std::log(e.background / (seen + 10) + offset.background),
           e.outline_free / (e.outline + 5),
-          std::log(e.outline_crossed / (outline + 5) + 0.05F),
-          std::log(e.outline_touching / (outline + 5) + 0.05F),
-          std::log(e.buried / (outline + e.buried + 5) + 0.05F),
+          std::log(e.outline_crossed / (outline + 5) + offset.crossed),
+          std::log(e.outline_touching / (outline + 5) + offset.touching),
+          std::log(e.buried / (outline + e.buried + 5) + offset.buried),
           e.residual,
-          std::log(e.smooth + 0.005F),
-          std::log(e.slope + 0.02F),
-          std::log(e.stability + 0.0003F),
-          std::log(e.consistent / (silhouette + 1) + 0.02F),
+          std::log(e.smooth + offset.smooth),
+          std::log(e.slope + offset.slope),
+          std::log(e.stability + offset.stability),
+          std::log(e.consistent / (silhouette + 1) + offset.consistent),
           e.unknown / (e.covered + 1),
-          std::log(std::min(e.consistent, kEnoughPixels) + 1),
-          std::log(e.sunk / (seen + e.sunk + 10) + 0.03F),
-          std::log(e.relief + 0.3F),
+          std::log(std::min(e.consistent, kEnoughPixels) + offset.pixels),
+          std::log(e.sunk / (seen + e.sunk + 10) + offset.sunk),
+          std::log(e.relief + offset.relief),
           std::log(relative_tolerance),
           correlation};
 }

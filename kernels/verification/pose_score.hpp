@@ -37,6 +37,18 @@ inline constexpr std::array<ScorePart, 17> kScoreParts{{
 inline constexpr std::size_t kNumScoreParts = kScoreParts.size();
 inline constexpr std::size_t kCorrelationPart = kNumScoreParts - 1;
 
+/// What is added to parts before their logarithms are taken: what a sensor cannot tell from nothing.
+struct ScoreOffsets {
+  float violation = 0.03F, background = 0.05F, sunk = 0.03F, consistent = 0.02F;  ///< shares
+  float crossed = 0.05F, touching = 0.05F, buried = 0.05F;  ///< shares of outlines
+  float smooth = 0.005F;                                    ///< [squared tolerances]
+  float slope = 0.02F;                                      ///< [rad]
+  float stability = 0.0003F;
+  float relief = 0.3F;  ///< [tolerances]
+  float pixels = 1;
+};
+inline constexpr ScoreOffsets kScoreOffsets{};
+
 /// The parts of one pose, in the order of kScoreParts.
 using ScoreParts = std::array<float, kNumScoreParts>;
 
