@@ -65,13 +65,21 @@ Pose pose_of(const kernels::VotePeak& peak, const Model& model, const Pose& T_sc
   return T_scene_frame * turn * T_frame_model;
 }
 
+/// What all reference points vote on. All is referred to.
+struct Voting {
+  const Library& library;
+  std::span<const std::uint32_t> models;
+  const SceneLevel& level;
+  const PpfQuantization& quantization;
+  const VoteOptions& options;
+};
+
 /// Let one reference point vote for each model, and write the hypotheses of its peaks.
 ///
 /// out  options.max_peaks for each model; without votes where there are fewer peaks
-void vote_from(const SceneLevel& level, std::uint32_t reference, const Library& library,
-               std::span<const std::uint32_t> models, const PpfQuantization& quantization,
-               const VoteOptions& options, VoteScratch& scratch,
+void vote_from(const Voting& voting, std::uint32_t reference, VoteScratch& scratch,
                std::span<kernels::Hypothesis> out) {
+  const auto& [library, models, level, quantization, options] = voting;
   const kernels::ReferenceFrame frame =
       kernels::reference_frame(level.points[reference], level.normals[reference]);
   const float radius =
@@ -108,11 +116,11 @@ VotedHypotheses find_hypotheses(const Library& library, const SceneLevel& level,
   std::vector<kernels::Hypothesis> found(level.references.size() * slots);
   PerThread<VoteScratch> per_thread(
       [&] { return VoteScratch(std::min(level.points.size(), kMaxPairs + 1)); });
+  const Voting voting{library, models, level, quantization, options};
   for_chunks(level.references.size(), 4, [&](std::size_t first, std::size_t count) {
     VoteScratch& scratch = per_thread.local();
     for (std::size_t r = first; r < first + count; ++r) {
-      vote_from(level, level.references[r], library, models, quantization, options, scratch,
-                std::span(found).subspan(r * slots, slots));
+      vote_from(voting, level.references[r], scratch, std::span(found).subspan(r * slots, slots));
     }
   });
 

@@ -99,15 +99,15 @@ float ratio_to_other_place(const FeatureLevel& level,
 }  // namespace
 
 SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
-                            const PreparedScene& scene, const SceneSample& sample,
-                            std::span<const std::uint8_t> explained, const MatchOptions& options,
+                            const SampledScene& sampled, const MatchOptions& options,
                             const std::function<void()>& after_part) {
+  const auto& [scene, sample, explained] = sampled;
   SceneMatches out;
   out.spacing = options.spacing * level.resolution;
   Column<std::uint32_t> keypoints = find_keypoints(sample, options.detector, out.spacing);
   if (!explained.empty()) {
     std::erase_if(keypoints, [&](std::uint32_t i) {
-      return is_explained(scene, explained, sample.points[i], out.spacing);
+      return is_explained(sampled.scene, sampled.explained, sampled.sample.points[i], out.spacing);
     });
   }
   thin_out(options.max_keypoints, keypoints);

@@ -31,16 +31,21 @@ struct SceneMatches {
   std::vector<FeatureMatch> matches;  ///< in the order of the keypoints, the nearest first
 };
 
-/// Describe a scene that was sampled at the level's resolution, and match each feature with the
-/// nearest ones of the models. Keypoints on a marked pixel stay out.
+/// A scene sampled at the resolution of the features that it is matched with. All is referred to.
+struct SampledScene {
+  const PreparedScene& scene;
+  const SceneSample& sample;
+  /// Nonzero for pixels whose keypoints stay out, of all images one after the other; empty: none.
+  std::span<const std::uint8_t> explained{};
+};
+
+/// Describe a sampled scene, and match each feature with the nearest ones of the models.
 ///
-/// explained   nonzero for marked pixels, of all images one after the other; empty: none
 /// after_part  as of search_codes
 /// A match gives a pose by its two frames: R = E_scene^T E_model, t = p_scene - R p_model (Guo et
 /// al., IJCV 2013, section 5.2). Same bytes for any number of threads.
 SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level,
-                            const PreparedScene& scene, const SceneSample& sample,
-                            std::span<const std::uint8_t> explained, const MatchOptions& options,
+                            const SampledScene& sampled, const MatchOptions& options,
                             const std::function<void()>& after_part = {});
 
 /// The poses of matches, per model of the library. Matches whose keypoint lies on a pixel that was

@@ -39,10 +39,10 @@ Result<void> MatchSource::match(const MatchOptions& options, const MatchLevels& 
     });
     if (models.empty() || (levels.only_own && !is_own)) continue;
     TRIVET_TRY(library.check_level(k));
-    matches_.push_back(
-        match_features(library.basis, level, scene_,
-                       sample_for_models(library, scene_, level.resolution, models, large_planes_),
-                       explained, options, [&] { recognizer_.give_back(); }));
+    const SceneSample sample =
+        sample_for_models(library, scene_, level.resolution, models, large_planes_);
+    matches_.push_back(match_features(library.basis, level, {scene_, sample, explained}, options,
+                                      [&] { recognizer_.give_back(); }));
     recognizer_.give_back();
   }
   return {};

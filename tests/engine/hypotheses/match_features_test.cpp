@@ -34,7 +34,7 @@ class MatchFeatures : public testing::Test {
 
   static SceneMatches match(const MatchOptions& options,
                             std::span<const std::uint8_t> explained = {}) {
-    return match_features(library_.basis, levels_[0], scene_, sample_, explained, options);
+    return match_features(library_.basis, levels_[0], {scene_, sample_, explained}, options);
   }
   static bool is_right(std::uint32_t m, const Pose& pose) {
     const Model& model = library_.models[m];
