@@ -18,7 +18,7 @@ std::string giving_up(const ModelExplanation& explanation, const PoseOptions& li
           "(max-clusters)",
           counted(explanation.num_poses[0], "pose"), explanation.num_poses[0] == 1 ? "was" : "were",
           limits.max_clusters);
-    case PoseStage::looked_at:
+    case PoseStage::screened:
       return fmt::format(
           "was looked at here, but other poses of it looked better at first sight: {} are refined "
           "(max-refined)",

@@ -16,12 +16,12 @@ namespace trivet {
 
 /// The steps that a pose passes, each of which lets the best go on.
 enum class PoseStage : std::uint8_t {
-  proposed,   ///< by votes, matches or expectation
-  looked_at,  ///< as the center of a cluster: how much of the model's samples the scan shows
-  refined,    ///< among the best at first sight
-  examined,   ///< among the best refined ones: tested by rays, scored
+  proposed,  ///< a cluster of votes or of matches, or an expected pose
+  screened,  ///< scored by how many of some samples the scan shows
+  refined,   ///< among the best of the screening
+  examined,  ///< among the best refined ones: tested by rays, scored
 };
-/// Their names in results.
+/// Their names in results; "looked_at" is the screening.
 inline constexpr std::array<std::string_view, 4> kPoseStages{"proposed", "looked_at", "refined",
                                                              "examined"};
 /// How many there are.

@@ -39,7 +39,7 @@ void PoseVerifier::screen(PoseTable& table, std::span<const Row> rows) const {
     const PoseTester& tester = this->tester(table.model[row]);
     score_by_samples(tester, kScreenSamples, tester.loose(table.T_scene_model[row]), table, row);
     table.screen_score[row] = table.score[row];
-    table.stage[row] = PoseStage::looked_at;
+    table.stage[row] = PoseStage::screened;
   });
 }
 

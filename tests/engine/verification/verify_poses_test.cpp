@@ -58,7 +58,7 @@ class VerifyPoses : public testing::Test {
 TEST_F(VerifyPoses, ScreensTheRowsThatItIsGivenAndNoOthers) {
   PoseTable table = ten_poses();
   verifier().screen(table, Rows{0, 9});
-  EXPECT_EQ(table.stage[0], PoseStage::looked_at);
+  EXPECT_EQ(table.stage[0], PoseStage::screened);
   EXPECT_EQ(table.stage[1], PoseStage::proposed);
   EXPECT_EQ(table.score[1], 0);
   EXPECT_GT(table.score[0], 0.5F);
