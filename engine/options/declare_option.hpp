@@ -39,7 +39,7 @@ struct FieldTraits<Number> {
   }
 };
 
-/// What a double counts exactly, and the field holds.
+/// Counts that a double and the field can both represent exactly.
 template <std::unsigned_integral Number>
 constexpr double kMostCount = std::min(static_cast<double>(std::numeric_limits<Number>::max()),
                                        9007199254740992.0);
@@ -88,7 +88,7 @@ struct FieldTraits<std::vector<std::string>> {
   }
 };
 
-/// path  a function that gives the field of the options
+/// path  a function that returns the field of the options
 template <class Options, auto Path>
 Option<Options> declare_option(OptionInfo info) {
   using Field = std::remove_cvref_t<decltype(Path(std::declval<Options&>()))>;
@@ -106,6 +106,6 @@ Option<Options> declare_option(OptionInfo info) {
 
 }  // namespace trivet::engine
 
-/// The field of some options that a path names, for declare_option.
+/// The field that a path names, for declare_option.
 #define TRIVET_FIELD(path) \
   [](auto& options) -> auto& { return options.path; }

@@ -1,5 +1,5 @@
-/// What recognition does beyond voting and clustering, by name, so that each part can be left out
-/// and its worth measured: docs/study/ladder.toml climbs from nothing of it to all of it.
+/// Named parts of the recognition beyond voting and clustering. Each can be switched off to measure
+/// its contribution: docs/study/ladder.toml goes from none of them to all of them.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace trivet {
 
-/// Parts of the pipeline beyond the published method, each of which can be left out to measure what
-/// it is worth.
+/// Parts of the pipeline beyond the published method. Each can be switched off to measure its
+/// contribution.
 enum class Improvement : std::uint8_t {
   clusters,
   planes,
@@ -31,7 +31,7 @@ enum class Improvement : std::uint8_t {
   alternatives,
 };
 
-/// In the order of the enumeration, which is that of the ladder.
+/// In the order of the enumeration, which is also the order of the ladder.
 inline constexpr std::array<Choice, 15> kImprovements{{
     {"clusters", "every cluster of votes may be an instance, not each model's strongest alone"},
     {"planes", "points on planes larger than every model do not vote"},
@@ -55,7 +55,7 @@ inline constexpr std::array<Choice, 15> kImprovements{{
      "a detection is held against its near-symmetric alternatives where their renderings differ"},
 }};
 
-/// Some of the improvements.
+/// A subset of the improvements.
 class ImprovementSet {
  public:
   constexpr ImprovementSet() = default;

@@ -1,4 +1,4 @@
-/// Where hypotheses come from; all are verified alike.
+/// Sources of hypotheses. All hypotheses are verified in the same way.
 #pragma once
 
 #include <array>
@@ -9,17 +9,17 @@
 
 namespace trivet {
 
-/// What proposes poses; of several, the first one counts.
+/// Source of a proposed pose. If several sources propose it, the first one in this order counts.
 enum class Source : std::uint8_t { expected, ppf, trisi };
 
-/// What a scene is searched by.
+/// Methods of searching a scene.
 enum class Method : std::uint8_t { fused, ppf, trisi };
 
 /// The names of the methods.
 template <>
 std::span<const Choice> choices_of<Method>();
 
-/// As results name it.
+/// Name in results.
 constexpr std::string_view name_of(Source source) noexcept {
   constexpr std::array<std::string_view, 3> kNames{"expected", "ppf", "trisi"};
   return kNames[static_cast<std::size_t>(source)];

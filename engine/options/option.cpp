@@ -120,7 +120,8 @@ std::string range_text(const OptionInfo& info) {
   }
   const OptionRange& range = info.range;
   const char* const above = range.above_low ? "above " : "";
-  constexpr double kUnbounded = std::numeric_limits<std::uint32_t>::max();  // for a reader
+  // Upper end that a reader takes as unbounded.
+  constexpr double kUnbounded = std::numeric_limits<std::uint32_t>::max();
   if (std::isfinite(range.low) && range.high < kUnbounded)
     return fmt::format("{}{:g} to {:.10g}", above, range.low, range.high);
   if (std::isfinite(range.low) && (range.low > 0 || range.above_low))

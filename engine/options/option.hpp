@@ -1,5 +1,5 @@
-/// Options that are declared once: the command line, the service, studies, reports and libraries
-/// name, describe, check, set and tell them by these declarations.
+/// Options that are declared once. The command line, the service, studies, reports and libraries
+/// use these declarations to name, describe, check, set and report them.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace trivet {
 
-/// One of the values of an enumeration, or of the names that a list may hold.
+/// One value of an enumeration, or one name that a list may contain.
 struct Choice {
   std::string_view name;
-  std::string_view sentence{};  ///< what it means, where the name does not say it
+  std::string_view sentence{};  ///< meaning, if the name does not express it
 };
 
 /// The choices of an enumeration, in the order of its values from 0 on.
@@ -31,86 +31,87 @@ std::string_view choice_name(Enum value) {
   return choices_of<Enum>()[static_cast<std::size_t>(value)].name;
 }
 
-/// The text "auto" stands for a number that the program chooses by itself.
+/// The text "auto" represents a number that the program chooses by itself.
 using OptionValue =
     std::variant<bool, double, std::string, std::vector<double>, std::vector<std::string>>;
 
-/// As a person would write it: "0.04", "yes", "a, b", "none".
+/// Text as a person would write it: "0.04", "yes", "a, b", "none".
 std::string value_text(const OptionValue& value);
 
-/// Whether it leaves the choice open: "auto", infinity, nothing listed.
+/// Whether the value leaves the choice open: "auto", infinity or an empty list.
 bool is_unset(const OptionValue& value);
 
-/// What values an option has.
+/// Kinds of option values.
 enum class OptionKind : std::uint8_t {
   flag,     ///< bool
   number,   ///< double
   count,    ///< double without a fraction
   choice,   ///< string, one of the choices
-  numbers,  ///< vector<double> of `length`, or empty: not set
-  names,    ///< vector<string>, of the choices if there are any
+  numbers,  ///< vector<double> of `length` numbers, or empty if not set
+  names,    ///< vector<string>; only names among the choices if there are any
 };
 
-/// What numbers may be, both ends included.
+/// Valid range of a number, both ends included.
 struct OptionRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  bool above_low = false;  ///< the low end itself is too low
+  bool above_low = false;  ///< whether the low end itself is invalid
 };
 
-/// Where an option can be given; reports and libraries tell all.
+/// Places where an option can be given. Reports and libraries list all options.
 enum class OptionPlace : std::uint8_t { anywhere, not_in_studies, service_only };
 
-/// What can be said of an option without its options.
+/// Properties of an option that do not depend on the type of its options.
 struct OptionInfo {
-  std::string_view name;   ///< of the flag, the parameter of a query, the setting of a study
-  std::string_view group;  ///< heading that it stands below
-  std::string_view label;  ///< what it is in a few words, for tables and charts
+  std::string_view name;   ///< name of the flag, of the query parameter and of the study setting
+  std::string_view group;  ///< heading above the option in lists
+  std::string_view label;  ///< meaning in a few words, for tables and charts
   std::string_view unit{};
-  std::string_view help;          ///< a sentence without range and default
-  std::string_view unset_help{};  ///< what "auto" or an unset value means
+  std::string_view help;          ///< one sentence without range and default
+  std::string_view unset_help{};  ///< meaning of "auto" or of an unset value
   OptionRange range{};
-  std::size_t length = 0;      ///< of numbers
-  std::size_t max_length = 0;  ///< where they may be more
+  std::size_t length = 0;      ///< length of a list of numbers
+  std::size_t max_length = 0;  ///< maximum length, if lists may be longer than `length`
   OptionPlace place = OptionPlace::anywhere;
-  OptionKind kind{};                  ///< of the field
-  bool automatic = false;             ///< may be "auto"
-  std::span<const Choice> choices{};  ///< of a choice or of names; none: any name
+  OptionKind kind{};                  ///< kind of the field
+  bool automatic = false;             ///< whether the value may be "auto"
+  std::span<const Choice> choices{};  ///< choices of a choice or of names; empty: any name
 };
 
-/// The value, or what it means that it is unset.
+/// The value as text, or the meaning of an unset value.
 std::string option_text(const OptionInfo& info, const OptionValue& value);
 
-/// "tolerance [diameter]"
+/// Label and unit: "tolerance [diameter]".
 std::string label_with_unit(const OptionInfo& info);
 
-/// "above 0 to 1", "at least 1", "one of a, b"; empty: anything of its kind.
+/// Range as text: "above 0 to 1", "at least 1", "one of a, b". Empty: any value of the kind is
+/// valid.
 std::string range_text(const OptionInfo& info);
 
-/// What a text says, by the kind of the option. Lists are separated by commas; an empty text is
+/// Parse a text as a value of the option's kind. Lists are separated by commas; an empty text is
 /// true for a flag. Errors: usage (what was expected).
 Result<OptionValue> parse_option(const OptionInfo& info, std::string_view text);
 
-/// Errors: usage (range and value).
+/// Check a value against the option's range. Errors: usage (range and value).
 Result<void> check_option(const OptionInfo& info, const OptionValue& value);
 
-/// The error with the name of its option.
+/// The error, with the name of its option added.
 Error named(const OptionInfo& info, const Error& error);
 
-/// An option, and the field of its options that it stands for.
+/// An option together with the field that stores it.
 template <class Options>
 struct Option {
   OptionInfo info;
   OptionValue (*get)(const Options&);
-  /// Pre: check_option() of the value.
+  /// Pre: check_option() accepts the value.
   void (*set)(Options&, const OptionValue&);
 };
 
-/// The list of each kind of options; specialized beside their declaration.
+/// The list of all options of a type; specialized next to their declarations.
 template <class Options>
 std::span<const Option<Options>> options_of();
 
-/// None of this name: null.
+/// The option with this name; null if there is none.
 template <class Options>
 const Option<Options>* find_option(std::string_view name) {
   for (const Option<Options>& option : options_of<Options>()) {
@@ -119,7 +120,7 @@ const Option<Options>* find_option(std::string_view name) {
   return nullptr;
 }
 
-/// Their names, in their order.
+/// Names of the options, in their order.
 template <class Options>
 std::vector<std::string_view> option_names() {
   std::vector<std::string_view> names;
@@ -127,7 +128,7 @@ std::vector<std::string_view> option_names() {
   return names;
 }
 
-/// Set an option to what a text says. Errors: usage (name, range and value).
+/// Set an option from a text. Errors: usage (name, range and value).
 template <class Options>
 Result<void> set_option(const Option<Options>& option, std::string_view text, Options& options) {
   const Result<OptionValue> value = parse_option(option.info, text);
@@ -138,7 +139,7 @@ Result<void> set_option(const Option<Options>& option, std::string_view text, Op
   return {};
 }
 
-/// Errors: usage (name, range and value), of the first value that is out of range.
+/// Check all values. Errors: usage (name, range and value) for the first value out of range.
 template <class Options>
 Result<void> check_options(const Options& options) {
   for (const Option<Options>& option : options_of<Options>()) {

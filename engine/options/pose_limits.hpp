@@ -1,4 +1,4 @@
-/// What is known beforehand of where the models lie.
+/// Prior knowledge of where models may lie.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,30 +10,31 @@
 
 namespace trivet {
 
-/// Poses beyond the limits are neither searched for nor reported.
+/// Limits on poses. Poses beyond the limits are neither searched for nor reported.
 struct PoseLimits {
-  /// A box along the axes of the frame.
+  /// Axis-aligned box.
   struct Region {
     Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};
     bool operator==(const Region&) const = default;
   };
-  /// How far a direction of the model may turn from one of the scene.
+  /// Largest angle between a direction of the model and one of the scene.
   struct Tilt {
     Eigen::Vector3f model_direction{0, 0, 1}, scene_direction{0, 0, 1};  ///< of any length > 0
     float max_angle_deg = 180;
     bool operator==(const Tilt&) const = default;
   };
-  std::optional<Region> region{};  ///< box that holds the models' centers [file's frame and unit]
-  std::optional<Tilt> tilt{};      ///< the model's direction is within this angle of the scene's
+  /// Box that contains the models' centers [file's frame and unit].
+  std::optional<Region> region{};
+  std::optional<Tilt> tilt{};  ///< limit on the angle between a model and a scene direction
   bool operator==(const PoseLimits&) const = default;
 
-  /// Whether a pose with this center is within the limits. scale: of the given lengths to the
-  /// region's unit.
+  /// Whether a pose with this center is within the limits. scale: factor from the given lengths to
+  /// the region's unit.
   bool allow(const Pose& T_scene_model, const Eigen::Vector3f& model_center,
              double scale) const noexcept;
 };
 
-/// A pose that may be expected, as of an earlier scene.
+/// A pose that is expected, for example from an earlier scene.
 struct ExpectedPose {
   std::string model;
   FilePose T_scene_model = FilePose::Identity();

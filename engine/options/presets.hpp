@@ -17,10 +17,10 @@ namespace trivet {
 
 /// The names of the presets.
 inline constexpr std::array<Choice, 3> kPresets{{{"fast"}, {"balanced"}, {"accurate"}}};
-/// The one with the defaults.
+/// The preset with the default values.
 inline constexpr std::string_view kUsualPreset = "balanced";
 
-/// The option that names one of them.
+/// The option that names a preset.
 ///
 /// group, what   heading and meaning of the option of a command
 constexpr OptionInfo preset_option(std::string_view group, std::string_view what) {
@@ -55,12 +55,12 @@ inline const std::map<std::string, RecognizeOptions, std::less<>>& recognize_pre
   return presets;
 }
 
-/// Options that came as names and texts, as in queries: one may be "preset", which the others
-/// change wherever it stands.
+/// Parse options given as names and texts, as in queries. One of them may be "preset"; the others
+/// override it regardless of their order.
 ///
-/// names_where   what tells all names, for the error
-/// more          further names that the caller knows, for the error
-/// Errors: usage (a name that is none or stands twice; name, range and value).
+/// names_where   where all names are listed, for the error message
+/// more          further names that the caller accepts, for the error message
+/// Errors: usage (a name that is unknown or given twice; name, range and value).
 Result<RecognizeOptions> parse_recognize_options(
     std::span<const std::pair<std::string_view, std::string_view>> texts,
     std::string_view names_where, std::vector<std::string_view> more = {});

@@ -140,7 +140,7 @@ Option<RecognizeOptions> declare(const OptionInfo& info) {
 
 }  // namespace
 
-/// In the order in which one needs them.
+/// Ordered by how soon a user needs them.
 template <>
 std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
   static const std::array kOptions{

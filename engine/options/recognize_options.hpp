@@ -1,5 +1,5 @@
-/// What recognition can be told. Ranges, defaults and meanings as a user sees them are those of
-/// options_of<RecognizeOptions>().
+/// Options of recognition. options_of<RecognizeOptions>() defines their ranges, defaults and
+/// meanings for users.
 #pragma once
 
 #include <cstdint>
@@ -18,133 +18,146 @@
 
 namespace trivet {
 
-/// Of voting by point pairs.
+/// Options of voting by point pair features.
 struct VoteOptions {
-  /// Of the ball around a reference point that its pairs end in [diameters]. Smaller is faster and
-  /// bears more occlusion, larger bears more noise.
+  /// Radius of the ball around a reference point that contains the partners of its pairs
+  /// [diameters]. A smaller ball is faster and tolerates more occlusion; a larger one tolerates
+  /// more noise.
   float radius = 0.4F;
-  float reference_share = 0.1F;         ///< of the sampled scene points
-  std::uint32_t max_references = 4000;  ///< per size of models
-  float neighbor_share = 0;             ///< of a bin, at its ends: the adjoining cell votes too
-  std::uint32_t max_votes = 40000;      ///< per reference point and model; fullest cells go first
-  std::uint32_t max_peaks = 2;          ///< poses per reference point
-  float peak_share = 0.9F;              ///< of the best of a reference point: lower ones go
+  float reference_share = 0.1F;  ///< share of the sampled scene points that become references
+  std::uint32_t max_references = 4000;  ///< maximum number of references per size of models
+  float neighbor_share = 0;  ///< share of a bin, at its ends, where the adjacent cell votes too
+  /// Maximum per reference point and model; the fullest cells are dropped first.
+  std::uint32_t max_votes = 40000;
+  std::uint32_t max_peaks = 2;  ///< maximum number of poses per reference point
+  float peak_share = 0.9F;      ///< share of a reference point's best peak; lower peaks are dropped
   bool operator==(const VoteOptions&) const = default;
 };
 
-/// Which points of a scene are described.
+/// Keypoint detectors of a scene.
 enum class Detector : std::uint8_t {
-  uniform,  ///< spread evenly
+  uniform,  ///< evenly spaced points
   iss,      ///< intrinsic shape signatures
   harris,   ///< Harris 3D
 };
 
-/// How matches of a model become poses.
+/// Methods of grouping a model's correspondences into poses.
 enum class Grouping : std::uint8_t {
-  frames,       ///< each gives one, by its two frames
-  consistency,  ///< matches whose distances agree give one together
-  ransac,       ///< so do those that a pose of three takes to their places
+  frames,       ///< each correspondence gives one pose, by its two local reference frames
+  consistency,  ///< correspondences whose distances agree give one pose together
+  ransac,       ///< correspondences that are inliers of a pose from three of them give one pose
 };
 
-/// Of Tri-Spin-Images. The defaults match by nearest neighbors; a threshold on their distance or
-/// on their ratio to the second nearest are the other strategies of the thesis.
+/// Options of matching Tri-Spin-Images. By default, features match by nearest neighbors; a
+/// threshold on their distance or on their ratio to the second nearest are the other strategies of
+/// the thesis.
 struct MatchOptions {
   Detector detector = Detector::uniform;
-  float spacing = 3;                    ///< of a scene's keypoints [resolutions of the models]
-  std::uint32_t max_keypoints = 10000;  ///< of more, so many spread over all are described
-  kernels::FrameLimits limits{};        ///< keypoints below are left out: flat, at a border, unsure
-  std::uint32_t num_neighbors = 3;      ///< features of models that each is matched with
-  std::uint32_t num_lists = 4;  ///< of the index that it is looked for in; more are more exact
-  /// Largest distance of matched features.
+  float spacing = 3;  ///< spacing of a scene's keypoints [resolutions of the models]
+  /// Maximum number of described keypoints, subsampled evenly.
+  std::uint32_t max_keypoints = 10000;
+  /// Limits for keypoints; flat, border and unstable ones are dropped.
+  kernels::FrameLimits limits{};
+  /// Number of model features that each scene feature is matched with.
+  std::uint32_t num_neighbors = 3;
+  std::uint32_t num_lists = 4;  ///< number of inverted lists to search; more is more exact
+  /// Maximum distance of matched features.
   float max_distance = std::numeric_limits<float>::infinity();
-  /// Largest ratio of it to that of the nearest feature of another model or of a place farther than
-  /// half a support; 1: none is too large.
+  /// Maximum ratio of this distance to that of the nearest feature of another model, or of a place
+  /// farther away than half a support; 1: no limit.
   float max_ratio = 1;
-  bool weigh_by_ratio = false;  ///< a match has 1 - ratio votes, else 1
+  bool weigh_by_ratio = false;  ///< whether a match has 1 - ratio votes instead of 1
   Grouping grouping = Grouping::frames;
   bool operator==(const MatchOptions&) const = default;
 };
 
-/// From hypotheses to poses: how many are followed.
+/// Options of the path from hypotheses to poses: how many of them are pursued.
 struct PoseOptions {
-  float cluster_translation = 0.07F;  ///< limit between poses of a cluster, in diameters
-  float cluster_rotation_deg = 15;    ///< ... and in degrees
-  std::uint32_t max_clusters = 300;   ///< kept per model for the first verification
-  /// Clusters with less than this share of the best one's votes are dropped; the thesis takes 0.5.
+  /// Maximum translation between poses of a cluster [diameters].
+  float cluster_translation = 0.07F;
+  float cluster_rotation_deg = 15;  ///< maximum rotation between poses of a cluster [deg]
+  /// Clusters per model that are kept for the first verification.
+  std::uint32_t max_clusters = 300;
+  /// Minimum share of the best cluster's votes; clusters with fewer are dropped. The thesis uses
+  /// 0.5.
   float min_cluster_share = 0;
-  std::uint32_t max_refined = 60;   ///< candidates per model that are refined
-  std::uint32_t max_examined = 40;  ///< refined candidates per model that are tested by rays
-  /// Of searching, later ones on what is not yet explained; 0 to test expected poses only.
+  std::uint32_t max_refined = 60;  ///< maximum number of refined candidates per model
+  /// Maximum number of refined candidates per model that rays test.
+  std::uint32_t max_examined = 40;
+  /// Number of search rounds. Later rounds search what is not yet explained; 0: only test expected
+  /// poses.
   std::uint32_t rounds = 2;
   bool operator==(const PoseOptions&) const = default;
 };
 
-/// When a pose agrees with the scan.
+/// Options of deciding whether a pose agrees with the scan.
 struct VerifyStageOptions {
-  float tolerance_sigmas = 3;          ///< agreement in standard deviations of the scene's noise
-  float tolerance_diameters = 0.016F;  ///< ... but at least this share of the diameter
-  float max_overlap = 0.4F;  ///< share of a detection's pixels that better ones may explain
+  float tolerance_sigmas = 3;          ///< tolerance in standard deviations of the scene's noise
+  float tolerance_diameters = 0.016F;  ///< minimum tolerance as a share of the diameter
+  float max_overlap = 0.4F;  ///< maximum share of a detection's pixels that better ones explain
   bool operator==(const VerifyStageOptions&) const = default;
 };
 
-/// What doubtful_score is set to for curves over the score and for files that take every pose.
+/// Value of doubtful_score for curves over the score and for files that contain every pose.
 inline constexpr float kLowestKeptScore = 0.1F;
 
-/// How the models of a library share the work.
+/// Strategies for searching the models of a library.
 enum class Search : std::uint8_t {
-  automatic,   ///< large libraries within a budget, small ones exhaustively
-  exhaustive,  ///< each model on its own
+  automatic,   ///< within a budget for large libraries, exhaustive for small ones
+  exhaustive,  ///< each model separately
 };
 
-/// A place of the scene of which recognition tells why models are found there or not.
+/// A place of the scene for which recognition explains why models are found there or not.
 struct PlaceQuestion {
   std::optional<Eigen::Vector3d> point{};  ///< in the frame and unit of the scene's file
-  std::vector<std::string> models{};       ///< that are explained; empty: all that come near
+  std::vector<std::string> models{};  ///< models to explain; empty: all with poses near the place
   bool operator==(const PlaceQuestion&) const = default;
 };
 
-/// All that recognition can be told; the defaults are the balanced preset.
+/// All options of recognition. The defaults are the balanced preset.
 struct RecognizeOptions {
   Method method = Method::fused;
   Search search = Search::automatic;
-  float budget = 1;  ///< of searching large libraries: all counts of work are multiplied by it
-  /// Radius of the windows that normals are fitted to, in mean spacings of the scan's points;
-  /// absent: as wide as the scene's noise asks for, 2 to 7.
+  float budget = 1;  ///< budget for searching large libraries: factor on all limits of work
+  /// Radius of the windows for fitting normals, in mean spacings of the scan's points; absent:
+  /// chosen by the scene's noise, 2 to 7.
   std::optional<float> normal_window{};
   VoteOptions vote{};
-  /// Of later rounds, which have less to search and the harder ones to find: small objects in
-  /// strong noise need pairs from farther apart, hidden ones more references.
+  /// Options of voting in later rounds, which have less to search but harder objects to find: small
+  /// objects in strong noise need pairs from farther apart, occluded ones more references.
   VoteOptions later{.radius = 0.7F, .reference_share = 0.2F, .max_votes = 60000};
   MatchOptions match{};
   PoseOptions pose{};
   VerifyStageOptions verify{};
-  float min_score = 0.8F;  ///< detections below are not reported
-  /// Detections from this score to min_score are reported too, 0..1: for curves over the score.
-  /// They are chosen after the others, which they do not change.
+  float min_score = 0.8F;  ///< minimum score of reported detections
+  /// Detections with scores from this value to min_score are reported too, 0..1; meant for curves
+  /// over the score. They are chosen after the others and do not change them.
   std::optional<float> doubtful_score{};
-  std::uint32_t max_instances = 100;  ///< per model
-  std::uint32_t max_rejected = 0;     ///< poses per model that are told with the reason
-  PlaceQuestion explain{};            ///< answered in SceneResult::explanation
-  /// Report only detections of which this very pose has min_score: score * pose_share.
+  std::uint32_t max_instances = 100;  ///< maximum number of detections per model
+  /// Maximum number of rejected poses per model to report, with reasons.
+  std::uint32_t max_rejected = 0;
+  PlaceQuestion explain{};  ///< answered in SceneResult::explanation
+  /// Require that the probability of this exact pose, score * pose_share, is at least min_score.
   bool require_pose = false;
-  std::vector<std::string> models{};  ///< names to look for; empty: all
+  std::vector<std::string> models{};  ///< names of the models to search for; empty: all
   PoseLimits limits{};
-  /// Tested before any voting, which is then for what they leave unexplained.
+  /// Expected poses. They are tested before any voting; voting then searches only what they leave
+  /// unexplained.
   std::vector<ExpectedPose> expected{};
-  ImprovementSet ablated{};  ///< left out, to measure what they are worth
+  ImprovementSet ablated{};  ///< parts to switch off, to measure their contribution
   bool operator==(const RecognizeOptions&) const = default;
 };
 
-/// The names of the ways to search.
+/// The names of the search strategies.
 template <>
 std::span<const Choice> choices_of<Search>();
 /// The names of the detectors.
 template <>
 std::span<const Choice> choices_of<Detector>();
-/// The names of the ways to group matches.
+/// The names of the grouping methods.
 template <>
 std::span<const Choice> choices_of<Grouping>();
-/// Every option of recognition.
+/// All options of recognition.
 template <>
 std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>();
 

@@ -13,7 +13,7 @@ constexpr std::string_view kSurface = "Surface", kPairs = "Point pairs",
 constexpr std::array<Choice, 2> kTrainedMethods{
     {{"ppf", "point pairs"}, {"trisi", "Tri-Spin-Images"}}};
 
-/// Two fields that are told as a list of names.
+/// Two fields that together form one option, a list of names.
 Option<TrainOptions> methods() {
   return {{.name = "methods",
            .group = kSurface,
