@@ -6,10 +6,11 @@
 namespace trivet {
 namespace {
 
-constexpr double kSurely = 3;  // standard errors
+constexpr double kSurely = 3;  // in standard errors
 constexpr double kLeastFocal = 0.015, kLeastDepth = 0.0075;
 constexpr std::size_t kFewestObjects = 3;
-constexpr double kFewestModels = 1.2;  // by shares of the information: the second has a tenth
+// Effective number of models by their shares of the information: the second one has about a tenth.
+constexpr double kFewestModels = 1.2;
 
 bool is_off(const kernels::Factor& factor, double least) {
   const double away = std::abs(factor.value - 1);

@@ -1,4 +1,4 @@
-/// What the sure detections of depth images say of the camera that the user gave.
+/// Check of the user's camera against the confident detections in depth images.
 #pragma once
 
 #include <cstddef>
@@ -12,41 +12,45 @@
 
 namespace trivet {
 
-/// What large flat surfaces say of what depths measure: along the axis and along the ray the same
-/// values are flat in one reading and curved in the other.
+/// Check of the kind of depth by large flat surfaces. Depths along the axis and depths along the
+/// ray are two readings of the same values: a surface that is flat in one reading is curved in the
+/// other.
 struct DepthReading {
-  std::uint32_t num_as_said = 0;    ///< scenes with a surface that is flat as the camera says
-  std::uint32_t num_otherwise = 0;  ///< ... that is flat in the other reading, and curved in this
-  /// Of such a surface: root mean square of the distances to its plane as the camera says, and
-  /// otherwise, in the library's unit; of the scene where they differ most.
+  std::uint32_t num_as_said = 0;  ///< scenes with a surface that is flat in the camera's reading
+  /// Scenes with a surface that is flat in the other reading and curved in the camera's.
+  std::uint32_t num_otherwise = 0;
+  /// Root mean square of the distances to the plane in the camera's reading and in the other one,
+  /// in the library's unit, for the surface of the scene where they differ most.
   float curved = 0, flat = 0;
 
   bool operator==(const DepthReading&) const = default;
 };
 
-/// How well the camera that was given fits the objects that were found, and the planes.
+/// How well the given camera agrees with the detected objects and with planes.
 struct CameraCheck {
-  Camera camera;                            ///< that the scene was recognized with
-  std::vector<kernels::ScalePull> objects;  ///< the sure ones with enough surface
-  std::size_t num_rays = 0;                 ///< that were shot for it
-  /// What would fit the objects better; absent without any.
+  Camera camera;                            ///< camera that the scene was recognized with
+  std::vector<kernels::ScalePull> objects;  ///< confident detections with enough surface
+  std::size_t num_rays = 0;                 ///< number of rays cast for the check
+  /// Scale that fits the objects better; absent without objects.
   std::optional<kernels::CameraScale> scale{};
   DepthReading depth{};
 
-  /// Whether the camera is off, beyond doubt and by what matters: three standard errors and 1.5 %
-  /// of the focal length, by three objects at least; 0.75 % of depth, by two models at least, since
-  /// a single one may be of another size than its model.
+  /// Whether the focal length is off, both significantly and by an amount that matters. This
+  /// requires three standard errors and 1.5 % of the focal length with at least three objects. For
+  /// depth, the limit is 0.75 % with at least two models, since a single object may differ in size
+  /// from its model.
   bool focal_is_off() const noexcept;
-  /// The same of the depth scale.
+  /// Whether the depth scale is off, by the limits above.
   bool depth_is_off() const noexcept;
-  /// Whether depths are not along what the camera says, in most scenes that tell.
+  /// Whether depths are not of the camera's kind, by most scenes that distinguish the two.
   bool depth_kind_is_off() const noexcept { return depth.num_otherwise > depth.num_as_said; }
 };
 
-/// The camera with what is off put right; nothing where nothing is.
+/// The camera with its errors corrected; absent if it has none.
 std::optional<Camera> corrected_camera(const CameraCheck& check);
 
-/// One check a camera, of all that its scenes hold; in the order in which cameras first come.
+/// Combine the checks of scenes that share a camera. Returns one check per camera, in the order in
+/// which cameras first occur.
 std::vector<CameraCheck> join_checks(std::span<const CameraCheck> scenes);
 
 }  // namespace trivet

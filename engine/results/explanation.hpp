@@ -1,4 +1,4 @@
-/// Why a model is found, or is not, at a place that recognition was asked about.
+/// Why a model is found, or not found, at a place that the user asked about.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace trivet {
 
-/// The steps that a pose passes, each of which lets the best go on.
+/// Stages of a pose. Each stage passes on the best poses.
 enum class PoseStage : std::uint8_t {
   proposed,  ///< a cluster of votes or of matches, or an expected pose
   screened,  ///< scored by how many of some samples the scan shows
@@ -24,31 +24,31 @@ enum class PoseStage : std::uint8_t {
 /// Their names in results; "looked_at" is the screening.
 inline constexpr std::array<std::string_view, 4> kPoseStages{"proposed", "looked_at", "refined",
                                                              "examined"};
-/// How many there are.
+/// Number of stages.
 inline constexpr std::size_t kNumPoseStages = kPoseStages.size();
 
-/// The names of what a ray says, in results.
+/// Names of the ray verdicts in results.
 inline constexpr std::array<std::string_view, 6> kRayVerdicts{
     "agrees", "looked_through", "runs_on", "background", "hidden", "unmeasured"};
 
-/// What became of the poses of one model that reach to the place.
+/// Outcome of the poses of one model that reach the place.
 struct ModelExplanation {
   std::string model;
-  /// How many came to each stage, over all rounds.
+  /// Number of poses that reached each stage, over all rounds.
   std::array<std::size_t, kNumPoseStages> num_poses{};
-  /// Index of the detection that lies there, if one does.
+  /// Index of the detection at the place, if there is one.
   std::optional<std::size_t> detection{};
-  /// The best of those that came furthest, with the score of its full test; none: nothing proposed
-  /// one, or it moved elsewhere when it was refined.
+  /// The best of the poses that reached the latest stage, with the score of its full test. Absent:
+  /// none was proposed, or it moved elsewhere during refinement.
   std::optional<RejectedPose> pose{};
-  /// Whether the search had given this pose up before its full test, which was then made for the
-  /// explanation alone: reason says nothing.
+  /// Whether the search had discarded this pose before its full test. The test was then made for
+  /// the explanation alone, and the reason does not apply.
   bool given_up = false;
-  /// What rays of the full test say of the detection's pose or this one. Places are in the scene's
+  /// Rays of the full test of the detection's pose, or else of this one. Points are in the scene's
   /// frame and unit.
   std::vector<kernels::JudgedRay> rays{};
 
-  /// The last stage that a pose came to; none: nothing proposed one.
+  /// The latest stage that any pose reached; absent: none was proposed.
   std::optional<PoseStage> reached() const noexcept {
     for (std::size_t k = kNumPoseStages; k > 0; --k) {
       if (num_poses[k - 1] > 0) return static_cast<PoseStage>(k - 1);
@@ -57,12 +57,12 @@ struct ModelExplanation {
   }
 };
 
-/// What is known of a place.
+/// Explanation of a place.
 struct PlaceExplanation {
   Eigen::Vector3d point{0, 0, 0};  ///< in the frame and unit of the scene's file
-  /// Distance to the nearest point of the scan, in that unit.
+  /// Distance to the nearest point of the scan, in the unit of the scene's file.
   double nearest_point = 0;
-  std::vector<ModelExplanation> models;  ///< what came furthest first, then by score
+  std::vector<ModelExplanation> models;  ///< sorted by the latest stage reached, then by score
 };
 
 }  // namespace trivet

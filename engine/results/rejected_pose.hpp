@@ -1,4 +1,4 @@
-/// Poses that are not reported, and why.
+/// Tested poses that are not reported, and the reasons.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace trivet {
 
-/// Why a pose was not reported.
+/// Reasons for not reporting a pose.
 enum class Rejection {
-  too_low,    ///< the score, or pose_score if that is required, is below min_score
+  too_low,    ///< score, or pose_score if that is required, below min_score
   explained,  ///< better poses already explain more than max_overlap of its pixels
   too_many,   ///< max_instances of its model are better
 };
@@ -20,13 +20,13 @@ enum class Rejection {
 /// A pose that was tested in full but not reported.
 struct RejectedPose {
   std::string model;
-  float score = 0;              ///< as of a detection
-  Pose T_scene_model;           ///< model point -> point of the cloud, in the scene file's unit
-  kernels::ScoreParts parts{};  ///< what the score is made of
+  float score = 0;     ///< as for a detection
+  Pose T_scene_model;  ///< maps model points to points of the cloud, in the scene file's unit
+  kernels::ScoreParts parts{};  ///< components of the score
   Rejection reason = Rejection::too_low;
-  /// Index of the detection that explains most of its pixels, and what share of them: with the
-  /// reason `explained`, unless that one itself was one too many; and where one that is too low
-  /// lies in the place of a better one.
+  /// Index of the detection that explains most of its pixels, and the share that it explains.
+  /// Present with the reason `explained`, unless that pose itself was one too many, and for a pose
+  /// with too low a score at the place of a better one.
   std::optional<std::size_t> explained_by{};
   float explained_share = 0;
 };

@@ -1,4 +1,4 @@
-/// How a scene was understood: what saw it, and from where.
+/// How a scene was interpreted: kind of scan and viewpoint.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,29 +8,30 @@
 
 namespace trivet {
 
-/// What kind of scan the scene was taken for.
+/// Kind of scan that the scene was interpreted as.
 enum class SceneKind : std::uint8_t {
-  image,    ///< the pixels of a depth camera or of an organized scan
-  points,   ///< scattered points, or the corners of triangles, seen from one place
-  surface,  ///< a whole surface that no one place sees, looked at from six sides
+  image,    ///< pixels of a depth camera or of an organized point cloud
+  points,   ///< scattered points, or the vertices of triangles, seen from one viewpoint
+  surface,  ///< whole surface that no single viewpoint sees, rendered from six sides
 };
 
-/// What says where the sensor stood, or that there was none.
+/// Origin of the viewpoint, or of the information that there was no sensor.
 enum class ViewSource : std::uint8_t {
-  given,    ///< the caller: a camera, a viewpoint, or a surface without a sensor
+  given,    ///< caller: a camera, a viewpoint, or a surface without a sensor
   file,     ///< the scene's file
-  faces,    ///< its triangles: all seen from there, or from nowhere
-  assumed,  ///< nothing does
+  faces,    ///< the scene's triangles: all visible from the viewpoint, or from none
+  assumed,  ///< default, without any information
 };
 
-/// From where the scene was looked at, and what says so.
+/// Viewpoint of a scene and the origin of this information.
 struct SceneView {
   SceneKind kind = SceneKind::points;
   ViewSource source = ViewSource::assumed;
-  std::optional<Eigen::Vector3d> viewpoint{};  ///< in the scene file's frame and unit; no surface's
+  /// In the scene file's frame and unit; absent for a surface.
+  std::optional<Eigen::Vector3d> viewpoint{};
 };
 
-/// As results name it.
+/// Name in results.
 constexpr std::string_view name_of(SceneKind kind) noexcept {
   switch (kind) {
     case SceneKind::image:
@@ -43,7 +44,7 @@ constexpr std::string_view name_of(SceneKind kind) noexcept {
   return "";
 }
 
-/// As results name it.
+/// Name in results.
 constexpr std::string_view name_of(ViewSource source) noexcept {
   switch (source) {
     case ViewSource::given:

@@ -1,4 +1,4 @@
-/// How long the stages of a run took.
+/// Duration of the stages of a run.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace trivet {
 
-/// Seconds and counts of the stages of one run, in the order in which they first ran.
+/// Seconds and counts per stage of one run, in the order in which the stages first ran.
 struct StageTimes {
   std::vector<std::pair<std::string, double>> seconds;
 
@@ -27,8 +27,8 @@ struct StageTimes {
   }
 };
 
-/// Adds the time that it lives to a stage, which it makes room for when it begins: its end allocates
-/// nothing.
+/// Adds its lifetime to a stage. It creates the stage's entry when it begins, so that its end
+/// allocates nothing.
 class StageTimer {
  public:
   StageTimer(StageTimes& times, std::string_view stage)
