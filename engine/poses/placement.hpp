@@ -1,4 +1,4 @@
-/// When two poses of a model are one placement of it.
+/// Whether two poses of a model are the same placement.
 #pragma once
 
 #include <numbers>
@@ -7,12 +7,12 @@
 
 namespace trivet::engine {
 
-/// Limits within which a pose is right [diameters], [rad].
+/// Limits within which a pose is correct [diameters], [rad].
 inline constexpr float kRightTranslation = 0.1F;
 inline constexpr float kRightRotationRad = 12 * std::numbers::pi_v<float> / 180;
 
-/// Whether two poses of a model are one placement of it, up to the limits within which a detection
-/// is right, modulo symmetry.
+/// Whether two poses of a model are the same placement, that is, within the limits of a correct
+/// detection, modulo symmetry.
 /// Source: Drost et al., CVPR 2010, section 5.
 bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept;
 

@@ -1,4 +1,4 @@
-/// The poses of one scene on their way from proposal to detection: a row a pose.
+/// Table of the poses of one scene on their way from proposal to detection, one row per pose.
 #pragma once
 
 #include <cstddef>
@@ -16,65 +16,68 @@
 
 namespace trivet::engine {
 
-/// Index of a pose in a table; it stays the same.
+/// Index of a pose in the table. It never changes.
 using Row = std::uint32_t;
 
-/// What was decided of a pose.
+/// Decision on a pose.
 enum class PoseFate : std::uint8_t {
-  open,       ///< nothing yet
-  given_up,   ///< it was not tested in full, or moved beyond the limits: others were likelier
-  detection,  ///< it is reported
-  too_low,    ///< its score is below what is asked for
-  explained,  ///< better poses explain its pixels
-  too_many,   ///< its model has better instances, as many as are asked for
+  open,       ///< none yet
+  given_up,   ///< discarded: beyond the limits, or not tested in full since others were likelier
+  detection,  ///< reported
+  too_low,    ///< score below the required minimum
+  explained,  ///< pixels explained by better poses
+  too_many,   ///< the model already has the maximum number of better instances
 };
 
-/// What the full test says of a pose.
+/// Result of the full test of a pose.
 struct FullTest {
-  float tolerance = 0;  ///< that the pose was examined with [library unit]
+  float tolerance = 0;  ///< tolerance of the full test [library unit]
   kernels::Examination examination{};
   kernels::ScoreParts parts{};
   kernels::ExplainedPixels explained{};  ///< over all images
 };
 
-/// A pose as the full test leaves it.
+/// A pose after the full test.
 struct TestedPose {
   Pose T_scene_model = Pose::Identity();
-  float score = 0;  ///< probability of being right, 0..1
+  float score = 0;  ///< probability of being correct, 0..1
   FullTest test{};
 };
 
-/// What the scan cannot tell from a pose.
+/// Hypotheses that the scan cannot distinguish from a pose.
 struct Ambiguity {
   std::vector<Pose> alternatives;
-  float pose_share = 1;  ///< of the score that is this pose's, the rest its alternatives', 0..1
-  std::vector<std::uint32_t> siblings;  ///< models that it may be as well
-  std::optional<TurnExtent> turns;  ///< about the model's near axis, if more than one is as likely
+  /// Share of the score of this exact pose; its alternatives share the rest, 0..1.
+  float pose_share = 1;
+  std::vector<std::uint32_t> siblings;  ///< models that the object may also be
+  /// Turns about the model's axis of near symmetry, if several are equally likely.
+  std::optional<TurnExtent> turns;
 };
 
-/// A pose that was compared with all that looks like it.
+/// A pose after comparison with all hypotheses that look like it.
 struct SettledPose {
   TestedPose pose;
   Ambiguity ambiguity;
 };
 
-/// One column a property, all of the same length but the last three, which only tested poses have.
-/// Stages change columns of the rows that they are given; rows are never moved or removed.
+/// One column per property. All have the same length except the last three, which contain tested
+/// poses only. Stages change columns of the rows that they are given; rows are never moved or
+/// removed.
 struct PoseTable {
-  std::vector<std::uint32_t> model;  ///< of the library
-  std::vector<Source> source;        ///< that proposed it
-  std::vector<Pose> T_proposed;      ///< T_scene_model as it was proposed
-  std::vector<Pose> T_scene_model;   ///< as the last stage left it
+  std::vector<std::uint32_t> model;  ///< index in the library
+  std::vector<Source> source;        ///< source that proposed the pose
+  std::vector<Pose> T_proposed;      ///< T_scene_model as proposed
+  std::vector<Pose> T_scene_model;   ///< pose after the latest stage
   std::vector<float> votes;
-  std::vector<float> share;                 ///< of the votes that its source has for the model
-  std::vector<kernels::Evidence> evidence;  ///< by samples of the surface
-  std::vector<float> screen_score;          ///< of the pose as it was proposed, by samples
-  std::vector<float> score;  ///< as the last stage left it; of a tested pose its probability
+  std::vector<float> share;                 ///< share of its source's votes for the model
+  std::vector<kernels::Evidence> evidence;  ///< evidence by samples of the surface
+  std::vector<float> screen_score;          ///< score of the proposed pose, by samples
+  std::vector<float> score;  ///< score after the latest stage; for a tested pose its probability
   std::vector<PoseStage> stage;
   std::vector<PoseFate> fate;
-  std::vector<std::optional<Row>> explained_by;  ///< the pose that explains most of its pixels
-  std::vector<float> explained_share;            ///< ... and what share of them
-  std::vector<std::uint32_t> test_index;         ///< into the columns below, once it is tested
+  std::vector<std::optional<Row>> explained_by;  ///< pose that explains most of its pixels
+  std::vector<float> explained_share;            ///< share of its pixels that this pose explains
+  std::vector<std::uint32_t> test_index;         ///< index into the columns below, for tested poses
   std::vector<FullTest> tests;
   std::vector<Ambiguity> ambiguities;
 
@@ -85,15 +88,16 @@ struct PoseTable {
   /// Append a pose. Returns its row.
   Row add(std::uint32_t of_model, Source proposed_by, const Pose& pose, float num_votes = 0,
           float vote_share = 0);
-  /// Record what the full test, or the comparison with what looks alike, made of a pose.
+  /// Record the result of the full test, or of the comparison with similar hypotheses.
   void set_tested(Row row, TestedPose tested);
   void set_settled(Row row, SettledPose settled);
 };
 
-/// The rows by falling value of a column, ties in their order.
+/// Sort rows by falling value of a column, ties in their order.
 std::vector<Row> by_falling(std::span<const float> column, std::span<const Row> rows);
 
-/// Take the `limit` rows of the largest values out of `rows`; these and the rest keep their order.
+/// Remove the `limit` rows with the largest values from `rows`. These and the rest keep their
+/// order.
 std::vector<Row> take_best(std::span<const float> column, std::size_t limit,
                            std::vector<Row>& rows);
 
