@@ -14,7 +14,7 @@ constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 
 struct Clusters {
   std::vector<kernels::Hypothesis> poses;  // by falling votes
-  float num_votes = 0;                     // of all hypotheses
+  float num_votes = 0;                     // sum over all hypotheses
 };
 
 Clusters cluster(const Model& model, const Proposals& proposals,

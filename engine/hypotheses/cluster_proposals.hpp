@@ -1,4 +1,4 @@
-/// From proposals to rows of the pose table.
+/// Clustering of proposals into rows of the pose table.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,16 @@ namespace trivet::engine {
 struct ClusterProposalsOptions {
   PoseOptions pose{};
   PoseLimits limits{};
-  double scale = 1;  ///< of the limits' unit to the library's
-  std::size_t max_rows = std::numeric_limits<std::size_t>::max();  ///< those of most votes
-  bool keep_all = false;  ///< also as rows: what the limits on numbers leave out, given up
+  double scale = 1;  ///< factor from the limits' unit to the library's
+  /// Maximum number of rows; those with the most votes are kept.
+  std::size_t max_rows = std::numeric_limits<std::size_t>::max();
+  bool keep_all = false;  ///< whether to append rows beyond the limits on numbers too, as discarded
 };
 
-/// Cluster what each source proposes for each model, the sources for themselves, and append the
-/// clusters as rows of the table, but those beyond the limits of poses.
-/// Returns the rows to go on with, by model and then in the order of the proposals, the strongest
-/// first. Same bytes for any number of threads.
+/// Cluster the proposals of each source and model separately, and append the clusters within the
+/// pose limits as rows of the table.
+/// Returns the rows to continue with, by model and then in the order of the proposals, the
+/// strongest first. Same bytes for any number of threads.
 std::vector<Row> cluster_proposals(const Library& library, std::span<const Proposals> proposals,
                                    const ClusterProposalsOptions& options, PoseTable& table);
 

@@ -11,9 +11,9 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kMaxPairs = 8000;  // of one reference, so that 16-bit counters hold
+constexpr std::size_t kMaxPairs = 8000;  // maximum per reference, so that 16-bit counters suffice
 
-/// What each thread needs to vote; nothing in it outlives one reference point.
+/// Scratch memory of a voting thread. Nothing in it outlives one reference point.
 struct VoteScratch {
   explicit VoteScratch(std::size_t num_points) : pairs(num_points) {}
   std::vector<std::uint32_t> indices;
@@ -41,8 +41,8 @@ void gather_neighbors(const SceneLevel& level, const Eigen::Vector3f& center, fl
   }
 }
 
-/// The largest table's quantization serves all: keys of equal step differ only in how far they
-/// reach, which is cut to the ball.
+/// The quantization of the largest table serves all tables. Keys of equal step differ only in their
+/// maximum distance, which the ball limits.
 PpfQuantization shared_quantization(const Library& library, std::span<const std::uint32_t> models,
                                     float radius) {
   PpfQuantization quantization;
@@ -56,7 +56,7 @@ PpfQuantization shared_quantization(const Library& library, std::span<const std:
   return quantization;
 }
 
-/// Which pose of the model a peak stands for.
+/// The pose of the model at a peak.
 Pose pose_of(const kernels::VotePeak& peak, const Model& model, const Pose& T_scene_frame) {
   Pose turn = Pose::Identity();
   turn.linear() = Eigen::AngleAxisf(peak.rotation_rad, Eigen::Vector3f::UnitX()).toRotationMatrix();

@@ -1,4 +1,4 @@
-/// From a sampled scene to poses that point pairs vote for.
+/// Voting for poses by point pair features of a sampled scene.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,13 @@
 namespace trivet::engine {
 
 struct VotedHypotheses {
-  std::vector<std::vector<kernels::Hypothesis>> of_model;  ///< each in the order of the references
+  /// Hypotheses per model, in the order of the references.
+  std::vector<std::vector<kernels::Hypothesis>> of_model;
   std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0;
 };
 
-/// Every reference point of the level votes for every model of `models`, which share its sampling
-/// step.
+/// Let every reference point of the level vote for every model of `models`. These share its
+/// sampling step.
 VotedHypotheses find_hypotheses(const Library& library, const SceneLevel& level,
                                 std::span<const std::uint32_t> models, const VoteOptions& options);
 

@@ -19,9 +19,10 @@ namespace trivet::engine {
 namespace {
 
 constexpr std::size_t kFeatureGrain = 32;
-constexpr std::size_t kMoreForRatio = 7;  // neighbors, among which one is of another place
-// Of groupings that are not by frames.
-constexpr std::size_t kMostGrouped = 3000;  // matches of a model
+// Additional neighbors, at least one of which should be of another place.
+constexpr std::size_t kMoreForRatio = 7;
+// For groupings other than by frames.
+constexpr std::size_t kMostGrouped = 3000;  // maximum number of matches per model
 constexpr std::size_t kSmallestGroup = 3;
 constexpr std::uint32_t kDraws = 20000;
 
@@ -30,7 +31,7 @@ struct MatchScratch {
   Column<std::uint8_t> codes;
 };
 
-/// Leave at most so many, spread over all.
+/// Subsample evenly to at most this number.
 template <class T, class Allocator>
 void thin_out(std::size_t limit, std::vector<T, Allocator>& all) {
   if (all.size() <= limit) return;
@@ -56,7 +57,7 @@ Column<std::uint32_t> find_keypoints(const SceneSample& sample, Detector detecto
   return keypoints;
 }
 
-/// Images in the library's components, as codes with the index's stride.
+/// Project images onto the library's components, as codes with the index's stride.
 Column<std::uint8_t> encode_images(const TriSpinBasis& basis, std::span<const float> images) {
   const std::size_t n = images.size() / kernels::kTriSpinSize, k = basis.components.size();
   const std::size_t stride = kernels::code_stride(k);
@@ -75,10 +76,10 @@ Column<std::uint8_t> encode_images(const TriSpinBasis& basis, std::span<const fl
   return padded;
 }
 
-/// The distance of a feature's neighbor by that of its nearest one of another model or place; of
-/// the farthest known where all are of this place.
+/// Ratio of the distance of a feature's neighbor to that of its nearest neighbor of another model
+/// or place. If all known neighbors are of this place, the farthest one is used.
 ///
-/// neighbors  of the feature, from the nearest on
+/// neighbors  of the feature, sorted by distance
 float ratio_to_other_place(const FeatureLevel& level,
                            std::span<const kernels::CodeNeighbor> neighbors, std::size_t of,
                            float place) {
@@ -146,7 +147,7 @@ std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& 
                                                             Grouping grouping) {
   std::vector<std::vector<const FeatureMatch*>> of_model(num_models);
   for (const FeatureMatch& match : matches.matches) {
-    if (match.model >= num_models) continue;  // of a file that somebody writes at this moment
+    if (match.model >= num_models) continue;  // the mapped file may be modified concurrently
     if (!explained.empty() &&
         is_explained(scene, explained, matches.keypoints[match.keypoint], matches.spacing))
       continue;

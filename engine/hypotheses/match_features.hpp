@@ -1,4 +1,4 @@
-/// From a sampled scene to poses that matches of Tri-Spin-Images give.
+/// Poses from correspondences of Tri-Spin-Images in a sampled scene.
 #pragma once
 
 #include <cstddef>
@@ -17,16 +17,16 @@
 namespace trivet::engine {
 
 struct FeatureMatch {
-  std::uint32_t keypoint = 0;   ///< of the scene
-  std::uint32_t model = 0;      ///< of the library
-  Eigen::Vector3f model_point;  ///< that the keypoint may be
-  Pose T_scene_model;           ///< by the two frames
+  std::uint32_t keypoint = 0;   ///< index in the scene
+  std::uint32_t model = 0;      ///< index in the library
+  Eigen::Vector3f model_point;  ///< model point that corresponds to the keypoint
+  Pose T_scene_model;           ///< pose by the two local reference frames
   float votes = 1;
 };
 
-/// What the features of a scene were matched with.
+/// Correspondences of a scene's features.
 struct SceneMatches {
-  float spacing = 0;  ///< between keypoints
+  float spacing = 0;  ///< distance between keypoints
   Points keypoints;
   std::vector<FeatureMatch> matches;  ///< in the order of the keypoints, the nearest first
 };
@@ -48,8 +48,8 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
                             const SampledScene& sampled, const MatchOptions& options,
                             const std::function<void()>& after_part = {});
 
-/// The poses of matches, per model of the library. Matches whose keypoint lies on a pixel that was
-/// marked since stay out.
+/// The poses of correspondences, per model of the library. Correspondences whose keypoint lies on a
+/// pixel marked after matching are excluded.
 std::vector<std::vector<kernels::Hypothesis>> hypotheses_of(const SceneMatches& matches,
                                                             const PreparedScene& scene,
                                                             std::span<const std::uint8_t> explained,

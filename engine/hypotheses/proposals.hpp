@@ -1,4 +1,4 @@
-/// What a source of poses proposes.
+/// Proposals of a source of poses.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace trivet::engine {
 
-/// Models of the library by sampling step: those of one step share the sampled scene and its pair
-/// features.
+/// Models of the library by sampling step. Models of one step share the sampled scene and its point
+/// pair features.
 using ModelGroups = std::map<float, std::vector<std::uint32_t>>;
 
 /// Poses of one model from one source.
 struct Proposals {
-  std::uint32_t model = 0;  ///< of the library
+  std::uint32_t model = 0;  ///< index in the library
   Source source = Source::ppf;
   std::vector<kernels::Hypothesis> hypotheses;
 };

@@ -1,4 +1,4 @@
-/// Poses that matches of Tri-Spin-Images give.
+/// Poses from correspondences of Tri-Spin-Images.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,20 @@
 
 namespace trivet::engine {
 
-/// Which levels of the library's features a scene is matched with.
+/// Levels of the library's features to match a scene with.
 struct MatchLevels {
-  bool only_own = true;  ///< of each model only its finest: coarser ones serve large libraries
-  float finest = 0;      ///< features of a finer resolution are left out [library unit]
+  /// Whether to use only the finest level of each model; coarser ones serve large libraries.
+  bool only_own = true;
+  float finest = 0;  ///< resolution limit; finer features are left out [library unit]
 };
 
-/// The scene is matched once, when matches are first asked for.
+/// Source of poses by matching. The scene is matched once, when matches are first needed.
 class MatchSource {
  public:
-  /// All arguments but `levels` are referred to.
+  /// Keeps references to all arguments but `levels`.
   ///
-  /// models  rising, that are searched for
-  /// stats   gets times
+  /// models  models to search for, rising
+  /// stats   receives times
   MatchSource(const Recognizer& recognizer, const PreparedScene& scene,
               std::span<const std::uint32_t> models, LargePlanes large_planes, SceneStats& stats)
       : recognizer_(recognizer),
@@ -35,8 +36,7 @@ class MatchSource {
         large_planes_(large_planes),
         stats_(stats) {}
 
-  /// explained  nonzero for pixels whose keypoints do not count, of all images one after the other;
-  ///            empty: none
+  /// explained  nonzero for pixels whose keypoints do not count, images concatenated; empty: none
   /// Errors: bad_data (damaged).
   Result<std::vector<Proposals>> propose(const MatchOptions& options, const MatchLevels& levels,
                                          std::span<const std::uint8_t> explained);
@@ -51,7 +51,7 @@ class MatchSource {
   const LargePlanes large_planes_;
   SceneStats& stats_;
   bool is_matched_ = false;
-  std::vector<SceneMatches> matches_;  // one a level of features
+  std::vector<SceneMatches> matches_;  // one per level of features
 };
 
 }  // namespace trivet::engine

@@ -10,7 +10,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Leave the references whose model could lie within the limits.
+/// Keep the references whose model could lie within the limits.
 void drop_far_references(const PoseLimits& limits, double scene_scale, float reach,
                          SceneLevel& level) {
   if (!limits.region) return;

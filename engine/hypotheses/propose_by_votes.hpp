@@ -1,4 +1,4 @@
-/// Poses that point pairs of the scene vote for.
+/// Poses from votes of the scene's point pair features.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,21 @@
 
 namespace trivet::engine {
 
-/// The scene is sampled once per sampling step, when models of it are first voted for.
+/// Source of poses by voting. The scene is sampled once per sampling step, when models of that step
+/// are first voted for.
 class VoteSource {
  public:
-  /// All arguments are referred to.
+  /// Keeps references to all arguments.
   ///
-  /// groups  all models that are searched for: the largest of a step decides which planes may vote
-  /// stats   gets times and counts
+  /// groups  all models to search for; the largest one of a step decides which planes may vote
+  /// stats   receives times and counts
   VoteSource(const Recognizer& recognizer, const PreparedScene& scene, const ModelGroups& groups,
              LargePlanes large_planes, SceneStats& stats);
 
   /// Vote for models. Only references whose model could lie within the limits vote.
   ///
-  /// models     of the groups, by sampling step; a step without models is left out
-  /// explained  nonzero for pixels whose points do not vote, of all images one after the other; empty: none
+  /// models     a subset of the groups, by sampling step; a step without models is skipped
+  /// explained  nonzero for pixels whose points do not vote, images concatenated; empty: none
   /// Errors: bad_data (damaged).
   Result<std::vector<Proposals>> propose(const ModelGroups& models, const VoteOptions& options,
                                          const PoseLimits& limits,

@@ -1,4 +1,4 @@
-/// Poses that the caller expects, as of an earlier scene.
+/// Poses that the caller expects, for example from an earlier scene.
 #pragma once
 
 #include <span>
@@ -10,10 +10,10 @@
 
 namespace trivet::engine {
 
-/// Propose the expected poses of the models that are searched for, each with one vote.
+/// Propose the expected poses of the models to search for, each with one vote.
 ///
 /// expected  in the cloud's frame and unit
-/// scale     of that unit to the library's
+/// scale     factor from that unit to the library's
 std::vector<Proposals> propose_expected(const Library& library, const ModelGroups& groups,
                                         std::span<const ExpectedPose> expected, double scale);
 

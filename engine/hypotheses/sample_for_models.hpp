@@ -1,4 +1,4 @@
-/// A scene, sampled for some models.
+/// Sampling of a scene for a set of models.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace trivet::engine {
 
-/// Sample a scene at `step` for models of the library, of which the largest decides which planes
-/// are too large to be part of one.
+/// Sample a scene at `step` for models of the library. The largest model decides which planes are
+/// too large to be part of one.
 SceneSample sample_for_models(const Library& library, const PreparedScene& scene, float step,
                               std::span<const std::uint32_t> models, LargePlanes large_planes);
 

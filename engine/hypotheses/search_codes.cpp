@@ -10,8 +10,9 @@ namespace trivet::engine {
 namespace {
 
 constexpr std::size_t kQueryGrain = 64;
-constexpr std::size_t kTile = 1024;  // codes that are compared with a query at a time
-constexpr std::size_t kPartBytes = std::size_t{64} << 20U;  // of codes, between two rests
+constexpr std::size_t kTile = 1024;  // codes compared with a query at a time
+// Bytes of codes between two calls of after_part.
+constexpr std::size_t kPartBytes = std::size_t{64} << 20U;
 
 }  // namespace
 
@@ -40,11 +41,12 @@ CodeNeighbors search_codes(const kernels::CodeIndexView& index,
   });
 
   PerThread<Column<std::int32_t>> tile_norms([] { return Column<std::int32_t>(kTile); });
-  const ByGroup visits = by_group(lists, num_lists);  // query * probes + probe, by list
+  // Values query * probes + probe, grouped by list.
+  const ByGroup visits = by_group(lists, num_lists);
   std::vector<CodeNeighbor> of_visit(lists.size() * num_neighbors);
   const auto compare_list = [&](std::size_t l) {
     if (visits.of(l).empty()) return;
-    // Offsets may lie in a file that somebody writes at this moment.
+    // The offsets may lie in a mapped file that is modified concurrently.
     const std::size_t end =
         std::min<std::size_t>(index.offsets[l + 1], index.codes.size() / stride);
     for (std::size_t first = index.offsets[l]; first < end; first += kTile) {

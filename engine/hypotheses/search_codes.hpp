@@ -1,4 +1,4 @@
-/// Many queries to an inverted file at once.
+/// Batched search of an inverted file.
 #pragma once
 
 #include <cstddef>
@@ -11,23 +11,23 @@
 
 namespace trivet::engine {
 
-/// The nearest codes to each query.
+/// Nearest codes of each query.
 struct CodeNeighbors {
   std::size_t per_query = 0;
-  std::vector<kernels::CodeNeighbor> all;  ///< per_query of each query, the nearest first
+  std::vector<kernels::CodeNeighbor> all;  ///< per_query per query, the nearest first
 
   std::span<const kernels::CodeNeighbor> of(std::size_t query) const {
     return std::span(all).subspan(query * per_query, per_query);
   }
 };
 
-/// Compare each query with the codes of its `probes` nearest lists. All queries are known at once,
-/// so the index is read list by list, each for all queries that ask for it.
+/// Compare each query with the codes of its `probes` nearest lists. Since all queries are known at
+/// once, the index is read list by list, each list once for all queries that need it.
 ///
-/// index       of at least one code
-/// queries     n of the index's stride
-/// after_part  called after each 64 MiB of codes that were read, by no other thread: where the index
-///             is mapped it may let go of their pages
+/// index       contains at least one code
+/// queries     n vectors of the index's stride
+/// after_part  called after each 64 MiB of codes read, by one thread at a time; if the index is a
+///             mapped file, the caller may release its pages there
 /// Same bytes for any number of threads.
 CodeNeighbors search_codes(const kernels::CodeIndexView& index,
                            std::span<const std::uint8_t> queries, std::size_t probes,
