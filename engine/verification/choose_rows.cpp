@@ -12,18 +12,18 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kPlace = 0.2F;  // in diameters
-// Where many of a kind lie, the best seen ones must not take all of the budget.
+// Where many instances of a model lie, the best visible ones must not use up the budget.
 constexpr std::size_t kRefinedAPlace = 4, kExaminedAPlace = 2;
 constexpr float kSameTranslation = 0.01F;  // in diameters
 constexpr float kSameRotationRad = 0.035F;
 
-/// Poses chosen from the first on, so that no place takes more than its part of the budget.
+/// Choice of poses from the first on, with a limit per place on its part of the budget.
 class Spread {
  public:
   Spread(const PoseTable& table, const Model& model, std::size_t limit_a_place)
       : table_(table), model_(model), limit_a_place_(limit_a_place) {}
 
-  /// Add those above a score in this order, until there are `limit` in all.
+  /// Add rows with scores above a minimum in this order, until there are `limit` in total.
   void add(std::span<const Row> order, float least_score, std::size_t limit) {
     for (const Row row : order) {
       if (chosen_.size() == limit) return;

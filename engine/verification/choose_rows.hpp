@@ -1,4 +1,4 @@
-/// Which poses of a model go on to the next stage of verification.
+/// Choice of the poses of a model that go on to the next stage of verification.
 #pragma once
 
 #include <cstddef>
@@ -12,26 +12,26 @@
 
 namespace trivet::engine {
 
-/// Contours judged per pose that is refined.
+/// Number of contours judged per refined pose.
 inline constexpr std::size_t kContourShare = 3;
 
-/// Choose among the rows of each model: choose(model, rows). Returns what it chooses, by model.
+/// Apply choose(model, rows) to the rows of each model. Returns the chosen rows, by model.
 std::vector<Row> choose_of_each_model(
     const PoseTable& table, std::span<const Row> rows, const Library& library,
     const std::function<std::vector<Row>(const Model&, std::span<const Row>)>& choose);
 
-/// Of one model's screened poses, those whose contours are judged: that only lowers a score, and
-/// costs more.
+/// Choose the screened poses of one model whose contours are judged. Not all are, because judging
+/// is expensive and only lowers scores.
 std::vector<Row> choose_to_judge(const PoseTable& table, std::span<const Row> rows,
                                  const Model& model, std::size_t max_refined);
 
-/// Of one model's poses, those to refine: half by what is seen, half by votes, since what lies
-/// end-on or deep looks worse than it is.
+/// Choose the poses of one model to refine. Half are chosen by visible surface and half by votes,
+/// since objects seen end-on or lying deep score lower than they should.
 std::vector<Row> choose_to_refine(const PoseTable& table, std::span<const Row> rows,
                                   const Model& model, std::size_t max_refined);
 
-/// Of one model's refined poses above a score, those to test by rays. Of poses that refinement led
-/// to one place it leaves the best, which gets the first of their sources.
+/// Choose the refined poses of one model, with scores above a minimum, to test by rays. Of poses
+/// that converged to one place only the best remains, with the first of their sources.
 std::vector<Row> choose_to_examine(PoseTable& table, std::span<const Row> rows, const Model& model,
                                    std::size_t max_examined, float least_score);
 

@@ -10,14 +10,14 @@ namespace trivet::engine {
 namespace {
 
 constexpr std::size_t kRefineSamples = 500;
-// The score adds up, so that much agreement could outweigh any violation: of right poses on
-// rendered scenes 99 % are looked through by less than 9 % of what is seen, of wrong ones 43 % by
-// more than 12.
+// The score is a sum, so that strong agreement could outweigh any violation. On rendered scenes,
+// 99 % of the correct poses have less than 9 % of their visible surface seen through; 43 % of the
+// wrong poses have more than 12 %.
 constexpr float kMostViolation = 0.15F;
-// Of the diameter: what is thinner than twice it must not be all edge.
+// Share of the diameter. Objects thinner than twice this width must not consist of edge alone.
 constexpr float kMostEdge = 0.06F;
-// Of the noise: correlated noise of real depth cameras is higher than it, what windows leave of
-// independent noise is a twentieth.
+// Share of the noise. Correlated noise of real depth cameras is higher than this; windows leave a
+// twentieth of independent noise.
 constexpr float kCorrelated = 0.25F;
 
 }  // namespace
@@ -46,7 +46,7 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
 }
 
 kernels::MeasurementErrors PoseTester::errors_of(const Pose& pose) const {
-  // In correlated noise, half a patch of the windows that they are measured in errs alike.
+  // In correlated noise, half a patch of the measurement windows errs alike.
   const int window = 2 * whole_number(std::round(scene_.window), 0,
                                       static_cast<int>(kernels::GridNormalOptions::kMaxWindow)) +
                      1;
@@ -102,7 +102,7 @@ kernels::ExamineOptions PoseTester::examine_options(const Pose& pose) const {
   return options;
 }
 
-/// Which way it is turned is another question than whether it is there.
+/// How an object is turned about its axis is a separate question from whether it is present.
 const std::optional<Symmetry::Axis>& PoseTester::free_axis() const {
   return model_.symmetry.axis ? model_.symmetry.axis : model_.near_axis;
 }
@@ -129,8 +129,8 @@ TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::
   test.parts = kernels::score_parts(e, test.tolerance / model_.diameter, scene_.sensor.correlation);
   const bool looked_through =
       e.violation > kMostViolation * (e.consistent + e.violation + e.background);
-  // In scans without background nothing beside the object is measured, and small models would
-  // find a place on anything. Of right poses on rendered scenes 99.4 % pass.
+  // In scans without background nothing beside the object is measured, and small models would fit
+  // anywhere. On rendered scenes, 99.4 % of the correct poses pass.
   const bool mostly_unknown = e.unknown > e.consistent;
   if (!looked_through && !mostly_unknown)
     tested.score = kernels::pose_probability(score, test.parts);

@@ -1,4 +1,4 @@
-/// One model in one scene: refine its poses and test them.
+/// Refinement and tests of one model's poses in one scene.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ namespace trivet::engine {
 struct PoseTestOptions {
   VerifyStageOptions verify{};
   PoseLimits limits{};
-  bool refinement = true;  ///< else poses stay where they are
-  bool background = true;  ///< planes larger than the model support no pose of it
+  bool refinement = true;  ///< if false, poses are not refined
+  bool background = true;  ///< if true, planes larger than the model do not support its poses
   bool operator==(const PoseTestOptions&) const = default;
 };
 
-/// A model's samples as kernels take them.
+/// A model's samples in the form that kernels expect.
 kernels::ModelSamples samples_of(const Model& model) noexcept;
 
-/// All its arguments must outlive it. Its methods may be called from many threads.
+/// Tests poses of one model. All arguments must outlive it. Its methods are thread-safe.
 class PoseTester {
  public:
   PoseTester(const Model& model, const PreparedScene& scene, const PoseTestOptions& options);
@@ -36,31 +36,31 @@ class PoseTester {
   const Model& model() const noexcept { return model_; }
   const PreparedScene& scene() const noexcept { return scene_; }
   const kernels::ModelSamples& samples() const noexcept { return samples_; }
-  /// How a refined pose is verified: with what the sensor errs by at its range.
+  /// Options to verify a refined pose: with the sensor's error at its range.
   kernels::VerifyOptions strict(const Pose& pose) const;
-  /// How a pose is verified that votes propose: with the tolerance of an unrefined one.
+  /// Options to verify a voted pose: with the tolerance of an unrefined one.
   kernels::VerifyOptions loose(const Pose& pose) const;
 
-  /// What the sensor errs by across a surface at this pose's range [library unit].
+  /// The sensor's error across a surface at this pose's range [library unit].
   float error_at(const Pose& pose) const { return scene_.sensor.error_at(range_of(pose)); }
-  /// The same and what of it neighbors share, to compare poses by.
+  /// This error and the part shared by neighboring pixels, for comparing poses.
   kernels::MeasurementErrors errors_of(const Pose& pose) const;
-  /// By which this pose's outline may be seen beside its place [pixel].
+  /// Possible displacement of this pose's outline in the scan [pixel].
   int edge_pixels(const Pose& pose) const;
 
   bool allowed(const Pose& pose) const {
     return options_.limits.allow(pose, model_.center, 1 / scene_.scale);
   }
 
-  /// Refined from where the votes left it, with some of the samples.
+  /// Refine a proposed pose with a part of the samples.
   Pose refined(const Pose& pose) const;
-  /// Refined once more with all samples.
+  /// Refine a pose once more with all samples.
   Pose polished(const Pose& pose) const;
 
-  /// Test by rays.
+  /// Test a pose by rays.
   TestedPose examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                      const Pose& pose, kernels::ExamineScratch& scratch) const;
-  /// What the rays of that test say one by one.
+  /// Verdicts of the individual rays of that test.
   std::vector<kernels::JudgedRay> judged_rays(const kernels::RayScene& surface,
                                               const Pose& pose) const;
 

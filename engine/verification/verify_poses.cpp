@@ -11,9 +11,10 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kScreenSamples = 300;  // of the verification before refinement
+constexpr std::size_t kScreenSamples = 300;  // samples for verification before refinement
 constexpr std::size_t kContourSamples = 700;
-constexpr std::size_t kMarkSamples = 100;  // that show whether a pose lies where another does
+// Samples for deciding whether a pose lies where another one does.
+constexpr std::size_t kMarkSamples = 100;
 
 }  // namespace
 
@@ -147,7 +148,7 @@ Result<std::vector<kernels::JudgedRay>> PoseVerifier::judged_rays(std::uint32_t 
   return tester(model).judged_rays(**surface, T_scene_model);
 }
 
-/// Stand in for the test by rays, where that is left out, by the samples that meet the scene.
+/// Result by the samples that meet the scene, in place of the test by rays if that is switched off.
 TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose& pose,
                                            float score) const {
   const Model& model = tester.model();
@@ -169,7 +170,7 @@ TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose&
   examination.mean_square = examination.residual = residual * residual;
   examination.area = examination.consistent * side * side;
 
-  // A sample stands for the square of pixels between it and its neighbors.
+  // A sample represents the square of pixels between it and its neighbors.
   std::sort(pixels.begin(), pixels.end());
   pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
   const kernels::ImageGeometry& camera = scene_.images.front().geometry;
@@ -181,7 +182,7 @@ TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose&
   return tested;
 }
 
-/// Score a pose by what the first samples that the camera should see meet.
+/// Score a pose by the agreement of the first samples that the camera should see.
 void PoseVerifier::score_by_samples(const PoseTester& tester, std::size_t num_samples,
                                     const kernels::VerifyOptions& how, PoseTable& table,
                                     Row row) const {

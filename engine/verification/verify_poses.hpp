@@ -1,4 +1,4 @@
-/// Verification of a scene's poses, stage by stage: functions over rows of their table.
+/// Verification of a scene's poses, stage by stage, as functions over rows of their table.
 #pragma once
 
 #include <cstdint>
@@ -19,42 +19,45 @@ namespace trivet::engine {
 
 struct VerificationOptions {
   PoseTestOptions test{};
-  bool visibility = true;  ///< poses are scored by what their samples meet, else by votes
-  bool contour = true;     ///< ... and by where the scene runs on beyond their outline
-  bool rays = true;        ///< the last ones are tested by rays, else by all samples
+  bool visibility = true;  ///< whether samples score poses; otherwise votes do
+  bool contour = true;     ///< whether a scene that continues beyond the outline lowers the score
+  bool rays = true;        ///< whether rays test the final poses; otherwise all samples do
   bool operator==(const VerificationOptions&) const = default;
 };
 
-/// Rows of a call are verified side by side; each changes its own row alone. The models of the rows
-/// must have been prepared.
+/// Verifies poses. The rows of a call are verified in parallel, and each changes its own row only.
+/// The models of the rows must have been prepared.
 class PoseVerifier {
  public:
-  /// All arguments are referred to.
+  /// Keeps references to all arguments.
   PoseVerifier(const Recognizer& recognizer, const PreparedScene& scene,
                const VerificationOptions& options, StageTimes& times);
 
-  /// Get ready to verify poses of these models. Errors: bad_data (a model's samples are damaged).
+  /// Prepare the verification of poses of these models. Errors: bad_data (a model's samples are
+  /// damaged).
   Result<void> prepare(std::span<const std::uint32_t> models);
-  /// Of a prepared model.
+  /// Pre: the model is prepared.
   const PoseTester& tester(std::uint32_t model) const { return *testers_.at(model); }
 
-  /// Score poses by what some samples of them meet, with the tolerance of an unrefined pose.
+  /// Score poses by a part of their samples, with the tolerance of an unrefined pose.
   void screen(PoseTable& table, std::span<const Row> rows) const;
-  /// Lower the scores of unrefined poses beyond whose outline the scene runs on.
+  /// Lower the scores of unrefined poses if the scene continues beyond their outline.
   void judge_contours(PoseTable& table, std::span<const Row> rows) const;
-  /// Refine poses with some samples, and score them by all with the tolerance of a refined pose.
+  /// Refine poses with a part of the samples, and score them by all samples with the tolerance of a
+  /// refined pose.
   void refine(PoseTable& table, std::span<const Row> rows) const;
-  /// Refine poses once more with all samples and test them by rays. Returns the rows of those that
-  /// are within the limits; the others are given up.
+  /// Refine poses once more with all samples and test them by rays. Returns the rows of the poses
+  /// within the limits; the others are discarded.
   /// Errors: internal (no memory for a model's ray-tracing tree), bad_data (damaged).
   Result<std::vector<Row>> examine(PoseTable& table, std::span<const Row> rows) const;
 
-  /// By row, nonzero where most of what some samples of the proposed pose meet is marked.
+  /// Nonzero, by row, where most of the pixels met by a part of the proposed pose's samples are
+  /// marked.
   ///
-  /// marked  one a pixel over all images; empty: nothing is
+  /// marked  one value per pixel over all images; empty: no pixel is marked
   std::vector<std::uint8_t> lie_on(const PoseTable& table, std::span<const Row> rows,
                                    std::span<const std::uint8_t> marked) const;
-  /// What each ray of the full test says of a pose. Errors: as of examine.
+  /// Verdict of each ray of the full test of a pose. Errors: as for examine.
   Result<std::vector<kernels::JudgedRay>> judged_rays(std::uint32_t model,
                                                       const Pose& T_scene_model) const;
 
