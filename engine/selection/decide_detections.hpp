@@ -1,4 +1,4 @@
-/// From tested poses to detections.
+/// Decision on which tested poses become detections.
 #pragma once
 
 #include <vector>
@@ -16,22 +16,23 @@ namespace trivet::engine {
 struct DecideOptions {
   SelectOptions select{};
   PoseTestOptions test{};
-  bool alternatives = true;   ///< compare what is chosen with what looks like it
-  bool require_pose = false;  ///< min_score is asked of score * pose_share
+  /// Whether to compare chosen poses with hypotheses that look like them.
+  bool alternatives = true;
+  bool require_pose = false;  ///< whether min_score applies to score * pose_share
   Among among = Among::few_models;
-  /// Whether votes had the chance to propose each pose: one that matches alone propose is less
-  /// likely then.
+  /// Whether voting could have proposed each pose. If so, a pose that only matches propose is less
+  /// likely.
   bool votes_first = true;
   bool operator==(const DecideOptions&) const = default;
 };
 
-/// Compare what was chosen with its alternatives and rivals, and refuse what then lies where a
-/// better one does, or falls below the score that is asked for; what that one alone hid is compared
-/// in its stead.
+/// Compare the chosen poses with their alternatives and rivals. A pose is refused if it then lies
+/// where a better one does, or if its score falls below the required minimum. Poses that were
+/// hidden by a refused pose alone are compared in its place.
 ///
 /// tested     rows of the table that were tested in full
-/// selection  of these; it gets the reasons of all refusals
-/// table      gets the settled poses and the fate of all rows
+/// selection  selection of these rows; receives the reasons of all refusals
+/// table      receives the settled poses and the fate of all rows
 /// Returns the rows of the detections in the order of choice.
 /// Errors: internal (no memory for a model's ray-tracing tree).
 Result<std::vector<Row>> decide_detections(const Recognizer& recognizer, const PreparedScene& scene,

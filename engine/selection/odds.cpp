@@ -6,8 +6,8 @@
 namespace trivet::engine {
 namespace {
 
-// By 3,035 pairs of a right and a wrong answer of one place, found in rendered scenes among 1,000
-// models: log loss 0.036; 0.039 by z alone, 0.152 by scores.
+// Fitted to 3,035 pairs of a correct and a wrong hypothesis for one place, found in rendered scenes
+// among 1,000 models: log loss 0.036, compared with 0.039 by z alone and 0.152 by scores.
 constexpr double kOfZ = 1.44, kOfScores = 0.79;
 constexpr double kLeastOfRival = 1e-4;
 

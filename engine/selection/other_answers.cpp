@@ -13,18 +13,20 @@
 namespace trivet::engine {
 namespace {
 
-// Answers from here on make a crowd, whatever is asked for: a score must not depend on that.
+// Scores from which answers count toward a crowd. They are independent of min_score, since a score
+// must not depend on it.
 constexpr float kAnswer = 0.02F, kReportedUsually = 0.8F;
-// By the scenes of scripts/calibrate with drawn sensors, 748 right and 103 wrong detections of 0.8
-// and more; the log loss of all answers from 0.02 falls from 0.278 to 0.197, and to 0.193 with
-// siblings.
+// Fitted to the scenes of scripts/calibrate with drawn sensors, with 748 correct and 103 wrong
+// detections of scores from 0.8. The log loss of all answers from 0.02 falls from 0.278 to 0.197,
+// and to 0.193 with siblings.
 constexpr double kCrowd = 0.03;
-constexpr float kSiblingScore = 0.5F;  // of the pose's
-// Votes of compare_poses are of blocks that err alike at the most: by the same scenes, in which few
-// models are searched for, they tell four times as much.
+constexpr float kSiblingScore = 0.5F;  // share of the pose's score
+// The votes of compare_poses are for blocks whose errors are correlated in the worst case. By the
+// same scenes, in which few models are searched for, they carry four times as much evidence.
 constexpr double kVotesTell = 4;
-constexpr double kNoted = 0.1;  // of the pose's share; with less, the models are told apart
-constexpr std::size_t kPosesOfSibling = 2;  // best ones, compared
+// Minimum share relative to the pose's; models with less are distinguishable.
+constexpr double kNoted = 0.1;
+constexpr std::size_t kPosesOfSibling = 2;  // number of best poses to compare
 
 SelectOptions down_to_answers(SelectOptions options) {
   options.min_score = kReportedUsually;
@@ -85,9 +87,9 @@ double OtherAnswers::sibling_log_odds(Row sibling, Row row,
              : rival_log_odds(poses_.table.score[sibling], poses_.table.score[row], comparison);
 }
 
-/// The best poses of other models in this place, by model.
+/// The best poses of other models at this place, by model.
 ///
-/// holder  of the place: the pose itself, or the one that was chosen instead
+/// holder  chosen pose at the place: the pose itself, or the one chosen instead
 std::map<std::uint32_t, std::vector<Row>> OtherAnswers::siblings_of(Row row, Row holder) const {
   const PoseTable& table = poses_.table;
   std::map<std::uint32_t, std::vector<Row>> siblings;
@@ -120,12 +122,12 @@ Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) co
   const auto surface = recognizer_.surface(table.model[row]);
   if (!surface) return surface.error();
   kernels::CompareScratch scratch;
-  double all = 1;  // shares of the probability, that of the pose being 1
+  double all = 1;  // sum of the shares of probability, relative to the pose's
   for (const auto& [sibling, rows] : siblings) {
     const auto other_surface = recognizer_.surface(sibling);
     if (!other_surface) return other_surface.error();
     const kernels::ModelSamples samples = samples_of(models[sibling]);
-    // What was chosen in this place first is as likely at least, by its score.
+    // The pose chosen first at this place is at least as likely, by its score.
     const bool first =
         among_ == Among::few_models && holder != row && sibling == table.model[holder];
     double best = first ? 0 : std::numeric_limits<double>::lowest();
@@ -137,7 +139,8 @@ Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) co
           scratch);
       best = std::max(best, sibling_log_odds(other, row, comparison));
     }
-    // The score chose: what is better by the pixels that differ is no more than as likely.
+    // The choice was made by score, so a pose that is better in the differing pixels is at most as
+    // likely.
     const double share = std::exp(std::min(0.0, best));
     if (share < kNoted) continue;
     all += share;

@@ -1,4 +1,4 @@
-/// Hold an answer against the others that the scene gave.
+/// Comparison of an answer with the other answers in the scene.
 #pragma once
 
 #include <cstdint>
@@ -14,33 +14,35 @@
 
 namespace trivet::engine {
 
-/// What a score's odds are multiplied by where `others` are the scores of the other answers of its
-/// model in the scene: a scan in which many are nearly as likely, and few are sure, shows what
-/// looks like the model without being it. With o the odds and p the probabilities,
+/// Factor on a score's odds, where `others` are the scores of the other answers of its model in the
+/// scene. A scan with many nearly as likely answers and few certain ones shows that other things
+/// look like the model. With o the odds and p the probabilities,
 ///   1 / (1 + c / 0.03),  c = sum_j min(1, o_j / o) p_j (1 - p_j) / (1 + sum_j p_j^2).
-/// Source of the idea: the local false discovery rate, Efron, Large-Scale Inference, 2010, ch. 5:
-/// how far a case is to be believed depends on what was found beside it.
+/// The idea is that of the local false discovery rate: how credible a case is depends on what was
+/// found beside it. Source: Efron, Large-Scale Inference, 2010, ch. 5.
 float odds_in_crowd(float score, std::span<const float> others) noexcept;
 
-/// How many models the answers were sought of: of many, those that fit best by chance are compared,
-/// and the same pixels tell less.
+/// Number of models searched for. Among many models, those compared fit best by chance, so the same
+/// pixels carry less evidence.
 enum class Among : std::uint8_t { few_models, many_models };
 
-/// Poses that were selected down to doubtful ones, and what they hide.
+/// Poses that were selected down to doubtful ones, and the poses that they hide.
 class OtherAnswers {
  public:
-  /// All arguments are referred to. Errors: internal (no memory for a model's ray-tracing tree).
+  /// Keeps references to all arguments. Errors: internal (no memory for a model's ray-tracing
+  /// tree).
   static Result<OtherAnswers> among(const Recognizer& recognizer, const TestedPoses& poses,
                                     const SelectOptions& select, const PoseTestOptions& test,
                                     Among among);
 
   /// Lower the score of a settled pose by the crowd of other answers of its model, and by its
-  /// siblings: other models that claim the same pixels with at least half its score, be they hidden
-  /// by it or by what was chosen in its place. Of these the probability is shared by how well each
-  /// explains the pixels where they differ (kernels::compare_poses; among many models also by the
-  /// scores, rival_log_odds), with those that keep a tenth of its share; these are noted.
+  /// siblings. Siblings are other models that claim the same pixels with at least half its score;
+  /// they may be hidden by the pose or by the one chosen in its place. The probability is divided
+  /// according to how well each one explains the pixels where they differ (kernels::compare_poses;
+  /// among many models also by the scores, rival_log_odds). Siblings with at least a tenth of the
+  /// pose's share are included and noted.
   ///
-  /// row  that the settled pose is of
+  /// row  row of the settled pose
   /// Errors: internal (no memory for a model's ray-tracing tree).
   Result<void> weigh(Row row, SettledPose& settled) const;
 
@@ -57,7 +59,7 @@ class OtherAnswers {
   const PoseTestOptions& test_;
   const Among among_;
   Selection selection_;
-  std::vector<std::vector<Row>> answers_;  // chosen, by model
+  std::vector<std::vector<Row>> answers_;  // chosen poses, by model
 };
 
 }  // namespace trivet::engine

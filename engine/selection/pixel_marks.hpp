@@ -1,4 +1,4 @@
-/// Which pose explains each pixel of a scene.
+/// Marks which pose explains each pixel of a scene.
 #pragma once
 
 #include <algorithm>
@@ -12,24 +12,24 @@
 
 namespace trivet::engine {
 
-/// How much of a pose is explained already.
+/// How much of a pose is already explained.
 struct Cover {
-  float share = 0;            ///< of its pixels, by all chosen poses
-  std::uint32_t most_by = 0;  ///< the one that explains most of them; with a share above 0
+  float share = 0;            ///< share of its pixels explained by all chosen poses
+  std::uint32_t most_by = 0;  ///< pose that explains most of them; valid if share > 0
   float most_share = 0;
 };
 
-/// The pixels of all images, marked with the index of the chosen pose that explained them first.
+/// The pixels of all images, each marked with the index of the chosen pose that explained it first.
 class PixelMarks {
  public:
-  /// images  are referred to
+  /// images  kept by reference
   PixelMarks(std::span<const kernels::RangeImage> images, std::size_t num_poses);
 
-  /// Of several that explain as much, the one that comes first in `pixels` counts.
+  /// If several poses explain the same number, the one that comes first in `pixels` counts.
   Cover cover_of(const kernels::ExplainedPixels& explained);
   void mark(std::uint32_t pose, const kernels::ExplainedPixels& explained);
 
-  /// One a pixel: 1 where a pose explained it of which `holds(index)` is true.
+  /// One value per pixel: 1 if a pose with holds(index) explains it.
   template <class Holds>
   std::vector<std::uint8_t> marked(Holds&& holds) const {
     std::vector<std::uint8_t> out(marks_.size());
@@ -41,9 +41,9 @@ class PixelMarks {
 
  private:
   std::span<const kernels::RangeImage> images_;
-  std::vector<std::size_t> first_;     // pixel of each image
-  std::vector<std::uint32_t> marks_;   // index of the pose + 1; 0: none
-  std::vector<std::uint32_t> counts_;  // by mark; 0 between calls
+  std::vector<std::size_t> first_;     // first pixel of each image
+  std::vector<std::uint32_t> marks_;   // index of the pose + 1; 0: unmarked
+  std::vector<std::uint32_t> counts_;  // count per mark; 0 between calls
 };
 
 }  // namespace trivet::engine

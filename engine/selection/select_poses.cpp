@@ -13,15 +13,15 @@
 namespace trivet::engine {
 namespace {
 
-// A pose that will be refused explains nothing: those that are reported by default, or by the
-// score that is asked for, have the first choice of the scene's pixels, then those that are right
-// rather than wrong.
+// A pose that will be refused explains nothing. Poses that are reported by default, or by the
+// required score, therefore choose the scene's pixels first, followed by those that are more likely
+// correct than wrong.
 constexpr float kReported = 0.8F, kLikely = 0.5F;
-// What is explained is not searched again. Of the detections below this too many are wrong, and
-// hide the right ones.
+// Explained pixels are not searched again. Of the detections below this score, too many are wrong
+// and would hide correct ones.
 constexpr float kSure = 0.95F;
 
-/// Score x area^0.25; by poses alone the score.
+/// Score x area^0.25, or the score alone if poses are chosen without pixels.
 float rank_of(const TestedPoses& poses, Row row, const SelectOptions& options) {
   const float score = poses.table.score[row];
   if (!options.by_pixels) return score;
@@ -30,7 +30,7 @@ float rank_of(const TestedPoses& poses, Row row, const SelectOptions& options) {
   return score * std::pow(area, 0.25F);
 }
 
-/// A pose that may be chosen.
+/// A candidate for the choice.
 struct Contender {
   Row row = 0;
   float score = 0;
@@ -46,8 +46,9 @@ bool repeats(const TestedPoses& poses, std::span<const Row> chosen, Row row) {
   });
 }
 
-/// Those that are reported by default, or by the score that is asked for, come first, then those
-/// that are right rather than wrong; of each the higher rank, ties in their order.
+/// Sort poses that are reported by default, or by the required score, first, followed by those that
+/// are more likely correct than wrong. Within each group, sort by falling rank, ties in their
+/// order.
 void sort_by_choice(std::vector<Contender>& contenders, const SelectOptions& options) {
   const float reported = std::max(options.min_score, kReported);
   const float likely = std::min(options.min_score, kLikely);
@@ -66,7 +67,7 @@ Selection select(const TestedPoses& poses, std::vector<Contender> contenders,
   const float likely = std::min(options.min_score, kLikely);
   Selection selection;
   PixelMarks marks(poses.scene.images, contenders.size());
-  std::map<std::uint32_t, std::uint32_t> instances;  // by model
+  std::map<std::uint32_t, std::uint32_t> instances;  // number per model
   for (std::uint32_t c = 0; c < contenders.size(); ++c) {
     check_stop();
     const auto [row, score, rank] = contenders[c];
@@ -132,7 +133,7 @@ std::vector<Row> choose_unexplained(const TestedPoses& poses, std::span<const Ro
   std::erase_if(refused, is_unexplained);
   const Selection selection = select(poses, std::move(contenders), options);
   for (const Refusal& refusal : selection.refused) {
-    if (!is_standing(refusal.row)) refused.push_back(refusal);  // else one too many, as before
+    if (!is_standing(refusal.row)) refused.push_back(refusal);  // otherwise one too many, as before
   }
   std::vector<Row> chosen;
   for (const Row row : selection.chosen) {

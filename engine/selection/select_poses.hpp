@@ -1,4 +1,4 @@
-/// Choose the set of tested poses that together explain the scene.
+/// Selection of the set of tested poses that together explain the scene.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,12 @@
 namespace trivet::engine {
 
 struct SelectOptions {
-  float min_score = 0.8F;                 ///< that detections are reported from, 0..1
-  std::optional<float> doubtful_score{};  ///< from it to min_score they are chosen last
-  std::uint32_t max_instances = 100;      ///< per model
-  float max_overlap = 0.4F;               ///< share of a pose's pixels that may be explained
-  bool by_pixels = true;                  ///< else copies are told by their poses alone
+  float min_score = 0.8F;  ///< minimum score of reported detections, 0..1
+  /// Minimum score of doubtful detections; those from it to min_score are chosen last.
+  std::optional<float> doubtful_score{};
+  std::uint32_t max_instances = 100;  ///< per model
+  float max_overlap = 0.4F;  ///< maximum share of a pose's pixels explained by better poses
+  bool by_pixels = true;     ///< whether pixels reveal duplicates; otherwise poses alone do
   bool operator==(const SelectOptions&) const = default;
 };
 
@@ -26,8 +27,8 @@ struct SelectOptions {
 struct Refusal {
   Row row = 0;
   Rejection reason = Rejection::too_low;
-  /// The better pose that explains most of its pixels, where better ones explain more than
-  /// max_overlap of them; and what share of them that one explains.
+  /// The better pose that explains most of its pixels, and the share that it explains. Present if
+  /// better poses explain more than max_overlap of them.
   std::optional<Row> explained_by{};
   float explained_share = 0;
 };
@@ -35,37 +36,39 @@ struct Refusal {
 struct Selection {
   std::vector<Row> chosen;  ///< in the order of choice
   std::vector<std::uint8_t>
-      explained;  ///< one a pixel over all images: 1 where a quite sure pose explains it
-  std::vector<Refusal> refused;  ///< all others, from the best to the worst
+      explained;  ///< one value per pixel over all images: 1 if a confident pose explains it
+  std::vector<Refusal> refused;  ///< all other poses, from the best to the worst
 };
 
-/// What the selection is made of. All is referred to.
+/// Input of the selection, all by reference.
 struct TestedPoses {
   const Library& library;
   const PreparedScene& scene;
   const PoseTable& table;
-  std::span<const Row> rows;  ///< tested in full, in the order of their tests
+  std::span<const Row> rows;  ///< rows tested in full, in the order of their tests
 };
 
-/// Choose poses by falling rank (score times area^0.25: large surfaces prove more), each unless
-/// better ones already explain more than max_overlap of its pixels: copies of one object fall out
-/// whatever their symmetry, and of two objects claiming one place the better explained stays. Ties
-/// go to the earlier row. Doubtful ones come after all others. By poses alone, the rank is the
-/// score, and a pose falls out that repeats the placement of a better one of its model.
+/// Choose poses by falling rank (score times area^0.25, since large surfaces are stronger
+/// evidence). A pose is chosen unless better ones already explain more than max_overlap of its
+/// pixels. This removes duplicates of one object whatever its symmetry; of two objects claiming one
+/// place, the better explained one remains. Ties go to the earlier row. Doubtful poses come after
+/// all others. Without pixels, the rank is the score, and a pose is dropped if it repeats the
+/// placement of a better one of its model.
 Selection select_poses(const TestedPoses& poses, const SelectOptions& options);
 
-/// Choose those of the refused poses from min_score on that were hidden by one that does not stand
-/// after all, unless what stands explains them, or a better one of them does.
+/// Choose refused poses from min_score that were hidden by a pose that was itself refused later.
+/// They are chosen unless a standing pose or a better one of them explains them.
 ///
-/// standing  the rows that were chosen and stand; what was one too many does, too
-/// refused   of all poses; loses what is chosen, and gets what hides the others now
-/// Returns the rows of those chosen, in the order of choice.
+/// standing  rows that were chosen and not refused; a pose that is one too many counts as standing
+/// refused   refusals of all poses; chosen poses are removed, and the others receive the pose that
+///           hides them now
+/// Returns the rows of the chosen poses, in the order of choice.
 std::vector<Row> choose_unexplained(const TestedPoses& poses, std::span<const Row> standing,
                                     const SelectOptions& options, std::vector<Refusal>& refused);
 
-/// Of each model the best refused poses by score, at most `limit`; first of all those whose pixels
-/// no better one of their own model explains, which may be further instances. Those that repeat the
-/// placement of one taken, or of a detection or its alternatives, are left out.
+/// The best refused poses of each model by score, at most `limit`. Poses whose pixels no better
+/// pose of their model explains come first, as they may be further instances. Poses that repeat the
+/// placement of one already included, or of a detection or its alternatives, are left out.
 ///
 /// detections  rows of the chosen poses as they are reported
 /// Returns rows by falling score, ties in the order of refusal.

@@ -19,15 +19,16 @@ namespace {
 
 constexpr float kAlternativePlace = 0.3F;  // in diameters
 constexpr float kLeastAlternativeScore = 0.1F;
-constexpr float kAlternativeShare = 0.5F;  // of the score of the pose that is ambiguous
-constexpr int kMaxHops = 3;                // from alternative to better alternative
-// In standard deviations, three to one, where pixels err for themselves. Where neighbors err alike
-// edges and creases are shown beside their places: an alternative must be significantly better.
+constexpr float kAlternativeShare = 0.5F;  // share of the score of the ambiguous pose
+constexpr int kMaxHops = 3;                // steps from an alternative to a better alternative
+// In standard deviations: odds of three to one if pixel errors are independent. If neighboring
+// errors are correlated, edges and creases appear displaced, so an alternative must be
+// significantly better.
 constexpr double kTelling = 0.7;
 constexpr float kSameAxis = 0.99F;  // cosine
-// Of a pose that might as well lie in its place in a way that its shape does not explain. What is
-// not there often does: of detections from 0.8 on, in the drawn scenes of scripts/calibrate, 39 of
-// 670 right ones and 48 of 143 wrong ones.
+// Factor on the odds of a pose with an equally good alternative at its place that its shape does
+// not explain. This is typical of false detections: in the drawn scenes of scripts/calibrate, it
+// holds for 39 of 670 correct and 48 of 143 wrong detections with scores from 0.8.
 constexpr float kOddsOfStrangeAlternative = 0.4F;
 constexpr double kLeastProbability = 1e-6;
 
@@ -69,17 +70,17 @@ class AmbiguityTest {
   }
 
  private:
-  /// A pose that the scan cannot tell from another one.
+  /// A pose that the scan cannot distinguish from another one.
   struct Alike {
     Pose T_scene_model;
-    double log_ratio;  ///< of its likelihood over that of the other one
+    double log_ratio;  ///< log likelihood ratio of this pose to the other one
   };
 
   void note_alternatives(std::span<const Alike> alike, const kernels::TurnComparison& turns,
                          SettledPose& settled) {
     TestedPose& pose = settled.pose;
     Ambiguity& ambiguity = settled.ambiguity;
-    double elsewhere = 0;  // likelihood of alternatives over that of the pose
+    double elsewhere = 0;  // likelihood of the alternatives relative to the pose
     bool strange = false;
     for (const Alike& alternative : alike) {
       if (!is_alternative(alternative.T_scene_model, pose)) continue;
@@ -113,8 +114,8 @@ class AmbiguityTest {
     return tester_.examine(surface_, score_, pose, examine_scratch_);
   }
 
-  /// Move to the turn about the near axis that the scan speaks for. Returns how the others compare
-  /// with that one.
+  /// Move to the turn about the axis of near symmetry that the scan supports best. Returns how the
+  /// other turns compare with it.
   kernels::TurnComparison settle_turn(TestedPose& pose) {
     if (!model_.near_axis) return {};
     kernels::TurnComparison turns = kernels::compare_turns(
@@ -125,7 +126,7 @@ class AmbiguityTest {
     const bool far = std::abs(std::remainder(turns.best, turn_period())) >= kRightRotationRad;
     const Pose there = pose.T_scene_model * kernels::turn_about(*model_.near_axis, turns.best);
     TestedPose turned = examine(far ? tester_.polished(there) : there);
-    // Edges that lie beside their places may speak for a turn that the whole test speaks against.
+    // Displaced edges may support a turn that the full test contradicts.
     const bool doubtful = tester_.scene().sensor.correlation > 0 &&
                           compare(turned.T_scene_model, pose.T_scene_model).log_ratio +
                                   log_odds(turned.score, kLeastProbability) -
@@ -144,7 +145,7 @@ class AmbiguityTest {
     return turns;
   }
 
-  /// Turns by it about the near axis are symmetries [rad].
+  /// Period of turns about the axis of near symmetry [rad].
   float turn_period() const {
     const Eigen::Vector3f axis = model_.near_axis->direction;
     const auto turns = std::count_if(
@@ -153,7 +154,7 @@ class AmbiguityTest {
     return 2 * std::numbers::pi_v<float> / static_cast<float>(turns + 1);
   }
 
-  /// Whether an alternative is the pose turned about the near axis.
+  /// Whether an alternative is the pose turned about the axis of near symmetry.
   bool is_turn(const Pose& pose, const Pose& alternative) const {
     if (!model_.near_axis) return false;
     const Eigen::Vector3f axis = model_.near_axis->direction;
@@ -162,14 +163,15 @@ class AmbiguityTest {
            apart <= kRightTranslation * model_.diameter;
   }
 
-  /// Whether the model's shape explains that an alternative looks like the pose.
+  /// Whether the model's shape explains why an alternative looks like the pose.
   bool is_near_symmetric(const Pose& pose, const Pose& alternative) const {
     return std::any_of(
         model_.near_symmetries.begin(), model_.near_symmetries.end(),
         [&](const Pose& motion) { return same_placement(model_, pose * motion, alternative); });
   }
 
-  /// Other placements of the model that may look like this one, but turns about the near axis.
+  /// Other placements of the model that may look like this one, except turns about the axis of near
+  /// symmetry.
   std::vector<Pose> alternatives_of(std::uint32_t model, const Pose& pose) const {
     std::vector<Pose> alternatives;
     const auto add = [&](const Pose& alternative) {

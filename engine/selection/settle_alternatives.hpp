@@ -1,4 +1,4 @@
-/// Choose among poses of one model in one place that look alike.
+/// Choice among poses of one model at one place that look alike.
 #pragma once
 
 #include "engine/loaded_library/recognizer.hpp"
@@ -8,11 +8,12 @@
 
 namespace trivet::engine {
 
-/// Compare a tested pose with its alternatives: turns about the model's near axis, poses that a near
-/// symmetry leads to, and tested poses of the same model in the same place. It moves to the turn
-/// and the alternative that the scan speaks for, by the pixels where the renderings differ
-/// (kernels::compare_turns, kernels::compare_poses); alternatives that are not significantly worse
-/// are noted, and lower its score if its shape does not explain them. The table stays as it is.
+/// Compare a tested pose with its alternatives: turns about the model's axis of near symmetry,
+/// poses related by a near symmetry, and tested poses of the same model at the same place. The pose
+/// moves to the turn and the alternative that the scan supports best, by the pixels where the
+/// renderings differ (kernels::compare_turns, kernels::compare_poses). Alternatives that are not
+/// significantly worse are noted; they lower its score if its shape does not explain them. The
+/// table does not change.
 ///
 /// Errors: internal (no memory for the model's ray-tracing tree).
 Result<SettledPose> settle_alternatives(const Recognizer& recognizer, const TestedPoses& poses,

@@ -11,10 +11,10 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kRivalScore = 0.5F;  // of the score of the chosen pose
+constexpr float kRivalScore = 0.5F;  // share of the chosen pose's score
 constexpr std::size_t kPosesOfRival = 2;
 
-/// Of each other model, the best poses that a chosen one hides.
+/// The best poses of each other model that a chosen pose hides.
 std::vector<Row> rivals_of(Row chosen, const PoseTable& table, std::span<const Refusal> refused) {
   std::vector<Row> rivals;
   std::map<std::uint32_t, std::size_t> of_model;
@@ -29,7 +29,7 @@ std::vector<Row> rivals_of(Row chosen, const PoseTable& table, std::span<const R
   return rivals;
 }
 
-/// The likelier of two poses: `rival` if the scan speaks for it.
+/// The likelier of two poses: `rival` if the scan supports it better.
 Result<Row> likelier(const Recognizer& recognizer, const TestedPoses& poses,
                      const PoseTestOptions& test, Row rival, Row winner,
                      kernels::CompareScratch& scratch) {

@@ -1,4 +1,4 @@
-/// Models that claim one place compete for it.
+/// Competition between models that claim the same place.
 #pragma once
 
 #include "engine/loaded_library/recognizer.hpp"
@@ -8,10 +8,10 @@
 
 namespace trivet::engine {
 
-/// A selection takes what its score and its area put first; of models that look alike, both say
-/// little. So a chosen pose gives its place to a model that it hides, of at least half its score,
-/// if that one is the likelier by the pixels where their renderings differ and the scores
-/// (rival_log_odds); that one defends the place against the rest.
+/// A selection prefers high score and large area, which are weak evidence between models that look
+/// alike. Therefore a chosen pose yields its place to a hidden model with at least half its score
+/// if that model is likelier. The decision uses the pixels where their renderings differ and the
+/// scores (rival_log_odds). The new pose is then compared with the remaining rivals.
 /// Errors: internal (no memory for a model's ray-tracing tree).
 Result<void> settle_rivals(const Recognizer& recognizer, const TestedPoses& poses,
                            const PoseTestOptions& test, Selection& selection);
