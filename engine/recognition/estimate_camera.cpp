@@ -14,7 +14,7 @@ const std::optional<CameraCheck>& check_of(const Result<SceneResult>& result) {
   return result ? result->stats.camera_check : kNone;
 }
 
-/// Whether any camera was off, and so was corrected in its scenes.
+/// Correct the cameras that are off in their scenes. Returns whether there were any.
 bool correct_cameras(const Results& results, std::span<SceneInput> scenes) {
   std::vector<CameraCheck> checks;
   for (const Result<SceneResult>& result : results) {

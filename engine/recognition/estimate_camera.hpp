@@ -1,4 +1,4 @@
-/// Recognize scenes whose cameras may have been given wrongly.
+/// Recognition of scenes whose cameras may be incorrect.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace trivet {
 
-/// Recognize all scenes; where the checks of all scenes of a camera say that it is off, correct it
-/// and recognize all once more, twice at most. All results are held in memory.
+/// Recognize all scenes. If the checks of all scenes of a camera agree that it is off, correct it
+/// and recognize all scenes again, at most twice. All results are kept in memory.
 ///
-/// scenes  depth images get the cameras that their results were found with
-/// Results are in the order of the scenes, with the error of each that failed. Errors: of
+/// scenes  depth images receive the cameras that their results were found with
+/// Results are in the order of the scenes, with the error of each that failed. Errors: those of
 /// recognize_all.
 Result<std::vector<Result<SceneResult>>> recognize_estimating_camera(
     const Recognizer& recognizer, std::span<SceneInput> scenes, const RecognizeOptions& options,

@@ -9,11 +9,11 @@
 namespace trivet::engine {
 namespace {
 
-/// How far from a posed model's samples a place may lie to be its own [diameters]: of poses as they
-/// are proposed, and of refined ones.
+/// Maximum distance of a place from a posed model's samples at which it counts as part of the model
+/// [diameters]: for proposed poses and for refined ones.
 constexpr float kReach = 0.1F, kTouch = 0.03F;
 constexpr float kSigmas = 3;
-constexpr std::size_t kMostExplained = 20;  // models of a place
+constexpr std::size_t kMostExplained = 20;  // models per place
 
 /// A place of the scene and the models that may lie there.
 class Place {
@@ -22,11 +22,11 @@ class Place {
   Place(const Library& library, const Eigen::Vector3f& point, float noise)
       : library_(library), point_(point), noise_(noise) {}
 
-  /// Whether a posed model reaches to the place. Its samples must have been checked.
+  /// Whether a posed model reaches the place. Its samples must have been checked.
   bool is_reached(std::uint32_t model, const Pose& T_scene_model, float share) const {
     const Model& m = library_.models[model];
     const Eigen::Vector3f point = T_scene_model.inverse() * point_;
-    // Samples are points of a surface: the place may lie between them.
+    // The place may lie between samples of the surface.
     const float reach = share * m.diameter + m.sample_spacing + kSigmas * noise_;
     if ((point - m.center).norm() > m.diameter + reach) return false;
     const PointsView samples = m.samples;
@@ -42,18 +42,18 @@ class Place {
   const float noise_;
 };
 
-/// The rows of a model that are of interest there.
+/// Rows of a model near the place.
 struct Nearby {
   std::array<std::size_t, kNumPoseStages> num_poses{};
   std::optional<Row> detection{}, refused{};  // the best by score
-  std::optional<Row> given_up{};              // what came furthest of those not tested in full
+  std::optional<Row> given_up{};  // pose with the latest stage among those not tested in full
 };
 
 void keep_better(const PoseTable& table, Row row, std::optional<Row>& best) {
   if (!best || table.score[row] > table.score[*best]) best = row;
 }
 
-/// By what poses of a stage are compared that went no further.
+/// Sort key of poses that went no further than the same stage.
 auto furthest(const PoseTable& table, Row row) {
   return std::tuple(table.stage[row],
                     table.stage[row] == PoseStage::refined ? table.score[row] : table.votes[row]);
@@ -83,8 +83,8 @@ std::map<std::uint32_t, Nearby> find_nearby(const PoseTable& table, const Place&
   return nearby;
 }
 
-/// Test a pose in full that was given up. Returns its new row; none where too little of it is seen
-/// or it leaves the limits.
+/// Test a discarded pose in full. Returns its new row; absent if too little of it is visible or it
+/// is beyond the limits.
 Result<std::optional<Row>> test_after_all(const PoseVerifier& verifier, Row given_up,
                                           float least_score, PoseTable& table) {
   const Row row =

@@ -1,4 +1,4 @@
-/// Why models are found at a place of the scene, or are not: a query over finished poses.
+/// Query over finished poses: why models are found at a place of the scene, or not.
 #pragma once
 
 #include <array>
@@ -17,21 +17,25 @@
 
 namespace trivet::engine {
 
-/// What became of a model's poses at the place that was asked about.
+/// Outcome of a model's poses at the place.
 struct ExplainedModel {
   std::uint32_t model = 0;
-  std::array<std::size_t, kNumPoseStages> num_poses{};  ///< that came to each stage there
-  std::optional<Row> pose{};  ///< the detection there, else the best of those that came furthest
-  bool given_up = false;      ///< before its full test, which was made for this alone
-  std::vector<kernels::JudgedRay> rays{};  ///< of that pose
+  /// Number of poses there that reached each stage.
+  std::array<std::size_t, kNumPoseStages> num_poses{};
+  /// The detection there, or else the best of the poses with the latest stage.
+  std::optional<Row> pose{};
+  /// Discarded before its full test, which was made for the explanation alone.
+  bool given_up = false;
+  std::vector<kernels::JudgedRay> rays{};  ///< rays of that pose's test
 };
 
-/// Explain the models that are asked about, or those of all poses that come near.
+/// Explain the requested models, or else the models of all poses near the place.
 ///
 /// question     its point is in the cloud's frame and unit
-/// least_score  of a refined pose by its samples that is worth the full test
-/// table        of finished poses; gets a row for each that is tested after all
-/// Returns what came furthest first, then by score. Errors: internal (no memory for ray tracing), bad_data (damaged).
+/// least_score  minimum score by samples at which a refined pose is worth the full test
+/// table        finished poses; receives a row for each pose tested for the explanation
+/// Returns the models by the latest stage reached, then by score. Errors: internal (no memory for
+/// ray tracing), bad_data (damaged).
 Result<std::vector<ExplainedModel>> explain_place(const Library& library,
                                                   const PreparedScene& scene,
                                                   const PlaceQuestion& question, float least_score,

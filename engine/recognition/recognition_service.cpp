@@ -26,13 +26,13 @@ namespace {
 using Done = std::function<void(ServiceOutcome)>;
 using Failure = std::variant<Refusal, Error>;
 
-/// How often jobs are looked at, how long no part should take, and how long none should go on that
-/// was told to stop.
+/// Intervals of the service: between inspections of the jobs, maximum time of a part, and maximum
+/// time to stop after a stop request.
 constexpr std::chrono::milliseconds kLookInterval{20};
 constexpr std::chrono::seconds kStuckAfter{120}, kDeafAfter{10};
-/// Of the newest part in the mean time that one takes.
+/// Weight of the newest part in the mean time per part.
 constexpr double kNewestShare = 0.1;
-/// An answer that there is no memory for is tried again: others give theirs back.
+/// Retries of an answer for lack of memory, since other jobs release theirs.
 constexpr int kMostTries = 100;
 constexpr std::chrono::milliseconds kRetryInterval{10};
 
@@ -40,8 +40,8 @@ double seconds_between(ServiceClock::time_point from, ServiceClock::time_point t
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// A job that was taken. What changes is guarded by the service's mutex. It lives as long as it
-/// waits, is worked on or is answered, and so does what it holds.
+/// A job accepted by the service. The service's mutex guards its mutable members. The job and the
+/// memory that it holds live as long as it waits, runs or is being answered.
 struct Taken {
   ~Taken() { let_go(); }
 
@@ -49,14 +49,15 @@ struct Taken {
   Done done;
   std::shared_ptr<const LibraryGeneration> generation;
   ServiceClock::time_point since, begun{}, stopped{};
-  std::size_t num_waiting = 0, num_running = 0;        ///< parts
-  std::size_t num_undone = 0;                          ///< parts whose work is not done
-  std::atomic<std::size_t>* num_bytes_held = nullptr;  ///< of the service, once it is taken
-  bool is_answered = false;                            ///< or is being answered, by who made it so
+  std::size_t num_waiting = 0, num_running = 0;  ///< parts
+  std::size_t num_undone = 0;                    ///< parts whose work is not finished
+  /// Counter of the service, once the job is accepted.
+  std::atomic<std::size_t>* num_bytes_held = nullptr;
+  bool is_answered = false;  ///< answered, or being answered by the thread that set this
   std::optional<Failure> failure{};
   std::stop_source stop{};
 
-  /// Returns whether the caller is to answer so: nobody has before.
+  /// Returns whether the caller must give the answer because nobody has before.
   bool fail(Failure why) {
     if (std::exchange(is_answered, true)) return false;
     failure = std::move(why);
@@ -64,13 +65,13 @@ struct Taken {
     stop.request_stop();
     return true;
   }
-  /// Why the answer has become useless.
+  /// Reason why an answer has become useless.
   std::optional<Refusal> overtaken(ServiceClock::time_point now) const noexcept {
     if (now >= job.deadline) return Refusal::too_late;
     if (job.is_gone && job.is_gone()) return Refusal::gone;
     return std::nullopt;
   }
-  /// What the job holds, once no part needs it.
+  /// Release the memory of the job, once no part needs it.
   void let_go() {
     job.work = {};
     job.conclude = {};
@@ -82,13 +83,13 @@ struct Taken {
 };
 using TakenPtr = std::shared_ptr<Taken>;
 
-/// What a worker does; idle: no job.
+/// State of a worker; without a job it is idle.
 struct Worker {
   TakenPtr of{};
   ServiceClock::time_point begun{};
 
   bool is_busy() const { return of != nullptr; }
-  /// Goes on though it was told to stop.
+  /// Whether the worker continues despite a stop request.
   bool is_deaf(ServiceClock::time_point now) const {
     return of && of->failure && now - of->stopped > kDeafAfter;
   }
@@ -97,7 +98,7 @@ struct Worker {
   }
 };
 
-/// Give the answer to who asked. What throws has not answered yet.
+/// Answer the caller. If the callback throws, it has not answered yet.
 void answer(Taken& job) noexcept {
   for (int i = 0; i < kMostTries; ++i) {
     try {
@@ -114,7 +115,7 @@ void answer(Taken& job) noexcept {
   }
 }
 
-/// What `work` comes to, whatever it throws.
+/// The result of `work`, with exceptions converted to errors.
 template <class Work>
 std::optional<Failure> failure_of(const Work& work) noexcept {
   try {
@@ -124,13 +125,13 @@ std::optional<Failure> failure_of(const Work& work) noexcept {
       if (done.error().code == ErrorCode::no_memory) return Refusal::no_memory;
       return done.error();
     } catch (const Stopped&) {
-      return Refusal::gone;  // it is answered already
+      return Refusal::gone;  // already answered
     } catch (const std::bad_alloc&) {
       return Refusal::no_memory;
     } catch (const std::exception& error) {
       return Error{ErrorCode::internal, error.what()};
     }
-  } catch (...) {  // the words of the error had no room
+  } catch (...) {  // no memory for the error message
     return Refusal::no_memory;
   }
 }
@@ -150,7 +151,7 @@ struct RecognitionService::State {
 
   ~State() {
     close(Refusal::closed);
-    threads.clear();  // joins
+    threads.clear();  // joins all threads
   }
 
   bool is_full(std::size_t num_parts, std::size_t num_more) const {
@@ -167,14 +168,15 @@ struct RecognitionService::State {
     return waiting.empty() && num_ending == 0 && num_workers(&Worker::is_busy) == 0;
   }
 
-  /// Whether a part may be begun beside those that run.
+  /// Whether a part may start in addition to the running parts.
   bool fits(const Taken& job) const {
     return num_working_bytes + job.job.part_bytes <= options.max_working_bytes;
   }
 
-  /// Whether a job would be answered after its deadline, if what waits takes as long as what was
-  /// done last. Work that is begun and not answered in time is lost, and under overload all would
-  /// be. Never where a worker is free: or a mean that is too long would refuse all and stay.
+  /// Whether a job would be answered after its deadline if the waiting parts take as long as recent
+  /// ones. Under overload, work that misses its deadline is wasted, and all work would miss it.
+  /// This never refuses a job while a worker is idle; otherwise a mean that is too long would
+  /// refuse all jobs and never change.
   bool would_be_late(const Taken& job) const {
     if (waiting.empty() && num_workers(&Worker::is_busy) < workers.size()) return false;
     const auto now = ServiceClock::now();
@@ -186,7 +188,7 @@ struct RecognitionService::State {
     return mean_seconds * (num_turns + 0.5) > seconds_between(job.since, job.job.deadline);
   }
 
-  /// Take no more, refuse what waits and what runs.
+  /// Accept no more jobs; refuse the waiting and the running ones.
   void close(Refusal why) {
     {
       const std::lock_guard lock(mutex);
@@ -196,14 +198,14 @@ struct RecognitionService::State {
     changed.notify_all();
   }
 
-  /// Begin nothing more of a job. Pre: locked.
+  /// Start no further part of a job. Pre: locked.
   void forget_waiting(const TakenPtr& job) {
     if (job->num_waiting > 0) waiting.remove(job);
     num_waiting -= std::exchange(job->num_waiting, 0);
   }
 
-  /// Answer what there is a reason to refuse, whether it waits or runs. Allocates nothing, since its
-  /// thread must not end for want of memory.
+  /// Answer every waiting or running job that has a reason to be refused. Allocates nothing, since
+  /// lack of memory must not end its thread.
   template <class Why>
   void refuse(const Why& why) {
     std::list<TakenPtr> refused;
@@ -222,7 +224,7 @@ struct RecognitionService::State {
     while (TakenPtr job = refuse_running(why)) leave(std::move(job), true);
   }
 
-  /// Returns one that is to be answered; null: there is none.
+  /// Returns a job that must be answered; null if there is none.
   template <class Why>
   TakenPtr refuse_running(const Why& why) {
     const std::lock_guard lock(mutex);
@@ -237,7 +239,8 @@ struct RecognitionService::State {
     return nullptr;
   }
 
-  /// Let go of a job that was counted as ending, and answer it before where that is the caller's.
+  /// Release a job that was counted as ending. If the caller is responsible for its answer, give it
+  /// first.
   void leave(TakenPtr job, bool is_ours) {
     if (is_ours) {
       bool is_over = false;
@@ -245,7 +248,7 @@ struct RecognitionService::State {
         const std::lock_guard lock(mutex);
         is_over = job->num_running == 0;
       }
-      if (is_over) job->let_go();  // the memory goes before the answer
+      if (is_over) job->let_go();  // free the memory before answering
       answer(*job);
     }
     job.reset();
@@ -258,7 +261,8 @@ struct RecognitionService::State {
 
   void work(Worker& worker) {
     if (options.on_thread_start) options.on_thread_start();
-    // Each may use all cores: a scene alone has them to itself, and many share them.
+    // Each worker may use all cores, so that a scene alone uses all of them and many scenes share
+    // them.
     tbb::task_arena arena(num_cores);
     while (const std::optional<std::size_t> part = begin(worker)) {
       Taken* const job = worker.of.get();
@@ -284,7 +288,7 @@ struct RecognitionService::State {
     }
   }
 
-  /// Take the next part; none: the service ends.
+  /// Start the next part. Absent: the service is ending.
   std::optional<std::size_t> begin(Worker& worker) {
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return waiting.empty() ? is_closed : fits(*waiting.front()); });
@@ -300,8 +304,8 @@ struct RecognitionService::State {
     return job.job.num_parts - job.num_waiting - 1;
   }
 
-  /// Note that a part's work is done, or has failed. Returns whether nothing but the answer is left to
-  /// make of a job that nobody has answered.
+  /// Record that the work of a part is finished or has failed. Returns whether only the conclusion
+  /// remains for a job that is not answered yet.
   bool is_last_and_good(const Worker& worker, const std::optional<Failure>& failure) {
     const std::lock_guard lock(mutex);
     Taken& job = *worker.of;
@@ -330,7 +334,7 @@ struct RecognitionService::State {
     leave(std::move(job), is_ours);
   }
 
-  /// Answer in time, and notice what hangs.
+  /// Answer jobs in time, and detect parts that hang.
   void look_after(const std::stop_token& stop) {
     if (options.on_thread_start) options.on_thread_start();
     while (!stop.stop_requested()) {
@@ -347,15 +351,15 @@ struct RecognitionService::State {
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::shared_ptr<const LibraryGeneration> generation;
-  std::list<TakenPtr> waiting;  ///< with parts that were not begun, and not answered
+  std::list<TakenPtr> waiting;  ///< unanswered jobs with parts that have not started
   std::vector<Worker> workers;
   std::size_t num_waiting = 0, num_working_bytes = 0;
   std::atomic<std::size_t> num_bytes{0};
-  double mean_seconds = 0;     ///< that a part takes; 0: none was done yet
-  std::size_t num_ending = 0;  ///< jobs that are being answered, or let go of
+  double mean_seconds = 0;     ///< mean time per part; 0: none is finished yet
+  std::size_t num_ending = 0;  ///< jobs being answered or released
   bool is_closed = false, is_stuck = false;
   std::vector<std::jthread> threads;
-  std::jthread watch;  // last: it ends first
+  std::jthread watch;  // last member, so that it ends first
 };
 
 Result<void> validate(const ServiceOptions& options) {
@@ -421,7 +425,7 @@ bool RecognitionService::is_full(std::size_t num_bytes) const {
 
 void RecognitionService::publish(std::shared_ptr<const LibraryGeneration> next) {
   const std::lock_guard lock(state_->mutex);
-  state_->generation.swap(next);  // the old one goes after the lock, if nobody holds it
+  state_->generation.swap(next);  // if unused, the old generation is released after the lock
 }
 
 std::shared_ptr<const LibraryGeneration> RecognitionService::generation() const {

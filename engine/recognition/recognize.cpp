@@ -30,7 +30,7 @@ bool is_place(const Eigen::Vector3d& v) {
   return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate;
 }
 
-/// Along the axes; zeros without points.
+/// Extent along the axes; zeros without points.
 Eigen::Vector3f size_of(PointsView points) {
   if (points.size() == 0) return Eigen::Vector3f::Zero();
   Eigen::Array3f low = points[0].array(), high = low;
@@ -41,7 +41,7 @@ Eigen::Vector3f size_of(PointsView points) {
   return (high - low).matrix();
 }
 
-/// From a place to the nearest of the points.
+/// Distance from a place to the nearest of the points.
 double nearest_distance(PointsView points, const Eigen::Vector3d& place) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -49,22 +49,23 @@ double nearest_distance(PointsView points, const Eigen::Vector3d& place) {
   return nearest;
 }
 
-/// The place that is asked about, without models.
+/// The explained place without its models.
 ///
 /// point  in the frame and unit of the scene's file
 PlaceExplanation explained_place(const Eigen::Vector3d& point, const Cloud& cloud) {
   return {point, nearest_distance(cloud.points, point - cloud.offset), {}};
 }
 
-/// How large a scene may be, in diameters of the library's largest model.
+/// Maximum size of a scene, in diameters of the library's largest model.
 constexpr float kLargestScene = 500;
-/// Of its points, how many may lie beyond that: what a sensor measures where there is nothing.
+/// Maximum share of points beyond that size. Sensors report such points where there is no surface.
 constexpr double kMostStray = 0.01;
 
-/// Leave out points farther than half of the largest scene from the middle one, if they are few.
+/// Remove points farther than half of the maximum scene size from the median point, if they are
+/// few.
 ///
 /// radius  [cloud's unit]
-/// Returns the cloud without them; none where nothing lies there, or more than a few points.
+/// Returns the cloud without them. Absent if there are no such points, or too many.
 std::optional<Cloud> without_stray_points(const Cloud& cloud, float radius) {
   const std::size_t n = cloud.points.size();
   const PointsView points = cloud.points;
@@ -86,9 +87,10 @@ std::optional<Cloud> without_stray_points(const Cloud& cloud, float radius) {
   return kept;
 }
 
-/// Refuse a scene whose size says that its unit is not the library's; what strays is left out.
+/// Reject a scene whose size shows that its unit differs from the library's; stray points are left
+/// out.
 ///
-/// stray  gets the cloud without, where something was left out
+/// stray  receives the cloud without stray points, if there were any
 Result<void> check_sizes(const Library& library, const Cloud& cloud, const SceneInput& input,
                          std::optional<Cloud>& stray) {
   const auto scale = static_cast<float>(input.scale);
@@ -112,8 +114,8 @@ Result<void> check_sizes(const Library& library, const Cloud& cloud, const Scene
                   input.file.string(), smallest, largest, unit_name(library.header.unit), extent)};
 }
 
-/// Refuse a viewpoint that lies among the points, and before them if it were a thousand times as far
-/// away: it was given in meters, and the scene is in millimeters.
+/// Reject a viewpoint that lies among the points but would lie in front of them if it were a
+/// thousand times as far away. It was then given in meters while the scene is in millimeters.
 Result<void> check_viewpoint(const Cloud& cloud, const SceneInput& input) {
   constexpr double kMillimeters = 1000;
   if (!input.viewpoint || input.viewpoint->isZero(0) || !cloud.offset.isZero(0)) return {};
@@ -133,7 +135,7 @@ Result<void> check_viewpoint(const Cloud& cloud, const SceneInput& input) {
           input.file.string(), eye.x(), eye.y(), eye.z(), size)};
 }
 
-/// As recognize, in a library that nobody changes meanwhile.
+/// Like recognize, for a library that does not change meanwhile.
 Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan,
                                  const SceneInput& input, const RecognizeOptions& asked,
                                  const std::stop_token& stop) try {
@@ -200,7 +202,7 @@ Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
                               std::stop_token stop) {
   const Library& library = recognizer.library();
   TRIVET_TRY(library.unchanged());
-  // Whatever comes of bytes that were changed meanwhile, a fault too, is no answer.
+  // If the mapped file was changed meanwhile, neither a result nor an exception is a valid answer.
   try {
     Result<SceneResult> result = recognize_in(recognizer, cloud, input, asked, stop);
     TRIVET_TRY(library.unchanged());

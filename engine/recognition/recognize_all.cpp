@@ -16,7 +16,7 @@ namespace {
 
 namespace flow = tbb::flow;
 
-/// Scenes in memory at once: one is read while another is recognized; more would only cost latency.
+/// Scenes in memory at once. One is read while another is recognized; more would only add latency.
 constexpr std::size_t kScenesInFlight = 2;
 
 struct Finished {
@@ -24,13 +24,13 @@ struct Finished {
   std::shared_ptr<Result<SceneResult>> result;
 };
 
-/// Whether other scenes may be without it.
+/// Whether an error concerns one scene only.
 bool is_of_one_scene(const Error& error) {
   return error.code != ErrorCode::usage && error.code != ErrorCode::resumable &&
          error.code != ErrorCode::changed;
 }
 
-/// Exceptions must not reach the graph, whose other scenes would end with them.
+/// Exceptions must not reach the flow graph, since they would end its other scenes too.
 Result<SceneResult> read_and_recognize(const Recognizer& recognizer, const SceneInput& input,
                                        const RecognizeOptions& options,
                                        const std::stop_token& stop) try {

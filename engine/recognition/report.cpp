@@ -52,13 +52,13 @@ Detection report_detection(const Library& library, const PoseTable& poses, Row r
   return detection;
 }
 
-/// Why a tested pose is no detection.
+/// The reason why a tested pose is not a detection.
 Rejection rejection_of(PoseFate fate) {
   if (fate == PoseFate::explained) return Rejection::explained;
   return fate == PoseFate::too_many ? Rejection::too_many : Rejection::too_low;
 }
 
-/// The index of a row among the detections; none where it is no detection.
+/// The index of a row among the detections; absent if it is not one.
 std::optional<std::size_t> index_of(std::optional<Row> row, std::span<const Row> detections) {
   if (!row) return std::nullopt;
   const auto at = std::ranges::find(detections, *row);
@@ -66,7 +66,7 @@ std::optional<std::size_t> index_of(std::optional<Row> row, std::span<const Row>
   return static_cast<std::size_t>(at - detections.begin());
 }
 
-/// detections  in the order that they are reported in
+/// detections  in their reported order
 RejectedPose report_rejected(const Library& library, const PoseTable& poses, Row row,
                              std::span<const Row> detections, double scene_scale) {
   RejectedPose rejected;

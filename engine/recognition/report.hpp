@@ -1,4 +1,4 @@
-/// What a search found, as its user sees it.
+/// Conversion of search results for the user.
 #pragma once
 
 #include "engine/recognition/search_scene.hpp"
@@ -7,10 +7,9 @@
 
 namespace trivet::engine {
 
-/// Name the models, bring lengths into the scene file's unit and detections into the order of
-/// their scores.
+/// Add model names, convert lengths to the scene file's unit and sort detections by score.
 ///
-/// stats  of the search; get what the scene's noise and sensor were
+/// stats  statistics of the search; receive the scene's noise and sensor model
 SceneResult report(const Library& library, const PreparedScene& scene, const SearchResult& found,
                    SceneStats stats);
 

@@ -9,8 +9,8 @@
 namespace trivet::engine {
 namespace {
 
-/// Set each option whose value is all that an improvement in `options.ablated` does back to what it
-/// was before it; the stages are told of the others.
+/// Reset the options whose values alone implement an improvement in `options.ablated` to their
+/// values without it. The other improvements are switched off in the stages.
 RecognizeOptions without_ablated(RecognizeOptions options) {
   constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
   const auto is_ablated = [&](Improvement improvement) {
@@ -29,14 +29,14 @@ RecognizeOptions without_ablated(RecognizeOptions options) {
   if (is_ablated(Improvement::normals)) options.normal_window = 2;
   if (is_ablated(Improvement::second_round))
     options.pose.rounds = std::min(options.pose.rounds, 1U);
-  // The contour lowers the score of what is seen: where that is not asked for, there is none.
+  // The contour lowers the score of the visible surface; without visibility there is no such score.
   if (is_ablated(Improvement::visibility)) options.ablated.insert(Improvement::contour);
   if (is_ablated(Improvement::rays))
-    options.ablated.insert(Improvement::alternatives);  // compared by rays
+    options.ablated.insert(Improvement::alternatives);  // they are compared by rays
   return options;
 }
 
-/// What the options say of places in the scene's file, said of the cloud.
+/// Convert the options' points from the scene file's frame to the cloud's.
 RecognizeOptions in_cloud_frame(RecognizeOptions options, const Eigen::Vector3d& offset) {
   for (ExpectedPose& expected : options.expected) expected.T_scene_model.translation() -= offset;
   if (auto& region = options.limits.region) {
@@ -47,7 +47,7 @@ RecognizeOptions in_cloud_frame(RecognizeOptions options, const Eigen::Vector3d&
   return options;
 }
 
-/// A method alone must have been trained for; both together take what there is.
+/// A single method must have been trained; the fused method uses what is available.
 Result<void> check_methods(const Library& library, Method method) {
   const auto refuse = [&](const char* what, const char* name) {
     return Error{ErrorCode::usage,
@@ -64,7 +64,7 @@ Result<void> check_methods(const Library& library, Method method) {
   return {};
 }
 
-/// The models of these names, rising; of no names all.
+/// The models with these names, rising; all models if there are no names.
 Result<std::vector<std::uint32_t>> find_models(const Library& library,
                                                const std::vector<std::string>& names) {
   std::vector<std::uint32_t> models;
@@ -90,14 +90,14 @@ ModelGroups group_by_step(const Library& library, std::span<const std::uint32_t>
   return groups;
 }
 
-/// The work that a scene may cost at most, which libraries of some thirty models do not use up.
+/// Maximum work per scene. Libraries of about thirty models stay below it.
 struct WorkLimits {
   std::size_t screened = kNoLimit, refined = kNoLimit, examined = kNoLimit;
   std::size_t voted_models = kNoLimit;
-  std::size_t votes = kNoLimit;  // of a reference point, for all models together
+  std::size_t votes = kNoLimit;  // per reference point, over all models
 };
 
-/// None where nothing chooses the models to vote for.
+/// No limits if nothing chooses the models to vote for.
 WorkLimits work_limits(const RecognizeOptions& options, const Library& library) {
   const bool has_index = options.method != Method::ppf && library.basis.components.size() > 0;
   if (options.search == Search::exhaustive || !has_index) return {};
@@ -115,8 +115,8 @@ VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimit
   return {options, work.voted_models};
 }
 
-/// Among more models than votes reach, the right feature is one of more that are near, and coarser
-/// features find what is small beside the scan's points.
+/// If votes do not reach all models, the correct feature has more competitors among its neighbors,
+/// and coarser features detect what is small compared with the scan's point spacing.
 MatchPlan plan_matches(const MatchOptions& options, bool votes_reach_all) {
   MatchPlan plan{options};
   if (votes_reach_all) return plan;
@@ -128,9 +128,9 @@ MatchPlan plan_matches(const MatchOptions& options, bool votes_reach_all) {
   return plan;
 }
 
-/// Votes come first where they reach every model, and what they find need not be described; else
-/// matches do, since an index finds them among any number of features, and choose the models that
-/// are voted for. Later rounds search what no sure detection explains.
+/// Voting comes first if it reaches every model, so that what it finds need not be described.
+/// Otherwise matching comes first and chooses the models to vote for, since an index searches any
+/// number of features. Later rounds search what no confident detection explains.
 void plan_rounds(const RecognizeOptions& options, const Library& library, SearchPlan& plan) {
   const std::size_t num_models = plan.models.size();
   const WorkLimits work = work_limits(options, library);

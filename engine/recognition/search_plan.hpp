@@ -1,4 +1,4 @@
-/// What a search does, in full: made once of the options and the library.
+/// Complete plan of a search, made once from the options and the library.
 #pragma once
 
 #include <cstddef>
@@ -21,18 +21,19 @@ namespace trivet::engine {
 
 inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
-/// Votes of one round.
+/// Voting in one round.
 struct VotePlan {
   VoteOptions options{};
-  std::size_t max_models = kNoLimit;  ///< of more, those of the poses that look best so far
+  /// Maximum number of models; those with the best poses so far are chosen.
+  std::size_t max_models = kNoLimit;
 };
 
-/// Matches of one round.
+/// Matching in one round.
 struct MatchPlan {
   MatchOptions options{};
   MatchLevels levels{};
-  /// Features finer than these are left out, too: of the distance between measurements, and of
-  /// their noise.
+  /// Factors on the distance between measurements and on their noise. Features finer than either
+  /// product are left out too.
   float finest_spacing = 0, finest_noise = 0;
 };
 
@@ -42,39 +43,42 @@ struct RoundPlan {
   std::optional<MatchPlan> matches{};
 };
 
-/// How many poses are verified in a round, over all models together: counts, never clocks, so that
-/// any number of threads gives the same.
+/// Limits of the poses verified in a round, over all models. They are counts, not times, so that
+/// any number of threads gives the same result.
 struct VerificationLimits {
-  std::size_t screened = kNoLimit;  ///< of what is proposed, those of most votes
-  std::size_t refined = kNoLimit;   ///< in each pass, by what their screening sees
-  std::size_t examined = kNoLimit;  ///< ... by rays, by what the refined pose meets
-  std::uint32_t passes = 3;         ///< over the poses that wait and that nothing explains yet
-  std::uint32_t climbs = 2;         ///< from a pose to its look-alikes, to theirs, ..., in a pass
-  std::size_t look_alikes = 8;      ///< of a pose, examined
-  /// Score of a refined pose by samples below which no ray need be shot: of 600 examinations above
-  /// 0.3 on the development scans this lost none, of all examinations it saves two thirds.
+  std::size_t screened = kNoLimit;  ///< proposed poses, those with the most votes
+  std::size_t refined = kNoLimit;   ///< poses per pass, by the visible surface in screening
+  /// Poses per pass tested by rays, by agreement of the refined pose.
+  std::size_t examined = kNoLimit;
+  std::uint32_t passes = 3;  ///< passes over the waiting poses that nothing explains yet
+  /// Steps per pass from a pose to its look-alikes, then to theirs, and so on.
+  std::uint32_t climbs = 2;
+  std::size_t look_alikes = 8;  ///< look-alikes tested per pose
+  /// Minimum score by samples for testing a refined pose by rays. Of 600 tests with scores above
+  /// 0.3 on the development scans, this limit lost none; it saves two thirds of all tests.
   float least_score = 0.05F;
 };
 
 struct SearchPlan {
   PrepareOptions prepare{};
   LargePlanes large_planes = LargePlanes::left_out;
-  ModelGroups groups{};                 ///< models that are searched for, rising
-  std::vector<std::uint32_t> models{};  ///< the same in one list
+  ModelGroups groups{};                 ///< models to search for, rising
+  std::vector<std::uint32_t> models{};  ///< the same models in one list
   std::vector<ExpectedPose> expected{};
   std::vector<RoundPlan> rounds{};
   PoseOptions pose{};
   VerificationLimits limits{};
   VerificationOptions verification{};
   DecideOptions decide{};
-  std::uint32_t max_rejected = 0;  ///< poses per model that are told with the reason
-  PlaceQuestion question{};        ///< its point is in the cloud's frame
+  /// Maximum number of rejected poses per model to report, with reasons.
+  std::uint32_t max_rejected = 0;
+  PlaceQuestion question{};  ///< question with its point in the cloud's frame
 };
 
-/// Plan the search of one scene: here end presets, what is left out by name, and the frame of the
-/// scene's file.
+/// Plan the search of one scene. The plan resolves presets, ablated improvements and the frame of
+/// the scene's file.
 ///
-/// options  valid ones
+/// options  valid options
 /// offset   of the cloud (Cloud::offset)
 /// Errors: usage (an unknown model, a method that the library was not trained for).
 Result<SearchPlan> plan_search(const RecognizeOptions& options, const Library& library,

@@ -23,11 +23,11 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kClimbsFrom = 0.5F;  // score of a pose whose look-alikes are tested
+constexpr float kClimbsFrom = 0.5F;  // minimum score of poses whose look-alikes are tested
 
 class SceneSearch {
  public:
-  /// All arguments are referred to.
+  /// Keeps references to all arguments.
   SceneSearch(const Recognizer& recognizer, const PreparedScene& scene, const SearchPlan& plan,
               SceneStats& stats)
       : recognizer_(recognizer),
@@ -43,17 +43,17 @@ class SceneSearch {
 
  private:
   Result<std::vector<Proposals>> propose(const RoundPlan& round);
-  /// Models of the poses that looked best when they were screened, so many at most: those that a
-  /// closer search may find. Poses on explained pixels do not count.
+  /// Models with the best screened poses, at most `limit`; a closer search may find them. Poses on
+  /// explained pixels do not count.
   ModelGroups likely_models(std::size_t limit) const;
 
-  /// Cluster and screen what is proposed, test the best of it, and select anew among all.
+  /// Cluster and screen proposals, test the best of them, and repeat the selection among all poses.
   Result<void> verify(std::span<const Proposals> proposals);
   Result<void> screen(std::span<const Proposals> proposals);
-  /// Refine the best of the poses that wait and that nothing explains yet, and test those by rays;
-  /// those beyond the limits go on waiting.
+  /// Refine the best of the waiting poses that nothing explains yet, and test them by rays. Poses
+  /// beyond the limits continue to wait.
   Result<void> test_best();
-  /// Test what looks like the chosen poses in their place.
+  /// Test look-alikes of the chosen poses at their places.
   Result<void> test_look_alikes();
   Result<std::vector<std::vector<Row>>> suggest_look_alikes(std::span<const Row> rows);
   Result<void> examine(std::span<const Row> rows);
@@ -71,11 +71,11 @@ class SceneSearch {
   MatchSource matches_;
   PoseVerifier verifier_;
   PoseTable table_;
-  std::vector<Row> shortlist_;  // all that were screened and looked good enough of their model
-  std::vector<Row> waiting_;    // of these, in their order
-  std::vector<Row> tested_;     // in full, in the order of their tests
+  std::vector<Row> shortlist_;  // poses that were screened and are good enough for their model
+  std::vector<Row> waiting_;    // waiting poses of the shortlist, in its order
+  std::vector<Row> tested_;     // poses tested in full, in the order of their tests
   std::set<Row> climbed_;       // poses whose look-alikes were tested
-  Selection selection_;         // among the tested ones
+  Selection selection_;         // selection among the tested poses
 };
 
 Result<SearchResult> SceneSearch::run() && {
@@ -210,7 +210,7 @@ Result<void> SceneSearch::test_look_alikes() {
   return examine(choose_to_examine(chosen));
 }
 
-/// Rows of the models that look like each pose, in its place.
+/// Add rows for the models that look like each pose, at its place.
 Result<std::vector<std::vector<Row>>> SceneSearch::suggest_look_alikes(std::span<const Row> rows) {
   const StageTimer timer(stats_.times, "match");
   const std::vector<LookAlike>* const none = nullptr;

@@ -1,4 +1,4 @@
-/// The search of one scene: rounds of proposals, and the choice among all that was verified.
+/// Search of one scene: rounds of proposals, and selection among all verified poses.
 #pragma once
 
 #include <optional>
@@ -14,18 +14,19 @@
 
 namespace trivet::engine {
 
-/// Poses and lengths are in the scene's frame, in the library's unit.
+/// Result of a search. Poses and lengths are in the scene's frame, in the library's unit.
 struct SearchResult {
-  PoseTable poses;              ///< all, with their fates
+  PoseTable poses;              ///< all poses with their fates
   std::vector<Row> detections;  ///< in the order of choice
-  std::vector<Row> rejected;    ///< the best of each model, by falling score
-  std::optional<std::vector<ExplainedModel>> explained{};  ///< if a place was asked about
+  std::vector<Row> rejected;    ///< the best rejected poses of each model, by falling score
+  /// Present if the user asked about a place.
+  std::optional<std::vector<ExplainedModel>> explained{};
 };
 
-/// Test the expected poses, then search round by round; of all tested poses choose those that
-/// explain the scene together, and compare these with what looks like them.
+/// Test the expected poses, then search round by round. Choose the tested poses that together
+/// explain the scene, and compare them with hypotheses that look like them.
 ///
-/// stats    gets times and counts
+/// stats    receives times and counts
 /// Errors: internal (no memory for ray tracing), bad_data (damaged). Throws Stopped.
 Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
                                   const SearchPlan& plan, SceneStats& stats);
