@@ -15,12 +15,12 @@ namespace {
 using Eigen::Vector3d;
 using kernels::SolidAngles;
 
-// A sensor sees no face from behind; noise, and what writers put across the steps of a scan, turn a
-// few. Of a whole surface every other one is turned away.
+// A sensor sees no face from behind, but noise and triangles across depth discontinuities turn a
+// few away. On a whole surface, half of the faces are turned away.
 constexpr double kTurnedAway = 0.1;
 // Scanned models have a few holes; most single scans have a long border.
 constexpr double kMostlyClosed = 0.02;
-constexpr std::size_t kGrain = 8192;  // triangles a sum
+constexpr std::size_t kGrain = 8192;  // triangles per partial sum
 
 SolidAngles solid_angles(const Cloud& cloud, const Vector3d& eye) {
   const std::size_t n = cloud.triangles.size();
@@ -43,8 +43,8 @@ Eigen::AlignedBox3d box_of(const Cloud& cloud) {
   return box;
 }
 
-/// From the origin, whichever way its writer winds triangles; but not from among the points, as no
-/// sensor sees more than half of all directions.
+/// Whether the surface was seen from the origin, for either winding of the triangles. The origin
+/// must not lie among the points, since no sensor sees more than half of all directions.
 bool seen_from_origin(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
   if (box.contains(Vector3d::Zero().eval())) return false;
   const SolidAngles angles = solid_angles(cloud, Vector3d::Zero());
@@ -53,7 +53,7 @@ bool seen_from_origin(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
          std::min(angles.front, angles.back) <= kTurnedAway * all;
 }
 
-/// A far place where the triangles point to on average, if they turn their fronts to it.
+/// A far point in the mean direction of the triangles' normals, if the triangles face it.
 std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
   Vector3d area = Vector3d::Zero();
   for (std::size_t t = 0; t < cloud.triangles.size(); ++t) {
@@ -69,10 +69,10 @@ std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud, const Eigen::Alig
   return eye;
 }
 
-/// Nothing where the faces do not tell.
+/// Absent if the faces do not determine the view.
 std::optional<SceneView> view_of_faces(const Cloud& cloud) {
   const Eigen::AlignedBox3d box = box_of(cloud);
-  // What has an offset is far from its origin, and seen from elsewhere.
+  // A cloud with an offset is far from its origin and was seen from elsewhere.
   if (cloud.offset.isZero(0) && seen_from_origin(cloud, box))
     return SceneView{SceneKind::points, ViewSource::faces, Vector3d::Zero().eval()};
   if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud, box))
@@ -82,7 +82,7 @@ std::optional<SceneView> view_of_faces(const Cloud& cloud) {
   return std::nullopt;
 }
 
-/// What says where the sensor stood, triangles left aside.
+/// The origin of the viewpoint, apart from triangles.
 ViewSource source_of(const Cloud& cloud, const SceneInput& input) {
   if (input.viewpoint || cloud.camera) return ViewSource::given;
   return cloud.viewpoint ? ViewSource::file : ViewSource::assumed;

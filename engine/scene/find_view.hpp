@@ -1,4 +1,4 @@
-/// Find out what saw a scene, and from where.
+/// Kind and viewpoint of a scene.
 #pragma once
 
 #include "engine/results/scene_view.hpp"
@@ -8,14 +8,15 @@
 
 namespace trivet::engine {
 
-/// By what the caller and the file say. Where they say nothing and there are triangles: by
-/// visibility. A surface that turns one side to the origin was seen from there; one that turns
-/// their front to a far place that its faces point to, from that place; of those left, one with
-/// hardly any border is whole. Anything else is taken as seen from the origin.
+/// Determine the view from the caller and the file. If they give none and there are triangles, it
+/// follows from visibility. A surface that turns one side to the origin was seen from there. A
+/// surface whose faces point to a far place and turn their fronts to it was seen from that place.
+/// Any other surface with almost no border is a whole surface. In all other cases the origin is
+/// assumed.
 ///
 /// Errors: bad_data (a viewpoint that is too far from the points for floats).
-/// Returns the kind as `surface` or `points`; whether points form an image shows when they are
-/// arranged in one.
+/// Returns the kind as `surface` or `points`; whether points form an image is decided later, when
+/// they are arranged in one.
 Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input);
 
 }  // namespace trivet::engine

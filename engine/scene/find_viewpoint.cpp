@@ -13,10 +13,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// How much of the spacing of the points the rounding of their distances may be.
+/// Maximum rounding error of distances, relative to the spacing of the points.
 constexpr double kMostRounding = 1.0 / 64, kFloatRounding = 6e-8;
 
-/// Their extent, and about their spacing if they cover a surface.
+/// Extent of points, and their approximate spacing if they cover a surface.
 struct Spread {
   Vector3d middle{0, 0, 0};
   double extent = 0, spacing = 0;

@@ -1,4 +1,4 @@
-/// Where the sensor of a scan stood.
+/// Viewpoint of a scan.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,13 +10,13 @@
 
 namespace trivet::engine {
 
-/// Tell the position of the sensor in the cloud's frame, in its unit: as given, else as the cloud
-/// says, else the origin of its file.
+/// The position of the sensor in the cloud's frame and unit: the given one, or else the cloud's, or
+/// else the origin of its file.
 ///
 /// given  in the frame of the cloud's file
 /// name   of the cloud, for messages
-/// Errors: bad_data (of a cloud with an offset: so far away that floats cannot hold the distances of
-/// its points well enough beside their spacing).
+/// Errors: bad_data (for a cloud with an offset: so far away that floats cannot represent the
+/// distances of its points accurately compared with their spacing).
 Result<Eigen::Vector3f> find_viewpoint(const Cloud& cloud,
                                        const std::optional<Eigen::Vector3d>& given,
                                        const std::string& name);

@@ -30,26 +30,27 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kRowGrain = 8;          // image rows a task
-constexpr std::size_t kPixelGrain = 1 << 16;  // pixels a task, where each is little work
-constexpr float kNormalClusterRad = 0.5236F;  // as of models, whose pairs are looked up
+constexpr std::size_t kRowGrain = 8;          // image rows per task
+constexpr std::size_t kPixelGrain = 1 << 16;  // pixels per task with little work per pixel
+constexpr float kNormalClusterRad = 0.5236F;  // as for models, so that their pairs match
 static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi_v<float> / 180 &&
                   kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
               "scenes are thinned as models are");
-constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // of a closed surface
-constexpr std::size_t kMostPairs = 16;  // with a point in its voxel; 2 or 3 of one surface
-constexpr double kMostPixels = 256;     // of a side of a closed surface, for each point
+constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // for a closed surface
+// Maximum pairs per point in a voxel; one surface has 2 or 3.
+constexpr std::size_t kMostPairs = 16;
+constexpr double kMostPixels = 256;  // maximum pixels per point on one side of a closed surface
 
-/// Half-width of the window that the scene's noise is measured in, in pixels or spacings.
+/// Half-width of the window for measuring the scene's noise, in pixels or spacings.
 constexpr std::uint32_t kNoiseWindow = 2;
 
-/// The same of the window for normals: wide enough that noise of this size turns them by about as
-/// much as the quantization of the pair's angles, no wider, since corners round off.
+/// Half-width of the window for normals. It is wide enough that the noise turns them by about the
+/// quantization of the pair's angles, and no wider, since corners become rounded.
 float choose_window(float noise, float spacing) {
   return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
 }
 
-/// Depth and normals of each pixel from the points that the grid names.
+/// Depth and normal of each pixel from the points in the grid.
 kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid,
                                PointsView points, NormalsView normals) {
   kernels::RangeImage image;
@@ -75,7 +76,7 @@ kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const Pix
   return image;
 }
 
-/// Close single missing pixels, which scattered points leave between them, with their neighbors'
+/// Fill single missing pixels, which scattered points leave between them, with their neighbors'
 /// normals.
 void close_holes(float max_step, kernels::RangeImage& image) {
   const Column<float> measured = image.depth;
@@ -95,7 +96,8 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   }
 }
 
-/// What the sensor's pixels are: given, recovered from the grid, or made up for scattered points.
+/// Pixel geometry of the sensor: given, recovered from the grid, or constructed for scattered
+/// points.
 struct SensorView {
   kernels::ImageGeometry geometry;
   PixelGrid grid;
@@ -151,7 +153,7 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
   kernels::PlaneOptions plane_options;
   plane_options.tolerance = scene.plane_tolerance;
-  plane_options.min_area = 0.01F * samples.total_area;  // the walls of a bin on a large table
+  plane_options.min_area = 0.01F * samples.total_area;  // walls of a bin on a large table
   plane_options.max_planes = 8;  // table, floor and four walls of a bin, and two more
   scene.planes =
       kernels::find_planes(samples.points, samples.normals, samples.areas, plane_options);
@@ -162,7 +164,7 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
         image, scene.planes,
         2 * whole_number(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1);
 
-  // The image held planes in the camera's frame, the scene holds them in its own.
+  // Planes of the image are in the camera's frame, those of the scene in its own.
   const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
   for (kernels::Plane& plane : scene.planes) {
     const Eigen::Vector3f n = T_scene_camera.linear() * plane.normal;
@@ -171,8 +173,8 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   }
 }
 
-/// How the sensor errs by range and from pixel to pixel; noise and correlated noise are measured
-/// already.
+/// Measure how the sensor's error depends on range and how it is shared by neighboring pixels.
+/// Noise and correlated noise are already measured.
 void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& options,
                     kernels::SensorModel& sensor) {
   std::vector<float> ranges;
@@ -246,7 +248,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   return {};
 }
 
-/// Unit normals of the vertices: the sum of their faces' normals, by area.
+/// Unit normals of the vertices: sums of their faces' normals, weighted by area.
 Normals vertex_normals(PointsView points, const Triangles& triangles) {
   Normals normals(points.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -259,22 +261,22 @@ Normals vertex_normals(PointsView points, const Triangles& triangles) {
   return normals;
 }
 
-/// Where surfaces lie on one another, keep one of those that look the same way: as many points as
-/// there are layers would be neighbors of each. Returns whether that was so; the points then are
-/// about `cell` apart.
+/// Where surfaces coincide, keep one of those with the same orientation; otherwise each point would
+/// have one neighbor per layer. Returns whether any surfaces coincided; the points are then about
+/// `cell` apart.
 bool keep_one_layer(float cell, Points& points, Normals& outward) {
   if (points.empty()) return false;
   kernels::SubsampleScratch scratch;
   kernels::group_by_voxel(points, kernels::fit_lattice(points, cell), scratch.voxels,
                           scratch.grouping);
-  std::size_t num_pairs = 0;  // of points that share a voxel
+  std::size_t num_pairs = 0;  // pairs of points that share a voxel
   for (std::size_t v = 0; v < scratch.voxels.size(); ++v) {
     const std::size_t count = scratch.voxels.points_of(v).size();
     num_pairs += count * count;
   }
   if (num_pairs <= kMostPairs * points.size()) return false;
   for (std::size_t i = 0; i < outward.size(); ++i) {
-    const float length = outward[i].norm();  // of a vertex without faces 0, which gives NaN
+    const float length = outward[i].norm();  // 0 for a vertex without faces, which gives NaN
     outward.set(i, outward[i] / length);
   }
   Points kept;
@@ -286,9 +288,9 @@ bool keep_one_layer(float cell, Points& points, Normals& outward) {
   return true;
 }
 
-/// Points with outward directions all over a closed mesh: its vertices where they are dense enough
-/// to be a scan, else samples of its faces, as a CAD mesh has vertices at its corners only. Few or
-/// none of a mesh without area.
+/// Points with outward normals all over a closed mesh. These are its vertices where they are as
+/// dense as a scan, and otherwise samples of its faces, since a CAD mesh has vertices at its
+/// corners only. A mesh without area yields few or no points.
 Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   std::vector<double> area_sums(triangles.size());
   const double area = kernels::sum_areas(scene.points, triangles, area_sums);
@@ -297,11 +299,11 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   const std::size_t num_needed =
       whole_number(area / (widest_spacing * widest_spacing), std::size_t{0}, kMostSamples / 2);
   const bool shares_vertices =
-      scene.points.size() <= triangles.size();  // else points would lie on one another
+      scene.points.size() <= triangles.size();  // otherwise points would coincide
   Normals normals;
-  float cell = 0;  // as far apart as points of a single layer are
+  float cell = 0;  // spacing of the points of a single layer
   if (shares_vertices && scene.points.size() >= num_needed) {
-    // What has next to no area beside its extent has not so many pixels more than points.
+    // For a mesh with almost no area for its extent, pixels would far outnumber points.
     const auto n = static_cast<double>(scene.points.size());
     scene.spacing =
         static_cast<float>(std::max(std::sqrt(area / n), extent / std::sqrt(kMostPixels * n)));
@@ -323,13 +325,14 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   return normals;
 }
 
-/// Normals of the planes through the points within a radius, of open sign, and what these leave.
+/// Normals of planes fitted to the points within a radius, with undetermined sign, and the
+/// residuals.
 void fit_normals(const Points& points, float radius, NormalsSpan normals,
                  std::span<float> residuals) {
   const kernels::VoxelHash grid(points, radius);
   for_chunks(points.size(), 512, [&](std::size_t first, std::size_t count) {
     const PointsView queries = points.view().slice(first, count);
-    Neighborhoods rows;  // of this chunk alone, as all at once would be large
+    Neighborhoods rows;  // one chunk at a time, as all together would be large
     rows.offsets.assign(count + 1, 0);
     kernels::count_radius_neighbors(grid, queries, radius, std::span(rows.offsets).first(count));
     rows.indices.resize(counts_to_offsets(rows.offsets));
@@ -339,7 +342,7 @@ void fit_normals(const Points& points, float radius, NormalsSpan normals,
   });
 }
 
-/// Prepare what is seen from all around.
+/// Prepare a surface that is visible from all around.
 ///
 /// triangles  of scene.points
 Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& input,
@@ -365,13 +368,13 @@ Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& 
   }
   scene.sensor.noise = kernels::median(std::span(finite));
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
-  // Windows that differ by less hold much the same points.
+  // Windows that differ by less contain mostly the same points.
   if (std::abs(scene.window - kNoiseWindow) > 0.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {
     if (scene.normals[i].dot(outward[i]) < 0) scene.normals.set(i, -scene.normals[i]);
   }
 
-  // Six far cameras around the surface see it as sensors would.
+  // Six distant cameras around the surface see it as sensors would.
   const Eigen::AlignedBox3f box = bounding_box(scene.points);
   const Eigen::Vector3f middle = (box.min() + box.max()) / 2;
   const float distance = 10 * box.diagonal().norm();
@@ -396,7 +399,7 @@ Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& 
   return {};
 }
 
-/// The faces of a closed scene; what lies on none is left out of its points.
+/// Choose the faces of a closed scene; points on none of them are removed.
 Triangles take_surface(const Cloud& cloud, PreparedScene& scene) {
   const UsedVertices used = find_used_vertices(scene.points, cloud.triangles);
   if (used.num_unused == 0 || used.num_unused == scene.points.size()) return cloud.triangles;
@@ -478,7 +481,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
 
 bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
                   const Eigen::Vector3f& point, float tolerance) {
-  std::size_t first = 0;  // of the image's pixels among those of all images
+  std::size_t first = 0;  // first pixel of the image among those of all images
   for (const kernels::RangeImage& image : scene.images) {
     const Eigen::Vector3f p = image.geometry.T_camera_scene * point;
     const std::int64_t pixel = image.geometry.pixel_of(p);

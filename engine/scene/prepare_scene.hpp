@@ -1,5 +1,4 @@
-/// The scene's side of recognition: prepared once for all models, then once more per size of
-/// models.
+/// Scene data for recognition: prepared once for all models, then once per size of models.
 #pragma once
 
 #include <cstdint>
@@ -20,30 +19,31 @@
 
 namespace trivet::engine {
 
-/// A scan as images with normals, and as oriented points. Lengths in the library's unit.
+/// A scan as depth images with normals, and as an oriented point cloud. Lengths in the library's
+/// unit.
 struct PreparedScene {
-  SceneView view;                           ///< what saw it
-  std::vector<kernels::RangeImage> images;  ///< one of a sensor; six around a closed surface
+  SceneView view;  ///< kind and viewpoint of the scan
+  /// One image of a sensor, or six around a closed surface.
+  std::vector<kernels::RangeImage> images;
   Points points;
-  Normals normals;                     ///< towards the sensor or outward; NaN where unknown
-  std::vector<kernels::Plane> planes;  ///< the large ones, of any size of model
-  kernels::SensorModel sensor;         ///< how it errs
+  Normals normals;                     ///< toward the sensor or outward; NaN if unknown
+  std::vector<kernels::Plane> planes;  ///< large planes, for models of any size
+  kernels::SensorModel sensor;         ///< error model of the sensor
   float spacing = 0;                   ///< typical distance between neighboring measurements
-  float window = 2;  ///< half-width of the windows that normals were fitted to [spacing]
+  float window = 2;                    ///< half-width of the windows for fitting normals [spacing]
   float plane_tolerance = 0;
-  double scale = 1;                 ///< the file's lengths were multiplied by it
-  Eigen::Vector3d offset{0, 0, 0};  ///< of the cloud (Cloud::offset) [file's unit]
+  double scale = 1;                 ///< factor from the file's lengths to the library's unit
+  Eigen::Vector3d offset{0, 0, 0};  ///< offset of the cloud (Cloud::offset) [file's unit]
 };
 
 inline constexpr float kPlaneAngleRad = 0.35F;
 inline constexpr std::size_t kFewestPoints =
-    50;  ///< a scan of fewer measurements is as good as empty
+    50;  ///< a scan with fewer measurements counts as empty
 
 struct PrepareOptions {
-  /// Radius of the windows that normals are fitted to [spacing]; absent: as wide as the noise asks
-  /// for.
+  /// Radius of the windows for fitting normals [spacing]; absent: chosen by the noise.
   std::optional<float> normal_window{};
-  bool correlated_noise = true;  ///< measure what neighboring pixels err by together, else none
+  bool correlated_noise = true;  ///< whether to measure the error shared by neighboring pixels
   bool operator==(const PrepareOptions&) const = default;
 };
 
@@ -54,42 +54,42 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
 /// The scene sampled for models of one step; the same in all rounds of voting.
 struct SceneSample {
   float step = 0;
-  float largest_diameter = 0;  ///< of the models
+  float largest_diameter = 0;  ///< diameter of the largest model
   Points points;
   Normals normals;
 };
 
-/// What becomes of points on planes that are larger than the largest model.
+/// Treatment of points on planes that are larger than the largest model.
 enum class LargePlanes : std::uint8_t { left_out, kept };
 
 /// Sample a scene at `step`.
 SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
                          LargePlanes large_planes = LargePlanes::left_out);
 
-/// Whether a scene point lies on a marked pixel of some image, within `tolerance` of what that
-/// pixel measured.
+/// Whether a scene point lies on a marked pixel of some image, within `tolerance` of that pixel's
+/// measurement.
 ///
-/// explained  nonzero for marked pixels, of all images one after the other
+/// explained  nonzero for marked pixels, images concatenated
 bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
                   const Eigen::Vector3f& point, float tolerance);
 
-/// What votes for models of one step in one round.
+/// Voting points for models of one step in one round.
 struct SceneLevel {
   float step = 0;
   Points points;
   Normals normals;
-  std::vector<std::uint32_t> references;  ///< indices of the points that vote, rising
+  std::vector<std::uint32_t> references;  ///< indices of the reference points, rising
   kernels::VoxelHash grid;
 };
 
-/// Choose the points that vote and the references among them. Points within a step of what a
-/// marked pixel measured stay out.
+/// Choose the voting points and the references among them. Points within a step of a marked pixel's
+/// measurement are excluded.
 ///
-/// explained  nonzero for marked pixels, of all images one after the other; empty: none
+/// explained  nonzero for marked pixels, images concatenated; empty: none
 SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
                          const VoteOptions& options, std::span<const std::uint8_t> explained = {});
 
-/// By plane number: whether it is too large to be part of a model of this diameter.
+/// Whether each plane is too large to be part of a model of this diameter, by plane number.
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter);
 
 }  // namespace trivet::engine

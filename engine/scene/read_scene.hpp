@@ -1,4 +1,4 @@
-/// What a scene comes as.
+/// Scene files and their sensors.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,19 +15,21 @@
 
 namespace trivet {
 
-/// What the sensor was.
+/// A scene's file and its sensor.
 struct SceneInput {
   std::filesystem::path file{};
-  std::optional<Camera> camera{};              ///< of a depth image
+  std::optional<Camera> camera{};              ///< camera of a depth image
   std::optional<Eigen::Vector3d> viewpoint{};  ///< position of the sensor in the file's frame
-  /// No sensor: a whole surface, normals by its faces. Found by itself for a mesh whose faces no one
-  /// place sees; a scene whose file holds a pixel grid or a viewpoint is a scan all the same.
+  /// Whether the scene is a whole surface without a sensor, with normals from its faces. This is
+  /// detected automatically for a mesh whose faces no single viewpoint sees. A scene whose file
+  /// contains a pixel grid or a viewpoint is treated as a scan anyway.
   bool closed_surface = false;
-  double scale = 1;  ///< multiplies the file's coordinates, giving the library's unit
-  /// What came over standard input; `file` is then a name only.
+  double scale = 1;  ///< factor from the file's coordinates to the library's unit
+  /// Content of standard input; `file` is then only a name.
   std::shared_ptr<const std::vector<std::byte>> bytes{};
-  std::string format{};              ///< one of cloud_extensions(); empty: by the name
-  std::optional<LengthUnit> unit{};  ///< of the coordinates; files that say another are converted
+  std::string format{};  ///< one of cloud_extensions(); empty: by the file name
+  /// Unit of the coordinates; files that declare another unit are converted.
+  std::optional<LengthUnit> unit{};
 };
 
 /// Read the cloud or depth image of a scene. Errors: those of read_cloud.
