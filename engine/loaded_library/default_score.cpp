@@ -10,7 +10,7 @@
 
 namespace trivet {
 namespace engine {
-/// The file default_score.json; cmake/embed.cmake makes it a part of the library.
+/// The file default_score.json, embedded in the library by cmake/embed.cmake.
 std::span<const std::pair<std::string_view, std::string_view>> embedded_score();
 }  // namespace engine
 
@@ -19,7 +19,8 @@ const kernels::ScoreModel& default_score() noexcept {
     const auto [name, text] = engine::embedded_score().front();
     const Result<FittedScore> score =
         parse_score(std::as_bytes(std::span(text)), std::string(name));
-    if (!score) throw std::logic_error(score.error().message);  // ends the program: it was built so
+    // Ends the program, since the embedded file is invalid.
+    if (!score) throw std::logic_error(score.error().message);
     return score->model;
   }();
   return model;

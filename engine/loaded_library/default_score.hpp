@@ -1,12 +1,12 @@
-/// How sure detections are where nothing else was fitted.
+/// Default score of detections, used if no other score was fitted.
 #pragma once
 
 #include "kernels/verification/pose_score.hpp"
 
 namespace trivet {
 
-/// Fitted on rendered scenes; engine/loaded_library/default_score.json holds its numbers and says
-/// which.
+/// The score fitted on rendered scenes. engine/loaded_library/default_score.json contains its
+/// numbers and lists the scenes.
 const kernels::ScoreModel& default_score() noexcept;
 
 }  // namespace trivet

@@ -10,11 +10,11 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kSpreadAlike = 0.06F;      // difference of the deviations [diameters]
-constexpr std::size_t kMostCompared = 60;  // of those that are spread most alike
+constexpr float kSpreadAlike = 0.06F;      // difference of the standard deviations [diameters]
+constexpr std::size_t kMostCompared = 60;  // number of models with the most similar spread
 constexpr std::size_t kMostLookAlikes = 40;
 
-/// Models by how little their spread differs from that of one, without itself.
+/// Other models, sorted by the difference of their spread from this one's.
 std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> frames,
                                         std::uint32_t model, float diameter) {
   std::vector<std::pair<float, std::uint32_t>> near;

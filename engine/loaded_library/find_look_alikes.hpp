@@ -1,4 +1,4 @@
-/// Models of a library that look like another one.
+/// Models of a library that look like another model.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,21 @@
 
 namespace trivet::engine {
 
-/// Where another model lies when it looks like this one.
+/// Pose of another model that looks like this one.
 struct LookAlike {
-  std::uint32_t model = 0;  ///< of the library
+  std::uint32_t model = 0;  ///< index in the library
   Pose T_model_other = Pose::Identity();
 };
 
-/// By model of the library, whose samples are checked all. Errors: bad_data (the samples of a model are damaged).
+/// Shape frames by model of the library; checks all samples. Errors: bad_data (the samples of a
+/// model are damaged).
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library);
 
-/// Of the models that are spread most alike, those whose surface comes near that of a model, turned
-/// as kernels::ShapeAligner tries; one may come twice. The alikest come first, at most forty.
+/// Find models whose surface comes near this model's surface, among those with the most similar
+/// spread. They are turned as kernels::ShapeAligner tries; a model may occur twice. The most
+/// similar ones come first, at most forty.
 ///
-/// frames  as shape_frames gives them
+/// frames  as returned by shape_frames
 /// Same bytes for any number of threads.
 std::vector<LookAlike> find_look_alikes(const Library& library,
                                         std::span<const kernels::ShapeFrame> frames,

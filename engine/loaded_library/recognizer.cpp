@@ -12,7 +12,7 @@
 namespace trivet {
 namespace {
 
-constexpr std::size_t kSurfaceShare = 4;  // a fourth of the memory is for ray-tracing trees
+constexpr std::size_t kSurfaceShare = 4;  // ray-tracing trees may use a fourth of the memory
 
 using LookAlikes = engine::MadeOnce<std::vector<engine::LookAlike>>;
 
@@ -49,8 +49,8 @@ Result<std::shared_ptr<const kernels::RayScene>> Recognizer::surface(std::uint32
   });
 }
 
-// What is made of all models serves all scenes. It is made to its end though the one that asks first
-// may be told to stop: begun anew with each, it would never be there.
+// Data computed from all models serves all scenes. Its computation completes even if the first
+// caller is asked to stop; if each caller restarted it, it would never finish.
 
 Result<const FeatureIndex*> Recognizer::features() const {
   if (!library_.index.empty()) return &library_.index;

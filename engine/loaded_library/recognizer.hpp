@@ -1,4 +1,4 @@
-/// A library made ready to recognize with.
+/// A library prepared for recognition.
 #pragma once
 
 #include <cstddef>
@@ -17,16 +17,16 @@ namespace engine {
 struct LookAlike;
 }  // namespace engine
 
-/// What a library may take of the memory. What a scene needs at once stays beyond it; what is given
-/// back is read, or made, again when it is needed again.
+/// Maximum memory of a library. The memory in use for a scene may exceed it; released data is read
+/// or computed again when needed.
 struct MemoryBound {
   static constexpr std::size_t kDefault = std::size_t{768} << 20U;
 
-  std::size_t bytes = kDefault;  ///< pages of the file, and ray-tracing trees
+  std::size_t bytes = kDefault;  ///< memory of file pages and ray-tracing trees
 };
 
-/// A library, and the surfaces of its models that rays can be shot at. One serves any number of
-/// scenes and threads at the same time.
+/// A library and its models' surfaces for ray casting. One instance serves any number of scenes and
+/// threads in parallel.
 class Recognizer {
  public:
   explicit Recognizer(Library library, const kernels::ScoreModel& score = default_score(),
@@ -37,16 +37,17 @@ class Recognizer {
 
   const Library& library() const noexcept { return library_; }
   const kernels::ScoreModel& score() const noexcept { return score_; }
-  /// The surface of a model, built unless it is there: its faces, or discs on its samples where it
-  /// was trained from a cloud that no surface could be laid through. Errors: bad_data (damaged),
-  /// internal (Embree's message).
+  /// The surface of a model, built if necessary. It consists of the model's faces, or of discs on
+  /// its samples if it was trained from a cloud without a reconstructed surface. Errors: bad_data
+  /// (damaged), internal (Embree's message).
   Result<std::shared_ptr<const kernels::RayScene>> surface(std::uint32_t model) const;
-  /// The Tri-Spin-Images of all models; of a file of before 1.4 indexed when they are first asked
-  /// for. Each level must be checked before it is read. Errors: bad_data (damaged).
+  /// The Tri-Spin-Images of all models. For files from before version 1.4 they are indexed on first
+  /// use. Each level must be checked before it is read. Errors: bad_data (damaged).
   Result<const FeatureIndex*> features() const;
-  /// Models that look like this one, found when they are first asked for. Errors: bad_data.
+  /// Models that look like this one, determined on first use. Errors: bad_data.
   Result<const std::vector<engine::LookAlike>*> look_alikes(std::uint32_t model) const;
-  /// Let go of pages of the file beyond the bound: between scenes, and between levels of the index.
+  /// Release pages of the mapped file beyond the bound, between scenes and between levels of the
+  /// index.
   void give_back() const;
 
  private:

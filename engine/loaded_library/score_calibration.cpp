@@ -18,7 +18,7 @@ constexpr std::string_view kFormat = "trivet score calibration";
 constexpr int kVersion = 1;
 constexpr std::size_t kNameDigits = 16;
 constexpr double kLargestShift = 100;
-constexpr float kRounding = 1e-3F;  // of a raise, by numbers that were written out
+constexpr float kRounding = 1e-3F;  // tolerance of a raise, for numbers rounded in the file
 
 std::uint32_t count(const JsonNode& node) {
   return static_cast<std::uint32_t>(node.integer(0, std::numeric_limits<int>::max()));

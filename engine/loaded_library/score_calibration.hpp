@@ -1,4 +1,4 @@
-/// A score adapted to a cell, kept in a small file.
+/// A score adapted to a cell, stored in a small file.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,27 @@
 namespace trivet {
 
 struct ScoreCalibration {
-  kernels::ScoreAdaptation adaptation{};                      ///< of default_score()
-  std::uint32_t num_scans = 0, num_right = 0, num_wrong = 0;  ///< that it was made from
+  kernels::ScoreAdaptation adaptation{};  ///< relative to default_score()
+  /// Numbers of the scans and outcomes that it was fitted to.
+  std::uint32_t num_scans = 0, num_right = 0, num_wrong = 0;
   bool operator==(const ScoreCalibration&) const = default;
 };
 
-/// 16 hexadecimal digits that differ where a score's numbers do.
+/// Checksum of a score's numbers, as 16 hexadecimal digits.
 std::string score_name(const kernels::ScoreModel& score);
 
-/// What default_score() becomes by it.
+/// default_score() with the calibration applied.
 kernels::ScoreModel calibrated_score(const ScoreCalibration& calibration) noexcept;
 
-/// Write a calibration as JSON, with the name of the score that it is of and of the one that it
-/// makes. Errors: cannot_create, io.
+/// Write a calibration as JSON, with the names of the score before and after it. Errors:
+/// cannot_create, io.
 Result<void> write_calibration(const std::filesystem::path& file,
                                const ScoreCalibration& calibration);
 
-/// Errors: missing_input, io; bad_data (names the value, what was expected and what was found: no
-/// calibration, one of another version of the score, parts that are missing or unknown, numbers
-/// beyond their range, a score that would raise a pose by more than kernels::kMaxRaise).
+/// Read a calibration. Errors: missing_input, io; bad_data (names the value, what was expected and
+/// what was found: no calibration, a calibration of another version of the score, missing or
+/// unknown parts, numbers out of range, a score that would raise a pose by more than
+/// kernels::kMaxRaise).
 Result<ScoreCalibration> read_calibration(const std::filesystem::path& file);
 
 }  // namespace trivet

@@ -19,7 +19,8 @@ using kernels::ScoreModel;
 constexpr std::string_view kScoreFormat = "trivet score";
 constexpr int kScoreVersion = 1;
 constexpr double kLargest = 1e6;
-constexpr std::array<const char*, 2> kErrors{"independent", "shared"};  // from pixel to pixel
+// Errors of neighboring pixels.
+constexpr std::array<const char*, 2> kErrors{"independent", "shared"};
 
 template <std::size_t N>
 std::array<float, N> read_row(const JsonNode& node, double low) {

@@ -1,4 +1,4 @@
-/// A fitted score as a small file of JSON.
+/// A fitted score as a small JSON file.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,16 @@ namespace trivet {
 
 struct FittedScore {
   kernels::ScoreModel model{};
-  std::string origin{};  ///< what fitted it, and to what
+  std::string origin{};  ///< program that fitted it, and the data
 };
 
-/// As JSON, in numbers of five digits: each part by its name, with its knots and both weights.
+/// The score as JSON with numbers of five digits: each part by name, with its knots and both
+/// weights.
 std::string score_text(const FittedScore& score);
 
-/// Read what score_text() wrote; `name` stands for the file in messages. Errors: bad_data (names
-/// the value, what was expected and what was found: no score, parts that are missing or unknown,
-/// numbers that no float holds, knots that fall, weights below 0).
+/// Parse the output of score_text(); `name` denotes the file in messages. Errors: bad_data (names
+/// the value, what was expected and what was found: no score, missing or unknown parts, numbers
+/// beyond the range of float, decreasing knots, weights below 0).
 Result<FittedScore> parse_score(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace trivet

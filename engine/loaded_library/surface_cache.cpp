@@ -11,7 +11,7 @@ struct SurfaceCache::Slot {
 
   const std::uint32_t model;
   MadeOnce<Result<Surface>> surface;  // Embree builds it with TBB
-  std::size_t bytes = 0;              // counted in taken_
+  std::size_t bytes = 0;              // memory counted in taken_
 };
 
 std::shared_ptr<SurfaceCache::Slot> SurfaceCache::slot_of(std::uint32_t model) {
@@ -46,7 +46,7 @@ Result<SurfaceCache::Surface> SurfaceCache::get(
 void SurfaceCache::make_room() {
   for (auto at = slots_.end(); taken_ > bytes_ && at != slots_.begin();) {
     --at;
-    if (at == slots_.begin() || (*at)->bytes == 0) continue;  // just made; not made yet
+    if (at == slots_.begin() || (*at)->bytes == 0) continue;  // just built, or not built yet
     taken_ -= (*at)->bytes;
     of_model_.erase((*at)->model);
     at = slots_.erase(at);

@@ -1,4 +1,4 @@
-/// The ray-tracing trees of models: made when they are asked for, given back when others need room.
+/// Cache of the models' ray-tracing trees: built on demand, released when others need memory.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +14,16 @@
 
 namespace trivet::engine {
 
-/// May be called from many threads, also from within TBB's tasks.
+/// Thread-safe, also within TBB's tasks.
 class SurfaceCache {
  public:
   using Surface = std::shared_ptr<const kernels::RayScene>;
 
-  /// bytes  that the trees may take together; what is in use stays beyond it
+  /// bytes  maximum memory of the trees; trees in use may exceed it
   explicit SurfaceCache(std::size_t bytes) : bytes_(bytes) {}
 
-  /// The tree of a model, made by make() unless it is there; all who ask at the same time wait for
-  /// one. Errors: those of make.
+  /// The tree of a model, built by make() if necessary. Concurrent callers wait for one build.
+  /// Errors: those of make.
   Result<Surface> get(std::uint32_t model, const std::function<Result<kernels::RayScene>()>& make);
 
  private:
@@ -31,12 +31,12 @@ class SurfaceCache {
   using Slots = std::list<std::shared_ptr<Slot>>;
 
   std::shared_ptr<Slot> slot_of(std::uint32_t model);
-  /// Give back those that were not asked for lately.
+  /// Release the trees that were not requested lately.
   void make_room();
 
   const std::size_t bytes_;
   std::mutex mutex_;
-  Slots slots_;  // the one asked for last comes first
+  Slots slots_;  // the most recently requested one comes first
   std::unordered_map<std::uint32_t, Slots::iterator> of_model_;
   std::size_t taken_ = 0;
 };
