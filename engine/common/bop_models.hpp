@@ -1,4 +1,4 @@
-/// Models as the folder of a BOP data set has them.
+/// Models in the folder structure of a BOP data set.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace trivet::engine {
 
-/// What BOP keeps of a model.
+/// Data of a model in BOP.
 struct BopModel {
   std::string name;
   PointsView vertices;
@@ -23,10 +23,11 @@ struct BopModel {
 };
 
 /// Write meshes in millimeters as FOLDER/models/obj_000001.ply ... in their order, with their
-/// diameters, boxes and symmetries in FOLDER/models/models_info.json; the same in further folders.
+/// diameters, boxes and symmetries in FOLDER/models/models_info.json. Further folders receive the
+/// same files.
 ///
 /// unit  of the models
-/// Returns what a manifest of `manifest_unit` says of them. Errors: cannot_create, io.
+/// Returns the models' entries for a manifest of `manifest_unit`. Errors: cannot_create, io.
 Result<std::vector<ManifestModel>> write_bop_models(
     std::span<const BopModel> models, LengthUnit unit, LengthUnit manifest_unit,
     const std::filesystem::path& folder, std::initializer_list<const char*> further = {});

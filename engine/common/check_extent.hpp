@@ -1,4 +1,4 @@
-/// Lengths that floats can be computed with.
+/// Check of lengths for float arithmetic.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace trivet::engine {
 
-/// Check that the points span neither so little that products of distances between neighbors vanish
-/// in floats, nor so much that they overflow: between 1e-6 and 1e9, in any unit. One point, or many
-/// in one place, span nothing.
+/// Check the extent of points: it must be neither so small that products of distances between
+/// neighbors underflow in floats, nor so large that they overflow. The limits are 1e-6 and 1e9, in
+/// any unit. A single point, or coincident points, have no extent.
 ///
 /// points  in the library's unit, finite
 /// name    of the file or cloud, for the error

@@ -1,4 +1,4 @@
-/// The checks of what several models have in the file, side by side.
+/// Parallel checks of several models' data in the file.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace trivet::engine {
 
-/// Check a part of each model, as Library::check does; what has to be read is asked for first, all
-/// at once. Errors: bad_data, of the first model that is damaged.
+/// Check a part of each model, like Library::check. All necessary data is requested first, in one
+/// batch. Errors: bad_data, for the first damaged model.
 Result<void> check_models(const Library& library, std::span<const std::uint32_t> models,
                           ModelPart part);
 

@@ -1,4 +1,4 @@
-/// One sentence for every option that is out of range.
+/// Uniform error message for options out of range.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,13 +11,13 @@
 namespace trivet::engine {
 
 struct RangeCheck {
-  bool ok;                  ///< false for NaN too, when written as a comparison that must hold
-  std::string_view option;  ///< as a person would name it
+  bool ok;                  ///< condition, written as a comparison so that it is false for NaN
+  std::string_view option;  ///< name for users
   std::string_view range;
   double value;
 };
 
-/// The first check that does not hold becomes a usage error.
+/// Returns a usage error for the first check that fails.
 inline Result<void> check_ranges(std::initializer_list<RangeCheck> checks) {
   for (const RangeCheck& check : checks) {
     if (!check.ok) {

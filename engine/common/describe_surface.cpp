@@ -38,7 +38,7 @@ std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView norma
     }
   });
 
-  std::vector<std::uint32_t> kept;  // those without a frame go
+  std::vector<std::uint32_t> kept;  // keypoints with a frame
   for (std::size_t k = 0; k < n; ++k) {
     if (frames[k].isZero()) continue;
     if (kept.size() < k) std::ranges::copy(image(k), image(kept.size()).begin());

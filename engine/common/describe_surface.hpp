@@ -1,4 +1,4 @@
-/// Keypoints of a surface with their frames and Tri-Spin-Images.
+/// Keypoints of a surface with their local reference frames and Tri-Spin-Images.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace trivet::engine {
 struct Descriptions {
   Points keypoints;
   std::vector<Eigen::Matrix3f> frames;  ///< rows e1, e2, e3
-  Column<float> images;                 ///< kernels::kTriSpinSize numbers each
+  Column<float> images;                 ///< kernels::kTriSpinSize numbers per keypoint
 
   std::size_t size() const noexcept { return frames.size(); }
   void clear() noexcept {
@@ -28,17 +28,18 @@ struct Descriptions {
   }
 };
 
-// Of a support's radius, as scenes and models are described:
-inline constexpr float kCell = 0.5F;    ///< edge of the voxels that supports are gathered from
-inline constexpr float kShare = 0.15F;  ///< balls that points share areas in: 2.5 resolutions
+// Shares of a support's radius, the same for scenes and models:
+inline constexpr float kCell = 0.5F;  ///< edge of the voxels for gathering supports
+/// Radius of the balls in which points share areas: 2.5 resolutions.
+inline constexpr float kShare = 0.15F;
 
-/// Describe the keypoints whose frame is certain enough, and append them in their order.
+/// Describe the keypoints whose frame is sufficiently certain, and append them in their order.
 ///
 /// points     n, sampled evenly
-/// normals    n, outward or towards the sensor
+/// normals    n, outward or toward the sensor
 /// keypoints  indices < n
 /// radius     of the supports, > 0
-/// Returns which of `keypoints` were described, rising. Same bytes for any number of threads.
+/// Returns the described ones of `keypoints`, rising. Same bytes for any number of threads.
 std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView normals,
                                             std::span<const std::uint32_t> keypoints, float radius,
                                             const kernels::FrameLimits& limits, Descriptions& out);

@@ -1,4 +1,4 @@
-/// A value that the first who asks for it makes, while others who ask meanwhile help with its loops.
+/// A value that the first caller computes, while concurrent callers help with its loops.
 #pragma once
 
 #include <tbb/collaborative_call_once.h>
@@ -10,14 +10,14 @@
 
 namespace trivet::engine {
 
-/// Thread-safe. A thread that waits in TBB may take up other work that asks for the same value, which
-/// std::call_once would never come back from; and TBB's own must not see what making throws: it would
-/// wait for the cancelled task for ever, or crash.
+/// Thread-safe. A thread that waits in TBB may execute another task that requests the same value;
+/// std::call_once would deadlock there. TBB must not see exceptions of the computation either,
+/// since it would wait forever for the cancelled task, or crash.
 template <class T>
 class MadeOnce {
  public:
-  /// The value, by make() if it is not there. What that throws, such as Stopped at a deadline, goes to
-  /// whose make() it was; another who asks makes it anew.
+  /// The value, computed by make() if necessary. If make() throws, for example Stopped at a
+  /// deadline, its own caller receives the exception, and other callers compute the value again.
   ///
   /// make  () -> T
   template <class Make>
@@ -57,7 +57,7 @@ class MadeOnce {
   }
 
   std::mutex mutex_;
-  std::shared_ptr<Attempt> attempt_;  // stays once it has a value
+  std::shared_ptr<Attempt> attempt_;  // kept once it has a value
 };
 
 }  // namespace trivet::engine

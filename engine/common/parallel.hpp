@@ -1,4 +1,5 @@
-/// The one interface to TBB for loops: a parallel stage is a few lines and repeats no mathematics.
+/// The only interface to TBB for loops. A parallel stage takes a few lines and duplicates no
+/// mathematics.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -17,9 +18,9 @@
 
 namespace trivet::engine {
 
-/// What a loop's body throws on any thread, kept until all threads have left the loop. TBB would
-/// cancel the loops within it instead, and what is made once there (MadeOnce) would be waited for
-/// for ever.
+/// The first exception of a loop's body, kept until all threads have left the loop. TBB would
+/// instead cancel the loops nested in it, and waits for values computed there (MadeOnce) would
+/// never end.
 class FirstFault {
  public:
   template <class Work>
@@ -31,7 +32,7 @@ class FirstFault {
       if (!has_one_.exchange(true)) fault_ = std::current_exception();
     }
   }
-  /// Once all threads are done.
+  /// Pre: all threads are finished.
   void rethrow() const {
     if (fault_) std::rethrow_exception(fault_);
   }
@@ -41,10 +42,10 @@ class FirstFault {
   std::exception_ptr fault_;
 };
 
-/// Call body(first, count) for chunks that cover [0, n), of at most a grain each, with
-/// check_stop() before each. Kernels give the same bits for any chunking, so the scheduler
-/// may split as it likes; inputs of one grain run on the calling thread. Throws what the body throws
-/// first, and Stopped.
+/// Call body(first, count) for chunks that cover [0, n), each at most one grain long, with
+/// check_stop() before each. Kernels give the same bits for any chunking, so the scheduler may
+/// split freely; inputs of one grain run on the calling thread. Throws the first exception of the
+/// body, and Stopped.
 template <class Body>
 void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
   if (n == 0) return;
@@ -73,7 +74,7 @@ void for_each_index(std::size_t n, Body&& body) {
   for_chunks(n, 1, [&](std::size_t first, std::size_t) { body(first); });
 }
 
-/// Call two stages that do not need one another, each when there is a thread for it.
+/// Call two independent stages, in parallel if a thread is available.
 template <class First, class Second>
 void in_parallel(First&& first, Second&& second) {
   for_each_index(2, [&](std::size_t i) {
@@ -85,13 +86,12 @@ void in_parallel(First&& first, Second&& second) {
   });
 }
 
-/// Working memory that each thread has its own of. It must not carry results from one item to the
-/// next.
+/// Scratch memory per thread. It must not carry results from one item to the next.
 template <class T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
-/// Turn counts into offsets in place: n counts and one more place become n + 1 offsets. Returns the
-/// sum.
+/// Convert counts to offsets in place: n counts and one additional element become n + 1 offsets.
+/// Returns the sum.
 inline std::uint64_t counts_to_offsets(std::span<std::uint32_t> counts) noexcept {
   std::uint64_t sum = 0;
   for (std::uint32_t& count : counts) {

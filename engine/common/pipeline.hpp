@@ -1,4 +1,4 @@
-/// Work whose results are needed one after the other.
+/// Parallel work whose results are consumed in order.
 #pragma once
 
 #include <tbb/info.h>
@@ -10,8 +10,8 @@
 
 namespace trivet::engine {
 
-/// Call prepare(i) for each i in [0, n), several at once but few before their turn, and use(i, prepared)
-/// in order, one at a time. Where use gives false, nothing after it is used.
+/// Call prepare(i) for each i in [0, n) in parallel, but only a few items ahead, and use(i,
+/// prepared) in order, one at a time. If use returns false, no later item is used.
 template <class Prepare, class Use>
 void prepare_ahead(std::size_t n, Prepare&& prepare, Use&& use) {
   using Prepared = std::pair<std::size_t, decltype(prepare(std::size_t{}))>;

@@ -1,4 +1,4 @@
-/// How a long run tells its state, and is stopped.
+/// Progress reports and stop requests of long runs.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace trivet {
 
-/// Reports may come from any thread, one at a time. `item` names what was just finished.
+/// Progress of a run. Reports may come from any thread, one at a time. `item` names what was just
+/// finished.
 struct Progress {
   std::function<void(std::size_t done, std::size_t total, std::string_view item)> report;
   std::stop_token stop;

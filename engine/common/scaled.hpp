@@ -1,4 +1,4 @@
-/// From one unit of length to another.
+/// Conversion between units of length.
 #pragma once
 
 #include "storage/data/model.hpp"
@@ -6,7 +6,7 @@
 
 namespace trivet::engine {
 
-/// Each coordinate times `scale`, rounded to float once.
+/// Multiply each coordinate by `scale`, rounding to float once.
 inline Points scaled_points(PointsView points, double scale) {
   Points out(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -4,7 +4,7 @@
 
 namespace trivet {
 
-// Constructed in place: a copied control would lift the limit when the original is destroyed.
+// Constructed in place, since the destruction of a copied original would lift the limit.
 struct ThreadLimit::State {
   explicit State(unsigned num_threads)
       : control(tbb::global_control::max_allowed_parallelism, num_threads) {}

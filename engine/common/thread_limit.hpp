@@ -1,11 +1,11 @@
-/// How many threads may work.
+/// Limit on the number of threads.
 #pragma once
 
 #include <memory>
 
 namespace trivet {
 
-/// Bounds the number of threads of everything that runs while it lives; 0 means all cores.
+/// Limits the number of threads of everything that runs during its lifetime; 0 means all cores.
 class ThreadLimit {
  public:
   explicit ThreadLimit(unsigned num_threads);
