@@ -10,12 +10,13 @@
 namespace trivet {
 namespace {
 
-/// A wrong pose in the place of an object of its model, in diameters, and turned: near symmetries
-/// look alike, and compare_poses decides between them. What slid from its place is wrong.
+/// Maximum displacement [diameters] and minimum rotation of wrong poses that are left out of the
+/// fit. They lie at the place of an object of their model, where near symmetries look alike and
+/// compare_poses decides between them. A pose that is displaced farther is wrong.
 constexpr double kSamePlace = 0.25, kFlippedDeg = 45;
 
-/// The question is whether an object is there, not which way it is turned about an axis that its
-/// shape hardly tells.
+/// Treat axes of near symmetry as symmetries. The score states whether an object is present, not
+/// how it is turned about an axis that its shape hardly determines.
 Manifest with_near_axes(Manifest manifest, const Library& library) {
   const auto to_manifest = static_cast<float>(unit_scale(library.header.unit, manifest.unit));
   for (ManifestModel& entry : manifest.models) {
@@ -33,7 +34,8 @@ Manifest with_near_axes(Manifest manifest, const Library& library) {
 Result<void> add_outcomes(const Recognizer& recognizer, const Manifest& manifest,
                           RecognizeOptions options, const Progress& progress, Outcomes& outcomes) {
   options.doubtful_score = 0;
-  options.ablated.insert(Improvement::alternatives);  // the score is what the poses of choice get
+  // The score is fitted to the poses before comparison.
+  options.ablated.insert(Improvement::alternatives);
   std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
   const Result<void> done = recognize_all(
       recognizer, scenes_of(manifest, recognizer.library().header.unit), options, progress,

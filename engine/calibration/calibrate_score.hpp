@@ -1,4 +1,4 @@
-/// Learn from scenes of known truth how sure a detection may be.
+/// Fit of the score to scenes with known ground truth.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace trivet {
 
-/// Detections of any score, and whether they were right.
+/// Detections of any score, and whether they were correct.
 struct Outcomes {
   std::vector<kernels::ScoreParts> parts;
   std::vector<std::uint8_t> right;
-  std::vector<std::uint32_t> scan;  ///< index of each in `scans`
-  std::vector<std::string> scans;   ///< that were looked at, also where nothing was found
+  std::vector<std::uint32_t> scan;  ///< index of each detection's scan in `scans`
+  std::vector<std::string> scans;   ///< processed scans, including those without detections
 };
 
-/// Recognize the scenes of a manifest, and add the detections that count to `outcomes`: those that
-/// remain when the best explain their pixels, down to any score, but for those that are an object
-/// of their model turned by more than 45 degrees. Truths of models that the library does not have
-/// are unknown objects. Errors: of recognize_all and evaluate.
+/// Recognize the scenes of a manifest, and add the detections that count to `outcomes`. These are
+/// the detections of any score that remain when the best ones explain their pixels. Detections that
+/// are an object of their model turned by more than 45 degrees are excluded. Truths of models that
+/// the library does not contain are unknown objects. Errors: those of recognize_all and evaluate.
 Result<void> add_outcomes(const Recognizer& recognizer, const Manifest& manifest,
                           RecognizeOptions options, const Progress& progress, Outcomes& outcomes);
 

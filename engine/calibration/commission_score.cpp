@@ -15,7 +15,7 @@ namespace {
 using kernels::ScoreAdaptation;
 using kernels::ScoreModel;
 
-constexpr std::size_t kMostFolds = 20;  // of more scans, several are left out together
+constexpr std::size_t kMostFolds = 20;  // with more scans, several are left out together
 constexpr std::array<float, 4> kSteps{1.0F, 0.75F, 0.5F, 0.25F};
 
 std::size_t num_right(const Outcomes& outcomes) {
@@ -27,7 +27,7 @@ void append(const Outcomes& from, std::size_t row, Outcomes& to) {
   to.right.push_back(from.right[row]);
 }
 
-/// Scans that are left out together, and what the others say.
+/// Scans that are left out together, and the fit to the others.
 struct Fold {
   Outcomes left_out;
   ScoreAdaptation adaptation;
@@ -55,7 +55,7 @@ ScoreTally tally(const ScoreModel& model, const Outcomes& outcomes, float least)
   return sums;
 }
 
-/// What a step does to the scans that are left out.
+/// Effect of a step on the scans that are left out.
 struct Trial {
   Commissioning found;
   std::size_t wrong_gained = 0;
@@ -89,7 +89,7 @@ Trial try_step(const ScoreModel& model, const Outcomes& outcomes, std::span<cons
                             static_cast<double>(outcomes.right.size());
     add_crossings(model, after, fold.left_out, least, trial);
   }
-  // No wrong outcome may rise by what it was itself fitted to, either.
+  // A wrong outcome must not rise by the fit to its own scan, either.
   Trial inside;
   add_crossings(model, kernels::adapted_score(model, found.adaptation), outcomes, least, inside);
   trial.wrong_gained += inside.wrong_gained;
