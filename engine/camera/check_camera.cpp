@@ -12,14 +12,14 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kSureScore = 0.9F;
-constexpr int kSteps = 3;  // to the solution: scales and poses start near it
+constexpr int kSteps = 3;  // iterations; scales and poses start near the solution
 constexpr std::size_t kFewestRays = 40;
-// Of the tolerance that the pose was examined with: wrong scales leave more.
+// In units of the full test's tolerance, since wrong scales leave larger residuals.
 constexpr float kGate = 1.5F;
-constexpr float kFinest = 1e-4F;  // noise, as a share of the range
-// Edges lean inside; of small objects hardly anything would be left without them.
+constexpr float kFinest = 1e-4F;  // minimum noise, as a share of the range
+// Edges are displaced inward, but without them almost nothing of small objects would remain.
 constexpr float kLeastEdge = 2, kMostEdge = 3;  // [pixel]
-constexpr double kFarthest = 0.2;               // log scales beyond it are no calibration's
+constexpr double kFarthest = 0.2;  // log scales beyond this limit cannot be calibration errors
 
 struct SureObject {
   std::uint32_t model = 0;
@@ -48,7 +48,7 @@ std::vector<SureObject> sure_objects(const Library& library, const PreparedScene
   return objects;
 }
 
-/// Set up the equations of all objects. Errors of ray tracing leave an object without.
+/// Set up the equations of all objects. An object whose ray tracing fails is left out.
 void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
             const kernels::LogScales& scales, std::span<SureObject> objects) {
   PerThread<kernels::ScaleScratch> scratch;

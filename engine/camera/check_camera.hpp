@@ -1,4 +1,4 @@
-/// Check the camera of one depth image by what was found in it.
+/// Check of a depth image's camera by the objects detected in it.
 #pragma once
 
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace trivet::engine {
 
-/// Fit the scales of the camera and the poses of the sure ones among the detections together.
+/// Jointly fit the scales of the camera and the poses of the confident detections.
 ///
 /// camera  of the scene's only image
-/// Detections from a score of 0.9 without alternatives are sure. The poses that were found stay as
-/// they are. Some 10,000 rays an object.
+/// Detections with a score from 0.9 and without alternatives are confident. The detections' poses
+/// do not change. The check casts about 10,000 rays per object.
 CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scene,
                          const Camera& camera, const PoseTable& poses,
                          std::span<const Row> detections);

@@ -13,12 +13,12 @@ namespace {
 
 using kernels::PlaneSamples;
 
-constexpr float kLeastShare = 1 / 7.F;  // of the scene
+constexpr float kLeastShare = 1 / 7.F;  // minimum share of the scene
 constexpr float kLarger = 1.5F;
 constexpr double kFlatter = 3;
 
-/// The same depths in the other reading. A point p moves along its ray to s(p) p, where s, the cosine
-/// to the axis or its inverse, is the same all along the ray; so a normal n goes over into
+/// The same depths in the other reading. A point p moves along its ray to s(p) p, where s, the
+/// cosine to the axis or its inverse, is constant along the ray. A normal n therefore becomes
 /// n - grad s (p . n) / s.
 PlaneSamples read_otherwise(const PlaneSamples& samples, DepthKind said) {
   PlaneSamples other;
@@ -38,7 +38,7 @@ PlaneSamples read_otherwise(const PlaneSamples& samples, DepthKind said) {
   return other;
 }
 
-/// Root mean square of the distances of some points to their plane.
+/// Root mean square of the distances of the chosen points to their plane.
 double flatness(PointsView points, std::span<const std::uint8_t> chosen) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double n = 0;

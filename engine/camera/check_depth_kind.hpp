@@ -1,4 +1,4 @@
-/// Whether depths are along the axis or along the ray, by the planes that a scene shows.
+/// Whether depths are along the axis or along the ray, determined by planes in the scene.
 #pragma once
 
 #include "engine/results/camera_check.hpp"
@@ -6,10 +6,11 @@
 
 namespace trivet::engine {
 
-/// Find the largest plane in both readings. One is believed where its plane is half as large again as
-/// the other's and has a seventh of the scene at least, and where the same pixels lie at least three
-/// times as far from a plane in the other reading. A table as wide as a tenth of its distance tells;
-/// noise, and planes that are small or seen under a small angle, say nothing.
+/// Find the largest plane in both readings. A reading is accepted if its plane is at least half as
+/// large again as the other's and covers at least a seventh of the scene. In addition, the same
+/// pixels must lie at least three times as far from a plane in the other reading. A table as wide
+/// as a tenth of its distance suffices; noise, and planes that are small or seen at a small angle,
+/// give no result.
 ///
 /// camera  of the scene's only image
 DepthReading check_depth_kind(const PreparedScene& scene, const Camera& camera);
