@@ -12,7 +12,7 @@ double average_precision(std::vector<ScoredMatch>& matches, std::size_t num_targ
 
   std::size_t num_found =
       static_cast<std::size_t>(std::ranges::count(matches, true, &ScoredMatch::found));
-  // From the last match to the first, recall falls: each place takes the best precision so far.
+  // Recall falls from the last match to the first; each place receives the best precision so far.
   int place = kLastPlace;
   double sum = 0, best = 0;
   const auto settle = [&](double recall_before) {  // places that only the matches so far reach

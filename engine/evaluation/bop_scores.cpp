@@ -26,22 +26,23 @@ using kernels::PixelWindow;
 using kernels::RayScene;
 
 constexpr double kMinVisible = 0.1;
-constexpr std::size_t kMaxEstimates = 100;  // of an image, for detection
-constexpr double kImageWidth = 640;         // that thresholds in pixels are meant for
+constexpr std::size_t kMaxEstimates = 100;  // maximum per image, for detection
+constexpr double kImageWidth = 640;         // reference width of thresholds in pixels
 constexpr std::size_t kNumThresholds = kBopShares.size();
-constexpr std::size_t kNumVsdThresholds = kNumThresholds * kNumThresholds;  // with tolerances
+// Combinations with tolerances.
+constexpr std::size_t kNumVsdThresholds = kNumThresholds * kNumThresholds;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 double pixel_threshold(std::size_t i) noexcept { return 5 * static_cast<double>(i + 1); }
 double mm_threshold(std::size_t i) noexcept { return 2 * static_cast<double>(i + 1); }
 
-/// A model made ready for measuring.
+/// A model prepared for measuring errors.
 struct Gauge {
   const EvaluationMesh* mesh;
   std::vector<Isometry3d> symmetries;
-  Eigen::Vector3d center;  // of a ball around all vertices
+  Eigen::Vector3d center;  // center of a ball around all vertices
   double radius;
-  std::optional<RayScene> rays;  // none without triangles
+  std::optional<RayScene> rays;  // empty without triangles
 };
 
 Result<Gauge> make_gauge(const EvaluationMesh& mesh) {
@@ -78,7 +79,7 @@ Result<ObjectImage> render(const Gauge& gauge, const Pose& pose, const PixelWind
   return engine::render_object(*gauge.rays, pose, measured.camera, window);
 }
 
-/// One value for each pair of an estimate and a truth.
+/// One value per pair of an estimate and a truth.
 template <class T>
 class PairTable {
  public:
@@ -93,16 +94,16 @@ class PairTable {
   std::vector<T> values_;
 };
 
-/// The detections of one model in one scene beside its instances there.
+/// The detections of one model in one scene and its instances there.
 struct Group {
   std::size_t model = 0;                // index of the gauge
   std::vector<std::size_t> detections;  // in the scene's result, by falling score
   std::vector<std::size_t> truths;      // in the scene
-  std::vector<float> scores;            // one a detection
-  std::vector<bool> visible;            // one a truth: by 10 % or more
-  std::vector<bool> targets;            // one a truth: to be found by localization
-  std::size_t num_wanted = 0;           // detections that localization takes
-  std::size_t num_kept = 0;             // detections among the 100 best of the image
+  std::vector<float> scores;            // one per detection
+  std::vector<bool> visible;            // one per truth: whether at least 10 % is visible
+  std::vector<bool> targets;            // one per truth: whether localization must find it
+  std::size_t num_wanted = 0;           // number of detections used for localization
+  std::size_t num_kept = 0;             // number of detections among the 100 best of the image
 
   bool has_image = false, has_vsd = false;
   PairTable<double> mssd;                 // [manifest unit]
@@ -118,7 +119,8 @@ double visible_share(const TruthInstance& truth) noexcept {
   return truth.visible_fraction.value_or(truth.ignore ? 0 : 1);
 }
 
-/// How many instances localization is told to find, and which truths those are: the most visible.
+/// The number of instances that localization must find, and which truths they are: the most visible
+/// ones.
 void choose_targets(const ManifestScene& scene, const std::string& model, Group& group) {
   if (scene.targets.empty()) {
     group.num_wanted = count_true(group.visible);
@@ -136,7 +138,8 @@ void choose_targets(const ManifestScene& scene, const std::string& model, Group&
     group.targets[order[i]] = true;
 }
 
-/// Sort a scene's truths and detections by model. Detections of models without truth are counted.
+/// Group a scene's truths and detections by model. Detections of models without a truth are
+/// counted.
 std::vector<Group> make_groups(const ManifestScene& scene, const SceneResult& result,
                                const std::map<std::string, std::size_t>& models,
                                std::size_t& num_absent) {
@@ -177,7 +180,7 @@ std::vector<Group> make_groups(const ManifestScene& scene, const SceneResult& re
   return out;
 }
 
-/// Fill the tables of distances; pairs are independent.
+/// Fill the tables of distances. Pairs are independent.
 void measure_distances(const ManifestScene& scene, const SceneResult& result, const Gauge& gauge,
                        const std::optional<MeasuredImage>& measured, Group& group) {
   group.mssd = {group.detections.size(), group.truths.size()};
@@ -197,7 +200,7 @@ void measure_distances(const ManifestScene& scene, const SceneResult& result, co
   });
 }
 
-/// Fill the table of VSD: each pose is rendered once, and only where a truth can be seen with it.
+/// Fill the table of VSD. Each pose is rendered once, and only if a truth may be visible with it.
 Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, const Gauge& gauge,
                          const MeasuredImage& measured, double delta, Group& group) {
   group.vsd = {group.detections.size(), group.truths.size()};
@@ -223,7 +226,7 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
   engine::for_each_index(windows.size(), [&](std::size_t e) {
     std::optional<ObjectImage> estimate;
     for (std::size_t t = 0; t < truths.size(); ++t) {
-      group.vsd(e, t).fill(1);  // without a common pixel
+      group.vsd(e, t).fill(1);  // no common pixel
       if (!truths[t] || !(*truths[t])->window.overlaps(windows[e])) continue;
       if (!estimate) {
         Result<ObjectImage> rendered = render(gauge, pose_of(e), windows[e], measured);
@@ -243,8 +246,8 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
   return {};
 }
 
-/// Let estimates, in their order, take the free truth of the smallest error below the threshold.
-/// Returns the truth that each has taken, or kNone.
+/// Assign each estimate, in order, the free truth with the smallest error below the threshold.
+/// Returns the truth assigned to each estimate, or kNone.
 template <class ErrorOf>
 std::vector<std::size_t> match(std::size_t num_estimates, std::vector<bool> free,
                                const ErrorOf& error, double threshold) {
@@ -261,7 +264,7 @@ std::vector<std::size_t> match(std::size_t num_estimates, std::vector<bool> free
   return taken;
 }
 
-/// Targets and those found at each threshold, summed over groups.
+/// Numbers of targets and of found targets at each threshold, summed over groups.
 struct Found {
   std::size_t num_targets = 0;
   std::vector<std::size_t> num_found;
@@ -288,11 +291,11 @@ struct Found {
   }
 };
 
-/// One scene, measured.
+/// Scores of one scene.
 struct SceneScores {
   std::optional<Error> failure;
   std::size_t num_absent = 0;
-  std::vector<Group> groups;  // by model; without their tables of VSD
+  std::vector<Group> groups;  // by model; without their VSD tables
   bool any_vsd = false, any_image = false;
   Found mssd{kNumThresholds}, mspd{kNumThresholds}, vsd{kNumVsdThresholds};
 };
@@ -314,7 +317,7 @@ void count_found(const Group& group, double diameter, SceneScores& scene) {
   }
 }
 
-/// The errors of each detection to the truth it is nearest to.
+/// Write the errors of each detection relative to the nearest truth.
 void write_errors(const Group& group, std::vector<std::optional<BopErrors>>& out) {
   for (std::size_t e = 0; e < group.detections.size(); ++e) {
     std::size_t nearest = 0;
@@ -328,7 +331,7 @@ void write_errors(const Group& group, std::vector<std::optional<BopErrors>>& out
   }
 }
 
-/// found  absent: there is no result, and perhaps no image that can be read
+/// found  absent if there is no result, and possibly no readable image
 SceneScores score_scene(const ManifestScene& scene, const std::optional<SceneResult>& found,
                         const std::map<std::string, std::size_t>& models,
                         std::span<const Gauge> gauges, double delta,
@@ -362,7 +365,7 @@ SceneScores score_scene(const ManifestScene& scene, const std::optional<SceneRes
     out.any_vsd |= group.has_vsd;
     count_found(group, gauge.mesh->diameter, out);
     write_errors(group, errors);
-    group.vsd = {};  // the largest table, which detection does without
+    group.vsd = {};  // largest table, not needed for detection
   }
   return out;
 }
@@ -373,7 +376,7 @@ struct ModelPrecision {
   double mssd = 0, mspd = 0, mssd_mm = 0;
 };
 
-/// `groups`: those of one model, in the order of the scenes.
+/// groups  of one model, in the order of the scenes
 ModelPrecision precision_of(std::span<const Group* const> groups, double diameter,
                             double millimeters) {
   ModelPrecision out;
@@ -455,7 +458,7 @@ BopPrecision precision_over_models(std::span<const SceneScores> scenes,
   std::size_t num_models = 0, num_in_images = 0;
   double mspd = 0;
   for (const ModelPrecision& model : models) {
-    if (model.num_targets == 0) continue;  // not to be found
+    if (model.num_targets == 0) continue;  // no targets
     ++num_models;
     out.num_targets += model.num_targets;
     out.mssd += model.mssd;
@@ -474,7 +477,7 @@ BopPrecision precision_over_models(std::span<const SceneScores> scenes,
   return out;
 }
 
-/// The scored models by name, as indices of the meshes in use.
+/// The scored models by name, as indices of the available meshes.
 Result<std::map<std::string, std::size_t>> index_models(const Manifest& manifest,
                                                         std::span<const EvaluationMesh> meshes,
                                                         std::vector<const EvaluationMesh*>& used) {

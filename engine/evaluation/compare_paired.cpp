@@ -12,7 +12,7 @@ namespace trivet {
 namespace {
 
 constexpr std::size_t kNumResamples = 2000;
-constexpr std::uint64_t kResampling = 0x626F;  // a stream of random numbers
+constexpr std::uint64_t kResampling = 0x626F;  // stream of random numbers
 
 double difference_of(const PairedTrials& trials) noexcept {
   const std::size_t n = trials.num_trials();
@@ -21,13 +21,13 @@ double difference_of(const PairedTrials& trials) noexcept {
   return n == 0 ? 0 : lead / static_cast<double>(n);
 }
 
-/// Chance that of `n` fair coins at most `k` or at least n - k fall on one side; k <= n / 2.
+/// Probability that, of `n` fair coins, at most `k` or at least n - k show one side; k <= n / 2.
 double two_sided_tail(std::size_t k, std::size_t n) noexcept {
-  // The chance of exactly k, in logarithms as 2^n may be too large for a double.
+  // The probability of exactly k, as a logarithm since 2^n may overflow a double.
   double log_chance = -static_cast<double>(n) * std::numbers::ln2;
   for (std::size_t i = 1; i <= k; ++i)
     log_chance += std::log(static_cast<double>(n - k + i) / static_cast<double>(i));
-  // Those of k - 1, k - 2 ... as shares of it, each from the one before.
+  // Probabilities of k - 1, k - 2 ... relative to that of k, each from the previous one.
   double sum = 0, share = 1;
   for (std::size_t i = k; share > 0; --i) {
     sum += share;

@@ -1,4 +1,4 @@
-/// Which of two methods finds more of the same things, and how sure that is.
+/// Paired comparison of two methods, with its statistical certainty.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace trivet {
 
-/// Trials that both methods had, by who succeeded: for example the instances of one scene.
+/// Trials of both methods by their successes, for example on the instances of one scene.
 struct PairedTrials {
   std::size_t both = 0, only_first = 0, only_second = 0, neither = 0;
 
@@ -18,20 +18,20 @@ struct PairedTrials {
 
 struct PairedComparison {
   PairedTrials total;
-  double difference = 0;     ///< rate of the first less that of the second; 0 without trials
-  double low = 0, high = 0;  ///< of the difference, with a confidence of 95 %
-  double p = 1;              ///< of a difference at least as large where both are equally good
+  double difference = 0;     ///< rate of the first minus that of the second; 0 without trials
+  double low = 0, high = 0;  ///< 95 % confidence interval of the difference
+  double p = 1;  ///< probability of a difference at least as large if both are equally good
   bool operator==(const PairedComparison&) const = default;
 };
 
 /// Compare two methods on the same trials.
 ///
-/// scenes  trials of each scene, which may depend on one another; scenes do not
+/// scenes  trials of each scene; trials within a scene may be dependent, scenes are independent
 /// seed    of the resampling
-/// The interval is the percentile bootstrap over scenes: 2,000 times as many scenes are drawn with
-/// replacement, and their trials pooled. It needs some tens of scenes; one scene alone has nothing
-/// that varies. p is McNemar's exact two-sided test on the trials where just one method succeeded;
-/// it takes trials for independent, so where those of a scene succeed together, trust the interval.
+/// The interval is the percentile bootstrap over scenes: the scenes are resampled with replacement
+/// 2,000 times, and their trials pooled. It needs some tens of scenes; a single scene has no
+/// variation. p is McNemar's exact two-sided test on the trials where exactly one method succeeded.
+/// It assumes independent trials, so prefer the interval if trials of a scene succeed together.
 /// Same bytes for the same input. Cost: 2,000 scenes.size().
 /// Source: McNemar, Psychometrika 1947; Efron and Tibshirani, An Introduction to the Bootstrap,
 /// 1993, chapter 13.

@@ -22,14 +22,14 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::size_t kGrain = 4096;  // points a task
+constexpr std::size_t kGrain = 4096;  // points per task
 
 bool degrades(DegradeOptions options) {
   if (options.subsampler == Subsampler::none) options.cell = DegradeOptions{}.cell;
   return options != DegradeOptions{};
 }
 
-/// Distances between the points of pixels side by side and one above the other.
+/// Distances between the points of horizontally and vertically adjacent pixels.
 Column<float> pixel_distances(const PixelGrid& grid, PointsView points) {
   Column<float> distances;
   distances.reserve(2 * points.size());
@@ -58,7 +58,7 @@ Result<double> find_resolution(const Cloud& cloud) {
   return kernels::mean_neighbor_distance(cloud.points);
 }
 
-/// Points, and where they are seen from.
+/// Reduce a cloud to points and their viewpoint.
 void scatter(const Vector3f& viewpoint, Cloud& cloud) {
   cloud.normals = {};
   cloud.triangles = {};
@@ -67,7 +67,7 @@ void scatter(const Vector3f& viewpoint, Cloud& cloud) {
   cloud.viewpoint = viewpoint;
 }
 
-/// disturb(points, first, out) for chunks of the points, in place.
+/// Apply disturb(points, first, out) to chunks of the points, in place.
 template <class Disturb>
 void for_points(PointsSpan points, Disturb&& disturb) {
   engine::for_chunks(points.size(), kGrain, [&](std::size_t first, std::size_t count) {

@@ -19,14 +19,14 @@ using engine::PoseError;
 using engine::PoseJudge;
 using kernels::quantile;
 
-/// Sums by ranges of a number that some truths tell.
+/// Sums by ranges of a property that may be unknown for some truths.
 class Bins {
  public:
   struct Edge {
     double below;
     const char* name;
   };
-  /// The last edge takes the rest.
+  /// The last bin contains all values above the last edge.
   explicit Bins(std::span<const Edge> edges) : edges_(edges), tallies_(edges.size() + 1) {}
 
   Tally& of(const std::optional<double>& value) {
@@ -36,7 +36,7 @@ class Bins {
     return tallies_[bin];
   }
 
-  /// Those with instances; nothing if all are unknown.
+  /// Bins with instances; none if all values are unknown.
   Tallies tallies() const {
     Tallies out;
     for (std::size_t bin = 0; bin < tallies_.size(); ++bin) {
@@ -50,7 +50,7 @@ class Bins {
 
  private:
   std::span<const Edge> edges_;
-  std::vector<Tally> tallies_;  // one an edge, then those that are not known
+  std::vector<Tally> tallies_;  // one per edge, then one for unknown values
 };
 
 constexpr std::array<Bins::Edge, 5> kOcclusionEdges{
@@ -82,7 +82,7 @@ std::vector<StageSeconds> stage_seconds(std::span<const std::optional<SceneResul
   return out;
 }
 
-/// The names that count, each with a mesh. Errors: bad_data (one has none).
+/// The names of the scored models, each with a mesh. Errors: bad_data (one has none).
 Result<std::vector<std::string>> scored_with_mesh(const Manifest& manifest,
                                                   std::span<const EvaluationMesh> meshes) {
   std::vector<std::string> names = scored_models(manifest);
@@ -101,7 +101,7 @@ struct Match {
   PoseError error;
 };
 
-/// Of the truths of a detection's model that are `eligible`, the one that it is nearest to.
+/// The nearest of the `eligible` truths of a detection's model.
 template <class Eligible>
 std::optional<Match> nearest_truth(const PoseJudge& judge, const Detection& detection,
                                    const ManifestScene& scene, const Eigen::Vector3d& offset,
@@ -120,7 +120,7 @@ float asked_score(const Detection& detection, bool require_pose) {
   return require_pose ? detection.pose_score() : detection.score;
 }
 
-/// Judges scene after scene.
+/// Judges one scene after another.
 class Judge {
  public:
   Judge(std::vector<std::string> scored, std::span<const EvaluationMesh> meshes, float min_score,

@@ -1,4 +1,4 @@
-/// Hold detections against the truth of a manifest.
+/// Comparison of detections with the ground truth of a manifest.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@
 
 namespace trivet {
 
-/// What a detection turned out to be.
+/// Classification of a detection.
 enum class Verdict {
   right,    ///< the first to find a truth that counts
-  wrong,    ///< no truth is there, or one that is found already: a false positive
+  wrong,    ///< false positive: no truth is there, or one that is already found
   neutral,  ///< counts neither way: an ignored truth, or a model that is not scored
 };
 
@@ -29,19 +29,19 @@ inline constexpr double kMaxAdd = 0.1;  ///< in diameters
 struct JudgedDetection {
   std::size_t detection = 0;  ///< index in the scene's result
   Verdict verdict = Verdict::wrong;
-  bool reported = true;  ///< it reaches the threshold; others enter the curves only
-  bool found = false;    ///< is the first to find `truth`
-  /// Index in the scene's truth: the one found, else the nearest of its model, as the errors say;
-  /// none where the scene has none of its model.
+  bool reported = true;  ///< whether it reaches the threshold; others contribute to the curves only
+  bool found = false;    ///< whether it is the first to find `truth`
+  /// Index in the scene's truth: the one found, or else the nearest of its model by the errors;
+  /// absent if the scene has none of its model.
   std::optional<std::size_t> truth;
-  double translation_error = 0;  ///< of the model's middle, in diameters
+  double translation_error = 0;  ///< error of the model's center [diameters]
   double rotation_error_deg = 0;
-  double add = 0;  ///< mean distance of the vertices, in diameters
+  double add = 0;  ///< mean distance of the vertices [diameters]
 };
 
-/// What became of a truth.
+/// Result for a truth.
 struct TruthOutcome {
-  bool counts = true;                   ///< neither ignored nor of a model that is not scored
+  bool counts = true;  ///< whether it is neither ignored nor of a model that is not scored
   std::optional<std::size_t> found_by;  ///< index in `detections`, reported or not
 };
 
@@ -55,46 +55,47 @@ struct Tally {
 using Tallies = std::vector<std::pair<std::string, Tally>>;
 
 struct SceneEvaluation {
-  bool missing = false;  ///< there is no result: its truths count as not found
+  bool missing = false;  ///< whether there is no result; its truths count as not found
   Tally tally;
   std::vector<JudgedDetection> detections;  ///< by falling score
   std::vector<TruthOutcome> truths;         ///< as in the manifest
   std::vector<std::size_t> missed;          ///< truths that count and were not found
 };
 
-/// Seconds of one stage over the scenes that tell them.
+/// Seconds of one stage, over the scenes with measurements.
 struct StageSeconds {
   std::string stage;
-  double median = 0, p95 = 0;  ///< quantiles, linear between neighbors
+  double median = 0, p95 = 0;  ///< quantiles, linearly interpolated
 };
 
 struct Evaluation {
   Tally total;
   std::size_t num_missing = 0;  ///< scenes without a result
-  /// Rising, without false positives; empty where no truth tells the number.
+  /// Rising, without false positives; empty if no truth has the property.
   Tallies by_occlusion, by_clutter, by_visible_fraction;
   Tallies by_model;                                ///< in the manifest's order
-  std::optional<double> median_translation_error;  ///< of right detections, in diameters
+  std::optional<double> median_translation_error;  ///< over correct detections [diameters]
   std::optional<double> median_rotation_error_deg;
   std::vector<StageSeconds> seconds;       ///< by stage, then "total"
   PrecisionRecall curve;                   ///< over all detections that count, reported or not
-  std::optional<Calibration> calibration;  ///< of the same
+  std::optional<Calibration> calibration;  ///< over the same detections
   std::vector<SceneEvaluation> scenes;     ///< as in the manifest
 };
 
 /// Judge the detections of each scene.
 ///
-/// A detection is right when, at best over the symmetries that the manifest declares, the middle of
+/// A detection is correct if, at best over the symmetries that the manifest declares, the center of
 /// the model's bounding box is off by less than a tenth of the diameter and the rotation by less
-/// than 12 degrees; a free axis leaves the turn about it out. Each truth is found once; detections
-/// choose by falling score, each the truth it fits best, so that no detection changes what one of
-/// higher score has found. An ignored truth may be found or not. Detections of models that are not
-/// scored never count.
+/// than 12 degrees. The turn about a free axis is ignored. Each truth is found once. Detections
+/// choose in the order of falling score, each the truth that it fits best, so that no detection
+/// changes the truth found by one with a higher score. An ignored truth may be found or not.
+/// Detections of models that are not scored never count.
 ///
 /// meshes        of the manifest's models (read_evaluation_meshes)
-/// results       one a scene of the manifest, poses in its unit; none where recognition did not run
-/// min_score     of reported detections: they alone enter tallies and medians
-/// require_pose  hold min_score and the curves' thresholds against pose_score, not score
+/// results       one per scene of the manifest, poses in its unit; absent if recognition did not
+///               run
+/// min_score     of reported detections; only these contribute to tallies and medians
+/// require_pose  whether to compare min_score and the curves' thresholds with pose_score, not score
 /// Errors: bad_data (the manifest scores a model that it does not list).
 /// Source: Drost et al., CVPR 2010, section 5 (limits); Hinterstoisser et al., ACCV 2012 (ADD).
 Result<Evaluation> evaluate(const Manifest& manifest, std::span<const EvaluationMesh> meshes,

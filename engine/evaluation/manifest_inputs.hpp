@@ -1,4 +1,4 @@
-/// What a manifest gives to training, to recognition and to scoring.
+/// Input from a manifest for training, recognition and scoring.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace trivet {
 
-/// The models as training takes them, in the manifest's unit.
+/// The models as input for training, in the manifest's unit.
 std::vector<ModelSource> models_of(const Manifest& manifest);
 
-/// The scenes as recognition takes them: never their truth.
+/// The scenes as input for recognition, never with their ground truth.
 std::vector<SceneInput> scenes_of(const Manifest& manifest, LengthUnit library_unit);
 
-/// The names of the models that count, in the manifest's order; all, where it names none.
+/// The names of the scored models, in the manifest's order; all if it names none.
 std::vector<std::string> scored_models(const Manifest& manifest);
 
 }  // namespace trivet

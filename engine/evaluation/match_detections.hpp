@@ -1,4 +1,4 @@
-/// Which detections of two results are the same.
+/// Matching of detections between two results.
 #pragma once
 
 #include <cstddef>
@@ -14,39 +14,39 @@
 
 namespace trivet {
 
-/// Below which two poses of one model are alike, where its surface is not known.
+/// Limits within which two poses of one model match, if its surface is unknown.
 struct PoseTolerance {
-  double translation = 0;  ///< of the model's origin, in the scene's unit
+  double translation = 0;  ///< translation of the model's origin, in the scene's unit
   double rotation_deg = 12;
 };
 
-/// Two detections, by their indices, that are alike.
+/// Indices of two matching detections.
 struct DetectionMatch {
   std::size_t first = 0, second = 0;
   bool operator==(const DetectionMatch&) const = default;
 };
 
-/// Says which poses are alike. Not for use by two threads at once.
+/// Decides which poses match. Not thread-safe.
 class PoseMatcher {
  public:
-  /// As `evaluate` holds poses against the truth: a tenth of the diameter and 12 degrees,
-  /// at best over the symmetries. Of models without a mesh no two poses are alike.
+  /// Uses the limits of `evaluate`: a tenth of the diameter and 12 degrees, at best over the
+  /// symmetries. Poses of models without a mesh never match.
   ///
-  /// meshes  in the scenes' unit; they outlive the matcher
+  /// meshes  in the scenes' unit; they must outlive the matcher
   explicit PoseMatcher(std::span<const EvaluationMesh> meshes);
-  /// The same for every model; symmetries are not known.
+  /// Uses the same tolerance for every model; symmetries are unknown.
   explicit PoseMatcher(const PoseTolerance& tolerance) : tolerance_(tolerance) {}
 
-  /// Detections of one model whose poses are alike, the nearest ones first, each detection at most
-  /// once; in the order of `first`. Exchanging the results exchanges the pairs. Cost: the product of
-  /// both numbers.
+  /// Match detections of one model with similar poses, the nearest ones first, each detection at
+  /// most once. Pairs are in the order of `first`; exchanging the results exchanges the pairs.
+  /// Cost: the product of both numbers.
   ///
   /// first, second  detections in the frame of one cloud
   std::vector<DetectionMatch> match(std::span<const Detection> first,
                                     std::span<const Detection> second) const;
 
  private:
-  /// Both errors as shares of their limits, added; none: not alike.
+  /// Sum of both errors relative to their limits; absent if the poses do not match.
   std::optional<double> distance(const Detection& first, const Detection& second) const;
 
   PoseTolerance tolerance_;

@@ -51,7 +51,7 @@ Result<ObjectImage> render_object(const RayScene& surface, const Pose& T_camera_
 Result<ObjectView> view_object(const ObjectShape& object, const Pose& T_camera_object,
                                const MeasuredImage& image, double delta) {
   const std::uint32_t width = image.window.width, height = image.window.height;
-  Camera canvas = image.camera;  // of three by three images, this one in the middle
+  Camera canvas = image.camera;  // area of three by three images with this one in the middle
   canvas.cx += width;
   canvas.cy += height;
   const PixelWindow window = kernels::window_of_ball(

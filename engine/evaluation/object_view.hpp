@@ -1,8 +1,8 @@
-/// How a depth image sees an object in a pose: its silhouette, and what of it is visible.
+/// View of an object in a depth image: its silhouette, and the visible part of it.
 ///
-/// Visibility as the BOP benchmark has it since 2019: a pixel of the silhouette is visible where the
-/// object lies at most `delta` behind the measurement, or where nothing is measured. Source: Hodan et
-/// al., BOP Challenge 2020, ECCVW 2020, section 2.2; bop_toolkit, scripts/calc_gt_info.py.
+/// Visibility is defined as in the BOP benchmark since 2019: a pixel of the silhouette is visible
+/// if the object lies at most `delta` behind the measurement, or if nothing is measured. Source:
+/// Hodan et al., BOP Challenge 2020, ECCVW 2020, section 2.2; bop_toolkit, scripts/calc_gt_info.py.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@
 
 namespace trivet::engine {
 
-/// What a depth camera saw, as distances along its rays; 0: nothing.
+/// Measurements of a depth camera, as distances along its rays; 0: none.
 struct MeasuredImage {
   Camera camera;
   kernels::PixelWindow window;  ///< the whole image
@@ -31,15 +31,15 @@ struct MeasuredImage {
   kernels::DistanceMap map() const noexcept { return {window, distance}; }
 };
 
-/// None for a file that is no depth image. Errors: of reading.
+/// Read a depth image; absent for a file of another kind. Errors: those of reading.
 Result<std::optional<MeasuredImage>> read_measured_image(const std::filesystem::path& file,
                                                          const std::optional<Camera>& camera);
 
-/// The same of raw depths, row by row.
+/// Convert raw depths, row by row.
 MeasuredImage measured_image(std::span<const std::uint16_t> depths, std::uint32_t width,
                              const Camera& camera);
 
-/// An object alone, as distances along the rays of a part of an image; 0: it is not there.
+/// Rendering of a single object, as distances along the rays of a part of an image; 0: no object.
 struct ObjectImage {
   kernels::PixelWindow window;
   std::vector<float> distance;
@@ -47,11 +47,11 @@ struct ObjectImage {
   kernels::DistanceMap map() const noexcept { return {window, distance}; }
 };
 
-/// Errors: internal (ray tracing).
+/// Render an object. Errors: internal (ray tracing).
 Result<ObjectImage> render_object(const kernels::RayScene& surface, const Pose& T_camera_object,
                                   const Camera& camera, const kernels::PixelWindow& window);
 
-/// Pixels: how many, and the rectangle about them.
+/// Number of pixels and their bounding rectangle.
 struct PixelBox {
   int num_pixels = 0;
   int left = 0, top = 0, right = -1, bottom = -1;  ///< inclusive
@@ -62,22 +62,22 @@ struct PixelBox {
     bottom = num_pixels == 0 ? v : std::max(bottom, v);
     ++num_pixels;
   }
-  /// x, y, width, height; zeros without any pixel.
+  /// x, y, width, height; zeros without pixels.
   std::array<int, 4> rectangle() const noexcept {
     return {left, top, right - left + 1, bottom - top + 1};
   }
 };
 
 struct ObjectView {
-  PixelBox all;                              ///< of the silhouette, up to an image's size beyond
-  PixelBox inside;                           ///< of the same in the image
-  PixelBox visible;                          ///< of its visible part
-  int num_valid = 0;                         ///< pixels of `inside` that are measured
-  std::vector<std::uint8_t> mask;            ///< of `inside`, a byte a pixel of the image: 255 or 0
-  std::vector<std::uint8_t> mask_visible{};  ///< of `visible`
+  PixelBox all;                    ///< silhouette, up to one image size beyond the borders
+  PixelBox inside;                 ///< part of the silhouette within the image
+  PixelBox visible;                ///< visible part of the silhouette
+  int num_valid = 0;               ///< number of measured pixels of `inside`
+  std::vector<std::uint8_t> mask;  ///< mask of `inside`, a byte per pixel of the image: 255 or 0
+  std::vector<std::uint8_t> mask_visible{};  ///< mask of `visible`
 };
 
-/// An object's surface and a ball about it, in the unit of the image's distances.
+/// An object's surface and bounding ball, in the unit of the image's distances.
 struct ObjectShape {
   const kernels::RayScene& surface;
   Eigen::Vector3d center;

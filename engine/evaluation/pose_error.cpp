@@ -11,9 +11,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kMaxTranslation = 0.1;  // of the diameter
+constexpr double kMaxTranslation = 0.1;  // in diameters
 constexpr double kMaxRotationDeg = 12;
-/// A mean over more vertices takes longer and tells no more.
+/// A mean over more vertices takes longer without being more informative.
 constexpr std::size_t kMaxAddVertices = 3000;
 
 double degrees(double radians) noexcept { return radians * 180 / std::numbers::pi; }
@@ -45,7 +45,7 @@ PoseError PoseJudge::error(const Pose& estimate, const Pose& truth) const {
 }
 
 double PoseJudge::add(const Pose& estimate, const Pose& truth) {
-  // In the truth's model frame, where the vertices lie still.
+  // In the truth's model frame, where the vertices are fixed.
   const Eigen::Isometry3d motion = (truth.inverse() * estimate).cast<double>();
   const std::size_t n = mesh_.vertices.size();
   const std::size_t stride = (n + kMaxAddVertices - 1) / kMaxAddVertices;

@@ -1,4 +1,4 @@
-/// How far an estimated pose is from the true one.
+/// Error of an estimated pose.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,28 +11,28 @@
 namespace trivet::engine {
 
 struct PoseError {
-  double translation = 0;  ///< of the middle of the model's bounding box, in diameters
+  double translation = 0;  ///< error of the center of the model's bounding box [diameters]
   double rotation_deg = 0;
 
-  /// Below a tenth of the diameter and below 12 degrees.
+  /// Whether the errors are below a tenth of the diameter and below 12 degrees.
   /// Source: Drost et al., CVPR 2010, section 5.
   bool right() const noexcept;
-  /// Both errors as shares of their limits, added: the lower, the nearer.
+  /// Sum of both errors relative to their limits; lower is nearer.
   double rank() const noexcept;
 };
 
-/// Measures poses of one model. Not for use by two threads at once.
+/// Measures poses of one model. Not thread-safe.
 class PoseJudge {
  public:
-  /// `mesh` must outlive the judge.
+  /// mesh  must outlive the judge
   explicit PoseJudge(const EvaluationMesh& mesh);
 
-  /// The error of the lowest rank over the symmetries; a free axis leaves the turn about it out.
+  /// The error with the lowest rank over the symmetries. The turn about a free axis is ignored.
   PoseError error(const Pose& estimate, const Pose& truth) const;
 
-  /// Mean distance between the vertices of both poses, in diameters; for a model with a symmetry
-  /// from each vertex to the nearest one (ADD-S). Of many vertices an even choice of 3,000 counts.
-  /// Source: Hinterstoisser et al., ACCV 2012.
+  /// Mean distance between the vertices of both poses [diameters]; for a model with a symmetry,
+  /// from each vertex to the nearest one (ADD-S). Models with more vertices are subsampled evenly
+  /// to 3,000. Source: Hinterstoisser et al., ACCV 2012.
   double add(const Pose& estimate, const Pose& truth);
 
  private:

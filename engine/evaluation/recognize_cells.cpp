@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Begin to measure the most memory of the process anew.
+/// Reset the peak memory measurement of the process.
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 std::uint64_t peak_bytes() {
@@ -33,7 +33,7 @@ std::uint64_t peak_bytes() {
   return 0;
 }
 
-/// A library with its features indexed, so that no scene waits for it.
+/// A library with its features already indexed, so that no scene waits for that.
 struct OpenLibrary {
   Recognizer recognizer;
   float mean_diameter = 0;
@@ -47,7 +47,7 @@ struct OpenLibrary {
   }
 };
 
-/// The libraries that some cell still needs.
+/// The libraries that remaining cells need.
 class Shelf {
  public:
   Shelf(std::span<const fs::path> files, std::span<const RecognitionCell> cells)
@@ -68,7 +68,7 @@ class Shelf {
     }
     return open_[index];
   }
-  /// One cell less needs it.
+  /// Release a library for one cell.
   void give_back(std::size_t index) {
     const std::lock_guard lock(mutex_);
     if (--num_left_[index] == 0) open_[index].reset();

@@ -1,4 +1,4 @@
-/// Many scenes by many libraries and options, for studies.
+/// Recognition of many scenes with many libraries and options, for studies.
 #pragma once
 
 #include <cstddef>
@@ -18,26 +18,26 @@ namespace trivet {
 
 /// One recognition of a study.
 struct RecognitionCell {
-  std::size_t library = 0;  ///< index of its file
+  std::size_t library = 0;  ///< index of the library's file
   SceneInput scene;
   DegradeOptions degrade{};
   std::uint64_t degrade_seed = 0;
   RecognizeOptions options{};
 };
 
-/// What having a library open takes.
+/// Cost of opening a library.
 struct LibraryUse {
-  double open_seconds = 0;       ///< until the first scene can begin
-  std::uint64_t peak_bytes = 0;  ///< of the process' memory, since it was opened
+  double open_seconds = 0;       ///< time until the first scene can start
+  std::uint64_t peak_bytes = 0;  ///< peak memory of the process since opening
 };
 
-/// Read, degrade and recognize scenes. Each cell runs on one thread, as many side by side as there
-/// are threads, so that seconds are those of one core and no cell waits within itself. A library is
-/// open from its first cell to its last: cells of one should stand together.
+/// Read, degrade and recognize scenes. Each cell runs on one thread, and cells run in parallel on
+/// all threads, so that seconds are those of one core and no cell waits internally. A library is
+/// open from its first cell to its last, so cells of one library should be adjacent.
 ///
-/// emit  gets each result as soon as it is there, in any order, one at a time, and what its library
-///       took so far; its error ends the run
-/// Errors: of opening, reading and recognizing; resumable when stopped.
+/// emit  receives each result as soon as it is available, in any order, one at a time, with the
+///       cost of its library so far; its error ends the run
+/// Errors: those of opening, reading and recognizing; resumable when stopped.
 Result<void> recognize_cells(std::span<const std::filesystem::path> libraries,
                              std::span<const RecognitionCell> cells, const Progress& progress,
                              const std::function<Result<void>(std::size_t cell, const SceneResult&,

@@ -27,7 +27,7 @@ PrecisionRecall precision_recall(std::span<const ScoredOutcome> outcomes, std::s
   std::size_t right = 0;
   for (std::size_t i = 0; i < falling.size(); ++i) {
     right += falling[i].right ? 1 : 0;
-    // A threshold takes equal scores together.
+    // A threshold includes all equal scores.
     if (i + 1 < falling.size() && falling[i + 1].score == falling[i].score) continue;
     const OperatingPoint point{falling[i].score, ratio(right, i + 1), ratio(right, instances)};
     if (!out.best_f1 || point.f1() > out.best_f1->f1()) out.best_f1 = point;
@@ -71,7 +71,7 @@ std::pair<double, double> wilson_interval(std::size_t successes, std::size_t tri
   const double p = static_cast<double>(successes) / n;
   const double middle = (p + z * z / (2 * n)) / (1 + z * z / n);
   const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
-  // At the ends the bound is exact; rounding must not move it.
+  // At the ends the bound is exact, and rounding must not change it.
   return {successes == 0 ? 0 : middle - half, successes == trials ? 1 : middle + half};
 }
 
