@@ -64,7 +64,7 @@ Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> mod
       });
   if (!written) return written;
   TRIVET_TRY(engine::add_index(writer));
-  // What was copied after it had been checked.
+  // Models were copied after their check, so check that their sources did not change meanwhile.
   std::set<const Library*> sources;
   for (const ModelCopy& copy : models) sources.insert(copy.library);
   for (const Library* const source : sources) {

@@ -1,4 +1,4 @@
-/// Libraries made of models of other ones.
+/// Libraries assembled from models of other libraries.
 #pragma once
 
 #include <cstdint>
@@ -13,35 +13,36 @@
 
 namespace trivet {
 
-/// A model of an opened library that is to stand in another one.
+/// A model of an open library, to be copied to another one.
 struct ModelCopy {
   const Library* library = nullptr;
   std::uint32_t index = 0;
-  std::string name;    ///< that it gets
-  std::string source;  ///< likewise: name of the file that it was trained from
+  std::string name;    ///< name in the new library
+  std::string source;  ///< name, in the new library, of the file that it was trained from
 
   const Model& model() const { return library->models[index]; }
 };
 
-/// All models of a library, as they are called there.
+/// All models of a library, with their names.
 std::vector<ModelCopy> copies_of(const Library& library);
 
-/// Write models into one library with the index over their features. The bytes depend on the
-/// models and the header alone, not on where the models lay.
+/// Write models into one library with the index of their features. The bytes depend on the models
+/// and the header alone, not on where the models were stored.
 ///
-/// basis   that all models' features are in; empty: of models without
+/// basis   of all models' features; empty: for models without features
 /// models  in any order
 /// lock    of the file, which is replaced as a whole
-/// Errors: bad_data (a model is damaged, two of one name), resumable (stopped), cannot_create, io.
+/// Errors: bad_data (a model is damaged, two with one name), resumable (stopped), cannot_create,
+/// io.
 Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& basis,
                               std::vector<ModelCopy> models, const FileLock& lock,
                               const Progress& progress = {});
 
-/// Its last step, for who has begun to write.
+/// The last step of assemble_library, for callers that have started writing themselves.
 ///
 /// models       of the whole library, by name
-/// num_written  of them, the first ones
-/// Errors: as of assemble_library.
+/// num_written  number of models already written, the first ones
+/// Errors: as for assemble_library.
 Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> models,
                             std::size_t num_written, const FileLock& lock,
                             const Progress& progress = {});

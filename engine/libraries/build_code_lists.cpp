@@ -8,7 +8,7 @@
 namespace trivet::engine {
 
 CodeLists build_code_lists(const CodeSource& codes) {
-  constexpr std::size_t kListLength = 2000;  // codes a list, on the average
+  constexpr std::size_t kListLength = 2000;  // average number of codes per list
   CodeLists lists;
   const std::size_t num_lists = std::max<std::size_t>(1, codes.size / kListLength);
   lists.centroids = find_centroids(codes, num_lists);

@@ -1,4 +1,4 @@
-/// From codes to an inverted file.
+/// Conversion of codes to an inverted file.
 #pragma once
 
 #include <cstddef>
@@ -11,22 +11,22 @@
 
 namespace trivet::engine {
 
-/// Which list each code stands in: list by list, and rising in each, they are what
-/// kernels::CodeIndexView refers to.
+/// Assignment of codes to lists. Sorted by list, and rising within each, the codes form the layout
+/// that kernels::CodeIndexView refers to.
 struct CodeLists {
   Column<std::uint8_t> centroids;
-  std::vector<std::uint32_t> offsets;  ///< where each list begins, and the end of the last
-  std::vector<std::uint32_t> list;     ///< of each code
+  std::vector<std::uint32_t> offsets;  ///< start of each list, and the end of the last one
+  std::vector<std::uint32_t> list;     ///< list of each code
 };
 
-/// Put each code into the list of its nearest centroid (CentroidFinder). Lists hold some 2,000 codes
-/// whatever their number.
+/// Assign each code to the list of its nearest centroid (CentroidFinder). Lists contain about 2,000
+/// codes, regardless of the total number.
 ///
-/// All codes are read twice. Takes 4 bytes a code, and before that 2 a code for the centroids.
+/// All codes are read twice. Uses 4 bytes per code, and before that 2 per code for the centroids.
 /// Same bytes for any number of threads.
 CodeLists build_code_lists(const CodeSource& codes);
 
-/// Of codes in memory, of `stride` bytes each.
+/// Build lists for codes in memory, of `stride` bytes each.
 CodeLists build_code_lists(std::span<const std::uint8_t> codes, std::size_t stride);
 
 }  // namespace trivet::engine

@@ -14,15 +14,17 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kSamples = 64;  // codes that a centroid is found from
+constexpr std::size_t kSamples = 64;  // training codes per centroid
 constexpr std::size_t kIterations = 4;
-constexpr std::size_t kBlock = 4096;          // codes that are read at a time
-constexpr std::size_t kFewCentroids = 2048;   // which are all compared with a code
-constexpr std::size_t kCenters = 4;           // among more: so often the root of their number
-constexpr std::size_t kAbout = 12;            // centroids about a center, likewise
-constexpr std::size_t kCodesOfACenter = 256;  // that are compared with these at a time
+constexpr std::size_t kBlock = 4096;  // codes read at a time
+// Limit up to which all centroids are compared with a code.
+constexpr std::size_t kFewCentroids = 2048;
+// Centers, as a multiple of the square root of the number of centroids.
+constexpr std::size_t kCenters = 4;
+constexpr std::size_t kAbout = 12;  // centroids around each center, as a multiple of the same root
+constexpr std::size_t kCodesOfACenter = 256;  // codes of a center compared at a time
 
-/// So many codes spread over all: the k-th is number k size / count.
+/// Subsample `count` codes evenly: the k-th is number k size / count.
 Column<std::uint8_t> spread(const CodeSource& codes, std::size_t count) {
   const std::size_t stride = codes.stride;
   Column<std::uint8_t> some(count * stride);

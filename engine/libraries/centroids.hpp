@@ -11,13 +11,13 @@
 
 namespace trivet::engine {
 
-/// As many centroids, by Lloyd's iterations over codes spread over the source, of which it reads all
-/// once. Takes 64 codes a centroid. Same bytes for any number of threads.
+/// Find centroids by Lloyd's iterations over codes sampled evenly from the source, all of which are
+/// read once. Uses 64 codes per centroid. Same bytes for any number of threads.
 ///
-/// Returns codes of the source's stride.
+/// Returns codes with the source's stride.
 Column<std::uint8_t> find_centroids(const CodeSource& codes, std::size_t num_centroids);
 
-/// Codes that all are compared with.
+/// A set of codes that queries are compared with exhaustively.
 class ComparedCodes {
  public:
   ComparedCodes() = default;
@@ -29,9 +29,9 @@ class ComparedCodes {
   std::span<const std::uint8_t> operator[](std::size_t i) const {
     return std::span(codes_).subspan(i * stride_, stride_);
   }
-  /// Write which is nearest to each of other codes; of equally near ones the first.
+  /// Write the index of the nearest code for each query; for ties the first.
   void find_nearest(std::span<const std::uint8_t> others, std::span<std::uint32_t> nearest) const;
-  /// Write all squared distances to a code.
+  /// Write the squared distances of all codes to a query.
   void distances(std::span<const std::uint8_t> code, std::span<std::uint32_t> squared) const;
 
  private:
@@ -40,31 +40,31 @@ class ComparedCodes {
   Column<std::int32_t> norms_;
 };
 
-/// Finds the centroids that codes are nearest to. Up to 2,048 centroids are all compared with each
-/// code. More have centers among them, and a code is compared with the centroids about the center that
-/// it is nearest to: a time that grows with the root of their number. Of made parts' features 0.4 % stand
-/// in another list then, whose centroid is about as near.
+/// Finds the nearest centroids of codes. Up to 2,048 centroids are compared with each code
+/// exhaustively. Larger sets use centers among the centroids: a code is compared with the centroids
+/// around its nearest center, so that the time grows with the square root of their number. This
+/// assigns 0.4 % of the generated parts' features to another list, whose centroid is about as near.
 class CentroidFinder {
  public:
   CentroidFinder(Column<std::uint8_t> centroids, std::size_t stride);
 
-  /// So many codes are best looked for at a time.
+  /// Recommended number of codes per call.
   std::size_t at_once() const noexcept;
-  /// Write the nearest centroid of each code, each by itself. From any thread.
+  /// Write the nearest centroid of each code; codes are independent. Thread-safe.
   void find(std::span<const std::uint8_t> codes, std::span<std::uint32_t> nearest) const;
 
  private:
   struct Surroundings {
-    std::vector<std::uint32_t> which;  // of the centroids, rising
+    std::vector<std::uint32_t> which;  // indices of the centroids, rising
     ComparedCodes centroids;
   };
-  /// The centroids that are nearest to a center.
+  /// The centroids nearest to a center.
   static Surroundings surroundings_of(std::span<const std::uint8_t> center, std::size_t count,
                                       const ComparedCodes& centroids);
 
   std::size_t stride_;
-  ComparedCodes centers_;                   // or the centroids, where they are few
-  std::vector<Surroundings> surroundings_;  // of each center
+  ComparedCodes centers_;                   // or all centroids, if they are few
+  std::vector<Surroundings> surroundings_;  // one per center
 };
 
 }  // namespace trivet::engine

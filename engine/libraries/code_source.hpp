@@ -8,18 +8,18 @@
 
 namespace trivet::engine {
 
-/// Codes wherever they lie.
+/// Access to codes, wherever they are stored.
 struct CodeSource {
   std::size_t size = 0;    ///< 0 < size < 2^32
-  std::size_t stride = 0;  ///< bytes of each, filled up with zeros: kernels::code_stride
-  /// Write those from `first` on. Called from many threads, for some thousands at a time.
+  std::size_t stride = 0;  ///< bytes per code, padded with zeros: kernels::code_stride
+  /// Write the codes from `first` on. Called from many threads, for some thousands at a time.
   std::function<void(std::size_t first, std::span<std::uint8_t> codes)> read;
 };
 
-/// Of codes in memory, of `stride` bytes each, which outlive it.
+/// A source of codes in memory, of `stride` bytes each, which must outlive it.
 CodeSource source_of(std::span<const std::uint8_t> codes, std::size_t stride);
 
-/// Call `body` with blocks of at most `at_once` codes that cover all, from many threads.
+/// Call `body` for blocks of at most `at_once` codes that cover all codes, from many threads.
 void for_blocks(
     const CodeSource& codes, std::size_t at_once,
     const std::function<void(std::size_t first, std::span<const std::uint8_t> block)>& body);

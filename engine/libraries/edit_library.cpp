@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A library that is going to be replaced.
+/// A library that will be replaced.
 struct OpenedForChange {
   FileLock lock;
   Library library;
@@ -38,7 +38,7 @@ Result<void> write_again(const OpenedForChange& opened, std::vector<ModelCopy> m
                           opened.lock, progress);
 }
 
-/// Those of a JSON object that differ from another's; all, where one of them is none.
+/// Members of a JSON object that differ from another's; all if one of them is not an object.
 std::string parameters_beside(const std::string& own, const std::string& other) {
   const auto a = parse_json(own), b = parse_json(other);
   if (!a.is_object() || !b.is_object()) return own;
@@ -50,7 +50,7 @@ std::string parameters_beside(const std::string& own, const std::string& other) 
   return json_text(differing);
 }
 
-/// Whether two models were trained from the same; what is not known differs.
+/// Whether two models were trained from the same input; unknown inputs are different.
 bool same_model(const Model& a, const Model& b) {
   return !a.fingerprint.empty() && a.fingerprint == b.fingerprint;
 }
@@ -133,7 +133,7 @@ Result<void> take_models(const Library& from, const fs::path& file, std::size_t 
 
 Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& into,
                              const Progress& progress) {
-  std::deque<Library> libraries;  // copies refer to them
+  std::deque<Library> libraries;  // referenced by copies
   std::map<std::string, ModelCopy> models;
   for (const fs::path& file : files) {
     TRIVET_TRY_ASSIGN(Library opened, open_library(file));

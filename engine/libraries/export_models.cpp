@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Those of these names, or all, none of them damaged.
+/// The models with these names, or all models, after checking them.
 Result<std::vector<const Model*>> models_named(const Library& library,
                                                std::span<const std::string> names) {
   std::vector<std::uint32_t> wanted;

@@ -20,11 +20,11 @@
 namespace trivet::engine {
 namespace {
 
-/// The features of one resolution, model after model. They are read where they lie, some at a time,
-/// and their pages given back.
+/// The features of one resolution, model after model. They are read from the mapped file a part at
+/// a time, and their pages are released.
 class LevelFeatures {
  public:
-  /// level  of those of a model; at least one, none of which is empty
+  /// level  levels of the models' features to use; at least one, none of them empty
   LevelFeatures(const WrittenFeatures& all, std::span<const std::uint32_t> level)
       : mapped_(all.mapped) {
     for (const std::uint32_t i : level) {
@@ -36,7 +36,7 @@ class LevelFeatures {
   std::size_t size() const noexcept { return begins_.back(); }
   std::size_t stride() const noexcept { return kernels::code_stride(num_components()); }
   float resolution() const noexcept { return of_models_.front()->features.resolution; }
-  /// Those that have features, rising.
+  /// Models with features, rising.
   Column<std::uint32_t> models() const {
     Column<std::uint32_t> out;
     for (const FeaturesOfModel* one : of_models_) out.push_back(one->model);
@@ -61,7 +61,7 @@ class LevelFeatures {
   /// Write some features to rows.
   ///
   /// which  features, rising
-  /// to     row of each
+  /// to     row of each feature
   void copy(std::span<const std::uint32_t> which, std::span<const std::uint32_t> to,
             const ListedFeaturesSpan& rows) const {
     for_each_index(of_models_.size(), [&](std::size_t p) {
@@ -102,10 +102,10 @@ class LevelFeatures {
 
   std::span<const std::byte> mapped_;
   std::vector<const FeaturesOfModel*> of_models_;
-  std::vector<std::size_t> begins_{0};  // of each, and the end
+  std::vector<std::size_t> begins_{0};  // start of each model, and the end
 };
 
-/// A level and what its features are taken from.
+/// A level and the source of its features.
 class LevelMaker {
  public:
   LevelMaker(const WrittenFeatures& all, std::span<const std::uint32_t> level)
@@ -117,7 +117,7 @@ class LevelMaker {
   LevelMaker(const LevelMaker&) = delete;
   LevelMaker& operator=(const LevelMaker&) = delete;
 
-  /// Without its features.
+  /// Level without its features.
   FeatureLevel level() const {
     FeatureLevel out;
     out.resolution = features_.resolution();
@@ -129,8 +129,8 @@ class LevelMaker {
   }
 
   void list(std::size_t first, const ListedFeaturesSpan& rows) const {
-    // The features of the lists that reach into the piece, in their own order: so those of a model
-    // are read together.
+    // Features of the lists that overlap the piece, in feature order, so that those of a model are
+    // read together.
     const auto list_of = [&](std::size_t row) {
       return static_cast<std::uint32_t>(std::ranges::upper_bound(lists_.offsets, row) -
                                         lists_.offsets.begin() - 1);
@@ -143,7 +143,7 @@ class LevelMaker {
     which.reserve(rows.size());
     to.reserve(rows.size());
     for (std::uint32_t i = 0; i < lists_.list.size(); ++i) {
-      const std::uint32_t l = lists_.list[i] - first_list;  // wraps where it is below
+      const std::uint32_t l = lists_.list[i] - first_list;  // wraps around if smaller
       if (l >= next.size()) continue;
       const std::uint32_t row = next[l]++;
       if (row < first || row >= end) continue;
@@ -158,7 +158,7 @@ class LevelMaker {
   CodeLists lists_;
 };
 
-/// The levels of an index one after the other, by rising resolution.
+/// The levels of an index, one after another, by rising resolution.
 class Indexer {
  public:
   explicit Indexer(const WrittenFeatures& all) : all_(all) {
@@ -179,18 +179,18 @@ class Indexer {
 
  private:
   WrittenFeatures all_;
-  std::vector<std::vector<std::uint32_t>> levels_;  // which of the features
+  std::vector<std::vector<std::uint32_t>> levels_;  // levels of the features
 };
 
-/// Give back what is left of levels that are done: the allocator keeps tens of megabytes of them,
-/// in between what stays.
+/// Return freed memory of finished levels to the system. The allocator otherwise keeps tens of
+/// megabytes of it, interleaved with memory in use.
 void give_back_freed() noexcept {
 #if defined(__GLIBC__)
   ::malloc_trim(0);
 #endif
 }
 
-/// A level with all of its features in memory.
+/// A level with all its features in memory.
 FeatureLevel in_memory(const LevelInPieces& made) {
   FeatureLevel level = made.level;
   const std::size_t n = made.size();

@@ -1,4 +1,4 @@
-/// The Tri-Spin-Images of a library's models, made ready to be matched.
+/// Index of a library's Tri-Spin-Images for matching.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 
 namespace trivet::engine {
 
-/// The index of a library whose file has none, in memory. Same bytes for any number of threads.
-/// Errors: bad_data (damaged).
+/// Build the index of a library whose file has none, in memory. Same bytes for any number of
+/// threads. Errors: bad_data (damaged).
 Result<FeatureIndex> index_features(const Library& library);
 
-/// Add the index over the features of all models that a library is made of, after them: the same
-/// bytes for any number of threads and any size of pieces. Takes those of a piece and 4 a feature
-/// of a level, whatever the number of models. Errors: of the writer.
+/// Append the index of all models' features to a library. Same bytes for any number of threads and
+/// any size of pieces. Uses the memory of one piece and 4 bytes per feature of a level, regardless
+/// of the number of models. Errors: those of the writer.
 Result<void> add_index(LibraryWriter& writer, std::size_t piece_bytes = LibraryWriter::kPieceBytes);
 
-/// As kernels search it.
+/// The codes of a level in the form that kernels search.
 kernels::CodeIndexView code_index(const FeatureLevel& level) noexcept;
 
 }  // namespace trivet::engine
