@@ -22,11 +22,14 @@ namespace {
 
 using engine::for_chunks;
 
-constexpr std::size_t kRowGrain = 8;     // image rows a task
-constexpr std::size_t kNoiseBands = 10;  // of distance: sensors err more far away
+constexpr std::size_t kRowGrain = 8;  // image rows per task
+// Bands of distance, since sensor errors increase with range.
+constexpr std::size_t kNoiseBands = 10;
 constexpr std::size_t kPointGrain = 512;
-constexpr std::size_t kNormalNeighbors = 20;  // of a plane fit, within some 2.5 spacings
-// Of all triangles that pixels could span: as many are seen from behind only from a wrong place.
+// Neighbors for fitting a plane, within about 2.5 spacings.
+constexpr std::size_t kNormalNeighbors = 20;
+// Share of all possible triangles between pixels. More triangles are seen from behind only from a
+// wrong viewpoint.
 constexpr double kManyBehind = 0.05;
 
 Result<SurfaceMethod> choose_method(const Cloud& cloud, const std::string& name,
@@ -49,7 +52,7 @@ Result<SurfaceMethod> choose_method(const Cloud& cloud, const std::string& name,
   return *options.method;
 }
 
-/// The noise of a scan at each point, which is that of a tenth of the points at a like distance.
+/// The noise of a scan at each point, measured on the tenth of the points at a similar distance.
 Column<float> measure_noise(const PixelGrid& grid, PointsView points,
                             const Eigen::Vector3f& viewpoint) {
   const std::size_t n = points.size();
@@ -79,7 +82,7 @@ Column<float> measure_noise(const PixelGrid& grid, PointsView points,
   return noise;
 }
 
-/// Errors: bad_data (a point is not finite), no_memory.
+/// Estimate normals. Errors: bad_data (a point is not finite), no_memory.
 Result<Normals> estimate_normals(PointsView points, const Eigen::Vector3f& viewpoint) {
   const std::size_t n = points.size(), k = std::min(kNormalNeighbors, n);
   TRIVET_TRY_ASSIGN(const kernels::NearestNeighbors tree, kernels::NearestNeighbors::build(points));
@@ -88,7 +91,7 @@ Result<Normals> estimate_normals(PointsView points, const Eigen::Vector3f& viewp
   rows.indices.resize(n * k);
   std::vector<float> squared(n * k);
   Normals normals(n);
-  std::vector<std::optional<Error>> errors(n);  // one a chunk, at its first point
+  std::vector<std::optional<Error>> errors(n);  // one per chunk, at its first point
   for_chunks(n, kPointGrain, [&](std::size_t first, std::size_t count) {
     const Result<void> found = tree.k_nearest(points.slice(first, count), k,
                                               std::span(rows.indices).subspan(first * k, count * k),

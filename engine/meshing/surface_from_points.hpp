@@ -1,4 +1,4 @@
-/// From a scan or a cloud to a mesh.
+/// Surface reconstruction from a scan or a point cloud.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,14 +15,14 @@
 
 namespace trivet {
 
-/// Where the triangles come from.
+/// Origin of the triangles.
 enum class SurfaceMethod {
-  faces,   ///< the file has them
-  grid,    ///< pixels side by side in an organized scan
-  greedy,  ///< points near one another, with normals
+  faces,   ///< faces of the file
+  grid,    ///< adjacent pixels of an organized scan
+  greedy,  ///< nearby points with normals
 };
 
-/// A method in words.
+/// Name and description of a method.
 struct SurfaceMethodName {
   SurfaceMethod method;
   std::string_view name;
@@ -34,38 +34,39 @@ inline constexpr std::array<SurfaceMethodName, 3> kSurfaceMethods{
      {SurfaceMethod::grid, "grid", "between neighboring pixels of an organized scan"},
      {SurfaceMethod::greedy, "greedy", "greedy projection, for points in any order"}}};
 
-/// How triangles are laid through points.
+/// Options of surface reconstruction.
 struct SurfaceOptions {
-  /// Absent: the first one that the cloud has what it takes for.
+  /// Absent: the first method whose requirements the cloud meets.
   std::optional<SurfaceMethod> method{};
-  /// Where the sensor stood, in the file's frame; absent: where the file says, else its origin.
+  /// Viewpoint in the file's frame; absent: the file's viewpoint, or else its origin.
   std::optional<Eigen::Vector3d> viewpoint{};
   kernels::GridTriangulationOptions grid{};
   kernels::GreedyOptions greedy{};
   bool operator==(const SurfaceOptions&) const = default;
 };
 
-/// Errors: usage (names the option, its range and its value).
+/// Check the options. Errors: usage (names the option, its range and its value).
 Result<void> validate(const SurfaceOptions& options);
 
-/// A cloud with triangles, and how they came about.
+/// A cloud with triangles, and how they were made.
 struct Surface {
-  Cloud mesh;  ///< the points, and normals if there were any, in their order, with triangles
+  Cloud mesh;  ///< the points in their order, any normals, and the triangles
   SurfaceMethod method = SurfaceMethod::faces;
-  std::size_t num_used = 0;  ///< points that are in a triangle
-  double open_share = 0;     ///< of the edges that are in one triangle only
-  std::string warning;       ///< as a person should read it; mostly empty
+  std::size_t num_used = 0;  ///< number of points in triangles
+  double open_share = 0;     ///< share of the edges with only one triangle
+  std::string warning;       ///< message for the user; usually empty
 };
 
-/// Lay a surface through the points of a cloud.
+/// Reconstruct a surface from the points of a cloud.
 ///
-/// cloud  as read; where it has no normals, the greedy method fits planes to 20 neighbors, facing
-///        the viewpoint: whole objects, which no viewpoint sees all of, need normals of their own
-/// name   what messages call the cloud: its file
-/// Triangles of `grid` and `greedy` are counter-clockwise seen from the viewpoint, or from where
-/// the cloud's own normals point; those of `faces` stay as they are. Same bytes for any number of
-/// threads.
-/// Errors: usage (an option out of range; a method that the cloud has not what it takes for),
+/// cloud  as read. If it has no normals, the greedy method fits planes to 20 neighbors and orients
+///        the normals toward the viewpoint. Whole objects are not visible from one viewpoint and
+///        need their own normals
+/// name   name of the cloud in messages: its file
+/// Triangles of `grid` and `greedy` are counter-clockwise as seen from the viewpoint, or from the
+/// side to which the cloud's normals point; those of `faces` do not change. Same bytes for any
+/// number of threads.
+/// Errors: usage (an option out of range; a method whose requirements the cloud does not meet),
 /// bad_data (fewer than 3 points; no triangle), no_memory.
 Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
                                     const SurfaceOptions& options = {});
