@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::uint32_t kRays = 3;          // along a pixel's side
-constexpr float kDistance = 4;              // of the camera, in radii of what is shown
-constexpr float kMargin = 1.04F;            // around it
-const Vector3f kFrom(0.55F, -0.75F, 0.5F);  // where the camera stands; z is up
+constexpr std::uint32_t kRays = 3;          // along each side of a pixel
+constexpr float kDistance = 4;              // distance of the camera, in radii of the points
+constexpr float kMargin = 1.04F;            // margin around the points
+const Vector3f kFrom(0.55F, -0.75F, 0.5F);  // position of the camera; z is up
 const Vector3f kGround(244, 245, 247), kSurface(122, 140, 163);
 
 }  // namespace
@@ -27,7 +27,7 @@ Picture draw_model(const kernels::RayScene& surface, PointsView around, std::uin
   const Vector3f center = box.center();
   const Vector3f away = -kFrom.normalized(), right = away.cross(Vector3f::UnitZ()).normalized(),
                  down = away.cross(right);
-  // As near as the picture holds all.
+  // As near as possible with all points in the picture.
   float radius = 0, extent = std::numeric_limits<float>::min();
   for (std::size_t i = 0; i < around.size(); ++i)
     radius = std::max(radius, (around[i] - center).norm());

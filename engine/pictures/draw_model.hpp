@@ -1,4 +1,4 @@
-/// A picture of a model alone, for lists of models.
+/// Picture of a single model, for lists of models.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace trivet {
 
-/// The model from above its side, lit as in the pictures of scenes, on a pale ground.
+/// Draw the model from the side and above, lit as in the pictures of scenes, on a pale background.
 ///
 /// surface  of the model
-/// around   points that the picture shall hold, at least one
+/// around   points that must be in the picture, at least one
 /// width    of the square picture [pixel], > 0
 Picture draw_model(const kernels::RayScene& surface, PointsView around, std::uint32_t width);
 

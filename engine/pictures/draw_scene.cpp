@@ -24,19 +24,20 @@ using engine::shade;
 using kernels::RangeImage;
 using kernels::RayScene;
 
-/// Widths of pictures [pixel]: smaller images are drawn with several pixels for one, larger ones
-/// are shrunk.
+/// Widths of pictures [pixel]. Smaller images are enlarged by an integer factor, larger ones are
+/// reduced.
 struct Widths {
   std::uint32_t least, most;
-  std::uint32_t outlines;  // reach of an outline: this part of the width
+  std::uint32_t outlines;  // width of an outline, as this fraction of the picture's width
 };
 constexpr Widths kWhole{640, 1024, 320}, kDetail{360, 720, 130};
-constexpr float kSurroundings = 1.6F;       // side of a detail, in extents of what it shows
-constexpr std::int64_t kSmallestSide = 24;  // of a detail [pixel of the scan]
-constexpr float kHiddenShare = 0.35F;       // of a model's color where the scan is in front
-constexpr float kHiddenDepth = 0.03F;       // in front: by so many diameters
-constexpr float kGrayOfUnknown = 0.35F;     // measured, but without a normal
-constexpr float kDimmed = 0.6F;             // planes larger than the models: tables, floors, walls
+constexpr float kSurroundings = 1.6F;       // side of a detail, in extents of its models
+constexpr std::int64_t kSmallestSide = 24;  // minimum side of a detail [pixel of the scan]
+constexpr float kHiddenShare = 0.35F;       // share of a model's color where the scan occludes it
+constexpr float kHiddenDepth = 0.03F;       // minimum distance of an occluding scan [diameters]
+constexpr float kGrayOfUnknown = 0.35F;     // gray of a measurement without a normal
+// Brightness of planes larger than the models: tables, floors, walls.
+constexpr float kDimmed = 0.6F;
 constexpr std::size_t kRowGrain = 32;
 const Vector3f kBackground(22, 25, 31);  // no measurement
 const Vector3f kScanColor(226, 228, 232);
@@ -57,7 +58,7 @@ struct Canvas {
   }
 };
 
-/// Shrink by a whole factor, each pixel the mean of those it stands for.
+/// Reduce by an integer factor; each pixel is the mean of the pixels that it replaces.
 Picture to_picture(const Canvas& canvas, std::uint32_t max_width) {
   const std::uint32_t factor = (canvas.width + max_width - 1) / max_width;
   Picture picture{std::max(1U, canvas.width / factor), std::max(1U, canvas.height / factor), {}};
@@ -79,7 +80,7 @@ Picture to_picture(const Canvas& canvas, std::uint32_t max_width) {
   return picture;
 }
 
-/// The image with the most to be seen.
+/// The image with the most measurements.
 const RangeImage& fullest_image(const std::vector<RangeImage>& images) {
   const auto measured = [](const RangeImage& image) {
     return static_cast<std::ptrdiff_t>(image.depth.size()) -
@@ -90,14 +91,14 @@ const RangeImage& fullest_image(const std::vector<RangeImage>& images) {
       [&](const RangeImage& a, const RangeImage& b) { return measured(a) < measured(b); });
 }
 
-/// Pixels of the scan from (left, top) on, which may lie outside of it.
+/// Pixels of the scan from (left, top) on. The window may extend beyond the scan.
 struct Window {
   std::int64_t left = 0, top = 0;
   std::uint32_t width = 0, height = 0;
 };
 
-/// The image that a picture is drawn in: a window of the scan's, each pixel `factor` times as wide
-/// and high.
+/// The image of a picture: a window of the scan's image, with each pixel `factor` times as wide and
+/// high.
 struct Frame {
   static constexpr std::size_t kOutside = static_cast<std::size_t>(-1);
   const RangeImage& scan;
@@ -118,7 +119,7 @@ struct Frame {
     geometry.width = part.width * factor;
     geometry.height = part.height * factor;
   }
-  /// Pixel of the scan that one of the picture lies in, or kOutside.
+  /// The pixel of the scan that contains a pixel of the picture, or kOutside.
   std::size_t scan_pixel(std::size_t pixel) const noexcept {
     const auto u = window.left + static_cast<std::int64_t>(pixel % geometry.width / factor);
     const auto v = window.top + static_cast<std::int64_t>(pixel / geometry.width / factor);
@@ -128,14 +129,14 @@ struct Frame {
     }
     return static_cast<std::size_t>(v) * scan.geometry.width + static_cast<std::size_t>(u);
   }
-  /// 0 without a measurement.
+  /// Depth, or 0 without a measurement.
   float measured_depth(std::size_t pixel) const noexcept {
     const std::size_t own = scan_pixel(pixel);
     return own == kOutside ? 0 : scan.depth[own];
   }
 };
 
-/// Whether a pixel of the scan lies on a plane larger than a model of this diameter.
+/// Test whether a pixel of the scan lies on a plane larger than a model of this diameter.
 class Background {
  public:
   Background(const engine::PreparedScene& scene, const RangeImage& image, float diameter)
@@ -148,7 +149,7 @@ class Background {
     }
   }
   bool holds(std::size_t pixel) const {
-    // By distance alone: a normal that noise has turned would leave a bright speck.
+    // By distance alone, since a noisy normal would leave a bright speck.
     const Vector3f point =
         T_scene_camera_ * image_.geometry.back_project(pixel, image_.depth[pixel]);
     return std::any_of(planes_.begin(), planes_.end(), [&](const kernels::Plane& plane) {
@@ -178,16 +179,16 @@ Canvas draw_scan(const Frame& frame, const Background& background) {
   return canvas;
 }
 
-/// Models rendered into the scan's image.
+/// Rendering of models into the scan's image.
 struct Rendering {
   std::vector<float> depth;
-  std::vector<std::uint32_t> overlay;  // index among all overlays; Hit::kNone
+  std::vector<std::uint32_t> overlay;  // index among all overlays, or Hit::kNone
 };
 
 Result<RayScene> surface_of(const EvaluationMesh& mesh) {
   if (!mesh.triangles.empty()) return RayScene::from_mesh(mesh.vertices, mesh.triangles);
-  // A closed surface has an area of some two squared diameters. The points of a file lie less
-  // evenly than samples do: larger spheres leave no gaps.
+  // A closed surface has an area of about two squared diameters. The points of a file are
+  // distributed less evenly than samples, so larger spheres leave no gaps.
   const double spacing = mesh.diameter * std::sqrt(2 / static_cast<double>(mesh.vertices.size()));
   return RayScene::from_spheres(mesh.vertices,
                                 1.5F * kernels::kCloudRadius * static_cast<float>(spacing));
@@ -195,14 +196,14 @@ Result<RayScene> surface_of(const EvaluationMesh& mesh) {
 
 using Surfaces = std::map<const EvaluationMesh*, RayScene>;
 
-/// Where an overlay lies in the prepared scene, in its unit.
+/// Pose of an overlay in the prepared scene, in its unit.
 Pose placed_in(const engine::PreparedScene& scene, const Overlay& overlay) {
   Pose pose = in_cloud_frame(overlay.T_scene_model, scene.offset);
   pose.translation() *= static_cast<float>(scene.scale);
   return pose;
 }
 
-/// Render the overlays of these indices.
+/// Render the overlays with these indices.
 Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const Overlay> overlays,
                          std::span<const std::uint32_t> which, const engine::PreparedScene& scene,
                          Surfaces& surfaces) {
@@ -235,8 +236,7 @@ Result<Rendering> render(const kernels::ImageGeometry& geometry, std::span<const
   return out;
 }
 
-/// Of the rendered surface, from its neighbors in the image that belong to the same model; towards
-/// the camera.
+/// Normal of the rendered surface, toward the camera, from neighboring pixels of the same model.
 Vector3f rendered_normal(const kernels::ImageGeometry& geometry, const Rendering& rendering,
                          std::size_t pixel) {
   const std::size_t u = pixel % geometry.width, v = pixel / geometry.width;
@@ -255,7 +255,7 @@ Vector3f rendered_normal(const kernels::ImageGeometry& geometry, const Rendering
   return normal.squaredNorm() > 0 ? normal.normalized() : -Vector3f::UnitZ();
 }
 
-/// Whether a pixel of a model lies within `width` pixels of what is not that model.
+/// Whether a pixel of a model lies within `width` pixels of anything that is not that model.
 bool on_outline(const kernels::ImageGeometry& geometry, const Rendering& rendering,
                 std::size_t pixel, std::int64_t width) {
   const auto u = static_cast<std::int64_t>(pixel % geometry.width),
@@ -272,7 +272,7 @@ bool on_outline(const kernels::ImageGeometry& geometry, const Rendering& renderi
   return false;
 }
 
-/// Whether the scan is in front of the model that this pixel shows.
+/// Whether the scan occludes the model at this pixel.
 bool is_hidden(const Frame& frame, const Rendering& rendering, std::span<const Overlay> overlays,
                std::size_t pixel) {
   const Overlay& overlay = overlays[rendering.overlay[pixel]];
@@ -317,7 +317,7 @@ void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rende
   }
 }
 
-/// Put the labels of these overlays, which were rendered together, on what is seen of them. Pre:
+/// Place the labels of these overlays, which were rendered together, on their visible parts. Pre:
 /// their boxes are known.
 void place_labels(const Frame& frame, const Rendering& rendering, std::span<const Overlay> overlays,
                   std::span<const std::uint32_t> which, std::vector<DrawnBox>& boxes) {
@@ -341,8 +341,8 @@ void place_labels(const Frame& frame, const Rendering& rendering, std::span<cons
   }
 }
 
-/// The square around the vertices of the overlays as the scan's image shows them; none where they
-/// lie behind the sensor.
+/// The square around the vertices of the overlays in the scan's image; absent if they lie behind
+/// the sensor.
 std::optional<Window> window_around(const kernels::ImageGeometry& geometry,
                                     std::span<const Overlay> overlays,
                                     const engine::PreparedScene& scene) {
@@ -396,7 +396,7 @@ struct SceneDrawing::State {
     }
     TRIVET_TRY(add(filled));
     for (std::uint32_t i = 0; i < overlays.size(); ++i) {
-      // One at a time: outlines of like poses would break each other up.
+      // One at a time, since outlines of similar poses would interrupt each other.
       if (overlays[i].filled) continue;
       if (const Result<void> done = add({&i, 1}); !done) return done.error();
     }

@@ -1,4 +1,4 @@
-/// Pictures of a scene and of models in it, for people to judge.
+/// Pictures of a scene and of the models in it, for visual inspection.
 #pragma once
 
 #include <cstdint>
@@ -18,35 +18,35 @@ struct Color {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
 
-/// A model to draw where it is believed to be. Its lengths are in the unit that the scene is scaled
-/// to (SceneInput::scale).
+/// A model to draw in its estimated pose. Its lengths are in the unit that the scene is scaled to
+/// (SceneInput::scale).
 struct Overlay {
   const EvaluationMesh* mesh = nullptr;
   FilePose T_scene_model;
   Color outline;
   Color surface;
-  bool filled = true;  ///< else the outline only
+  bool filled = true;  ///< whether to fill it; otherwise only the outline is drawn
 };
 
-/// The part of the picture that an overlay takes up, from 0 (left, top) to 1; left > right where it
-/// is not seen.
+/// The box of an overlay in the picture, from 0 (left, top) to 1; left > right if it is not
+/// visible.
 struct DrawnBox {
   float left = 1, top = 1, right = 0, bottom = 0;
-  /// Where a label lies on it: the place farthest from whatever is not this overlay or hides it;
-  /// where everything is hidden, the middle of the box.
+  /// Position for a label: the place farthest from anything that is not this overlay or occludes
+  /// it; if everything is occluded, the center of the box.
   float label_x = 0, label_y = 0;
 };
 
 struct ScenePictures {
-  Picture scan;  ///< the measured surface in gray, lit from above the sensor; dark: no measurement
-  /// The same with the models drawn in; paler where the scan is in front of them.
+  Picture scan;  ///< measured surface in gray, lit from above the sensor; dark: no measurement
+  /// The same picture with the models drawn in, paler where the scan occludes them.
   Picture overlaid;
-  std::vector<DrawnBox> boxes;  ///< one an overlay
+  std::vector<DrawnBox> boxes;  ///< one per overlay
 };
 
-/// A scene made ready to be drawn, as its sensor saw it; a closed surface as the side with most to
-/// be seen. Meshes must stay in place while it lives: they are prepared once. Not for use by two
-/// threads at once.
+/// A scene prepared for drawing, as its sensor saw it; a closed surface is seen from the side with
+/// most measurements. Meshes are prepared once and must not move during its lifetime. Not
+/// thread-safe.
 class SceneDrawing {
  public:
   /// largest_diameter  of the models; planes too large to be part of one are drawn darker
@@ -57,13 +57,13 @@ class SceneDrawing {
   SceneDrawing& operator=(SceneDrawing&&) noexcept;
   ~SceneDrawing();
 
-  /// The whole scene, 640 to 1,024 pixels wide. Filled overlays hide one another by depth; those
-  /// that are not filled are drawn over all, in their order.
+  /// Draw the whole scene, 640 to 1,024 pixels wide. Filled overlays occlude one another by depth;
+  /// outlines are drawn over everything, in their order.
   /// Errors: internal (ray tracing).
   Result<ScenePictures> draw(std::span<const Overlay> overlays);
 
-  /// A square around some models with some of what surrounds them, 360 to 720 pixels wide, and
-  /// these overlays in it.
+  /// Draw a square around some models and their surroundings, 360 to 720 pixels wide, with these
+  /// overlays.
   /// Errors: bad_data (all models lie behind the sensor), internal (ray tracing).
   Result<ScenePictures> draw_around(std::span<const Overlay> models,
                                     std::span<const Overlay> overlays);

@@ -1,4 +1,4 @@
-/// Where a label fits onto what a picture shows.
+/// Placement of labels in a picture.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace trivet::engine {
 
 inline constexpr std::uint32_t kNoLabel = std::numeric_limits<std::uint32_t>::max();
 
-/// For each of `count` labels the index of its pixel that is farthest from pixels of others and
-/// from the picture's border, in steps to the four neighbors; the first of equal ones. None for
+/// For each of `count` labels, the index of its pixel that is farthest from pixels of other labels
+/// and from the picture's border, in steps to the four neighbors; for ties the first. Absent for
 /// labels without a pixel.
 ///
 /// labels  row by row, each below `count` or kNoLabel; `width` divides their number
