@@ -1,4 +1,4 @@
-/// What a BOP data set tells of the objects in an image beside their poses.
+/// BOP ground truth of an image beyond the objects' poses.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,21 @@
 
 namespace trivet::engine {
 
-/// From the models, the poses and the measured depth alone, as anyone who has the data set can find
-/// it again: by what is written, not by what is true where an object deviates from its model or a
-/// camera is written wrong. Source: bop_toolkit, scripts/calc_gt_info.py, calc_gt_masks.py.
+/// Computed from the models, the poses and the measured depth alone, so that anyone with the data
+/// set can reproduce it. It uses the written values even where an object deviates from its model or
+/// a camera is written incorrectly. Source: bop_toolkit, scripts/calc_gt_info.py, calc_gt_masks.py.
 class BopTruth {
  public:
-  /// models  object ids count them from 1. Errors: bad_data, internal (ray tracing).
+  /// models  object ids are their indices, starting at 1. Errors: bad_data, internal (ray tracing).
   static Result<BopTruth> create(std::span<const ScanModel> models);
 
-  /// Fill in boxes, counts and the visible fraction of the image's instances, whose ids and poses
-  /// are there.
+  /// Set boxes, counts and the visible fraction of the image's instances, whose ids and poses must
+  /// be set.
   ///
-  /// depths  rows of `width` raw depths; times the image's depth_scale mm
-  /// Returns what is seen of each instance. Boxes are x, y, and the last column and row less the
-  /// first, as the toolkit has them; -1s of an instance without any visible pixel.
-  /// Any number of threads may call it at the same time. Errors: internal (ray tracing).
+  /// depths  rows of `width` raw depths; multiplied by the image's depth_scale they are in mm
+  /// Returns the view of each instance. As in the toolkit, boxes are x, y, and the differences of
+  /// the last and first columns and rows; they are -1 for an instance without visible pixels.
+  /// Thread-safe. Errors: internal (ray tracing).
   Result<std::vector<ObjectView>> describe(std::span<const std::uint16_t> depths,
                                            std::uint32_t width, BopImage& image) const;
 
@@ -39,7 +39,7 @@ class BopTruth {
   std::vector<Object> objects_;
 };
 
-/// The same for scene_gt_coco.json. views: of the image's instances, described.
+/// The ground truth for scene_gt_coco.json. views: of the image's instances, from describe().
 CocoImage coco_image(const BopImage& image, std::span<const ObjectView> views, std::uint32_t width,
                      std::uint32_t height);
 

@@ -21,12 +21,12 @@ using Eigen::Vector3f;
 using kernels::CounterRandom;
 
 constexpr double kLeastSignal = 0.02;    // gray at 88 degrees from 0.7 m, white from 6 m
-constexpr int kSubpixels = 4;            // rays along each side of a pixel that sees an edge
-constexpr std::size_t kNodeSpacing = 4;  // [pixel] bounced light is found so far apart
-constexpr int kBounces = 16;             // rays of a node
-constexpr double kAlike = 0.9;           // cosine of normals that share their bounced light
-constexpr double kLeastCosine = 0.1;     // bounced light grows no more on steeper surfaces
-// Random numbers of their own, each with room for an image.
+constexpr int kSubpixels = 4;            // rays along each side of a pixel at a depth edge
+constexpr std::size_t kNodeSpacing = 4;  // spacing of the nodes for bounced light [pixel]
+constexpr int kBounces = 16;             // rays per node
+constexpr double kAlike = 0.9;           // minimum cosine between normals that share bounced light
+constexpr double kLeastCosine = 0.1;     // on steeper surfaces bounced light grows no further
+// Separate streams of random numbers, each large enough for an image.
 enum Item : std::uint64_t {
   kNoiseItem = 6ULL << 40,
   kBounceItem = 7ULL << 40,
@@ -35,7 +35,7 @@ enum Item : std::uint64_t {
   kWiggleItem = 10ULL << 40
 };
 
-/// Bounced light at every kNodeSpacing-th pixel of every so many rows.
+/// Bounced light at every kNodeSpacing-th pixel of every kNodeSpacing-th row.
 class BouncedLight {
  public:
   BouncedLight(const Echoes& echoes, const ExactImage& image, std::uint64_t seed,
@@ -51,7 +51,8 @@ class BouncedLight {
     });
   }
 
-  /// Between the nodes around that lie on a like surface; none: no light.
+  /// Interpolate between the surrounding nodes on a similar surface; without such nodes there is no
+  /// light.
   Echo at(std::size_t i) const {
     const std::size_t u = i % image_.width, v = i / image_.width;
     const std::size_t column = u / kNodeSpacing, row = v / kNodeSpacing;
@@ -88,13 +89,13 @@ class BouncedLight {
   std::vector<Echo> nodes_;
 };
 
-/// Let light run over into the neighbors along rows (stride 1) or columns: binomial-like weights
-/// of a Gaussian over five pixels.
+/// Blur light along rows (stride 1) or columns, with binomial-like weights of a Gaussian over five
+/// pixels.
 Echo blurred(std::span<const Echo> echoes, std::size_t i, std::size_t place, std::size_t size,
              std::size_t stride, std::span<const double, 3> weights) {
   Echo out{weights[0] * echoes[i].light, weights[0] * echoes[i].moment};
   for (std::size_t k = 1; k <= 2; ++k) {
-    // Beyond the border lies what is at it.
+    // Replicates the border.
     const Echo& before = echoes[i - std::min(k, place) * stride];
     const Echo& after = echoes[i + std::min(k, size - 1 - place) * stride];
     out.light += weights[k] * (before.light + after.light);
@@ -155,7 +156,8 @@ Echo Echoes::bounced(std::size_t i, int num_rays, CounterRandom& random) const {
   const Vector3d across = normal.unitOrthogonal(), aside = normal.cross(across);
   Echo echo;
   for (int k = 0; k < num_rays; ++k) {
-    // As many rays as there is light from each direction on a diffuse surface (Malley's method).
+    // Sample directions in proportion to the light from them on a diffuse surface (Malley's
+    // method).
     const double turn = random.uniform(0, kTurn), square = random.uniform();
     const Vector3d direction =
         std::sqrt(square) * (std::cos(turn) * across + std::sin(turn) * aside) +
@@ -166,7 +168,7 @@ Echo Echoes::bounced(std::size_t i, int num_rays, CounterRandom& random) const {
     if (!hit) continue;
     const Vector3d other = point + static_cast<double>(hit.distance) * direction;
     if (other.z() <= 0) continue;
-    // The light is at the lens: lit is what the camera sees.
+    // The light is at the lens, so lit surfaces are the visible ones.
     const double u = std::round(camera_.fx * other.x() / other.z() + camera_.cx),
                  v = std::round(camera_.fy * other.y() / other.z() + camera_.cy);
     if (!(u >= 0 && v >= 0 && u < image_.width && v < image_.height)) continue;
@@ -178,7 +180,7 @@ Echo Echoes::bounced(std::size_t i, int num_rays, CounterRandom& random) const {
         kernels::time_of_flight_signal(way, std::abs(hit.normal.cast<double>().dot(other)) / way,
                                        finishes_[hit.instance].reflectance) /
         (own * num_rays);
-    // Half of the whole way there and back.
+    // Half of the whole path to the surfaces and back.
     echo.add((way + static_cast<double>(hit.distance) - range) / 2, light);
   }
   return echo;
@@ -198,7 +200,7 @@ std::vector<float> echo_scene(const ExactScene& scene, const SensorOptions& opti
   const std::size_t width = image.width, height = image.height;
   std::vector<Echo> light(image.depth.size());
   std::vector<double> glints(light.size(), std::numeric_limits<double>::infinity());
-  // body(pixel) for each
+  // Call body(pixel) for each pixel.
   const auto for_pixels = [&](auto&& body) {
     for_chunks(height, kRowGrain, [&](std::size_t first, std::size_t count) {
       for (std::size_t i = first * width; i < (first + count) * width; ++i) body(i);

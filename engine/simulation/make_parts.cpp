@@ -17,11 +17,11 @@ namespace {
 using engine::parts::Family;
 using kernels::CounterRandom;
 
-// Lattice cells for a part, and their edge as a share of the bounds' diagonal: the least feature of
-// the families, 2.5 % of it, is 2.5 cells wide.
+// Lattice cells per part, with edges relative to the bounds' diagonal. The smallest feature of the
+// families, 2.5 % of the diagonal, is 2.5 cells wide.
 constexpr float kNumCells = 250'000;
 constexpr float kFinestCell = 1 / 160.0F, kCoarsestCell = 1 / 110.0F;
-// What decimation may do to the surface, as a share of the diagonal, and where it stops.
+// Maximum error of decimation, relative to the diagonal, and its minimum number of triangles.
 constexpr float kMaxError = 5e-4F;
 constexpr std::size_t kNumTriangles = 2000;
 
@@ -34,7 +34,7 @@ Mesh mesh_part(const kernels::Solid& solid) {
   return kernels::decimate_mesh(fine.vertices, fine.triangles, kNumTriangles, kMaxError * diagonal);
 }
 
-/// number  of the part among those of its family
+/// number  index of the part within its family
 Part make_part(const Family& family, std::size_t number, std::uint64_t seed) {
   CounterRandom random(seed, family.stream, number);
   const double ratio = static_cast<double>(family.largest_m / family.smallest_m);
@@ -73,7 +73,7 @@ std::vector<std::string> names_of(std::span<const Family> families) {
   return names;
 }
 
-/// One by one.
+/// Expand kHousehold to single families.
 std::vector<std::string> single_families(std::span<const std::string> families) {
   if (families.empty()) return part_families();
   std::vector<std::string> single;

@@ -1,4 +1,4 @@
-/// Machine parts made to order, so that demos, tests and studies need no data from elsewhere.
+/// Generated machine parts, so that demos, tests and studies need no external data.
 #pragma once
 
 #include <cstddef>
@@ -15,38 +15,38 @@
 namespace trivet {
 
 struct Part {
-  std::string name;     ///< family and number, as "bracket_3": a model's name, unique in a list
-  Points vertices;      ///< [m]; 0.02 to 0.2 in diameter, of a household to 0.33
-  Triangles triangles;  ///< one closed manifold, wound outward; some 2,000 to 10,000
-  Symmetry symmetry;    ///< of the ideal part, about the origin; declared; trivial() for none
-  bool metal = false;   ///< shiny: depth sensors lose its highlights
-  Mesh hollow{};        ///< the same thing open and empty, in its place; empty: there is none
+  std::string name;  ///< family and number, such as "bracket_3": a model's name, unique in a list
+  Points vertices;   ///< [m]; diameter of 0.02 to 0.2, for household objects up to 0.33
+  Triangles triangles;  ///< one closed manifold, oriented outward; about 2,000 to 10,000
+  Symmetry symmetry;  ///< declared symmetry of the ideal part, about the origin; trivial() for none
+  bool metal = false;  ///< shiny surface, whose highlights depth sensors cannot measure
+  Mesh hollow{};       ///< the object opened and emptied, in the same place; empty: none
 };
 
 /// Names of the families of machine parts, in the order in which they take turns.
 std::vector<std::string> part_families();
-/// Names of the families of things of a household (cups, bottles, tools). They are made only where
-/// they are named, one by one or all of them as kHousehold.
+/// Names of the families of household objects (cups, bottles, tools). They are generated only on
+/// request, by single names or all as kHousehold.
 std::vector<std::string> household_families();
 inline constexpr const char* kHousehold = "household";
-/// Everything that may be named.
+/// All valid names of families.
 std::vector<std::string> known_families();
 
-/// Parts that are made at once, at most.
+/// Maximum number of generated parts.
 inline constexpr std::uint32_t kMaxParts = 10'000;
 
-/// The first n parts of a seed: the families take turns, each time with other sizes and
+/// The first n parts of a seed. The families take turns, each time with other sizes and
 /// proportions.
 ///
-/// families  only these take turns, in their order, each of them one of known_families(); empty:
-///           all of part_families()
+/// families  only these take turns, in their order, each one of known_families(); empty: all of
+///           part_families()
 ///
-/// A part is the same whichever families take turns: bracket_3 is the fourth bracket of the seed.
-/// Among the families are mirror pairs (clamp_left_3 and clamp_right_3 are the two hands of one
-/// design) and a part that lacks a symmetry by one hole (drill_plate_3 beside plate_3).
-/// Same for any number of threads; a longer list begins with the shorter one. Cost: some 0.1 s a
-/// part on one core.
-/// The mesh has its symmetry to within 0.5 % of the diameter.
+/// A part is independent of the other families: bracket_3 is the fourth bracket of the seed. The
+/// families include mirror pairs (clamp_left_3 and clamp_right_3 are mirror images of one design)
+/// and a part whose symmetry is broken by one hole (drill_plate_3, compared with plate_3). The
+/// result is the same for any number of threads; a longer list begins with the shorter one. Cost:
+/// about 0.1 s per part on one core.
+/// The mesh is symmetric to within 0.5 % of the diameter.
 std::vector<Part> make_parts(std::size_t n, std::uint64_t seed,
                              std::span<const std::string> families = {});
 

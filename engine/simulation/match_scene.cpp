@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using kernels::CounterRandom;
 
-/// The dots, one by one, and what is added to what windows find of them.
+/// Individual dots, and errors added to the results of windows.
 class Matcher {
  public:
   Matcher(const ExactScene& scene, const SensorOptions& options, const SensorFlaws& flaws,
@@ -37,7 +37,7 @@ class Matcher {
         waves_(image_.width, image_.height, flaws.match.wave_length_pixel, seed, stream,
                kNoiseFieldItem),
         print_(image_.width, image_.height, flaws.patch_length_pixel, seed, stream, kPatchItem) {
-    // The frames' own part of the noise falls with their number.
+    // The part of the noise that differs between frames decreases with their number.
     const double noise = static_cast<double>(options.noise) * match_.noise_pixel,
                  own = match_.frame_share / match_.frames,
                  dots = match_.dot_share * std::pow(2 * match_.half_window_pixel + 1, 2),
@@ -51,7 +51,7 @@ class Matcher {
                                                : match_.step_pixel;
   }
 
-  /// What a pixel shows the matcher [pixel].
+  /// Disparity of a pixel's dot for the matcher [pixel].
   float dot(std::size_t i) const {
     CounterRandom random(seed_, stream_, kDotItem + i);
     if (random.uniform() >= match_.dot_share) return kernels::kNoDot;
@@ -65,7 +65,7 @@ class Matcher {
     return disparity > 0 ? static_cast<float>(disparity) : kernels::kUnseenDot;
   }
 
-  /// What is measured beside what a window found [pixel].
+  /// Disparity with the errors added to a window's result [pixel].
   double disturb(std::size_t i, double disparity) const {
     CounterRandom random(seed_, stream_, kWhiteItem + i);
     const auto u = static_cast<double>(i % image_.width), v = static_cast<double>(i / image_.width);
@@ -75,14 +75,14 @@ class Matcher {
     return std::max(disparity + white_noise_ * random.normal(), 0.0);
   }
 
-  /// Depth [m] of a disparity; 0 for none.
+  /// Depth of a disparity [m]; 0 for none.
   float depth(double disparity) const {
     if (step_pixel_ > 0) disparity = step_pixel_ * std::round(disparity / step_pixel_);
     return disparity > 0 ? static_cast<float>(fb_ / disparity) : 0;
   }
 
  private:
-  // Random numbers of their own, each with room for an image.
+  // Separate streams of random numbers, each large enough for an image.
   enum Item : std::uint64_t {
     kDotItem = 1ULL << 40,
     kWhiteItem = 2ULL << 40,
@@ -95,7 +95,7 @@ class Matcher {
     return match.baseline_m > 0 ? match.baseline_m : traits_of(sensor).baseline;
   }
 
-  /// How much stronger a dot's noise is by mirrored light; infinite: it is not seen.
+  /// Factor of a dot's noise due to mirrored light; infinite: the dot is not visible.
   double glint_of(std::size_t i, double z, double speckle) const {
     constexpr double kUnseen = std::numeric_limits<double>::infinity();
     const auto u = static_cast<double>(i % image_.width), v = static_cast<double>(i / image_.width);
@@ -121,7 +121,7 @@ class Matcher {
   double patches_;
   std::uint64_t seed_, stream_;
   double fb_;       // focal length times baseline [pixel m]
-  Vector3d light_;  // the projector or second camera
+  Vector3d light_;  // position of the projector or second camera
   double min_cosine_;
   kernels::NoiseField waves_, print_;
   double pattern_noise_, frame_noise_, white_noise_, wave_height_, ripple_phase_, step_pixel_;
@@ -135,7 +135,7 @@ std::vector<float> match_scene(const ExactScene& scene, const SensorOptions& opt
   const Matcher matcher(scene, options, flaws, seed, stream);
   const MatchFlaws& match = flaws.match;
   std::vector<float> now(image.depth.size()), next(now.size());
-  // One pass over the image: body(first_row, rows of the output).
+  // Apply body(first_row, rows of the output) to the image.
   const auto pass = [&](auto&& body) {
     for_chunks(image.height, kRowGrain, [&](std::size_t first, std::size_t count) {
       body(static_cast<std::uint32_t>(first),

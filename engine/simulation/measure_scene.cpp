@@ -28,12 +28,12 @@ using kernels::CounterRandom;
 using kernels::RayScene;
 
 constexpr double kMinCosine = static_cast<double>(kernels::kMinViewCosine);
-constexpr double kEdgeJump = 5;  // of a laser's line, in its widths
+constexpr double kEdgeJump = 5;  // depth step at an edge, in widths of the laser line
 constexpr double kMirrorAngle = 5 * kDegree, kGlintAngle = 10 * kDegree, kGlintNoise = 5;
-constexpr std::uint64_t kFirstPixelItem = 16;  // random numbers before it are the scene's own
+constexpr std::uint64_t kFirstPixelItem = 16;  // lower items are the scene's random numbers
 constexpr std::uint64_t kPixelFieldItem = 15ULL << 40, kHoleItem = 16ULL << 40;
 
-/// Everything that one pixel's measurement looks at.
+/// Input for measuring one pixel.
 class Pixels {
  public:
   Pixels(const ExactScene& scene, const SensorOptions& options, const LineFlaws& line,
@@ -57,14 +57,14 @@ class Pixels {
     }
   }
 
-  /// Depth [m]; 0 for none.
+  /// Measured depth [m]; 0 for none.
   double measure(std::size_t i, CounterRandom& random) const {
     const auto z = static_cast<double>(image_.depth[i]);
     if (z == 0) return 0;
     return sensor_ == Sensor::time_of_flight ? time_of_flight(i, random)
                                              : triangulate(i, z, random);
   }
-  /// The depth, or 0 where the sensor does not reach.
+  /// The depth, or 0 beyond the sensor's range.
   double in_range(double depth) const {
     return depth >= traits_.nearest && depth <= traits_.farthest ? depth : 0;
   }
@@ -76,9 +76,9 @@ class Pixels {
   double column(std::size_t i) const { return static_cast<double>(i % image_.width); }
   double row(std::size_t i) const { return static_cast<double>(i / image_.width); }
 
-  /// How far depth is wrong [m] where the middle of the laser's line is seen off its own: away from
-  /// the side on which depth jumps, by up to half a line. Along the light, a place farther to the
-  /// left lies farther away.
+  /// Depth error [m] if the center of the laser line is seen displaced at a depth edge: away from
+  /// the side with the step, by up to half a line. Along the light, a point farther to the left is
+  /// farther away.
   double edge_bias(std::size_t i, double z, CounterRandom& random) const {
     const std::size_t u = i % image_.width;
     const auto jumps = [&](std::size_t neighbor) {
@@ -89,7 +89,7 @@ class Pixels {
     return side * random.uniform(0, beam_m_ / 2) * z / traits_.baseline;
   }
 
-  /// By a light or a second camera beside the camera.
+  /// Depth by triangulation with a light or a second camera next to the camera.
   double triangulate(std::size_t i, double z, CounterRandom& random) const {
     const bool edge = at_edge(image_, camera_, i);
     if (edge && beam_m_ == 0) return 0;
@@ -139,7 +139,7 @@ class Pixels {
   std::optional<kernels::NoiseField> waves_;
 };
 
-/// What becomes of measured depths on their way into the file.
+/// Processing of measured depths before they are written.
 class Writer {
  public:
   Writer(std::uint32_t width, std::uint32_t height, const SensorFlaws& flaws, double depth_step)
@@ -154,8 +154,8 @@ class Writer {
     return steps >= 1 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
   }
 
-  /// Ellipses of any direction without measurement, as learning on rendered depth drops them: Xie
-  /// et al., "Unseen object instance segmentation for robotic environments", T-RO 2021.
+  /// Remove ellipses of any orientation, as is usual for learning on rendered depth: Xie et al.,
+  /// "Unseen object instance segmentation for robotic environments", T-RO 2021.
   void cut_holes(std::uint64_t seed, std::uint64_t stream, std::span<std::uint16_t> raws) const {
     for (std::uint32_t k = 0; k < flaws_.holes; ++k) {
       CounterRandom random(seed, stream, kHoleItem + k);
@@ -178,7 +178,7 @@ class Writer {
     }
   }
 
-  /// The image, moved by the error of its registration.
+  /// The image, shifted by the registration error.
   std::vector<std::uint16_t> shifted(std::vector<std::uint16_t> raws) const {
     const int du = flaws_.calibration.shift_u_pixel, dv = flaws_.calibration.shift_v_pixel;
     if (du == 0 && dv == 0) return raws;
@@ -200,7 +200,7 @@ class Writer {
 }  // namespace
 
 bool at_edge(const ExactImage& image, const Camera& camera, std::size_t i) {
-  // Between neighboring pixels, depth on the steepest surface changes by so many times their
+  // Maximum depth step between neighboring pixels on the steepest surface, relative to their
   // distance.
   static const double steepest = std::sqrt(1 - kMinCosine * kMinCosine) / kMinCosine;
   const auto z = static_cast<double>(image.depth[i]);
@@ -259,7 +259,7 @@ std::vector<std::uint16_t> measure_scene(const ExactScene& scene, const SensorOp
                                          const SensorFlaws& flaws) {
   const ExactImage& image = scene.image;
   const SensorTraits& traits = traits_of(options.sensor);
-  std::vector<float> whole;  // depths of a sensor whose pixels depend on one another
+  std::vector<float> whole;  // depths of a sensor with dependent pixels
   if (flaws.match.half_window_pixel > 0)
     whole = match_scene(scene, options, flaws, seed, stream);
   else if (flaws.echo != EchoFlaws{})

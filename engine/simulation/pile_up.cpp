@@ -20,23 +20,23 @@ using kernels::CounterRandom;
 using kernels::Motion;
 using kernels::Pile;
 
-constexpr int kThrows = 6;           // of which the one that lies lowest is taken
-constexpr int kShakes = 2;           // tries to come lower from where a body rests
-constexpr int kMaxSteps = 120;       // landings until a body rests
+constexpr int kThrows = 6;           // throws per body; the lowest result is used
+constexpr int kShakes = 2;           // attempts to lower a resting body
+constexpr int kMaxSteps = 120;       // maximum landings until a body rests
 constexpr int kDodges = 8;           // directions of sidesteps
-constexpr double kFriction = 0.4;    // of plastic and steel on one another
-constexpr double kPileRadius = 0.3;  // in the root of the sum of squared diameters
-constexpr double kBinHalf = 0.28;    // the same
-constexpr double kBinAspect = 1.12;  // root of length by width
-constexpr double kCell = 1.0 / 96;   // in the largest diameter
+constexpr double kFriction = 0.4;    // friction between plastic and steel
+constexpr double kPileRadius = 0.3;  // relative to the root of the sum of squared diameters
+constexpr double kBinHalf = 0.28;    // relative to the same length
+constexpr double kBinAspect = 1.12;  // square root of the ratio of length to width
+constexpr double kCell = 1.0 / 96;   // relative to the largest diameter
 // In diameters:
 constexpr double kFirstFall = 0.05, kLongestFall = 0.4, kLeastFall = 2e-5;
 constexpr double kFarthestStep = 0.1, kReach = 0.01;
-constexpr double kLeastGain = 1e-7;  // of height, for a step
-constexpr double kShakeGain = 2e-3;  // the same, for a shake
-constexpr double kAtRest = 2e-3;     // in `fall`: hardly a motion
+constexpr double kLeastGain = 1e-7;  // minimum drop in height per step
+constexpr double kShakeGain = 2e-3;  // minimum drop in height per shake
+constexpr double kAtRest = 2e-3;     // relative to `fall`; less hardly counts as motion
 
-/// Uniform over all rotations. Source: Shoemake, Graphics Gems III, 1992.
+/// A uniform random rotation. Source: Shoemake, Graphics Gems III, 1992.
 Eigen::Quaterniond random_rotation(CounterRandom& random) {
   const double u = random.uniform();
   const double a = random.uniform(0, 2 * std::numbers::pi),
@@ -45,7 +45,7 @@ Eigen::Quaterniond random_rotation(CounterRandom& random) {
   return {s * std::cos(b), r * std::sin(a), r * std::cos(a), s * std::sin(b)};
 }
 
-/// One body on its way to rest.
+/// One body until it rests.
 class DroppedBody {
  public:
   DroppedBody(const Pile& pile, const Body& body, double limit)
@@ -53,7 +53,7 @@ class DroppedBody {
 
   struct State {
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-    Vector3d center{0, 0, 0};  // of mass, in the world
+    Vector3d center{0, 0, 0};  // center of mass in the world
     std::vector<Contact> contacts;
   };
 
@@ -65,18 +65,18 @@ class DroppedBody {
     return out;
   }
 
-  /// Bring a state down, or up, to where it touches.
+  /// Lower or raise a state to where it touches.
   void land(State& state, double reach) {
     const Pose from = pose(state);
     for (std::size_t i = 0; i < vertices_.size(); ++i) vertices_.set(i, from * body_.vertices[i]);
     state.center += pile_.land(vertices_, *body_.triangles, reach, scratch_, state.contacts);
   }
 
-  /// Move a state that has landed along gravity, with friction, until it rests.
+  /// Move a landed state along gravity, with friction, until it rests.
   void settle(State& state) {
     const auto diameter = static_cast<double>(body_.diameter);
     double fall = kFirstFall * diameter;
-    double reach = -1;  // of the state's contacts: unknown
+    double reach = -1;  // reach of the state's contacts: unknown
     State next;
     for (int steps = 0; steps < kMaxSteps && fall > kLeastFall * diameter; ++steps) {
       const double wanted = std::min(2 * fall, kReach * diameter);
@@ -114,7 +114,7 @@ class DroppedBody {
     }
   }
 
-  /// Whether a nudge lets a resting state come to rest lower.
+  /// Try whether a nudge lets a resting state come to rest lower.
   void shake(State& state, CounterRandom& random) {
     const double angle = random.uniform(0, 2 * std::numbers::pi), size = random.uniform(0.1, 0.4);
     Motion nudge;
@@ -131,8 +131,9 @@ class DroppedBody {
   }
 
  private:
-  /// A motion that ends on top of something runs into its side. Make it with a sidestep of its own
-  /// length, in the direction that brings the body lowest. Returns whether that is below `highest`.
+  /// A motion that ends on top of an obstacle has hit the obstacle's side. Repeat it with a
+  /// sidestep of a given length, in the direction that lowers the body most. Returns whether the
+  /// result is below `highest`.
   bool dodge(const State& state, const Motion& motion, double length, double highest, double reach,
              State& next) {
     bool lower = false;
@@ -216,7 +217,7 @@ Body make_body(PointsView vertices, const Triangles& triangles) {
   body.gyration =
       area > 0 ? std::sqrt(std::max(0.0, area_square / area - center.squaredNorm())) : 0;
   body.gyration = std::max(body.gyration, 0.05 * diameter);
-  // A closed surface with one winding; else the sums mean nothing.
+  // For a closed surface with consistent winding; otherwise the sums are meaningless.
   const bool bounds_volume = open.norm() < 1e-3 * area && std::abs(volume) > 1e-3 * area * diameter;
   if (bounds_volume && (volume_moment / volume - center).norm() < 0.3 * diameter) {
     center = volume_moment / volume;
@@ -258,7 +259,7 @@ std::vector<PlacedBody> pile_up(std::span<const Body> bodies, std::span<const st
     }
     dropped.settle(best);
     for (int i = 0; i < kShakes; ++i) dropped.shake(best, random);
-    dropped.land(best, 0);  // as the pose's floats say
+    dropped.land(best, 0);  // at the pose's float precision
     placed.push_back({index, dropped.pose(best)});
     Points world(body.vertices.size());
     for (std::size_t i = 0; i < world.size(); ++i) {

@@ -26,14 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSceneId = 1;  // every image is of this scene of BOP
+constexpr int kSceneId = 1;  // BOP scene of every image
 
 constexpr std::uint64_t kDeviationStream = 0xDE7, kObjectStream = 0x0B1;
 
-/// Coarse: of a trained model only its symmetries are used here.
+/// Coarse, since only the symmetries of the trained models are used here.
 constexpr TrainOptions kSymmetryOnly{.relative_step = 0.1F};
 
-/// The vertices that triangles use, in their order, `factor` times as large.
+/// Keep the vertices of triangles, in their order, scaled by `factor`.
 void keep_used(const Cloud& surface, double factor, ScanModel& model) {
   constexpr std::uint32_t kUnused = 0xFFFF'FFFFU;
   std::vector<std::uint32_t> place(surface.points.size(), kUnused);
@@ -61,7 +61,7 @@ Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
                              "sees through",
                              source.file.string())};
   }
-  double scale = source.scale;  // to the library's unit
+  double scale = source.scale;  // factor to the library's unit
   if (options.diameter > 0) {
     const float diameter = kernels::find_diameter(surface.points);
     if (diameter > 0) scale = static_cast<double>(options.diameter) / static_cast<double>(diameter);
@@ -84,8 +84,8 @@ Result<ScanModel> read_model(const ModelSource& source, LengthUnit unit,
   return model;
 }
 
-/// Run `make(i)`, which gives the item's name, for each i side by side, until one fails or a stop
-/// is asked for. Errors: that of the lowest index; resumable when stopped.
+/// Run `make(i)`, which returns the item's name, for each i in parallel, until one fails or the run
+/// is asked to stop. Errors: that of the lowest index; resumable when stopped.
 template <class Make>
 Result<void> make_all(std::size_t n, const Progress& progress, Make&& make) {
   std::vector<std::optional<Error>> errors(n);
@@ -109,7 +109,7 @@ Result<void> make_all(std::size_t n, const Progress& progress, Make&& make) {
   return {};
 }
 
-/// Twice, as errors are measured on the very meshes.
+/// The models are written twice, since errors are measured on the same meshes.
 Result<std::vector<ManifestModel>> write_models(std::span<const ScanModel> models, LengthUnit unit,
                                                 const fs::path& folder) {
   std::vector<engine::BopModel> of_bop;
@@ -137,7 +137,7 @@ std::vector<int> object_ids_of(const Manifest& manifest) {
   return ids;
 }
 
-/// As much larger along each axis, about the middle of the box around.
+/// Scale along each axis, about the center of the bounding box.
 void stretch(const Eigen::Vector3d& factors, Points& points) {
   Eigen::AlignedBox3f box;
   for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i]);
@@ -148,9 +148,9 @@ void stretch(const Eigen::Vector3d& factors, Points& points) {
   }
 }
 
-/// Let an object differ from its model as real ones do: open where the model is closed, of another
-/// size by up to 1 %, along each axis for itself by up to .5 % more, bent by up to 1 % of the
-/// diameter; each of these not at all at times.
+/// Let an object deviate from its model as real ones do. It may be open although the model is
+/// closed, differ in size by up to 1 %, along each axis independently by up to .5 % more, and be
+/// bent by up to 1 % of the diameter. Each deviation may also be absent.
 ///
 /// Returns the bend [diameters].
 double randomize_object(ScanModel& object, kernels::CounterRandom& random) {
@@ -231,7 +231,7 @@ Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit uni
   manifest.scenes.resize(options.num_scenes);
   std::vector<BopScene> bop{{kSceneId, std::vector<BopImage>(options.num_scenes)}};
   std::vector<CocoImage> coco(options.num_scenes);
-  std::uint32_t width = kScanWidth, height = kScanHeight;  // of every scene
+  std::uint32_t width = kScanWidth, height = kScanHeight;  // size of every scene's image
   const Result<void> rendered =
       make_all(options.num_scenes, progress, [&](std::size_t i) -> Result<std::string> {
         TRIVET_TRY_ASSIGN(RenderedScene scene, scanner.scan(static_cast<std::uint32_t>(i)));

@@ -1,4 +1,4 @@
-/// A virtual depth sensor above piles of known objects: scenes of which the truth is known exactly.
+/// Virtual depth sensor above piles of known objects, for scenes with exact ground truth.
 #pragma once
 
 #include <cstdint>
@@ -22,20 +22,20 @@ namespace trivet {
 
 struct ScanOptions {
   std::uint32_t num_scenes = 8;
-  std::uint32_t num_instances = 8;  ///< objects of a scene
-  std::uint32_t of_a_kind = 1;      ///< so many of a model before the next model comes
-  std::uint32_t num_clutter = 0;    ///< other parts among them, in no truth
-  std::uint64_t seed = 1;           ///< other seeds give other scenes
-  bool bin = false;                 ///< in an open box instead of on a table
-  bool walls = false;               ///< a corner of two walls behind the pile
-  /// The objects differ from their models by smooth deviations, root mean square of so many
-  /// diameters.
+  std::uint32_t num_instances = 8;  ///< number of objects per scene
+  std::uint32_t of_a_kind = 1;      ///< consecutive instances per model
+  /// Number of other parts in the pile, not part of the ground truth.
+  std::uint32_t num_clutter = 0;
+  std::uint64_t seed = 1;  ///< other seeds give other scenes
+  bool bin = false;        ///< whether the pile is in an open box instead of on a table
+  bool walls = false;      ///< whether two walls form a corner behind the pile
+  /// Root mean square of the smooth deviations of objects from their models [diameters].
   double deviation = 0;
   SensorOptions sensor{};
-  double resolution = 1;  ///< pixels along a side of the image, in those of kScanWidth, kScanHeight
-  /// Draw for each scene how its sensor falls short of the ideal one (engine::draw_flaws), its
-  /// focal length, 1 to 2.5 times the distance that frames the pile, and what stands around; for
-  /// the set the width of the image.
+  double resolution = 1;  ///< image size relative to kScanWidth and kScanHeight
+  /// Randomize for each scene the flaws of its sensor (engine::draw_flaws), its focal length, its
+  /// distance, as 1 to 2.5 times the one that frames the pile, and the surroundings. Also randomize
+  /// the width of the images for the whole set.
   bool randomize = false;
   bool operator==(const ScanOptions&) const = default;
 };
@@ -43,65 +43,66 @@ struct ScanOptions {
 template <>
 std::span<const Option<ScanOptions>> options_of<ScanOptions>();
 
-/// Errors: usage (names the option, its range and its value).
+/// Check the options. Errors: usage (names the option, its range and its value).
 Result<void> validate(const ScanOptions& options);
 
-/// An object to lay into scenes. All lengths are meters.
+/// An object for scenes. All lengths are in meters.
 struct ScanModel {
   std::string name;
-  Points vertices;      ///< every one used by a triangle
+  Points vertices;      ///< all used by triangles
   Triangles triangles;  ///< at least one
   Symmetry symmetry;
-  bool metal = false;  ///< mirrors the sensor's light
-  /// Open and empty, what lies in half of the randomized sets; empty: there is none.
+  bool metal = false;  ///< whether it mirrors the sensor's light
+  /// The object opened and emptied, used in half of the randomized sets; empty: none.
   Mesh hollow{};
 };
 
 struct ScanModelOptions {
-  float diameter = 0;  ///< scale every model to this diameter [library unit]; 0: as it is
+  float diameter = 0;  ///< diameter that every model is scaled to [library unit]; 0: no scaling
   bool metal = false;
 };
 
 /// Read models and find the symmetries that are not declared.
 ///
 /// unit  library unit of the sources' scales and symmetries
-/// Errors: of reading, bad_data (points without faces).
+/// Errors: those of reading, bad_data (points without faces).
 Result<std::vector<ScanModel>> read_scan_models(std::span<const ModelSource> sources,
                                                 LengthUnit unit, const ScanModelOptions& options);
 
-/// The first n machine parts of a seed, of all families or of these
+/// The first n machine parts of a seed, from all families or from these
 /// (engine/simulation/make_parts.hpp).
 std::vector<ScanModel> make_scan_models(std::size_t n, std::uint64_t seed,
                                         std::span<const std::string> families = {});
 
-/// What lies in the scenes of render_scenes in the models' place: the same, or what deviates from
-/// them (ScanOptions::deviation, randomize).
+/// The objects that represent the models in the scenes of render_scenes: the models themselves, or
+/// deviating copies (ScanOptions::deviation, randomize).
 std::vector<ScanModel> scanned_objects(std::span<const ScanModel> models,
                                        const ScanOptions& options);
 
 inline constexpr std::uint32_t kScanWidth = 640, kScanHeight = 480;
 
-/// One depth image and what is in it.
+/// One depth image and its ground truth.
 struct RenderedScene {
   std::uint32_t width = kScanWidth, height = kScanHeight;
-  Camera camera;                      ///< as it is written; depth_scale: to the asked unit
-  Camera true_camera;                 ///< what the exact image is of; the same unless randomized
+  Camera camera;                      ///< camera as written; depth_scale: to the requested unit
+  Camera true_camera;                 ///< camera of the exact image; the same unless randomized
   engine::SensorFlaws flaws;          ///< none unless randomized
   std::vector<std::uint16_t> depths;  ///< width * height; 0: no measurement
-  engine::ExactImage exact{0, 0};     ///< of the same size; instances: the truth, then the rest
-  /// One an instance; lengths in the asked unit. Where the camera that is written is not the true
-  /// one, the poses are those that fit what is written best (engine::written_pose).
+  /// Of the same size; instances: those of the ground truth first, then the others.
+  engine::ExactImage exact{0, 0};
+  /// One per instance; lengths in the requested unit. If the written camera differs from the true
+  /// one, the poses are those that fit the written image best (engine::written_pose).
   std::vector<TruthInstance> truth;
-  /// Ids and poses of the same for BOP; object ids count models from 1. The rest is told by what
-  /// was measured (engine::BopTruth).
+  /// Ids and poses of the same instances for BOP; object ids start at 1 and are indices of models.
+  /// The other values follow from the measurements (engine::BopTruth).
   BopImage bop;
 };
 
-/// Scans one scene after the other, or side by side.
+/// Scanner of scenes, sequentially or in parallel.
 class VirtualScanner {
  public:
-  /// models   at least one; they outlive the scanner
-  /// unit     of the truth
+  /// models  at least one; they must outlive the scanner
+  /// unit    of the ground truth
   /// Errors: usage (an option), bad_data (no model, one without extent), internal (ray tracing).
   static Result<VirtualScanner> create(std::span<const ScanModel> models, LengthUnit unit,
                                        const ScanOptions& options);
@@ -112,12 +113,11 @@ class VirtualScanner {
   /// Scan models at rest in a pile, on the ground or in a bin (engine::pile_up), with a camera that
   /// looks down on them from a random side.
   ///
-  /// index  of the scene; every scene is the same whichever others are scanned
-  /// Visible fraction: exact, of the silhouette's pixels, those beyond the image's border included.
-  /// Occlusion and clutter: Drost's, of areas; a pixel that is measured, of a surface less than 80
-  /// degrees steep, stands for the patch z^2 / (fx fy |normal . ray|) that it sees. Instances with
-  /// less than 15 % or 300 pixels visible are to be ignored. Any number of threads may scan at the
-  /// same time.
+  /// index  of the scene; scenes are independent of one another
+  /// The visible fraction is exact and relative to the silhouette's pixels, including those beyond
+  /// the image's border. Occlusion and clutter are Drost's, by area: a measured pixel of a surface
+  /// less than 80 degrees steep represents the patch z^2 / (fx fy |normal . ray|) that it sees.
+  /// Instances with less than 15 % or 300 pixels visible are to be ignored. Thread-safe.
   /// Errors: usage (a pile beyond the sensor's range), internal (ray tracing).
   Result<RenderedScene> scan(std::uint32_t index) const;
 
@@ -127,10 +127,11 @@ class VirtualScanner {
   std::unique_ptr<const State> state_;
 };
 
-/// Render scenes and write them into a folder, as a BOP data set (storage/datasets/bop.hpp, split
-/// "test", scene 1, an image a scene, with the masks of every instance) and as manifest.json, which
-/// has the models' names, over the same files. models_eval/ has the meshes of models/. Same input, same bytes for any number of threads. Errors: of rendering, usage (no
-/// model), cannot_create, io; resumable when stopped.
+/// Render scenes and write them into a folder as a BOP data set (storage/datasets/bop.hpp, split
+/// "test", scene 1, one image per scene, with the masks of every instance), and as manifest.json
+/// with the models' names for the same files. models_eval/ contains the meshes of models/. Same
+/// input, same bytes for any number of threads. Errors: those of rendering, usage (no model),
+/// cannot_create, io; resumable when stopped.
 Result<Manifest> render_scenes(std::span<const ScanModel> models, LengthUnit unit,
                                const ScanOptions& options, const std::filesystem::path& folder,
                                const Progress& progress);

@@ -1,4 +1,4 @@
-/// What all models of sensors count by.
+/// Common constants of all sensor models.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace trivet::engine {
 
-inline constexpr std::size_t kRowGrain = 16;  // rows of an image, a task
+inline constexpr std::size_t kRowGrain = 16;  // rows of an image per task
 inline constexpr double kDegree = std::numbers::pi / 180;
 inline constexpr double kTurn = 2 * std::numbers::pi;
 

@@ -16,7 +16,7 @@ constexpr double kMostOfADot = 0.45;  // [pixel of disparity]
 
 bool happens(CounterRandom& random, double share) { return random.uniform() < share; }
 
-/// Evenly over the logarithm.
+/// A random number, uniform in its logarithm.
 double between_logs(CounterRandom& random, double low, double high) {
   return low * std::pow(high / low, random.uniform());
 }
@@ -25,7 +25,7 @@ std::uint32_t whole(CounterRandom& random, std::uint32_t low, std::uint32_t high
   return low + static_cast<std::uint32_t>(random.next() % (high - low + 1));
 }
 
-/// Absent in a fifth, mostly small, sometimes anything up to the largest.
+/// A random error: absent in a fifth of the cases, mostly small, sometimes up to the largest.
 double error(CounterRandom& random, double usual, double largest) {
   const double kind = random.uniform(), small = usual * random.normal(),
                wide = random.uniform(-largest, largest);
@@ -50,7 +50,7 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   MatchFlaws flaws;
   flaws.half_window_pixel = whole(random, stereo ? 2 : 3, 6);
   const double pixels = std::pow(2 * flaws.half_window_pixel + 1, 2);
-  // Fewer than five dots a window would leave holes everywhere; to stereo, surfaces show texture
+  // Fewer than five dots per window would leave holes everywhere. For stereo, surfaces add texture
   // between the dots.
   flaws.dot_share = std::max(5 / pixels, random.uniform(0.06, stereo ? 0.18 : 0.12));
   flaws.taper = random.uniform(0.05, 0.9);
@@ -58,7 +58,7 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   flaws.fewest_dots = whole(random, 2, 3);
   flaws.least_share = happens(random, 0.25) ? 0 : random.uniform(0.1, 0.65);
 
-  // Dots that err by much more would not agree with one another.
+  // Dots with much larger errors would not agree with one another.
   flaws.noise_pixel =
       std::min(between_logs(random, 0.04, 0.15), kMostOfADot / std::sqrt(flaws.dot_share * pixels));
   flaws.white_share = random.uniform(0, 0.4);
@@ -85,7 +85,7 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
     flaws.block_pixel = 2;
     flaws.smoothing_pixel *= 2;
   }
-  const double grown = random.uniform();  // mostly not, seldom by three
+  const double grown = random.uniform();  // mostly none, rarely three
   flaws.grow_pixel = grown < 0.6 ? 0 : grown < 0.8 ? 1 : grown < 0.94 ? 2 : 3;
 
   flaws.light_on_left = happens(random, 0.5);
@@ -121,7 +121,7 @@ LineFlaws draw_line(CounterRandom& random) {
   return flaws;
 }
 
-/// Industrial scanners are calibrated by their makers.
+/// Calibration errors of industrial scanners, which their manufacturers calibrate.
 CalibrationFlaws tenth_of(CalibrationFlaws flaws) {
   flaws.focal /= 10;
   flaws.aspect /= 10;
@@ -162,7 +162,7 @@ Camera written_camera(const Camera& camera, const CalibrationFlaws& flaws) {
 
 Eigen::Matrix3d written_from_true(const Camera& camera, const CalibrationFlaws& flaws) {
   const Camera written = written_camera(camera, flaws);
-  Eigen::Matrix3d pixels, image;  // pixels of a ray, by both cameras
+  Eigen::Matrix3d pixels, image;  // transforms from rays to pixels, by both cameras
   pixels << camera.fx, 0, camera.cx + flaws.shift_u_pixel, 0, camera.fy,
       camera.cy + flaws.shift_v_pixel, 0, 0, 1;
   image << written.fx, 0, written.cx, 0, written.fy, written.cy, 0, 0, 1;

@@ -25,16 +25,17 @@ using engine::PlacedBody;
 using kernels::CounterRandom;
 using kernels::RayScene;
 
-constexpr double kFocal = 572;         // [pixel], as of a Kinect or PrimeSense
-constexpr double kFilledShare = 0.85;  // of the image's width or height, by the pile
-constexpr double kMinVisible = 0.15;   // instances of which less is seen are ignored
+constexpr double kFocal = 572;         // [pixel], like a Kinect or PrimeSense
+constexpr double kFilledShare = 0.85;  // share of the image's width or height that the pile fills
+constexpr double kMinVisible = 0.15;   // minimum visible fraction of instances that are not ignored
 constexpr int kMinVisiblePixels = 300;
-constexpr double kBinHeight = 0.5;                               // in the pile's height
-constexpr double kBinThickness = 0.005;                          // [m]
-constexpr double kWallDistance = 0.02;                           // [m] behind the pile
-constexpr std::size_t kClutterKinds = 12;                        // at most
-constexpr double kSmallestClutter = 0.5, kLargestClutter = 1.1;  // in the models' mean diameter
-constexpr std::uint64_t kClutterSeed = 0xC1C7;                   // other parts than the models
+constexpr double kBinHeight = 0.5;         // relative to the pile's height
+constexpr double kBinThickness = 0.005;    // [m]
+constexpr double kWallDistance = 0.02;     // [m] behind the pile
+constexpr std::size_t kClutterKinds = 12;  // maximum
+// Relative to the models' mean diameter.
+constexpr double kSmallestClutter = 0.5, kLargestClutter = 1.1;
+constexpr std::uint64_t kClutterSeed = 0xC1C7;  // generates other parts than the models
 enum Item : std::uint64_t {
   kPile,
   kCamera,
@@ -44,19 +45,21 @@ enum Item : std::uint64_t {
   kFlaws,
   kSetting,
   kImageSize
-};  // random numbers of their own
+};  // separate streams of random numbers
 
-// What is drawn for a scene under ScanOptions::randomize.
+// Distribution of scenes under ScanOptions::randomize.
 constexpr double kShortestFocal = 400, kLongestFocal = 1000;  // [pixel]
-constexpr double kFarthestView = 2.5;                         // in the nearest that frames the pile
-constexpr double kOfRange = 0.95;                             // the pile lies within so much of it
-constexpr std::uint32_t kWideScan = 848;                      // columns of half of the sets
-constexpr double kGlossyShare = 0.25;                         // of objects that are not of metal
-constexpr double kBlackShare = 0.15;                          // of objects
-constexpr double kRoomShare = 0.6;  // of scenes: a table with an end, a floor and a wall behind
+// Maximum distance relative to the nearest that frames the pile.
+constexpr double kFarthestView = 2.5;
+constexpr double kOfRange = 0.95;         // share of the sensor's range that the pile lies within
+constexpr std::uint32_t kWideScan = 848;  // columns in half of the sets
+constexpr double kGlossyShare = 0.25;     // share of nonmetal objects
+constexpr double kBlackShare = 0.15;      // share of objects
+// Share of scenes: a table with an end, a floor and a wall behind.
+constexpr double kRoomShare = 0.6;
 
-/// `of_a_kind` of every model in a random order, then again in another, and clutter among them.
-/// Clutter has the indices from num_models on.
+/// Choose `of_a_kind` of every model in a random order, then again in another order, with clutter
+/// among them. Indices of clutter start at num_models.
 std::vector<std::uint32_t> choose_bodies(std::size_t num_models, std::size_t num_clutter_kinds,
                                          const ScanOptions& options, CounterRandom& random) {
   const auto shuffle = [&](std::vector<std::uint32_t>& values) {
@@ -78,7 +81,7 @@ std::vector<std::uint32_t> choose_bodies(std::size_t num_models, std::size_t num
   return chosen;
 }
 
-/// Parts of no model's shape, about as large as the models.
+/// Generate parts other than the models, about as large as these.
 std::vector<ScanModel> make_clutter(const ScanOptions& options, std::span<const Body> bodies) {
   double mean = 0;
   for (const Body& body : bodies)
@@ -96,7 +99,7 @@ std::vector<ScanModel> make_clutter(const ScanOptions& options, std::span<const 
   return clutter;
 }
 
-/// A surface that is no model.
+/// A surface that belongs to no model.
 struct Sheet {
   Points vertices;
   Triangles triangles;
@@ -109,13 +112,14 @@ struct Sheet {
   }
 };
 
-/// A square on z = 0 under everything that the camera sees.
+/// Add a square at z = 0 under everything that the camera sees.
 void add_ground(double half_side, Sheet& sheet) {
   sheet.add({-half_side, -half_side, 0}, {half_side, -half_side, 0}, {half_side, half_side, 0},
             {-half_side, half_side, 0});
 }
 
-/// Walls half as high as the pile, and as high as anything leans on them.
+/// Height of the walls: half the pile's height, and at least the height of anything that leans on
+/// them.
 double bin_height(const Points& points, const engine::BinSize& half) {
   double top = 0, leaning = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -127,7 +131,7 @@ double bin_height(const Points& points, const engine::BinSize& half) {
   return std::max(kBinHeight * top, leaning) + kBinThickness;
 }
 
-/// The inner and outer faces of four walls, and their rim.
+/// Add the inner and outer faces of four walls, and their rim.
 void add_bin(const engine::BinSize& half, double height, Sheet& sheet) {
   const engine::BinSize outer = half.array() + kBinThickness;
   const auto corner = [](const engine::BinSize& size, int i, double z) {
@@ -144,7 +148,7 @@ void add_bin(const engine::BinSize& half, double height, Sheet& sheet) {
   }
 }
 
-/// Two walls that meet behind points, as seen from the camera.
+/// Add two walls that meet behind the points, as seen from the camera.
 void add_walls(const Points& points, const Pose& T_camera_world, double half_side, Sheet& sheet) {
   const Vector3d view = T_camera_world.linear().cast<double>().row(2);
   const double azimuth = std::atan2(view.y(), view.x());
@@ -164,7 +168,7 @@ void add_walls(const Points& points, const Pose& T_camera_world, double half_sid
   }
 }
 
-/// Everything on the pile, in the world.
+/// The surface points of the pile, in the world.
 Points surface_points(std::span<const Body> bodies, std::span<const PlacedBody> placed) {
   Points points;
   for (const PlacedBody& instance : placed) {
@@ -176,16 +180,17 @@ Points surface_points(std::span<const Body> bodies, std::span<const PlacedBody> 
 }
 
 struct Elevations {
-  double low, high;  // [degree] above the ground
+  double low, high;  // elevation above the ground [degree]
 };
 
-/// Where a scene is scanned, and through which lens.
+/// Camera position and lens of a scene.
 struct Setting {
   Elevations elevations;
-  double nearest, farthest;  // [m] that the sensor measures
+  double nearest, farthest;  // range of the sensor [m]
   double focal = kFocal;     // [pixel], at a resolution of 1
-  double retreat = 1;        // the camera stands so many times farther than it could, within range
-  double off_u = 0, off_v = 0;  // the pile is so far from the image's middle, -1..1 of what it can
+  double retreat = 1;        // factor on the minimum camera distance, within range
+  // Displacement of the pile from the image's center, -1..1 of the maximum.
+  double off_u = 0, off_v = 0;
 };
 
 Setting draw_setting(const ScanOptions& options, const engine::SensorTraits& sensor,
@@ -206,7 +211,7 @@ std::uint32_t scaled(std::uint32_t pixels, double resolution) {
   return static_cast<std::uint32_t>(std::lround(resolution * pixels));
 }
 
-/// An image that nothing is in yet: how it errs, its size and its camera.
+/// Create an empty image: its flaws, its size and its camera.
 ///
 /// focal  at a resolution of 1
 RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double focal,
@@ -215,7 +220,7 @@ RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double f
   if (options.randomize) {
     CounterRandom random(options.seed, index, kFlaws);
     scene.flaws = engine::draw_flaws(options.sensor.sensor, random);
-    // One size for all images of a set: BOP's camera.json has one.
+    // All images of a set have one size, since BOP's camera.json has only one.
     if (CounterRandom(options.seed, 0, kImageSize).uniform() < 0.5) scene.width = kWideScan;
   }
   scene.width = scaled(scene.width, options.resolution);
@@ -231,8 +236,8 @@ RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double f
   return scene;
 }
 
-/// A camera that looks down on the points from a random side, as near as it sees them all with some
-/// room around them, and not nearer than the sensor measures; or farther away.
+/// A camera that looks down on the points from a random side. It is as near as possible with all
+/// points in view and a margin around them, but within the sensor's range; or farther away.
 Pose place_camera(const Points& points, const Camera& camera, const Setting& setting,
                   CounterRandom& random) {
   const auto& [elevations, nearest, farthest, focal, retreat, off_u, off_v] = setting;
@@ -240,7 +245,7 @@ Pose place_camera(const Points& points, const Camera& camera, const Setting& set
   const double azimuth = random.uniform(0, 2 * std::numbers::pi);
   const Vector3d away(std::cos(elevation) * std::cos(azimuth),
                       std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  Eigen::Matrix3d axes;  // rows: the camera's x, y and z in the world
+  Eigen::Matrix3d axes;  // rows: the camera's x, y and z axes in the world
   axes.row(2) = -away;
   axes.row(0) = Vector3d::UnitZ().cross(away).normalized();
   axes.row(1) = axes.row(2).cross(axes.row(0));
@@ -250,8 +255,8 @@ Pose place_camera(const Points& points, const Camera& camera, const Setting& set
   const Vector3d middle = box.center();
   const double width = kFilledShare * camera.cx / camera.fx,
                height = kFilledShare * camera.cy / camera.fy;
-  double distance = 0;  // from the camera to the middle
-  double depth = 0;     // of the pile beyond the middle
+  double distance = 0;  // distance from the camera to the center
+  double depth = 0;     // depth of the pile beyond the center
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d p = axes * points[i].cast<double>() - middle;
     distance = std::max({distance, nearest - p.z(), std::abs(p.x()) / width - p.z(),
@@ -270,7 +275,7 @@ Pose place_camera(const Points& points, const Camera& camera, const Setting& set
   return T_camera_world;
 }
 
-/// [m] from the camera's plane
+/// Largest distance from the camera's plane [m].
 double farthest_depth(const Points& points, const Pose& T_camera_world) {
   float farthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -278,7 +283,7 @@ double farthest_depth(const Points& points, const Pose& T_camera_world) {
   return static_cast<double>(farthest);
 }
 
-/// A table that ends a little beyond the pile, on a floor, before a wall.
+/// Add a table that ends a little beyond the pile, on a floor, in front of a wall.
 void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& random,
               Sheet& sheet) {
   Eigen::AlignedBox3d box;
@@ -301,7 +306,7 @@ void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& r
             foot + far * aside + far * up, foot - far * aside + far * up);
 }
 
-/// Of an object that lies in a scene. Random numbers are drawn in the order of the objects.
+/// Draw the finish of an object in a scene. Random numbers are drawn in the order of the objects.
 Finish choose_finish(const ScanModel& model, bool randomize, CounterRandom& finish,
                      CounterRandom& drawn) {
   Finish out{model.metal, finish.uniform(0.15, 0.9)};
@@ -312,7 +317,7 @@ Finish choose_finish(const ScanModel& model, bool randomize, CounterRandom& fini
   return out;
 }
 
-/// What is no object: the ground or a room, the bin, walls.
+/// Surfaces that are not objects: the ground or a room, the bin, walls.
 struct Surroundings {
   Sheet sheet;
   Finish finish;
@@ -335,7 +340,8 @@ Surroundings surround(const Points& points, const Pose& T_camera_world, double r
   return out;
 }
 
-/// The number of pixels in which an object would be seen if it stood alone; beyond the image too.
+/// The number of pixels that would show an object without occlusion, including those beyond the
+/// image.
 Result<int> count_silhouette(const RayScene::Instance& object, PointsView vertices,
                              const Camera& camera) {
   Eigen::AlignedBox2d box;
@@ -356,11 +362,11 @@ Result<int> count_silhouette(const RayScene::Instance& object, PointsView vertic
                           static_cast<std::size_t>(std::ranges::count(image.depth, 0.0F)));
 }
 
-/// What the sensor measures of each instance.
+/// Measurements of each instance.
 struct Measured {
-  std::vector<int> visible;  // pixels of the exact image that see it
-  std::vector<double> area;  // [m^2] of what is measured
-  double whole_area = 0;     // of the whole scene
+  std::vector<int> visible;  // number of pixels of the exact image that show it
+  std::vector<double> area;  // measured area [m^2]
+  double whole_area = 0;     // area of the whole scene
 };
 
 Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> depths,
@@ -382,15 +388,15 @@ Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> 
   return out;
 }
 
-/// How much of an object is seen in the exact image.
+/// Visibility of an object in the exact image.
 struct Seen {
-  int num_all = 0, num_visible = 0;  // pixels of the silhouette, and those that see the object
+  int num_all = 0, num_visible = 0;  // pixels of the silhouette, and those that show the object
 
   double fraction() const {
     if (num_all == 0) return 0;
     return std::min(1.0, static_cast<double>(num_visible) / num_all);
   }
-  /// What it tells of the truth.
+  /// The resulting ground truth.
   TruthInstance truth() const {
     TruthInstance out;
     out.visible_fraction = fraction();
@@ -421,10 +427,10 @@ struct VirtualScanner::State {
   std::span<const ScanModel> models;
   LengthUnit unit;
   ScanOptions options;
-  std::vector<ScanModel> clutter;  // kinds
-  std::vector<Body> bodies;        // one a model, then one a kind of clutter
-  std::vector<RayScene> meshes;    // the same
-  std::vector<double> areas;       // one a model [m^2]
+  std::vector<ScanModel> clutter;  // kinds of clutter
+  std::vector<Body> bodies;        // one per model, then one per kind of clutter
+  std::vector<RayScene> meshes;    // in the same order
+  std::vector<double> areas;       // one per model [m^2]
 };
 
 VirtualScanner::VirtualScanner(std::unique_ptr<const State> state) : state_(std::move(state)) {}
@@ -490,7 +496,7 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
                              index, sensor.farthest, range)};
   }
 
-  // Surfaces: instance i is placed[i], models first; then what is no object.
+  // Instance i is placed[i], models first; surfaces that are not objects follow.
   std::vector<RayScene::Instance> instances;
   std::vector<Finish> finishes;
   CounterRandom finish = random_of(kFinish);

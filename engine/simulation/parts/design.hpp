@@ -1,5 +1,4 @@
-/// The families of machine parts and of things of a household: each a short function of random
-/// numbers.
+/// Families of machine parts and household objects, each a short function of random numbers.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +14,27 @@ namespace trivet::engine::parts {
 
 using kernels::CounterRandom;
 
-/// A part before it has a size; about 2 units large, whatever is symmetric about the origin.
+/// A part before scaling, about 2 units large. Symmetric parts are symmetric about the origin.
 struct Design {
   kernels::Solid solid;
-  Symmetry symmetry;              ///< exact by construction; declared
-  std::uint32_t num_tunnels = 0;  ///< through holes that are independent: the genus of the surface
-  /// The same thing open and empty, where the solid is closed; of the same symmetry.
+  Symmetry symmetry;              ///< declared symmetry, exact by construction
+  std::uint32_t num_tunnels = 0;  ///< number of independent through holes, the genus of the surface
+  /// The object opened and emptied, if the solid is closed; it has the same symmetry.
   std::optional<kernels::Solid> hollow = std::nullopt;
 };
 
 struct Family {
   std::string_view name;
   Design (*draw)(CounterRandom&);
-  std::uint64_t stream;         ///< of random numbers; equal for families that share dimensions
-  float smallest_m, largest_m;  ///< diameters
+  std::uint64_t stream;  ///< stream of random numbers; equal for families that share dimensions
+  float smallest_m, largest_m;  ///< range of diameters
   bool metal;
-  bool mirrored;  ///< the mirror image of what is drawn: the other hand of the same stream
+  bool mirrored;  ///< mirror image of the design drawn from the same stream
 };
 
-/// The families of machine parts, in the order in which make_parts takes them.
+/// The families of machine parts, in the order of make_parts.
 std::span<const Family> families();
-/// Those of things of a household, which are made only where they are named.
+/// The families of household objects, which are generated only on request.
 std::span<const Family> household_families();
 
 // Fasteners.
@@ -58,7 +57,7 @@ Design bracket(CounterRandom& random);
 Design angle(CounterRandom& random);
 Design lever(CounterRandom& random);
 Design plate(CounterRandom& random);
-Design drill_plate(CounterRandom& random);  ///< a plate with one hole off its place
+Design drill_plate(CounterRandom& random);  ///< a plate with one displaced hole
 // Bodies.
 Design housing(CounterRandom& random);
 Design clamp(CounterRandom& random);
@@ -66,10 +65,10 @@ Design shaft(CounterRandom& random);
 Design yoke(CounterRandom& random);
 Design v_block(CounterRandom& random);
 // Household.
-Design cup(CounterRandom& random);  ///< a paper cup with a lid; hollow: without
+Design cup(CounterRandom& random);  ///< a paper cup with a lid; the hollow one has no lid
 Design mug(CounterRandom& random);
 Design bottle(CounterRandom& random);
-Design flask(CounterRandom& random);  ///< a bottle of oval section
+Design flask(CounterRandom& random);  ///< a bottle with an oval section
 Design can(CounterRandom& random);
 Design drink_can(CounterRandom& random);
 Design carton(CounterRandom& random);
@@ -78,7 +77,7 @@ Design dish(CounterRandom& random);
 Design marker(CounterRandom& random);
 Design screwdriver(CounterRandom& random);
 Design hammer(CounterRandom& random);
-Design tub(CounterRandom& random);  ///< with a lid; hollow: without
+Design tub(CounterRandom& random);  ///< a tub with a lid; the hollow one has no lid
 Design spray(CounterRandom& random);
 
 }  // namespace trivet::engine::parts

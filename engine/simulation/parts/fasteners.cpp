@@ -10,7 +10,7 @@ Design hex_nut(CounterRandom& random) {
   const float half_width = 0.87F, height = between(random, 0.3F, 0.55F);
   const float bore = between(random, 0.42F, 0.58F), sink = 0.08F;
   const Solid body = hexagon(half_width) & rod(1.02F, -height, height, 0.14F);
-  // Both countersinks taper towards the middle.
+  // Both countersinks taper toward the middle.
   const Solid top = cone(bore - sink, height - 2 * sink, bore + sink, height + 0.001F);
   const Solid bottom = cone(bore + sink, -height - 0.001F, bore - sink, -height + 2 * sink);
   return {body - (rod(bore, -kFar, kFar) | top | bottom), turns_and_flips(6), 1};

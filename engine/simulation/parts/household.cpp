@@ -11,7 +11,7 @@ Solid ring(float radius, float thickness, float z) {
   return shifted(kernels::torus(radius, thickness), 0, 0, z);
 }
 
-/// A bar along z of oval section, long along x.
+/// A bar along z with an oval section, longer along x.
 Solid oval(float radius, float length, float low, float high) {
   const float x = length / 2 + radius;
   return slot(radius, -length / 2, length / 2, 0) & block({-x, -radius, low}, {x, radius, high});
@@ -53,7 +53,7 @@ Design flask(CounterRandom& random) {
   const float half = between(random, 0.2F, 0.3F), length = between(random, 0.3F, 0.5F);
   const float top = between(random, 0.3F, 0.6F), slope = between(random, 0.4F, 0.7F);
   const float neck = between(random, 0.13F, 0.18F), cap = between(random, 0.15F, 0.3F);
-  // The shoulders fall off towards both ends of the oval.
+  // The shoulders slope down toward both ends of the oval.
   const float c = std::cos(slope), s = std::sin(slope);
   const Solid shoulders =
       kernels::half_space({s, 0, c}, c * top) & kernels::half_space({-s, 0, c}, c * top);
@@ -89,7 +89,7 @@ Design bowl(CounterRandom& random) {
   const float foot = between(random, 0.35F, 0.5F), half = between(random, 0.3F, 0.45F);
   const float wall = between(random, 0.09F, 0.12F), grow = (1 - foot) / (2 * half);
   const Solid outside = cone(foot, -half, 1, half) | rod(foot - 0.05F, -half - 0.08F, 0);
-  // As steep as the outside, and on beyond the rim.
+  // Parallel to the outside, and extended beyond the rim.
   const Solid inside =
       cone(foot - wall + 0.09F * grow, 0.09F - half, 1 - wall + 0.5F * grow, half + 0.5F);
   return {outside - inside, any_turn(false), 0};

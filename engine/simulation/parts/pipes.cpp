@@ -9,14 +9,14 @@ namespace {
 
 using kernels::half_space;
 
-/// A quarter of a pipe's bend in the plane y = 0 about the origin, halved by the z axis.
+/// A quarter of a pipe bend in the plane y = 0 about the origin; the z axis halves it.
 Solid quarter(float bend, float radius) {
   const float c = std::sqrt(0.5F);
   return along_y(kernels::torus(bend, radius)) & half_space({c, 0, -c}, 0) &
          half_space({-c, 0, -c}, 0);
 }
 
-/// Put on the end of the quarter at +x: its z axis goes on along the pipe, outward.
+/// Attach a solid to the end of the quarter at +x. Its z axis continues along the pipe, outward.
 Solid at_end(const Solid& solid, float bend) {
   Pose end(
       Eigen::AngleAxisf(0.75F * std::numbers::pi_v<float>, Vector3f::UnitY()).toRotationMatrix());
@@ -68,7 +68,7 @@ Design tee(CounterRandom& random) {
   const float pipe = between(random, 0.27F, 0.36F), bore = between(random, 0.58F, 0.7F);
   const float collar = between(random, 1.2F, 1.4F), length = between(random, 0.15F, 0.25F);
   const float narrow =
-      pipe * between(random, 0.75F, 0.82F);  // the branch: clear of the run's sides
+      pipe * between(random, 0.75F, 0.82F);  // the branch clears the sides of the run
   const Solid ends = around_z(along_x(rod(collar * pipe, run - length, run, 0.03F)), 2);
   const Solid outside =
       blend(along_x(rod(pipe, -run + 0.05F, run - 0.05F)), rod(narrow, 0, branch - 0.05F), 0.08F) |

@@ -9,13 +9,14 @@ namespace {
 
 Solid hole(float radius, float x, float y) { return shifted(rod(radius, -kFar, kFar), x, y, 0); }
 
-/// What lies on the origin's side of a plane along y through (x, 0, 0) and (0, 0, z).
+/// The half space on the origin's side of a plane along y through (x, 0, 0) and (0, 0, z).
 Solid below_slope(float x, float z) {
   const Vector3f normal = Vector3f(z, 0, x).normalized();
   return kernels::half_space(normal, normal.x() * x);
 }
 
-/// A rectangular plate with a hole in each corner, one of them moved along x, and one between them.
+/// A rectangular plate with a hole in each corner, one of them displaced along x, and one hole in
+/// between.
 Solid plate_with_holes(CounterRandom& random, float least_move, float most_move) {
   const float half_width = between(random, 0.5F, 0.72F), height = between(random, 0.06F, 0.1F);
   const float radius = between(random, 0.09F, 0.13F), margin = between(random, 0.2F, 0.24F);
@@ -45,7 +46,7 @@ Design bracket(CounterRandom& random) {
   const float first = between(random, 0.09F, 0.13F), second = between(random, 0.09F, 0.13F);
   const float far = between(random, 0.66F, 0.8F), near = between(random, 0.45F, 0.6F);
   const Solid base_holes = hole(first, far * length, y) | hole(second, near * length, -y);
-  // Along x, x points down.
+  // After along_x, the x axis points down.
   const float slot_end = between(random, 0.45F, 0.62F);
   const Solid slots = along_x(slot(0.09F, -0.78F * top, -slot_end * top, -y) |
                               hole(between(random, 0.09F, 0.13F), -0.68F * top, y));

@@ -9,8 +9,8 @@ namespace {
 
 using kernels::half_space;
 
-/// An endless spur gear about z of tip radius 1; a tooth points along +x. Straight flanks at the
-/// usual pressure angle of 20 degrees.
+/// An infinite spur gear about z with tip radius 1; a tooth points along +x. The flanks are
+/// straight at the usual pressure angle of 20 degrees.
 Solid teeth(std::uint32_t count) {
   const float z = static_cast<float>(count), module = 2 / (z + 2), pitch = module * z / 2;
   const float slope = 20 * std::numbers::pi_v<float> / 180,
@@ -46,7 +46,7 @@ Design ratchet(CounterRandom& random) {
   const float step = 2 * std::numbers::pi_v<float> / static_cast<float>(count),
               root = between(random, 0.74F, 0.8F);
   const float height = between(random, 0.12F, 0.25F), hub = between(random, 0.3F, 0.4F);
-  // A tooth: steep at angle 0, from a blunt tip there down to the root's radius one step on.
+  // A tooth, steep at angle 0, from a blunt tip there down to the root's radius one step further.
   const Eigen::Vector2f tip(1.06F, 0), foot(root * std::cos(step), root * std::sin(step));
   const Eigen::Vector2f normal =
       Eigen::Vector2f(foot.y() - tip.y(), tip.x() - foot.x()).normalized();
