@@ -8,12 +8,13 @@
 namespace trivet::engine {
 namespace {
 
-// Those that wait for a slower one before them; beyond that, they are kept as parts.
+// Maximum memory of models that wait for a slower one before them; beyond it, models are stored as
+// parts.
 constexpr std::uint64_t kMostWaiting = std::uint64_t{256} << 20U;
 
 }  // namespace
 
-// A file that nothing tells of would only take up the disk.
+// A file without a table of contents would only occupy the disk.
 AheadWriter::~AheadWriter() {
   if (!writer_) return;
   [[maybe_unused]] const Result<void> told = tell();
@@ -74,7 +75,7 @@ Result<void> AheadWriter::write(PackedModel& model) {
   return time_.has_come() ? tell() : Result<void>();
 }
 
-/// No more models are written.
+/// Write no more models.
 PackedModels AheadWriter::stop() {
   sources_.resize(next_);
   bytes_waiting_ = 0;

@@ -1,4 +1,4 @@
-/// The library of a run, written while its models are trained.
+/// Writer of a run's library during training.
 #pragma once
 
 #include <cstddef>
@@ -17,15 +17,16 @@
 
 namespace trivet::engine {
 
-/// Writes the first models of a library, by name, as they are trained: in any order, since some take
-/// longer. So they are written once, and writing leaves no processor idle. The file lies among the
-/// library's parts until it is finished; its contents are told now and then, so that it is as good as
-/// parts when the process dies.
+/// Writes the first models of a library, by name, as they are trained. They arrive in any order,
+/// since some take longer. This way they are written once, and writing leaves no processor idle.
+/// The file is stored among the library's parts until it is finished. Its table of contents is
+/// saved from time to time, so that its models survive the death of the process like those of
+/// parts.
 class AheadWriter {
  public:
   /// file     of the library
   /// names    of all its models
-  /// sources  whose models come first in it, rising: all of them are trained now
+  /// sources  sources of its first models, rising: all of them are trained now
   AheadWriter(std::filesystem::path file, const LibraryHeader& header, const TriSpinBasis& basis,
               const NamesToCome& names, std::vector<std::size_t> sources)
       : file_(std::move(file)),
@@ -37,17 +38,18 @@ class AheadWriter {
   AheadWriter& operator=(const AheadWriter&) = delete;
   ~AheadWriter();
 
-  /// A source's model. Gives back models that must be kept elsewhere: it is not among the first, or
-  /// too many wait for a slower one before them. Errors: of LibraryWriter.
+  /// Add a source's model. Returns models that the caller must store elsewhere, because they are
+  /// not among the first or too many wait for a slower one before them. Errors: those of
+  /// LibraryWriter.
   Result<PackedModels> add(std::size_t source, std::shared_ptr<PackedModel> model);
-  /// The library is going to be another one: what was written stays as parts are. Gives back those
-  /// that waited. Errors: of LibraryWriter.
+  /// End writing, since the library will be a different one. Written models remain like parts;
+  /// waiting ones are returned. Errors: those of LibraryWriter.
   Result<PackedModels> give_up();
 
   std::size_t num_written() const noexcept { return num_written_; }
-  /// Tell the contents of what was written, all of it. Errors: of LibraryWriter.
+  /// Save the table of contents of everything written. Errors: those of LibraryWriter.
   Result<void> tell();
-  /// The library with those models; none: nothing was written. Pre: no more are added.
+  /// The library with these models; absent if nothing was written. Pre: no more are added.
   std::optional<LibraryWriter> release() { return std::exchange(writer_, {}); }
 
  private:
@@ -60,14 +62,14 @@ class AheadWriter {
   const TriSpinBasis& basis_;
   NamesToCome names_;
   std::vector<std::size_t> sources_;
-  std::size_t next_ = 0;  // of the sources
+  std::size_t next_ = 0;  // index into the sources
   std::map<std::size_t, std::shared_ptr<PackedModel>> waiting_;
   std::uint64_t bytes_waiting_ = 0;
   std::optional<LibraryWriter> writer_;
   std::filesystem::path unfinished_;
   KeepingTime time_;
-  int num_told_ = 0;            // times
-  std::size_t num_untold_ = 0;  // models
+  int num_told_ = 0;            // number of saved tables of contents
+  std::size_t num_untold_ = 0;  // number of models since then
   std::size_t num_written_ = 0;
 };
 

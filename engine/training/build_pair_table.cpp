@@ -18,25 +18,25 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
-constexpr std::size_t kPairGrain = 16;  // references a task; each pairs with all points
+constexpr std::size_t kPairGrain = 16;  // references per task, each paired with all points
 constexpr std::size_t kTableChunks =
     8;  // fixed, so that the table does not depend on the number of threads
 constexpr std::uint32_t kMostDistances = 1U << 20;
-constexpr std::size_t kMaxPpfPoints = 65536;  // what a 16-bit reference can name
+constexpr std::size_t kMaxPpfPoints = 65536;  // maximum for a 16-bit reference
 
 struct TableStorage {
   Column<std::uint32_t> offsets;
   Column<PpfEntry> entries;
 };
 
-/// The views of the nearest sample with a like normal, for the co-visibility of pairs.
+/// The views of the nearest sample with a similar normal, for the co-visibility of pairs.
 std::vector<ViewMask> views_of_points(const SurveyedModel& model, const SpreadPoints& surface) {
   const SpreadPoints& samples = model.samples;
   const kernels::VoxelHash grid(samples.points, 2 * samples.spacing);
   std::vector<ViewMask> views(surface.points.size());
   for_chunks(views.size(), 256, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) {
-      // All near samples together: what any of them sees, the point may see.
+      // All near samples together, since the point may be visible whenever any of them is.
       ViewMask mask{};
       grid.visit_within(surface.points[i], 2 * samples.spacing, [&](std::uint32_t s, float) {
         if (samples.normals[s].dot(surface.normals[i]) < 0.8F) return;
@@ -49,8 +49,8 @@ std::vector<ViewMask> views_of_points(const SurveyedModel& model, const SpreadPo
   return views;
 }
 
-/// Put the points that pairs start at first: one of each set of symmetric copies, `spacing` apart.
-/// Returns how many there are.
+/// Sort the reference points to the front: one of each set of symmetric copies, `spacing` apart.
+/// Returns their number.
 std::size_t references_first(const Symmetry& symmetry, float step, float spacing,
                              SpreadPoints& surface) {
   std::vector<std::uint8_t> is_reference(surface.points.size(), 1);
@@ -69,7 +69,8 @@ std::size_t references_first(const Symmetry& symmetry, float step, float spacing
   return static_cast<std::size_t>(rest - order.begin());
 }
 
-/// Count, scan and fill. Without entries: none, or more than a table can hold.
+/// Count, scan and fill. The result has no entries if there are no pairs, or more than a table can
+/// store.
 TableStorage fill_table(const kernels::PpfPoints& points, const PpfQuantization& quantization,
                         std::size_t num_references) {
   const std::size_t num_cells = quantization.num_cells();

@@ -1,4 +1,4 @@
-/// The pair table of a model, and the points that it names.
+/// The table of a model's point pair features, and their points.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace trivet::engine {
 
 struct PairTableOptions {
   float relative_step = 0.04F;        ///< sampling step / diameter
-  float reference_spacing = 1.2F;     ///< between points that pairs start at [steps]
+  float reference_spacing = 1.2F;     ///< spacing of the reference points [steps]
   std::uint32_t num_angle_bins = 15;  ///< over 180 degrees
   float normal_cluster_angle_deg = kNormalClusterDeg;
   bool operator==(const PairTableOptions&) const = default;
@@ -24,14 +24,14 @@ struct PairTableOptions {
 PairTableOptions pair_table_options(const TrainOptions& options);
 
 struct PairTable {
-  Points points;  ///< those that pairs start at first
+  Points points;  ///< reference points first
   Normals normals;
-  PpfTableView view;  ///< into the storage
+  PpfTableView view;  ///< refers to the storage
   std::shared_ptr<const void> storage;
 };
 
-/// Sample a model evenly, and write the features of its points' pairs into a table. Same bytes for
-/// any number of threads.
+/// Sample a model evenly, and store the point pair features in a table. Same bytes for any number
+/// of threads.
 ///
 /// source  for errors: bad_data (too few or too many points, no pairs)
 Result<PairTable> build_pair_table(const SurveyedModel& model, const Symmetry& symmetry,

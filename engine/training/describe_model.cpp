@@ -13,29 +13,29 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kRelativeResolution = 0.0125F;  // of the diameter
-// kNormalClusterDeg, rounded down: the bytes of all trained libraries depend on it.
+constexpr float kRelativeResolution = 0.0125F;  // in diameters
+// kNormalClusterDeg, rounded down, since the bytes of all trained libraries depend on it.
 constexpr float kNormalClusterRad = 0.52F;
-// Points that supports are made of are so many resolutions apart: their bins are 1.2 wide and more,
-// and points are shared out among four. With 1 no more is found, in twice the time.
+// Spacing of the supports' points in resolutions. Bins are at least 1.2 wide, and points are
+// distributed over four of them. A spacing of 1 finds no more and takes twice the time.
 constexpr float kPointSpacing = 2;
 constexpr float kModelShare = kPointSpacing * kShare;
-constexpr std::size_t kNumPartialViews = 42;  // of the directions that samples know
+constexpr std::size_t kNumPartialViews = 42;  // views among the directions of samples
 constexpr std::size_t kFewestSeen = 25;
-// Two views are alike that differ in less of what they see. At 0.04 few are, and five groups stand
-// for so few of all views that less is found.
+// Maximum difference of what two similar views see. At 0.04 few views are similar, and five groups
+// cover so few of all views that less is found.
 constexpr float kLikeSupport = 0.2F;
-constexpr float kLikeImage = 0.3F;   // distance of two images of one keypoint that are one
-constexpr float kLikeFrame = 0.25F;  // ... and of their frames, about [rad]
-// Descriptions of a keypoint: those of the views that most others are like. All, some ten, make a
-// library twice as large and find no more.
+constexpr float kLikeImage = 0.3F;   // maximum distance of duplicate images of a keypoint
+constexpr float kLikeFrame = 0.25F;  // maximum rotation of their frames, approximately [rad]
+// Maximum number of descriptions per keypoint, from the views that are most typical. Keeping all,
+// about ten, doubles the size of a library and finds no more.
 constexpr std::size_t kMostDescriptions = 5;
-constexpr std::size_t kGrain = 16;  // keypoints a task
+constexpr std::size_t kGrain = 16;  // keypoints per task
 
 struct Surface {
   Points points;
   Normals normals;
-  std::vector<ViewMask> views;  // of each point
+  std::vector<ViewMask> views;  // views of each point
 };
 
 /// The visible surface with outward normals.
@@ -58,12 +58,13 @@ Surface visible_surface(const SurveyedModel& model, float spacing, const ViewMas
   return seen;
 }
 
-/// Of the directions that samples know.
+/// Index of a partial view among the directions of samples.
 std::size_t partial_view(std::size_t v) {
   return (2 * v + 1) * kernels::kNumViews / (2 * kNumPartialViews);
 }
 
-/// Bit 0 of a point's views: all points together, which no view sees. Bit 1 + v: partial view v.
+/// Bits of a point's views. Bit 0: all points together, which no view sees. Bit 1 + v: partial view
+/// v.
 constexpr std::size_t kWhole = 0, kFirstView = 1;
 
 std::vector<kernels::ViewBits> partial_views_of(std::span<const ViewMask> views) {
@@ -85,7 +86,7 @@ std::vector<kernels::ViewBits> partial_views_of(std::span<const ViewMask> views)
   return bits;
 }
 
-/// The surface of a model, ready for describing its keypoints.
+/// The surface of a model, prepared for describing its keypoints.
 struct ViewedSurface {
   ViewedSurface(Surface from, float support_radius)
       : surface(std::move(from)),
@@ -105,7 +106,7 @@ struct ViewedSurface {
   std::vector<kernels::ViewBits> views;
   float radius;
   kernels::VoxelHash grid;
-  // In the order of the grid:
+  // Members in the order of the grid:
   std::vector<kernels::ViewBits> views_in_order;
   kernels::Sharers sharers;
 };
@@ -125,7 +126,7 @@ bool alike(std::span<const float> a, std::span<const float> b) {
   return (of(a) - of(b)).square().sum() < kLikeImage * kLikeImage;
 }
 
-/// Whether one of the descriptions from the first on is nearly this.
+/// Whether this is nearly a duplicate of one of the descriptions from `first` on.
 bool is_known(const Descriptions& known, std::size_t first, const Eigen::Matrix3f& frame,
               std::span<const float> image) {
   for (std::size_t i = first; i < known.size(); ++i) {
@@ -134,8 +135,8 @@ bool is_known(const Descriptions& known, std::size_t first, const Eigen::Matrix3
   return false;
 }
 
-/// Append what most views see of a keypoint: the most typical view of each group of views that are
-/// alike, the largest first, where its frame is certain enough.
+/// Append the most frequent appearances of a keypoint: the most typical view of each group of
+/// similar views, the largest group first, where its frame is sufficiently certain.
 void describe_keypoint(const ViewedSurface& model, std::uint32_t point,
                        const kernels::FrameLimits& limits, KeypointScratch& scratch,
                        Descriptions& out) {

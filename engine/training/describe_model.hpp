@@ -1,4 +1,4 @@
-/// What a model's keypoints look like from all sides.
+/// Features of a model's keypoints from all sides.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,26 @@
 
 namespace trivet::engine {
 
-/// How models are described: lengths in resolutions, which are steps of about an eightieth of the
-/// diameter, rounded to half an octave, so that models of like size share one.
+/// Options of describing models. Lengths are in resolutions, which are about an eightieth of the
+/// diameter, rounded to half an octave, so that models of similar size share one.
 struct DescribeOptions {
-  std::uint32_t half_octaves = 0;  ///< above the model's own resolution
+  std::uint32_t half_octaves = 0;  ///< steps above the model's own resolution
   float support = 17;              ///< radius of a support
-  float spacing = 3;               ///< of keypoints
-  std::size_t stride = 1;          ///< one in so many keypoints is described
+  float spacing = 3;               ///< spacing of keypoints
+  std::size_t stride = 1;          ///< interval of described keypoints
   kernels::FrameLimits limits{.min_points = 10};
 };
 
-/// The distance between the points that supports are made of, for a model of this diameter, and so
-/// many half octaves above it. Models of different size share what is equal.
+/// The spacing of the supports' points for a model of this diameter, with a number of half octaves
+/// above it. Models of different sizes with equal spacing share a level.
 float resolution_for(float diameter, std::uint32_t half_octaves = 0) noexcept;
 
-/// Describes the keypoints of a model as the whole surface shows them and as 42 views do: what a view
-/// does not see is missing from its supports, as it is in a scan.
+/// Describes the keypoints of a model from the whole surface and from 42 views. Surface that a view
+/// does not see is missing from its supports, as in a scan.
 ///
-/// Views that see nearly the same of a support count as one. Of a keypoint come at most five
-/// descriptions, those of the views that most others are like; none hardly differs from another.
-/// Source: partial views instead of whole models, Guo et al., IJCV 2013, section 5, taken further.
+/// Views that see nearly the same of a support count as one. A keypoint has at most five
+/// descriptions, from the most typical views, without near duplicates.
+/// Source: partial views instead of whole models, Guo et al., IJCV 2013, section 5, extended.
 class ModelDescriber {
  public:
   ModelDescriber(const SurveyedModel& model, const DescribeOptions& options);
@@ -36,7 +36,7 @@ class ModelDescriber {
   ModelDescriber& operator=(ModelDescriber&&) noexcept;
   ~ModelDescriber();
 
-  /// Runs of keypoints, which may be described at once.
+  /// Number of chunks of keypoints, which may be described in parallel.
   std::size_t num_chunks() const noexcept;
   /// Append the descriptions of a chunk's keypoints, in their order.
   void describe(std::size_t chunk, Descriptions& out) const;
@@ -46,7 +46,7 @@ class ModelDescriber {
   std::unique_ptr<State> state_;
 };
 
-/// All chunks, one after the other.
+/// Describe all chunks, one after another.
 Descriptions describe_model(const SurveyedModel& model, const DescribeOptions& options);
 
 }  // namespace trivet::engine

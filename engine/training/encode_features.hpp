@@ -1,4 +1,4 @@
-/// Tri-Spin-Images in the basis of a library.
+/// Tri-Spin-Images projected onto the basis of a library.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace trivet::engine {
 
-/// Features of some keypoints, one after the other.
+/// Concatenated features of some keypoints.
 struct FeatureRows {
   Points keypoints;
   Column<FrameRows> frames;
@@ -21,9 +21,9 @@ struct FeatureRows {
 FeatureRows encode_features(const Descriptions& descriptions, const kernels::Projector& projector,
                             float code_step);
 
-/// All rows of a model, in their order.
+/// Concatenate all rows of a model.
 ///
-/// resolution  that they were described at
+/// resolution  of the descriptions
 TriSpinFeatures join_features(std::span<const FeatureRows> parts, const TriSpinBasis& basis,
                               float resolution);
 

@@ -12,8 +12,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Of a model's keypoints, one in so many is described: more than enough images come of it, of all
-/// sides.
+/// Interval of described keypoints of a model. It gives more than enough images, from all sides.
 constexpr std::size_t kStride = 8;
 
 }  // namespace

@@ -12,12 +12,12 @@
 
 namespace trivet::engine {
 
-/// Images of some of a model's keypoints, spread over all and over all scales: at most `wanted`, one
-/// after the other. Errors: as of training.
+/// Concatenated images of a sample of a model's keypoints, spread over all of them and all scales,
+/// at most `wanted`. Errors: as for training.
 Result<std::vector<float>> sample_images(const Cloud& cloud, const ModelSource& source,
                                          std::size_t wanted);
 
-/// The basis of images; without any, an empty one.
+/// The basis of images; empty without images.
 TriSpinBasis basis_of(std::span<const float> images, std::size_t num_components);
 
 }  // namespace trivet::engine

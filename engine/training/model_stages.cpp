@@ -21,7 +21,7 @@ void find_symmetries(const ModelSource& source, ModelInTraining& model) {
   model.symmetries = find_symmetries(*model.surveyed, source.symmetry, model.times);
 }
 
-// Models of one step share the scene's samples, with or without a table.
+// Models of one step share the scene's samples, with or without a pair table.
 void pair_up(const ModelSource& source, const TrainOptions& options, ModelInTraining& model) {
   if (!options.point_pairs) {
     model.pairs.view.quantization.distance_step =

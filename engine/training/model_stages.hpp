@@ -1,4 +1,4 @@
-/// A model on its way through training, and the stages that it takes.
+/// State of a model during training, and the stages of training.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace trivet::engine {
 
-/// Each stage fills what stands below its name, from what stands above. Pairs and features do not
-/// need one another and may be made at once.
+/// Model in training. Each stage sets the members below its name from the members above. Pairs and
+/// features are independent and may be computed in parallel.
 struct ModelInTraining {
   // survey
   std::optional<SurveyedModel> surveyed;
@@ -22,7 +22,7 @@ struct ModelInTraining {
   Symmetries symmetries;
   // pair_up
   PairTable pairs;
-  std::optional<Error> pair_fault;  ///< why there are none
+  std::optional<Error> pair_fault;  ///< reason for missing pairs
   StageTimes pair_times;
   // gather_supports, by scale
   std::array<std::optional<ModelDescriber>, kFeatureScales.size()> describers;
@@ -31,17 +31,17 @@ struct ModelInTraining {
   std::array<TriSpinFeatures, kFeatureScales.size()> features;
 };
 
-/// Surface, normals and visibility. Errors: as of train_model.
+/// Determine surface, normals and visibility. Errors: as for train_model.
 Result<void> survey(const Cloud& cloud, const ModelSource& source, const TrainOptions& options,
                     ModelInTraining& model);
 void find_symmetries(const ModelSource& source, ModelInTraining& model);
-/// The pair table, where it is trained for.
+/// Build the pair table, if it is trained for.
 void pair_up(const ModelSource& source, const TrainOptions& options, ModelInTraining& model);
-/// What Tri-Spin-Images of all scales are made from, and their codes; none without a basis. An image is
-/// 45 times as large as its code and never leaves the processor's caches.
+/// Prepare the Tri-Spin-Images of all scales for encoding; nothing without a basis. An image is 45
+/// times as large as its code and never leaves the processor's caches.
 void gather_supports(const TriSpinBasis& basis, ModelInTraining& model);
 void describe(const TriSpinBasis& basis, ModelInTraining& model);
-/// What came of it all.
+/// The result of all stages.
 TrainedModel finish(const ModelSource& source, ModelInTraining&& model);
 
 }  // namespace trivet::engine

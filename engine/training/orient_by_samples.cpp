@@ -12,8 +12,9 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kOtherSheet = 16;  // times the squared distance, where normals are across
-// Nearly all points have a sample this near [spacings]; none that is farther can cost less.
+constexpr float kOtherSheet = 16;  // factor on the squared distance if normals disagree
+// Radius within which nearly all points have a sample [spacings]; samples beyond it cannot cost
+// less.
 constexpr float kNear = 1.25F, kFar = 4;
 
 struct NearestSample {
@@ -22,10 +23,10 @@ struct NearestSample {
   float cosine = 0;
 };
 
-/// Whether the signs of normals count.
+/// Whether the signs of normals are known.
 enum class Signs { open, known };
 
-/// Of the samples within a radius. Thin walls have another sheet just behind.
+/// The sample with the lowest cost within a radius. Thin walls have another sheet just behind.
 template <Signs kSigns>
 NearestSample nearest_sample(const kernels::VoxelHash& grid, NormalsView sample_normals,
                              const Eigen::Vector3f& point, const Eigen::Vector3f& normal,

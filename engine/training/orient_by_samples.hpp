@@ -1,4 +1,4 @@
-/// Which side of a densely sampled surface is outside, as sparser samples know it.
+/// Outward direction of a densely sampled surface, from sparser samples.
 #pragma once
 
 #include <span>
@@ -8,17 +8,17 @@
 
 namespace trivet::engine {
 
-/// Turn the normals of dense points to the outward side of the nearest sample of the same sheet.
+/// Orient the normals of dense points to the outward side of the nearest sample of the same sheet.
 ///
 /// samples  positions with outward normals, `spacing` apart
-/// views    of the samples, one each, or empty: points nearer to a sample that no view sees lose
-///          their normal, which becomes NaN; so do points far from all samples
+/// views    of the samples, one each, or empty. The normals of points near a sample that is visible
+///          in no view become NaN, and so do those of points far from all samples
 void orient_by_samples(PointsView samples, NormalsView sample_normals,
                        std::span<const ViewMask> views, float spacing, PointsView points,
                        NormalsSpan normals);
 
-/// Set the normals of points to NaN where the nearest sample that looks the same way is one that nothing
-/// sees, or no sample is near. The normals look outwards, as those of the samples do.
+/// Set the normals of points to NaN if the nearest sample with a similar normal is visible in no
+/// view, or if no sample is near. The normals point outward, like those of the samples.
 void hide_by_samples(PointsView samples, NormalsView sample_normals,
                      std::span<const ViewMask> views, float spacing, PointsView points,
                      NormalsSpan normals);

@@ -35,12 +35,12 @@ Json declared_json(const std::optional<Symmetry>& declared) {
   return json;
 }
 
-/// Formats are told by it where the bytes do not tell them.
+/// Extension of the file, which determines formats that the bytes do not identify.
 std::string extension_of(const ModelSource& source) {
   return formats::lower_case(source.file.extension().string());
 }
 
-/// As the command line would say it.
+/// Value as text for the command line.
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return json_text(value);

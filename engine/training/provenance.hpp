@@ -1,4 +1,4 @@
-/// What models and libraries are trained from.
+/// Provenance of models and libraries.
 #pragma once
 
 #include <string>
@@ -7,23 +7,24 @@
 
 namespace trivet::engine {
 
-/// Raised whenever training gives other bytes than before for the same input: models of an older
-/// revision are then trained anew.
+/// Revision of training. It is raised whenever training gives different bytes for the same input,
+/// so that models of an older revision are trained again.
 inline constexpr int kTrainingRevision = 2;
 
-/// XXH3-128 of all that a model's bytes come from, but for its name: 32 hexadecimal digits.
+/// XXH3-128 checksum of everything that determines a model's bytes, except its name: 32 hexadecimal
+/// digits.
 ///
 /// source_xxh3  of the file's bytes
 std::string fingerprint_of(const ModelSource& source, const std::string& source_xxh3,
                            LengthUnit unit, const TrainOptions& options);
 
-/// The header of a library that this program trains.
+/// The header of a library trained by this program.
 LibraryHeader library_header(LengthUnit unit, const TrainOptions& options);
 
-/// All options, whatever their values: {"methods": ["ppf", "trisi"], "relative-step": 0.04, ...}.
+/// All options with their values: {"methods": ["ppf", "trisi"], "relative-step": 0.04, ...}.
 std::string parameters_json(const TrainOptions& options);
 
-/// The options that say so. Errors: bad_data (not those of this version: says which).
+/// Parse the output of parameters_json. Errors: bad_data (options of another version; names them).
 Result<TrainOptions> parse_parameters(const std::string& json);
 
 }  // namespace trivet::engine

@@ -13,7 +13,7 @@
 
 namespace trivet::engine {
 
-/// standard_basis.bin, made a part of the program by the build.
+/// standard_basis.bin, embedded in the program by the build.
 std::span<const std::pair<std::string_view, std::string_view>> embedded_basis();
 
 namespace {
@@ -25,7 +25,7 @@ struct Head {
   std::uint32_t num_components = 0;
 };
 
-/// Of the components, the first that together keep the share of the variance, at most so many.
+/// The number of first components that together keep the share of the variance, up to the limit.
 std::size_t num_wanted(const PcaBasis& all, const TrainOptions& options) {
   const std::size_t most = std::min<std::size_t>(all.size(), options.num_components);
   double kept = 0;

@@ -24,15 +24,16 @@
 namespace trivet::engine {
 namespace {
 
-constexpr std::size_t kViewGrain = 16;        // a sample shoots some 300 rays
-constexpr std::size_t kNormalNeighbors = 16;  // of a cloud's point, for the plane through it
-constexpr double kDensePerVoxel = 10;         // surface samples averaged into one point
-// Not that of the samples. What a seed finds is chance by some 1 % of real objects, and by single ones
-// that are as easily lost: of sixty, this one keeps to all floors of real_scans_test.
+constexpr std::size_t kViewGrain = 16;        // samples per task; a sample casts about 300 rays
+constexpr std::size_t kNormalNeighbors = 16;  // neighbors for fitting a plane at a point of a cloud
+constexpr double kDensePerVoxel = 10;         // surface samples averaged per point
+// Different from the seed of the samples. Which real objects are found depends on the seed by
+// chance, by about 1 %, and single ones are lost as easily. Of sixty seeds, this one meets all
+// minimums of real_scans_test.
 constexpr std::uint64_t kDenseSeed = 94;
 constexpr double kFewestDense = 4096, kMostDense = 400'000;
 
-/// Sample a mesh; the normals are those of the faces and as reliable as the winding.
+/// Sample a mesh. The normals are those of the faces and as reliable as their winding.
 SpreadPoints spread_over(const Points& vertices, const Triangles& triangles,
                          std::span<const double> areas, std::uint64_t seed, std::size_t n) {
   SpreadPoints surface;
@@ -47,7 +48,7 @@ SpreadPoints spread_over(const Points& vertices, const Triangles& triangles,
   return surface;
 }
 
-/// Thin a cloud evenly and fit normals; their signs are open.
+/// Subsample a cloud evenly and fit normals with undetermined signs.
 SpreadPoints thin_cloud(PointsView points, float cell) {
   SpreadPoints surface;
   Normals up(points.size());
@@ -67,13 +68,13 @@ SpreadPoints thin_cloud(PointsView points, float cell) {
   return surface;
 }
 
-/// The faces of a surface that came as points: normals from the nearest points, turned to the
-/// outside. None if the points lie on no surface; parts of it may stay open.
+/// Reconstruct the faces of a cloud, with normals from the nearest points, oriented outward. Empty
+/// if the points do not lie on a surface; parts of the surface may remain open.
 /// Errors: no_memory.
 Result<Triangles> faces_of_cloud(PointsView points) {
   const kernels::Delaunay delaunay = kernels::find_delaunay(points);
   const std::size_t n = delaunay.places.size();
-  Points places(n);  // points that coincide would crowd out neighbors
+  Points places(n);  // points without duplicates, which would crowd out neighbors
   for (std::size_t i = 0; i < n; ++i) places.set(i, points[delaunay.places[i]]);
 
   const std::size_t num_near = std::min(kNormalNeighbors, n);
@@ -91,19 +92,20 @@ Result<Triangles> faces_of_cloud(PointsView points) {
   const kernels::TriangulateOptions options;
   TRIVET_TRY(kernels::orient_by_empty_space(points, delaunay, options.max_radius, normals));
   Result<Triangles> faces = kernels::triangulate_cloud(points, delaunay, normals, options);
-  // A closed surface has two triangles a point; what has less than one is none, or torn.
+  // A closed surface has two triangles per point. With fewer than one, there is no surface, or it
+  // is torn.
   if (faces && faces->size() < n) *faces = {};
   return faces;
 }
 
-/// A fixed shuffle, so that every prefix of the samples covers the surface evenly.
+/// Key of a fixed shuffle, so that every prefix of the samples covers the surface evenly.
 std::uint64_t shuffle_key(std::uint64_t i) {
   i = (i + 0x9E3779B97F4A7C15ULL) * 0xBF58476D1CE4E5B9ULL;
   i = (i ^ (i >> 27)) * 0x94D049BB133111EBULL;
   return i ^ (i >> 31);
 }
 
-/// Keep the samples that some view sees, shuffled.
+/// Keep the samples that are visible in some view, shuffled.
 void keep_visible_samples(SurveyedModel& model) {
   const std::vector<ViewMask>& views = model.all_views;
   std::vector<std::uint32_t> kept;
@@ -129,7 +131,7 @@ std::size_t count_turned(NormalsView before, NormalsView after) {
   return count;
 }
 
-/// Running sums of the triangles' areas; none if they have no extent.
+/// Cumulative areas of the triangles; empty if they have no extent.
 std::vector<double> areas_of(const Points& vertices, const Triangles& triangles, float diameter) {
   std::vector<double> areas(triangles.size());
   const double area = areas.empty() ? 0 : kernels::sum_areas(vertices, triangles, areas);

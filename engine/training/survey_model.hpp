@@ -1,4 +1,4 @@
-/// The surface of a model as training looks at it.
+/// Surface of a model for training.
 #pragma once
 
 #include <cstddef>
@@ -17,30 +17,31 @@
 
 namespace trivet::engine {
 
-/// Points spread over a surface, with normals.
+/// Points distributed over a surface, with normals.
 struct SpreadPoints {
   Points points;
   Normals normals;
   float spacing = 0;
 };
 
-/// What every method needs of a model. Lengths are in the library's unit.
+/// Data of a model for every method. Lengths are in the library's unit.
 struct SurveyedModel {
   Points vertices;
-  Triangles triangles;  ///< none: a cloud without a surface
+  Triangles triangles;  ///< empty: a cloud without a surface
   float diameter = 0;
   Eigen::Vector3f center{0, 0, 0};
-  SpreadPoints samples;  ///< those that some view sees, shuffled; normals outward
+  SpreadPoints samples;  ///< samples visible in some view, shuffled; normals outward
   Column<ViewMask> sample_views;
 
-  // What only training needs.
-  SpreadPoints all_samples;         ///< also those that nothing sees
+  // Members for training only.
+  SpreadPoints all_samples;         ///< includes samples visible in no view
   std::vector<ViewMask> all_views;  ///< of all samples
-  std::vector<double> areas;        ///< running sums over the triangles; none without a surface
+  std::vector<double> areas;        ///< cumulative areas of the triangles; empty without a surface
   kernels::RayScene rays;
-  float ray_offset = 0;                              ///< how far from the surface rays start
-  std::size_t num_turned = 0;                        ///< of all samples: whose faces look inwards
-  std::size_t num_unused = 0, num_without_area = 0;  ///< of the cloud, dropped when it was read
+  float ray_offset = 0;        ///< distance from the surface at which rays start
+  std::size_t num_turned = 0;  ///< number of all samples whose faces point inward
+  /// Numbers of the cloud's points and triangles dropped when reading.
+  std::size_t num_unused = 0, num_without_area = 0;
 
   bool has_faces() const noexcept { return !areas.empty(); }
   bool faces_look_outward() const noexcept { return has_faces() && num_turned == 0; }
@@ -52,26 +53,26 @@ struct SurveyedModel {
 Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source,
                                    std::size_t num_samples, StageTimes& times);
 
-/// Motions that map a model onto itself, and those that nearly do.
+/// Exact and near symmetries of a model.
 struct Symmetries {
   Symmetry exact;
   std::vector<Pose> near;
   std::optional<Symmetry::Axis> near_axis;
 };
 
-/// Find the symmetries of a model, unless they are declared, and its near ones.
+/// Find the symmetries of a model, unless they are declared, and its near symmetries.
 Symmetries find_symmetries(const SurveyedModel& model, const std::optional<Symmetry>& declared,
                            StageTimes& times);
 
-/// Points of the surface with outward normals, one a voxel and direction: normals of a voxel that
-/// differ by more than the angle stay apart. Some may be inside, where nothing sees them. Same bytes for
-/// any number of threads.
+/// Sample points of the surface with outward normals, one per voxel and direction: normals of a
+/// voxel that differ by more than the angle are kept apart. Some points may be inside, where they
+/// are not visible. Same bytes for any number of threads.
 SpreadPoints sample_evenly(const SurveyedModel& model, float step, float max_angle_rad);
 
-/// Leave out the points that nothing sees, as the samples know them.
+/// Remove points that are visible in no view, according to the samples.
 void drop_hidden(const SurveyedModel& model, SpreadPoints& surface);
 
-/// What is wrong with a surface that cannot be trained from.
+/// The error for a surface that is unsuitable for training.
 Error bad_surface(const ModelSource& source, const std::string& found);
 
 }  // namespace trivet::engine

@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Where models of a fingerprint lie.
+/// Location of models by their fingerprint.
 using Known = std::map<std::string, ModelCopy, std::less<>>;
 
 void note_models(const Library& library, Known& known) {
@@ -35,7 +35,7 @@ void note_models(const Library& library, Known& known) {
   }
 }
 
-/// In the first that knows it; else null.
+/// The model in the first place that contains it; null if none does.
 const ModelCopy* find_model(std::initializer_list<const Known*> places,
                             const std::string& fingerprint) {
   for (const Known* const place : places) {
@@ -96,25 +96,25 @@ struct TrainingRun::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  TrainRequest request;  // sources by name
+  TrainRequest request;  // with sources by name
   FileLock lock;
   LibraryHeader header;
   TriSpinBasis basis;
   Clock::time_point start = Clock::now();
 
-  std::optional<Library> old;      // the file as it was
-  std::vector<ModelCopy> staying;  // of its models, those that are not among the sources
+  std::optional<Library> old;      // the previous file
+  std::vector<ModelCopy> staying;  // its models that are not among the sources
   std::vector<Library> parts;
   Known kept, resumed;
   std::vector<std::string> fingerprints;  // of the sources; empty: unreadable
-  std::vector<std::size_t> jobs;          // sources that are to be trained
+  std::vector<std::size_t> jobs;          // sources to be trained
   std::size_t num_unreadable = 0;
   std::optional<engine::AheadWriter> ahead;
 
-  std::mutex mutex;                            // of what follows
-  std::size_t num_given = 0;                   // of the jobs
+  std::mutex mutex;                            // guards the members below
+  std::size_t num_given = 0;                   // number of jobs handed out
   std::map<std::size_t, JobOutcome> outcomes;  // by source
-  std::map<std::size_t, Error> faults;         // likewise
+  std::map<std::size_t, Error> faults;         // by source
 
   const std::vector<ModelSource>& sources() const { return request.sources; }
   std::size_t num_taken_over() const { return sources().size() - jobs.size() - num_unreadable; }
@@ -138,7 +138,7 @@ struct TrainingRun::State {
   bool is_as_it_was(const std::vector<ModelCopy>& models) const;
 };
 
-// With --prune the result is that of the sources alone, whatever the file was.
+// With --prune the result depends on the sources alone, regardless of the previous file.
 Result<void> TrainingRun::State::open_old() {
   std::error_code error;
   if (!std::filesystem::exists(request.file, error)) return {};
@@ -170,8 +170,8 @@ Result<void> TrainingRun::State::find_staying() {
                            differs)};
 }
 
-/// Two files may give one name: "bolt (1).stl" and "bolt [1].stl" are both bolt_1. The later one must
-/// not take the place of the other unless somebody says so.
+/// Two files may have the same model name: "bolt (1).stl" and "bolt [1].stl" both become bolt_1.
+/// The later one must not replace the other unless the user requests it.
 Result<void> TrainingRun::State::check_replaced() const {
   if (!old || request.prune) return {};
   for (const Model& model : old->models) {
@@ -224,7 +224,7 @@ void TrainingRun::State::plan() {
   ahead.emplace(request.file, header, basis, names, first_jobs());
 }
 
-/// Whose models come before all others that the library is going to have.
+/// The jobs whose models precede all others of the future library.
 std::vector<std::size_t> TrainingRun::State::first_jobs() const {
   std::vector<std::size_t> first;
   for (std::size_t k = 0; k < sources().size() && first.size() < jobs.size(); ++k) {
@@ -236,11 +236,11 @@ std::vector<std::size_t> TrainingRun::State::first_jobs() const {
   return first;
 }
 
-/// Gives back models that are to be kept elsewhere.
+/// Returns models that the caller must store elsewhere.
 Result<PackedModels> TrainingRun::State::write_ahead(const JobOutcome& outcome) {
   Result<PackedModels> rest = outcome.fault   ? ahead->give_up()
                               : outcome.model ? ahead->add(outcome.source, outcome.model)
-                                              : PackedModels{};  // another process has it
+                                              : PackedModels{};  // another process writes it
   if (!rest) return resumable(rest.error());
   return rest;
 }
@@ -262,7 +262,7 @@ Error TrainingRun::State::all_faults() const {
   return joined;
 }
 
-/// Those that the library is going to have, by name.
+/// The models of the future library, by name.
 Result<std::vector<ModelCopy>> TrainingRun::State::gather_models() {
   parts = engine::open_parts(engine::parts_folder(request.file));
   Known trained;
@@ -287,7 +287,7 @@ Result<std::vector<ModelCopy>> TrainingRun::State::gather_models() {
   return models;
 }
 
-/// Of a model that was trained now; else null.
+/// The outcome of a model trained in this run; null for others.
 const JobOutcome* TrainingRun::State::outcome_of(const ModelCopy& copy) const {
   const auto source = std::ranges::lower_bound(sources(), copy.name, {}, &ModelSource::name);
   if (source == sources().end() || source->name != copy.name) return nullptr;

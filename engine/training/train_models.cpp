@@ -21,8 +21,8 @@ namespace {
 namespace flow = tbb::flow;
 using engine::ModelInTraining;
 
-/// Models in memory at once: enough to keep the threads busy while some are read and written, however
-/// large the library.
+/// Maximum number of models in memory. It is large enough to keep the threads busy while some
+/// models are read and written, and independent of the library's size.
 std::size_t models_in_flight() {
   return std::max<std::size_t>(4, 2 * std::thread::hardware_concurrency());
 }
@@ -36,7 +36,7 @@ struct Item {
 
   bool goes_on() const { return !fault && !job.check_only; }
 };
-/// Shared, since two branches of the graph work on it: each on what is its own.
+/// Shared, since two branches of the graph work on it, each on separate members.
 using ItemPtr = std::shared_ptr<Item>;
 
 void read_and_survey(const TrainingWork& work, Item& item) {
@@ -65,12 +65,12 @@ Result<void> train_models(const TrainingWork& work,
   const auto source_of = [&](const ItemPtr& item) -> const ModelSource& {
     return work.sources[item->job.source];
   };
-  std::optional<Error> failure;  // of writing
+  std::optional<Error> failure;  // error of writing
   std::atomic<bool> failed{false};
   std::size_t num_items = 0;
   flow::graph graph;
 
-  // What is not worked on any more passes through all nodes, too.
+  // Items that are no longer processed also pass through all nodes.
   flow::input_node<ItemPtr> jobs(graph, [&](tbb::flow_control& control) {
     const auto item = std::make_shared<Item>();
     const std::optional<TrainingJob> job = failed || stop.stop_requested() ? std::nullopt : next();

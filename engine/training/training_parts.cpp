@@ -26,13 +26,14 @@ fs::path part_of(const fs::path& folder, int writer, int number) {
 
 constexpr std::string_view kPartEnd = ".h5", kUnfinishedEnd = ".models";
 
-/// Whether a file has a name that runs give, also while they write it: N-N.h5, N.models, N.models-N.
+/// Whether a file has a name used by runs, including unfinished files: N-N.h5, N.models,
+/// N.models-N.
 bool is_of_run(const fs::path& file) {
   static const std::regex kName(R"(([0-9]+(-[0-9]+\.h5|\.models(-[0-9]+)?)|\.[0-9].*\.tmp))");
   return std::regex_match(file.filename().string(), kName);
 }
 
-/// Of runs; what else lies there is somebody else's.
+/// The files of runs. Other files in the folder belong to others.
 std::vector<fs::path> files_of(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;

@@ -1,7 +1,8 @@
-/// Models that are trained and not published yet, kept on disk so that no run starts over.
+/// Trained but unpublished models, stored on disk so that no run starts over.
 ///
-/// In the folder lie parts: libraries of some models without an index; and of a library that is
-/// written while its models are trained the file as far as it is, with contents that tell of it.
+/// The folder contains parts, which are libraries of some models without an index. For a library
+/// that is written during training, it also contains the unfinished file and its tables of
+/// contents.
 #pragma once
 
 #include <chrono>
@@ -17,28 +18,28 @@
 
 namespace trivet::engine {
 
-/// The folder beside a library that is kept while it is trained: LIBRARY.h5.parts.
+/// The folder beside a library during its training: LIBRARY.h5.parts.
 std::filesystem::path parts_folder(const std::filesystem::path& library);
-/// A name in the folder for a library that is not finished: N.models.
+/// A free name in the folder for an unfinished library: N.models.
 std::filesystem::path free_name(const std::filesystem::path& folder);
-/// Where its contents are told for the nth time: N.models-n.
+/// Name of the nth table of contents: N.models-n.
 std::filesystem::path contents_of(const std::filesystem::path& unfinished, int n);
 
-/// What runs that have ended kept, all of whose bytes are as they were written. What else is named as
-/// theirs is of a process that died, or was on its way to the disk when the power failed, and goes.
-/// Pre: nobody writes into it.
+/// Open the parts of ended runs whose bytes are all intact. Other files with names of runs are
+/// removed: they are from a process that died, or were not completely on disk when the power
+/// failed. Pre: no process writes into the folder.
 std::vector<Library> recover_parts(const std::filesystem::path& folder);
 
-/// What this run keeps, and what it recovered.
+/// Open the parts of this run, including recovered ones.
 std::vector<Library> open_parts(const std::filesystem::path& folder);
 
-/// Close the parts and remove the folder, once their models are published: several at a time, since
-/// the kernel takes a while over gigabytes. What cannot be removed, or is named as no run names it,
-/// stays.
+/// Close the parts and remove the folder after their models are published. Several files are
+/// removed in parallel, since the kernel takes a while for gigabytes. Files that cannot be removed,
+/// or whose names no run uses, remain.
 void remove_parts(const std::filesystem::path& folder, std::vector<Library> parts) noexcept;
 
-/// Says when so much was written that it must not be lost with its process: after ten seconds or
-/// 256 MB.
+/// Decides when enough was written to be saved against the death of the process: after ten seconds
+/// or 256 MB.
 class KeepingTime {
  public:
   void add(const PackedModel& model);
@@ -50,20 +51,21 @@ class KeepingTime {
   std::uint64_t num_bytes_ = 0;
 };
 
-/// Writes models as they come into parts, each of which appears when its time has come: a process that
-/// dies loses no more. Nothing waits for the disk: what a power failure keeps from it is trained again.
+/// Writes models to parts as they arrive. A part becomes visible at intervals, so that a process
+/// that dies loses only the models since then. Nothing waits for the disk: models lost in a power
+/// failure are trained again.
 class PartWriter {
  public:
-  /// writer  tells those apart that write into one folder: rank 0, 1, ...
+  /// writer  distinguishes writers to one folder: rank 0, 1, ...
   PartWriter(std::filesystem::path folder, LibraryHeader header, TriSpinBasis basis, int writer)
       : folder_(std::move(folder)),
         header_(std::move(header)),
         basis_(std::move(basis)),
         writer_(writer) {}
 
-  /// Errors: of LibraryWriter.
+  /// Errors: those of LibraryWriter.
   Result<void> add(PackedModel& model);
-  /// Publish what was added since the last part. Errors: of LibraryWriter.
+  /// Publish the models since the last part. Errors: those of LibraryWriter.
   Result<void> close();
 
  private:
@@ -78,7 +80,7 @@ class PartWriter {
   KeepingTime time_;
 };
 
-/// About how many bytes a model takes in a file.
+/// Approximate size of a model in a file [bytes].
 std::uint64_t stored_bytes(const Model& model);
 
 }  // namespace trivet::engine

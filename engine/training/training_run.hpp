@@ -1,5 +1,5 @@
-/// The steps of training a library, for who shares its models among processes; one process alone
-/// calls train_library (engine/training/train.hpp).
+/// Steps of training a library, for callers that distribute its models over processes. A single
+/// process calls train_library (engine/training/train.hpp).
 #pragma once
 
 #include <cstddef>
@@ -18,64 +18,66 @@
 
 namespace trivet {
 
-/// One model that is to be trained.
+/// One model to train.
 struct TrainingJob {
-  std::size_t source = 0;   ///< which of TrainingRun::sources()
-  bool check_only = false;  ///< find out whether it can be trained at all, and no more
+  std::size_t source = 0;   ///< index in TrainingRun::sources()
+  bool check_only = false;  ///< whether to only check that it can be trained
 };
 
-/// What came of a job.
+/// Outcome of a job.
 struct JobOutcome {
   std::size_t source = 0;
-  std::optional<Error> fault;  ///< why the model cannot be trained
+  std::optional<Error> fault;  ///< reason why the model cannot be trained
   StageTimes times;
   std::vector<std::string> warnings;
-  std::shared_ptr<PackedModel> model = nullptr;  ///< none where it cannot be trained, or was not
+  /// Null if it cannot be trained or was only checked.
+  std::shared_ptr<PackedModel> model = nullptr;
 };
 
-/// Models as they are going to lie in libraries.
+/// Models in the form stored in libraries.
 using PackedModels = std::vector<std::shared_ptr<PackedModel>>;
 
-/// What all processes of a run must agree on.
+/// Parameters that all processes of a run share.
 struct TrainingWork {
   std::span<const ModelSource> sources;
   LengthUnit unit = LengthUnit::meter;
   TrainOptions options;
   std::filesystem::path file;
-  int writer = 0;  ///< of those that train for this file at once: 0, 1, ...
+  int writer = 0;  ///< index among the writers for this file: 0, 1, ...
 };
 
-/// Train the models that `next` gives, until it gives none. Stages of different models overlap (a flow
-/// graph with a node a stage).
+/// Train the models returned by `next` until it returns none. Stages of different models overlap (a
+/// flow graph with one node per stage).
 ///
-/// next  called by one thread at a time, which may wait in it
-/// done  likewise, for each job that came to its end; gives back the models that it has not kept, which
-///       are kept beside the file. Where it fails, no more jobs are begun
-/// stop  no more jobs are begun; those that were begun are finished and kept
-/// Errors: of writing, of done.
+/// next  called by one thread at a time; it may block
+/// done  called likewise for each finished job; returns the models that it has not stored, which
+///       are then stored beside the file. If it fails, no more jobs are started
+/// stop  no more jobs are started; started ones are finished and stored
+/// Errors: those of writing and of done.
 Result<void> train_models(const TrainingWork& work,
                           const std::function<std::optional<TrainingJob>()>& next,
                           const std::function<Result<PackedModels>(JobOutcome)>& done,
                           const std::stop_token& stop);
 
-/// A library that is being brought up to date. Holds the lock of its file.
+/// The update of a library. It holds the lock of the file.
 class TrainingRun {
  public:
-  /// Look at the sources, the file and what earlier runs left. Errors: as of train_library.
+  /// Inspect the sources, the file and the remains of earlier runs. Errors: as for train_library.
   static Result<TrainingRun> begin(TrainRequest request, const TrainProgress& progress);
   TrainingRun(TrainingRun&&) noexcept;
   TrainingRun& operator=(TrainingRun&&) noexcept;
   ~TrainingRun();
 
   const std::vector<ModelSource>& sources() const noexcept;  ///< by name
-  std::size_t num_taken_over() const noexcept;               ///< of them
-  /// The next job; none when all are given out. One thread at a time.
+  std::size_t num_taken_over() const noexcept;               ///< number of reused models among them
+  /// The next job; absent after the last one. Not thread-safe.
   std::optional<TrainingJob> next();
-  /// Take note of an outcome. Its model is written where all before it, by name, are: those of a
-  /// library from nothing are there when it is to be published. Gives back models that are not, to be
-  /// kept beside the file. One thread at a time. Errors: of LibraryWriter.
+  /// Record an outcome. Its model is written once all models before it, by name, are written, so
+  /// that those of a new library are already in the file when it is published. Returns other
+  /// models, which the caller must store beside the file. Not thread-safe. Errors: those of
+  /// LibraryWriter.
   Result<PackedModels> add(JobOutcome outcome);
-  /// Write the library, when all jobs came to their ends. Errors: as of train_library.
+  /// Write the library after all jobs have ended. Errors: as for train_library.
   Result<TrainReport> publish(const TrainProgress& progress);
 
  private:

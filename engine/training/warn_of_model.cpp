@@ -12,20 +12,20 @@
 namespace trivet::engine {
 namespace {
 
-constexpr double kMostSeenAtOnce = 0.9;  // of a closed surface one view sees about half
+constexpr double kMostSeenAtOnce = 0.9;  // one view sees about half of a closed surface
 constexpr double kMostHidden = 0.3;
 constexpr double kMostTurned = 0.5;
 constexpr double kMostOpen = 0.05;
 constexpr std::size_t kFewestPoints = 500;
-constexpr float kSmallest_m = 0.002F, kLargest_m = 10;  // diameters of what is looked for in scans
-constexpr std::array kOtherUnits{1000.0, 25.4, 10.0};   // that lengths are mistaken by
-constexpr double kTypicalSpread = 30;  // of the diameters of one library, either way
+constexpr float kSmallest_m = 0.002F, kLargest_m = 10;  // range of diameters of objects in scans
+constexpr std::array kOtherUnits{1000.0, 25.4, 10.0};   // ratios of commonly confused units
+constexpr double kTypicalSpread = 30;  // ratio of diameters within one library, in either direction
 
 double share(std::size_t part, std::size_t all) {
   return all == 0 ? 0 : static_cast<double>(part) / static_cast<double>(all);
 }
 
-/// Of the samples, those that the view sees that sees most.
+/// The share of samples visible in the view that sees most.
 double most_seen_at_once(std::span<const ViewMask> views) {
   std::array<std::size_t, kernels::kNumViews> seen{};
   for (const ViewMask& mask : views) {
@@ -34,8 +34,8 @@ double most_seen_at_once(std::span<const ViewMask> views) {
   return share(*std::ranges::max_element(seen), views.size());
 }
 
-/// The area that faces lack on the way around: 0 of a closed surface, up to 1 of a sheet. By the sum
-/// of their area vectors, which is that of the holes.
+/// The area missing from a closed surface: 0 for a closed surface, up to 1 for a sheet. It is the
+/// norm of the sum of area vectors, which equals that of the holes.
 double open_share(const SurveyedModel& model) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t t = 0; t < model.triangles.size(); ++t) {
@@ -47,7 +47,7 @@ double open_share(const SurveyedModel& model) {
   return model.has_faces() ? sum.norm() / model.areas.back() : 0;
 }
 
-/// Without an exponent: many millimeters are told in meters.
+/// Length without an exponent; many millimeters are shown in meters.
 std::string length_text(double length, LengthUnit unit) {
   constexpr double kMany = 1e4;
   if (unit == LengthUnit::millimeter && length >= kMany)

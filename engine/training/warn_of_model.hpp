@@ -1,4 +1,4 @@
-/// What a person should know of a model before it is used.
+/// Warnings about a model before it is used.
 #pragma once
 
 #include <span>
@@ -10,12 +10,12 @@
 
 namespace trivet::engine {
 
-/// Sentences without the model's name: a surface that one view sees whole, that is open, much of
-/// which is hidden, whose faces look inwards, or that is given by few points.
+/// Sentences without the model's name. They warn of a surface that is visible in one view
+/// completely, is open, is largely hidden, has faces that point inward, or consists of few points.
 std::vector<std::string> warn_of_model(const SurveyedModel& model);
 
-/// Of each model: a diameter that is that of no part in this unit, or not of the order of those of
-/// the others as those are of one another; empty where there is nothing to say.
+/// A warning per model whose diameter is implausible in this unit, or differs from the others' by
+/// far more than these differ from one another; empty without a warning.
 std::vector<std::string> warn_of_sizes(std::span<const float> diameters, LengthUnit unit);
 
 }  // namespace trivet::engine
