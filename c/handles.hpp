@@ -1,4 +1,4 @@
-/// What stands behind the handles, and the border that no exception crosses.
+/// Objects behind the handles, and the boundary that no exception crosses.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct trivet_library {
 
 struct trivet_result {
   trivet::SceneResult scene;
-  std::vector<std::uint32_t> models;  ///< by detection, its index in the library
+  std::vector<std::uint32_t> models;  ///< index in the library, by detection
 };
 
 struct trivet_stopper {
@@ -30,13 +30,13 @@ struct trivet_stopper {
 
 namespace trivet::c {
 
-/// Write what the call returns where the caller asked for it.
+/// Write status and message to the caller's error, if there is one.
 inline trivet_status tell(trivet_status status, std::string_view message,
                           trivet_error* error) noexcept {
   if (!error) return status;
   constexpr std::size_t kMost = sizeof(error->message) - 1;
   std::size_t size = std::min(message.size(), kMost);
-  // Not within a character of UTF-8.
+  // Do not cut within a UTF-8 character.
   while (size < message.size() && size > 0 && (message[size] & 0xC0) == 0x80) --size;
   std::copy_n(message.data(), size, error->message);
   error->message[size] = '\0';
@@ -68,9 +68,9 @@ constexpr trivet_status status_of(ErrorCode code) noexcept {
   return TRIVET_INTERNAL;
 }
 
-/// Give the caller what `make` makes, or tell why there is none.
+/// Return the object created by `make` to the caller, or the error.
 ///
-/// out   gets a new T, or null
+/// out   receives a new T, or null
 /// make  () -> Result<std::unique_ptr<T>>
 template <class T, class Make>
 trivet_status hand_out(T** out, trivet_error* error, Make&& make) noexcept {

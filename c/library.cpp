@@ -22,7 +22,7 @@ Result<std::unique_ptr<trivet_library>> open_recognizer(const char* file, const 
       trivet_library{trivet::Recognizer(std::move(library), score)});
 }
 
-/// None of null and of an index that is too large.
+/// Null if the library is null or the index is too large.
 const trivet::Model* find_model(const trivet_library* library, std::size_t model) {
   if (!library) return nullptr;
   const std::vector<trivet::Model>& models = library->recognizer.library().models;

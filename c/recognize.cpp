@@ -25,7 +25,7 @@ using FoundInScene = Result<std::unique_ptr<trivet_result>>;
 
 Error usage(std::string message) { return {ErrorCode::usage, std::move(message)}; }
 
-/// texts   "name=value", a null pointer behind the last one; or null
+/// texts   "name=value", terminated by a null pointer; or null
 Result<RecognizeOptions> parse_options(const char* const* texts) {
   std::vector<std::pair<std::string_view, std::string_view>> pairs;
   for (; texts && *texts; ++texts) {
@@ -36,7 +36,7 @@ Result<RecognizeOptions> parse_options(const char* const* texts) {
   return trivet::parse_recognize_options(pairs, "`trivet recognize --help`");
 }
 
-/// What to multiply the scene's lengths by to have them in the library's unit.
+/// Factor from the scene's unit to the library's.
 Result<double> scale_of(trivet_unit unit, trivet::LengthUnit library_unit) {
   switch (unit) {
     case TRIVET_UNIT_OF_LIBRARY:
@@ -49,7 +49,7 @@ Result<double> scale_of(trivet_unit unit, trivet::LengthUnit library_unit) {
   return usage(fmt::format("unit: expected 0, 1 or 2, found {}", static_cast<int>(unit)));
 }
 
-/// The type of what `data` points to is what `number` says.
+/// The array at `data` with the element type that `number` specifies.
 Result<ArrayView> typed_array(const void* data, trivet_number number) {
   ArrayView array;
   switch (number) {
@@ -67,7 +67,7 @@ Result<ArrayView> typed_array(const void* data, trivet_number number) {
       fmt::format("type of numbers: expected 0, 1 or 2, found {}", static_cast<int>(number)));
 }
 
-/// Errors: usage (not from `least` to what an array in memory can have).
+/// Check a stride. Errors: usage (below `least`, or too large for an array in memory).
 Result<std::ptrdiff_t> take_stride(std::size_t stride, std::size_t least) {
   if (stride >= least && stride <= std::size_t{std::numeric_limits<std::ptrdiff_t>::max()})
     return static_cast<std::ptrdiff_t>(stride);
@@ -102,7 +102,7 @@ Result<ArrayView> depths_array(const void* depths, trivet_number number, std::si
   return array;
 }
 
-/// What all scenes have in common.
+/// Common arguments of all scenes.
 struct Call {
   const trivet_library* library;
   trivet_unit unit;
@@ -110,7 +110,7 @@ struct Call {
   const trivet_stopper* stopper;
 };
 
-/// take_cloud  () -> Result<Cloud>; called once the rest is known to be right
+/// take_cloud  () -> Result<Cloud>; called after the other arguments are checked
 template <class TakeCloud>
 FoundInScene recognize_scene(const Call& call, SceneInput input, TakeCloud&& take_cloud) {
   if (!call.library) return usage("expected a library, found null");

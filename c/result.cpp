@@ -5,7 +5,7 @@
 
 namespace {
 
-/// None of null and of an index that is too large.
+/// Null if the result is null or the index is too large.
 const trivet::Detection* find_detection(const trivet_result* result, std::size_t index) {
   if (!result || index >= result->scene.detections.size()) return nullptr;
   return &result->scene.detections[index];

@@ -2,7 +2,7 @@
  * @file
  * Recognize the models of a library in scans, from any language that can call C.
  *
- * Open a library, give it points or a depth image, read what was found, free it:
+ * Open a library, pass it points or a depth image, read the detections, free the result:
  *
  * @code{.c}
  * trivet_library* library = NULL;
@@ -19,16 +19,16 @@
  * trivet_close(library);
  * @endcode
  *
- * Errors: a function that can fail returns a trivet_status, and writes a sentence into the
- * trivet_error that it is given; nothing is thrown, and nothing ends the process. Wrong arguments,
- * null pointers among them, are TRIVET_USAGE; a pointer to memory that is not there is not noticed.
+ * Errors: a function that can fail returns a trivet_status, and writes a message to its
+ * trivet_error argument. No function throws or ends the process. Invalid arguments, including null
+ * pointers, give TRIVET_USAGE; pointers to invalid memory are not detected.
  *
- * Threads: all functions may be called from any thread. A library may be recognized with by many
- * threads at once, and a result may be read by many; only freeing a thing must be the last use of
- * it. Recognition itself uses all cores. Same input, same answer, whatever runs beside it.
+ * Threads: all functions may be called from any thread. Many threads may use one library for
+ * recognition, or read one result, at the same time; freeing an object must be its last use.
+ * Recognition itself uses all cores. Same input, same result, whatever runs in parallel.
  *
- * Memory: arrays that are given are read during the call only. Texts that are returned belong to
- * what they were asked of. Functions that free take NULL, too.
+ * Memory: input arrays are read during the call only. Returned strings belong to the object that
+ * returned them. Functions that free an object accept NULL.
  */
 #ifndef TRIVET_H
 #define TRIVET_H
@@ -37,7 +37,7 @@
 #include <stdint.h>
 
 #if defined(__GNUC__)
-/** What the shared library shows. */
+/** Symbols that the shared library exports. */
 #define TRIVET_API __attribute__((visibility("default")))
 #else
 #define TRIVET_API
@@ -47,161 +47,163 @@
 extern "C" {
 #endif
 
-/** How a call ended: the numbers are the exit codes of the command line. */
+/** Status of a call. The numbers are the exit codes of the command line. */
 typedef enum trivet_status {
-  TRIVET_OK = 0,             /**< as it should */
-  TRIVET_USAGE = 2,          /**< an argument or an option is wrong */
-  TRIVET_BAD_DATA = 65,      /**< a file or a scan breaks its format, or cannot be used */
-  TRIVET_MISSING_INPUT = 66, /**< a file that is named does not exist */
-  TRIVET_CHANGED = 69,       /**< a file was changed by others while it was used; open it anew */
-  TRIVET_INTERNAL = 70,      /**< a fault of the program */
-  TRIVET_CANNOT_CREATE = 73, /**< a file or a folder cannot be made */
+  TRIVET_OK = 0,             /**< success */
+  TRIVET_USAGE = 2,          /**< an argument or an option is invalid */
+  TRIVET_BAD_DATA = 65,      /**< a file or a scan has an invalid format or is unusable */
+  TRIVET_MISSING_INPUT = 66, /**< an input file does not exist */
+  TRIVET_CHANGED = 69,       /**< others changed a file while it was in use; open it again */
+  TRIVET_INTERNAL = 70,      /**< an internal error of the program */
+  TRIVET_CANNOT_CREATE = 73, /**< a file or a folder cannot be created */
   TRIVET_IO = 74,            /**< reading failed, or memory ran out */
-  TRIVET_STOPPED = 75        /**< it was stopped before its end */
+  TRIVET_STOPPED = 75        /**< stopped before completion */
 } trivet_status;
 
-/** Why a call failed. The caller's: a variable of this type is all that it takes. */
+/** Error of a call. The caller declares a variable of this type; it needs no initialization. */
 typedef struct trivet_error {
-  int32_t status;     /**< what the call returned */
-  char message[1020]; /**< a sentence in UTF-8, cut short if it is longer; empty after a success */
+  int32_t status;     /**< return value of the call */
+  char message[1020]; /**< a sentence in UTF-8, truncated if necessary; empty on success */
 } trivet_error;
 
-/** What lengths are in. */
+/** Unit of lengths. */
 typedef enum trivet_unit {
-  TRIVET_UNIT_OF_LIBRARY = 0, /**< that of the library's models */
+  TRIVET_UNIT_OF_LIBRARY = 0, /**< unit of the library's models */
   TRIVET_METER = 1,           /**< m */
   TRIVET_MILLIMETER = 2       /**< mm */
 } trivet_unit;
 
-/** What the numbers of an array are. */
+/** Element type of an array. */
 typedef enum trivet_number {
   TRIVET_FLOAT32 = 0, /**< float */
   TRIVET_FLOAT64 = 1, /**< double */
   TRIVET_UINT16 = 2   /**< uint16_t */
 } trivet_number;
 
-/** A library that is open. */
+/** An open library. */
 typedef struct trivet_library trivet_library;
-/** What was found in a scene. */
+/** Result of recognizing a scene. */
 typedef struct trivet_result trivet_result;
-/** Asks calls to end early. */
+/** Object for stop requests to calls. */
 typedef struct trivet_stopper trivet_stopper;
 
 /**
- * Pinhole camera, x right, y down, z forward: u = fx x / z + cx, v = fy y / z + cy [pixel]. What is zero from `distortion` on is not
- * said: no distortion, depths along z, images of any size.
+ * Pinhole camera, x right, y down, z forward: u = fx x / z + cx, v = fy y / z + cy [pixel]. From
+ * `distortion` on, zero is the default: no distortion, depths along z, images of any size.
  */
 typedef struct trivet_camera {
   double fx; /**< focal length along a row [pixel], above 0 */
   double fy; /**< focal length along a column [pixel], above 0 */
   double cx; /**< column of the principal point [pixel], 0 at the center of the first pixel */
   double cy; /**< row of the principal point [pixel] */
-  double depth_scale;   /**< a depth times it is a length in the scene's unit, above 0 */
-  double distortion[8]; /**< Brown-Conrady, in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6; undone */
-  uint32_t depth_along_ray; /**< 1: depths are distances from the camera, along the ray; 0: z */
-  uint32_t width;           /**< of the images that the other numbers are for [pixel], or 0 */
-  uint32_t height;          /**< likewise; an image of another size is refused */
+  double depth_scale;   /**< factor from depths to lengths in the scene's unit, above 0 */
+  double distortion[8]; /**< Brown-Conrady, in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6; corrected */
+  uint32_t depth_along_ray; /**< 1: depths are distances along the ray; 0: along z */
+  uint32_t width;           /**< width of the calibrated images [pixel], or 0 */
+  uint32_t height;          /**< their height, or 0; images of another size are rejected */
 } trivet_camera;
 
-/** An object that was found. Lengths are in the scene's unit. */
+/** A detected object. Lengths are in the scene's unit. */
 typedef struct trivet_detection {
-  /** 4 x 4, row after row: takes a point of the model to its place in the scene. */
+  /** 4 x 4 matrix, row-major: maps points of the model to the scene. */
   double pose[16];
-  uint32_t model;            /**< index, below trivet_num_models */
-  uint32_t num_alternatives; /**< other poses that the scan cannot tell from this one */
-  float score;               /**< probability that it is there, in this pose or an alternative */
-  float pose_share;          /**< of the score, what is this very pose's, 0..1 */
-  float visible_fraction;    /**< share of the silhouette that was measured as the pose says */
-  float hidden_fraction;     /**< share of it behind something nearer */
-  float outside_fraction;    /**< share of it beyond the borders of the scan */
-  float violation;           /**< share of what was measured there that the sensor looked through */
-  float contour;             /**< share of the outline that the scene does not run on beyond */
+  uint32_t model;            /**< index below trivet_num_models */
+  uint32_t num_alternatives; /**< number of poses that the scan cannot distinguish from it */
+  float score;               /**< probability that the object is present, in any of these poses */
+  float pose_share;          /**< share of the score that belongs to this exact pose, 0..1 */
+  float visible_fraction;    /**< share of the silhouette where measurements agree with it */
+  float hidden_fraction;     /**< share of the silhouette occluded by something nearer */
+  float outside_fraction;    /**< share of the silhouette beyond the borders of the scan */
+  float violation;           /**< share of the measured silhouette that the sensor saw through */
+  float contour;             /**< share of the outline beyond which the scene ends */
   float rmse;                /**< root mean square distance of both surfaces where they agree */
 } trivet_detection;
 
-/** What the scan was, and what it took. */
+/** Properties of the scan and time of recognition. */
 typedef struct trivet_scene {
-  uint64_t num_points;  /**< that were used */
-  uint64_t num_invalid; /**< that were dropped, as a coordinate was not finite */
+  uint64_t num_points;  /**< number of points used */
+  uint64_t num_invalid; /**< number of points dropped for a coordinate that is not finite */
   double noise;         /**< standard deviation of the measured surface, in the scene's unit */
-  double seconds;       /**< that recognition took */
+  double seconds;       /**< duration of recognition */
 } trivet_scene;
 
 /** The version of this library, "MAJOR.MINOR.PATCH". */
 TRIVET_API const char* trivet_version(void);
 
 /**
- * Open a library that `trivet train` made. It is mapped: thousands of models open in milliseconds.
+ * Open a library written by `trivet train`. It is a mapped file, so thousands of models open in
+ * milliseconds.
  *
  * @param file         path of the library
- * @param calibration  path of a score that `trivet calibrate` made, or NULL
- * @param[out] library to be closed by trivet_close; NULL after an error
- * @param[out] error   or NULL
+ * @param calibration  path of a score written by `trivet calibrate`, or NULL
+ * @param[out] library receives the library, to be closed by trivet_close; NULL after an error
+ * @param[out] error   receives the error, or NULL
  * @return TRIVET_OK, TRIVET_USAGE, TRIVET_BAD_DATA, TRIVET_MISSING_INPUT or TRIVET_IO
  */
 TRIVET_API trivet_status trivet_open(const char* file, const char* calibration,
                                      trivet_library** library, trivet_error* error);
 
 /**
- * Close a library. What was recognized with it stays.
+ * Close a library. Results of recognition with it remain valid.
  *
- * @param library  or NULL; used by no other thread any more
+ * @param library  library that no other thread uses any more, or NULL
  */
 TRIVET_API void trivet_close(trivet_library* library);
 
 /**
- * How many models a library has; they are sorted by name.
+ * Number of models of a library. They are sorted by name.
  *
- * @param library  or NULL, which has none
+ * @param library  library, or NULL, which has none
  */
 TRIVET_API size_t trivet_num_models(const trivet_library* library);
 
 /**
- * A model's name, which lives as long as the library is open; NULL of an index that is too large.
+ * A model's name, valid as long as the library is open; NULL if the index is too large.
  *
- * @param library  or NULL
- * @param model    index, below trivet_num_models
+ * @param library  library, or NULL
+ * @param model    index below trivet_num_models
  */
 TRIVET_API const char* trivet_model_name(const trivet_library* library, size_t model);
 
 /**
- * The largest distance between two points of a model, in the library's unit; 0 of an index that is
- * too large.
+ * The largest distance between two points of a model, in the library's unit; 0 if the index is too
+ * large.
  *
- * @param library  or NULL
- * @param model    index, below trivet_num_models
+ * @param library  library, or NULL
+ * @param model    index below trivet_num_models
  */
 TRIVET_API double trivet_model_diameter(const trivet_library* library, size_t model);
 
 /**
- * What the library's lengths are in: TRIVET_METER or TRIVET_MILLIMETER; TRIVET_UNIT_OF_LIBRARY of
+ * Unit of the library's lengths: TRIVET_METER or TRIVET_MILLIMETER; TRIVET_UNIT_OF_LIBRARY for
  * NULL.
  *
- * @param library  or NULL
+ * @param library  library, or NULL
  */
 TRIVET_API trivet_unit trivet_library_unit(const trivet_library* library);
 
 /**
- * Find the models in points. The answer is that of `trivet recognize` on a file of these points.
+ * Recognize the models in a point cloud. The result is that of `trivet recognize` for a file of
+ * these points.
  *
- * @param library    to recognize with
- * @param xyz        three coordinates a point, at multiples of their size; points with one that is
- *                   not finite are dropped and counted; where coordinates are large beside their
- *                   extent, as those of maps, give doubles
+ * @param library    library of the models
+ * @param xyz        three coordinates per point, aligned to their size; points with a coordinate
+ *                   that is not finite are dropped and counted; use doubles if coordinates are
+ *                   large compared with their extent, as in maps
  * @param number     TRIVET_FLOAT32 or TRIVET_FLOAT64
- * @param width      number of points; of an organized scan, those of a row
- * @param height     1; of an organized scan, its number of rows: then the sensor is at the origin
- *                   unless `viewpoint` says otherwise, and points at (0, 0, 0) are dropped
- * @param stride     numbers from one point to the next, at least 3: 3 where nothing lies between
+ * @param width      number of points; for an organized scan, number of points per row
+ * @param height     1; for an organized scan, number of rows. The sensor is then at the origin
+ *                   unless `viewpoint` is given, and points at (0, 0, 0) are dropped
+ * @param stride     numbers from one point to the next, at least 3; 3 for contiguous points
  * @param viewpoint  x, y, z of the sensor, in the frame and unit of the points; NULL: the origin
- * @param unit       of the points
- * @param options    texts "name=value", at their end NULL; or NULL. Names and values are those of
- *                   `trivet recognize --help`, without dashes: "min-score=0.9", "preset=fast"
- * @param stopper    or NULL
- * @param[out] result  to be freed by trivet_free_result; NULL after an error
- * @param[out] error   or NULL
- * @return TRIVET_OK, TRIVET_USAGE, TRIVET_BAD_DATA (no point, none that is finite, too many, too
- *         far away, sizes that do not match the library's, a library that is damaged),
+ * @param unit       unit of the points
+ * @param options    strings "name=value", terminated by NULL; or NULL. Names and values are those
+ *                   of `trivet recognize --help`, without dashes: "min-score=0.9", "preset=fast"
+ * @param stopper    object for stop requests, or NULL
+ * @param[out] result  receives the result, to be freed by trivet_free_result; NULL after an error
+ * @param[out] error   receives the error, or NULL
+ * @return TRIVET_OK, TRIVET_USAGE, TRIVET_BAD_DATA (no points, no finite ones, too many, too far
+ *         away, sizes that do not match the library's, a damaged library),
  *         TRIVET_STOPPED, TRIVET_IO (no memory) or TRIVET_INTERNAL
  */
 TRIVET_API trivet_status trivet_recognize_points(const trivet_library* library, const void* xyz,
@@ -212,24 +214,24 @@ TRIVET_API trivet_status trivet_recognize_points(const trivet_library* library, 
                                                  trivet_result** result, trivet_error* error);
 
 /**
- * Find the models in a depth image. The answer is that of `trivet recognize` on a file of it. Poses
- * are in the frame of the camera.
+ * Recognize the models in a depth image. The result is that of `trivet recognize` for a file of the
+ * image. Poses are in the frame of the camera.
  *
- * @param library  to recognize with
- * @param depths   `height` rows of `width` numbers, at multiples of their size, from the top left;
- *                 zero, negative and not finite ones are no measurement
+ * @param library  library of the models
+ * @param depths   `height` rows of `width` numbers, aligned to their size, from the top left; zero,
+ *                 negative and nonfinite numbers mean no measurement
  * @param number   TRIVET_UINT16, TRIVET_FLOAT32 or TRIVET_FLOAT64
  * @param width    [pixel]
  * @param height   [pixel]
  * @param stride   numbers from one row to the next, at least `width`
- * @param camera   that took it
- * @param unit     that camera->depth_scale gives
- * @param options  as above
- * @param stopper  or NULL
- * @param[out] result  to be freed by trivet_free_result; NULL after an error
- * @param[out] error   or NULL
- * @return as above; TRIVET_BAD_DATA also of a camera that cannot be or is of another image's size, and of
- *         negative depths only
+ * @param camera   camera of the image
+ * @param unit     unit of depths multiplied by camera->depth_scale
+ * @param options  as for trivet_recognize_points
+ * @param stopper  object for stop requests, or NULL
+ * @param[out] result  receives the result, to be freed by trivet_free_result; NULL after an error
+ * @param[out] error   receives the error, or NULL
+ * @return as for trivet_recognize_points; TRIVET_BAD_DATA also for an invalid camera, a camera for
+ *         another image size, and an image that has negative depths only
  */
 TRIVET_API trivet_status trivet_recognize_depth(const trivet_library* library, const void* depths,
                                                 trivet_number number, size_t width, size_t height,
@@ -239,66 +241,66 @@ TRIVET_API trivet_status trivet_recognize_depth(const trivet_library* library, c
                                                 trivet_result** result, trivet_error* error);
 
 /**
- * How many objects were found.
+ * Number of detected objects.
  *
- * @param result  or NULL, which has none
+ * @param result  result, or NULL, which has none
  */
 TRIVET_API size_t trivet_num_detections(const trivet_result* result);
 
 /**
- * Copy what is known of an object that was found. They are sorted by falling score, then by name.
+ * Copy a detection. Detections are sorted by falling score, then by name.
  *
- * @param result     of a recognition
- * @param index      below trivet_num_detections
- * @param[out] detection  unchanged after an error
- * @return TRIVET_OK, or TRIVET_USAGE of an index that is too large
+ * @param result     result of a recognition
+ * @param index      index below trivet_num_detections
+ * @param[out] detection  receives the detection; unchanged after an error
+ * @return TRIVET_OK, or TRIVET_USAGE if the index is too large
  */
 TRIVET_API trivet_status trivet_get_detection(const trivet_result* result, size_t index,
                                               trivet_detection* detection);
 
 /**
- * Copy another pose of an object that the scan cannot tell from the one that is told.
+ * Copy a pose of an object that the scan cannot distinguish from its reported pose.
  *
- * @param result       of a recognition
- * @param index        of the detection
- * @param alternative  below its num_alternatives
- * @param[out] pose    16 numbers, as trivet_detection::pose; unchanged after an error
- * @return TRIVET_OK, or TRIVET_USAGE of an index that is too large
+ * @param result       result of a recognition
+ * @param index        index of the detection
+ * @param alternative  index below its num_alternatives
+ * @param[out] pose    receives 16 numbers, as in trivet_detection::pose; unchanged after an error
+ * @return TRIVET_OK, or TRIVET_USAGE if the index is too large
  */
 TRIVET_API trivet_status trivet_get_alternative(const trivet_result* result, size_t index,
                                                 size_t alternative, double* pose);
 
 /**
- * Copy what is known of the scan.
+ * Copy the properties of the scan.
  *
- * @param result      of a recognition
- * @param[out] scene  unchanged after an error
- * @return TRIVET_OK, or TRIVET_USAGE of a null pointer
+ * @param result      result of a recognition
+ * @param[out] scene  receives the properties; unchanged after an error
+ * @return TRIVET_OK, or TRIVET_USAGE for a null pointer
  */
 TRIVET_API trivet_status trivet_get_scene(const trivet_result* result, trivet_scene* scene);
 
 /**
  * Free a result.
  *
- * @param result  or NULL; used by no other thread any more
+ * @param result  result that no other thread uses any more, or NULL
  */
 TRIVET_API void trivet_free_result(trivet_result* result);
 
-/** Make what can stop calls; NULL if there is no memory. To be freed by trivet_free_stopper. */
+/** Create a stopper, to be freed by trivet_free_stopper; NULL if there is no memory. */
 TRIVET_API trivet_stopper* trivet_new_stopper(void);
 
 /**
- * Ask all calls with this stopper to end, those to come too: at the end of the step that they are
- * in, mostly within a fraction of a second. They return TRIVET_STOPPED.
+ * Ask all calls with this stopper to end, including later ones. They end after their current step,
+ * usually within a fraction of a second, and return TRIVET_STOPPED.
  *
- * @param stopper  or NULL
+ * @param stopper  stopper, or NULL
  */
 TRIVET_API void trivet_stop(trivet_stopper* stopper);
 
 /**
  * Free a stopper. Calls that still run with it are not stopped.
  *
- * @param stopper  or NULL; used by no other thread any more, but for calls that run with it
+ * @param stopper  stopper that no other thread uses any more, except running calls; or NULL
  */
 TRIVET_API void trivet_free_stopper(trivet_stopper* stopper);
 
