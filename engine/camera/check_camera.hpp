@@ -12,7 +12,7 @@ namespace trivet::engine {
 
 /// Jointly fit the scales of the camera and the poses of the confident detections.
 ///
-/// camera  of the scene's only image
+/// camera  camera of the scene's only image
 /// Detections with a score from 0.9 and without alternatives are confident. The detections' poses
 /// do not change. The check casts about 10,000 rays per object.
 CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scene,

@@ -12,7 +12,7 @@ namespace trivet::engine {
 /// as a tenth of its distance suffices; noise, and planes that are small or seen at a small angle,
 /// give no result.
 ///
-/// camera  of the scene's only image
+/// camera  camera of the scene's only image
 DepthReading check_depth_kind(const PreparedScene& scene, const Camera& camera);
 
 }  // namespace trivet::engine
