@@ -26,7 +26,7 @@ struct BopModel {
 /// diameters, boxes and symmetries in FOLDER/models/models_info.json. Further folders receive the
 /// same files.
 ///
-/// unit  of the models
+/// unit  unit of the models
 /// Returns the models' entries for a manifest of `manifest_unit`. Errors: cannot_create, io.
 Result<std::vector<ManifestModel>> write_bop_models(
     std::span<const BopModel> models, LengthUnit unit, LengthUnit manifest_unit,

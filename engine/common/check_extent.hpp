@@ -12,9 +12,9 @@ namespace trivet::engine {
 /// neighbors underflow in floats, nor so large that they overflow. The limits are 1e-6 and 1e9, in
 /// any unit. A single point, or coincident points, have no extent.
 ///
-/// points  in the library's unit, finite
-/// name    of the file or cloud, for the error
-/// Errors: bad_data.
+/// points  finite points in the library's unit
+/// name    name of the file or cloud, for the error
+/// Errors: bad_data (an extent out of range).
 Result<void> check_extent(PointsView points, const std::string& name);
 
 }  // namespace trivet::engine

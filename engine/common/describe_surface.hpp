@@ -38,7 +38,7 @@ inline constexpr float kShare = 0.15F;
 /// points     n, sampled evenly
 /// normals    n, outward or toward the sensor
 /// keypoints  indices < n
-/// radius     of the supports, > 0
+/// radius     radius of the supports, > 0
 /// Returns the described ones of `keypoints`, rising. Same bytes for any number of threads.
 std::vector<std::uint32_t> describe_surface(PointsView points, NormalsView normals,
                                             std::span<const std::uint32_t> keypoints, float radius,
