@@ -14,7 +14,7 @@ struct ScoredMatch {
 
 /// Mean, over the recalls 0, 0.01 ... 1, of the best precision at that recall or above.
 ///
-/// matches      of all images; sorted by falling score on return, equal scores in their order
+/// matches      matches of all images; sorted by falling score on return, ties in their order
 /// num_targets  number of instances to find; 0 gives 0
 /// Recalls are the multiples i * 0.01 in double arithmetic. Some of them lie an ulp beyond the
 /// quotient i / 100, so a recall of 35 in 100 does not reach the 36th place. COCO and the BOP

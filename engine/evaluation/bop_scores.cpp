@@ -97,8 +97,8 @@ class PairTable {
 /// The detections of one model in one scene and its instances there.
 struct Group {
   std::size_t model = 0;                // index of the gauge
-  std::vector<std::size_t> detections;  // in the scene's result, by falling score
-  std::vector<std::size_t> truths;      // in the scene
+  std::vector<std::size_t> detections;  // indices in the scene's result, by falling score
+  std::vector<std::size_t> truths;      // indices in the scene
   std::vector<float> scores;            // one per detection
   std::vector<bool> visible;            // one per truth: whether at least 10 % is visible
   std::vector<bool> targets;            // one per truth: whether localization must find it
@@ -376,7 +376,7 @@ struct ModelPrecision {
   double mssd = 0, mspd = 0, mssd_mm = 0;
 };
 
-/// groups  of one model, in the order of the scenes
+/// groups  groups of one model, in the order of the scenes
 ModelPrecision precision_of(std::span<const Group* const> groups, double diameter,
                             double millimeters) {
   ModelPrecision out;

@@ -22,8 +22,9 @@
 namespace trivet {
 
 struct BopOptions {
-  double vsd_delta_mm = 15;  ///< > 0; how far behind the measurement a surface counts as visible.
-                             ///< The benchmark takes 5 for ITODD, 15 for all others
+  /// Maximum distance behind the measurement at which a surface counts as visible, > 0. The
+  /// benchmark uses 5 for ITODD, 15 for all others.
+  double vsd_delta_mm = 15;
   bool operator==(const BopOptions&) const = default;
 };
 
@@ -39,9 +40,9 @@ inline constexpr std::array<double, 10> kBopShares = [] {
 /// count only the instances in such scenes; they are absent if no scene has one.
 struct BopRecall {
   std::size_t num_targets = 0;  ///< number of instances to find
-  std::optional<double> vsd;   ///< over 10 tolerances and 10 thresholds; requires a mesh with faces
-  double mssd = 0;             ///< thresholds of 0.05 to 0.5 diameters
-  std::optional<double> mspd;  ///< thresholds of 5 to 50 pixels in an image 640 pixels wide
+  std::optional<double> vsd;    ///< mean over 10 tolerances and 10 thresholds; needs mesh faces
+  double mssd = 0;              ///< mean over thresholds of 0.05 to 0.5 diameters
+  std::optional<double> mspd;  ///< mean over thresholds of 5 to 50 pixels in images 640 pixels wide
   std::optional<double> mean;  ///< mean of the three, the benchmark's AR
 };
 
@@ -51,10 +52,10 @@ struct BopPrecision {
   /// Detections of models without any instance in the image. The toolkit drops them, so they lower
   /// no precision.
   std::size_t num_absent = 0;
-  double mssd = 0;             ///< thresholds of 0.05 to 0.5 diameters
-  std::optional<double> mspd;  ///< thresholds of 5 to 50 pixels in an image 640 pixels wide
+  double mssd = 0;             ///< mean over thresholds of 0.05 to 0.5 diameters
+  std::optional<double> mspd;  ///< mean over thresholds of 5 to 50 pixels in images 640 pixels wide
   std::optional<double> mean;  ///< mean of MSSD and MSPD, the benchmark's AP
-  double mssd_mm = 0;          ///< thresholds of 2 to 20 mm, not part of the mean
+  double mssd_mm = 0;          ///< mean over thresholds of 2 to 20 mm, not part of `mean`
 };
 
 /// Errors of one detection relative to the instance of its model that is nearest by MSSD.

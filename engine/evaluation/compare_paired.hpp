@@ -27,7 +27,7 @@ struct PairedComparison {
 /// Compare two methods on the same trials.
 ///
 /// scenes  trials of each scene; trials within a scene may be dependent, scenes are independent
-/// seed    of the resampling
+/// seed    seed of the resampling
 /// The interval is the percentile bootstrap over scenes: the scenes are resampled with replacement
 /// 2,000 times, and their trials pooled. It needs some tens of scenes; a single scene has no
 /// variation. p is McNemar's exact two-sided test on the trials where exactly one method succeeded.

@@ -24,7 +24,7 @@ enum class Verdict {
   neutral,  ///< counts neither way: an ignored truth, or a model that is not scored
 };
 
-inline constexpr double kMaxAdd = 0.1;  ///< in diameters
+inline constexpr double kMaxAdd = 0.1;  ///< [diameters]
 
 struct JudgedDetection {
   std::size_t detection = 0;  ///< index in the scene's result
@@ -57,8 +57,8 @@ using Tallies = std::vector<std::pair<std::string, Tally>>;
 struct SceneEvaluation {
   bool missing = false;  ///< whether there is no result; its truths count as not found
   Tally tally;
-  std::vector<JudgedDetection> detections;  ///< by falling score
-  std::vector<TruthOutcome> truths;         ///< as in the manifest
+  std::vector<JudgedDetection> detections;  ///< sorted by falling score
+  std::vector<TruthOutcome> truths;         ///< sorted as in the manifest
   std::vector<std::size_t> missed;          ///< truths that count and were not found
 };
 
@@ -73,13 +73,13 @@ struct Evaluation {
   std::size_t num_missing = 0;  ///< scenes without a result
   /// Rising, without false positives; empty if no truth has the property.
   Tallies by_occlusion, by_clutter, by_visible_fraction;
-  Tallies by_model;                                ///< in the manifest's order
+  Tallies by_model;                                ///< sorted as in the manifest
   std::optional<double> median_translation_error;  ///< over correct detections [diameters]
   std::optional<double> median_rotation_error_deg;
-  std::vector<StageSeconds> seconds;       ///< by stage, then "total"
+  std::vector<StageSeconds> seconds;       ///< one per stage, then "total"
   PrecisionRecall curve;                   ///< over all detections that count, reported or not
   std::optional<Calibration> calibration;  ///< over the same detections
-  std::vector<SceneEvaluation> scenes;     ///< as in the manifest
+  std::vector<SceneEvaluation> scenes;     ///< sorted as in the manifest
 };
 
 /// Judge the detections of each scene.
@@ -91,10 +91,10 @@ struct Evaluation {
 /// changes the truth found by one with a higher score. An ignored truth may be found or not.
 /// Detections of models that are not scored never count.
 ///
-/// meshes        of the manifest's models (read_evaluation_meshes)
+/// meshes        meshes of the manifest's models (read_evaluation_meshes)
 /// results       one per scene of the manifest, poses in its unit; absent if recognition did not
 ///               run
-/// min_score     of reported detections; only these contribute to tallies and medians
+/// min_score     minimum for reported detections; only these contribute to tallies and medians
 /// require_pose  whether to compare min_score and the curves' thresholds with pose_score, not score
 /// Errors: bad_data (the manifest scores a model that it does not list).
 /// Source: Drost et al., CVPR 2010, section 5 (limits); Hinterstoisser et al., ACCV 2012 (ADD).

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kMaxTranslation = 0.1;  // in diameters
+constexpr double kMaxTranslation = 0.1;  // [diameters]
 constexpr double kMaxRotationDeg = 12;
 /// A mean over more vertices takes longer without being more informative.
 constexpr std::size_t kMaxAddVertices = 3000;
