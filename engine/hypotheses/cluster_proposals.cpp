@@ -13,7 +13,7 @@ namespace {
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 
 struct Clusters {
-  std::vector<kernels::Hypothesis> poses;  // by falling votes
+  std::vector<kernels::Hypothesis> poses;  // sorted by falling votes
   float num_votes = 0;                     // sum over all hypotheses
 };
 

@@ -79,7 +79,7 @@ Column<std::uint8_t> encode_images(const TriSpinBasis& basis, std::span<const fl
 /// Ratio of the distance of a feature's neighbor to that of its nearest neighbor of another model
 /// or place. If all known neighbors are of this place, the farthest one is used.
 ///
-/// neighbors  of the feature, sorted by distance
+/// neighbors  neighbors of the feature, sorted by distance
 float ratio_to_other_place(const FeatureLevel& level,
                            std::span<const kernels::CodeNeighbor> neighbors, std::size_t of,
                            float place) {

@@ -28,7 +28,7 @@ struct FeatureMatch {
 struct SceneMatches {
   float spacing = 0;  ///< distance between keypoints
   Points keypoints;
-  std::vector<FeatureMatch> matches;  ///< in the order of the keypoints, the nearest first
+  std::vector<FeatureMatch> matches;  ///< sorted by keypoint, the nearest first
 };
 
 /// A scene sampled at the resolution of the features that it is matched with. All is referred to.

@@ -45,7 +45,7 @@ class VoteSource {
   const ModelGroups& groups_;
   const LargePlanes large_planes_;
   SceneStats& stats_;
-  std::map<float, SceneSample> samples_;  // by sampling step
+  std::map<float, SceneSample> samples_;  // keyed by sampling step
 };
 
 }  // namespace trivet::engine

@@ -12,7 +12,7 @@ namespace trivet::engine {
 
 /// Propose the expected poses of the models to search for, each with one vote.
 ///
-/// expected  in the cloud's frame and unit
+/// expected  poses in the cloud's frame and unit
 /// scale     factor from that unit to the library's
 std::vector<Proposals> propose_expected(const Library& library, const ModelGroups& groups,
                                         std::span<const ExpectedPose> expected, double scale);
