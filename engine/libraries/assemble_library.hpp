@@ -29,9 +29,9 @@ std::vector<ModelCopy> copies_of(const Library& library);
 /// Write models into one library with the index of their features. The bytes depend on the models
 /// and the header alone, not on where the models were stored.
 ///
-/// basis   of all models' features; empty: for models without features
-/// models  in any order
-/// lock    of the file, which is replaced as a whole
+/// basis   basis of all models' features; empty: for models without features
+/// models  models in any order
+/// lock    lock of the file, which is replaced as a whole
 /// Errors: bad_data (a model is damaged, two with one name), resumable (stopped), cannot_create,
 /// io.
 Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& basis,
@@ -40,7 +40,7 @@ Result<void> assemble_library(const LibraryHeader& header, const TriSpinBasis& b
 
 /// The last step of assemble_library, for callers that have started writing themselves.
 ///
-/// models       of the whole library, by name
+/// models       models of the whole library, sorted by name
 /// num_written  number of models already written, the first ones
 /// Errors: as for assemble_library.
 Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> models,

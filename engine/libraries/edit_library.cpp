@@ -164,7 +164,7 @@ LibraryDifference compare_libraries(const Library& before, const Library& after)
   LibraryDifference out;
   out.same_parameters = before.header.unit == after.header.unit &&
                         before.header.parameters == after.header.parameters;
-  std::multimap<std::string, std::string> added;  // by fingerprint
+  std::multimap<std::string, std::string> added;  // keyed by fingerprint
   for (const Model& model : after.models) {
     if (!has_model(before, model.name)) added.emplace(model.fingerprint, model.name);
   }
