@@ -1,4 +1,4 @@
-/// Declaring an option for a field: kind, reading and writing follow from the field's type.
+/// Declaration of an option for a field. The field's type determines kind, reading and writing.
 #pragma once
 
 #include <algorithm>

@@ -109,7 +109,7 @@ enum class Search : std::uint8_t {
 
 /// A place of the scene for which recognition explains why models are found there or not.
 struct PlaceQuestion {
-  std::optional<Eigen::Vector3d> point{};  ///< in the frame and unit of the scene's file
+  std::optional<Eigen::Vector3d> point{};  ///< place in the frame and unit of the scene's file
   std::vector<std::string> models{};  ///< models to explain; empty: all with poses near the place
   bool operator==(const PlaceQuestion&) const = default;
 };

@@ -28,8 +28,8 @@ struct TrainOptions {
   /// Points of a voxel whose normals differ by more are kept apart.
   float normal_cluster_angle_deg = kNormalClusterDeg;
   std::uint32_t num_samples = 2048;   ///< number of surface samples for refinement and verification
-  bool point_pairs = true;            ///< train for Method::ppf
-  bool tri_spin_images = true;        ///< train for Method::trisi
+  bool point_pairs = true;            ///< whether to train for Method::ppf
+  bool tri_spin_images = true;        ///< whether to train for Method::trisi
   std::uint32_t num_components = 60;  ///< maximum number of components of Tri-Spin-Images
   float component_energy = 1;         ///< share of variance at which fewer components suffice
   bool operator==(const TrainOptions&) const = default;
