@@ -11,9 +11,9 @@ namespace trivet {
 
 /// Draw the model from the side and above, lit as in the pictures of scenes, on a pale background.
 ///
-/// surface  of the model
+/// surface  surface of the model
 /// around   points that must be in the picture, at least one
-/// width    of the square picture [pixel], > 0
+/// width    width of the square picture [pixel], > 0
 Picture draw_model(const kernels::RayScene& surface, PointsView around, std::uint32_t width);
 
 }  // namespace trivet

@@ -49,7 +49,8 @@ struct ScenePictures {
 /// thread-safe.
 class SceneDrawing {
  public:
-  /// largest_diameter  of the models; planes too large to be part of one are drawn darker
+  /// largest_diameter  diameter of the largest model; planes too large to be part of a model are
+  ///                   drawn darker
   /// Errors: bad_data (too few points, no surface).
   static Result<SceneDrawing> prepare(const Cloud& cloud, const SceneInput& input,
                                       float largest_diameter);
