@@ -18,7 +18,7 @@ constexpr std::size_t kMostExplained = 20;  // models per place
 /// A place of the scene and the models that may lie there.
 class Place {
  public:
-  /// point  in the scene's frame [library unit]
+  /// point  place in the scene's frame [library unit]
   Place(const Library& library, const Eigen::Vector3f& point, float noise)
       : library_(library), point_(point), noise_(noise) {}
 

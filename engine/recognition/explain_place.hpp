@@ -31,7 +31,7 @@ struct ExplainedModel {
 
 /// Explain the requested models, or else the models of all poses near the place.
 ///
-/// question     its point is in the cloud's frame and unit
+/// question     question with its point in the cloud's frame and unit
 /// least_score  minimum score by samples at which a refined pose is worth the full test
 /// table        finished poses; receives a row for each pose tested for the explanation
 /// Returns the models by the latest stage reached, then by score. Errors: internal (no memory for

@@ -88,7 +88,7 @@ struct ServiceState {
 /// A queue and worker threads. All members are thread-safe.
 class RecognitionService {
  public:
-  /// options  valid
+  /// options  valid options
   RecognitionService(const ServiceOptions& options, std::shared_ptr<const LibraryGeneration> first);
   RecognitionService(const RecognitionService&) = delete;
   RecognitionService& operator=(const RecognitionService&) = delete;

@@ -51,7 +51,7 @@ double nearest_distance(PointsView points, const Eigen::Vector3d& place) {
 
 /// The explained place without its models.
 ///
-/// point  in the frame and unit of the scene's file
+/// point  place in the frame and unit of the scene's file
 PlaceExplanation explained_place(const Eigen::Vector3d& point, const Cloud& cloud) {
   return {point, nearest_distance(cloud.points, point - cloud.offset), {}};
 }
@@ -64,7 +64,7 @@ constexpr double kMostStray = 0.01;
 /// Remove points farther than half of the maximum scene size from the median point, if they are
 /// few.
 ///
-/// radius  [cloud's unit]
+/// radius  half of the maximum scene size [cloud's unit]
 /// Returns the cloud without them. Absent if there are no such points, or too many.
 std::optional<Cloud> without_stray_points(const Cloud& cloud, float radius) {
   const std::size_t n = cloud.points.size();

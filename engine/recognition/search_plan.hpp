@@ -79,7 +79,7 @@ struct SearchPlan {
 /// the scene's file.
 ///
 /// options  valid options
-/// offset   of the cloud (Cloud::offset)
+/// offset   offset of the cloud (Cloud::offset)
 /// Errors: usage (an unknown model, a method that the library was not trained for).
 Result<SearchPlan> plan_search(const RecognizeOptions& options, const Library& library,
                                const Eigen::Vector3d& offset);

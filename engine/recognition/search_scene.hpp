@@ -17,7 +17,7 @@ namespace trivet::engine {
 /// Result of a search. Poses and lengths are in the scene's frame, in the library's unit.
 struct SearchResult {
   PoseTable poses;              ///< all poses with their fates
-  std::vector<Row> detections;  ///< in the order of choice
+  std::vector<Row> detections;  ///< sorted in the order of choice
   std::vector<Row> rejected;    ///< the best rejected poses of each model, by falling score
   /// Present if the user asked about a place.
   std::optional<std::vector<ExplainedModel>> explained{};
