@@ -59,7 +59,7 @@ struct ModelExplanation {
 
 /// Explanation of a place.
 struct PlaceExplanation {
-  Eigen::Vector3d point{0, 0, 0};  ///< in the frame and unit of the scene's file
+  Eigen::Vector3d point{0, 0, 0};  ///< place in the frame and unit of the scene's file
   /// Distance to the nearest point of the scan, in the unit of the scene's file.
   double nearest_point = 0;
   std::vector<ModelExplanation> models;  ///< sorted by the latest stage reached, then by score

@@ -69,7 +69,7 @@ struct SceneStats {
   float noise = 0;  ///< measured standard deviation of the surface, in the scene file's unit
   /// Error model of the sensor, with lengths in the scene file's unit; absent for closed surfaces.
   std::optional<kernels::SensorModel> sensor{};
-  std::optional<CameraCheck> camera_check{};  ///< for depth images
+  std::optional<CameraCheck> camera_check{};  ///< present for depth images
   std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0, num_hypotheses = 0,
                 num_refined = 0, num_examined = 0;
 };
@@ -77,8 +77,8 @@ struct SceneStats {
 /// Poses are in the cloud's frame; in_file_frame(pose, offset) converts them to the frame of the
 /// scene's file.
 struct SceneResult {
-  std::vector<Detection> detections;   ///< by falling score, then model name
-  std::vector<RejectedPose> rejected;  ///< by falling score; no two poses of one placement
+  std::vector<Detection> detections;   ///< sorted by falling score, then by model name
+  std::vector<RejectedPose> rejected;  ///< sorted by falling score; no two poses of one placement
   /// Explanation of the place that the user asked about.
   std::optional<PlaceExplanation> explanation{};
   SceneStats stats;

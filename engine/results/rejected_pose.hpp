@@ -25,8 +25,8 @@ struct RejectedPose {
   kernels::ScoreParts parts{};  ///< components of the score
   Rejection reason = Rejection::too_low;
   /// Index of the detection that explains most of its pixels, and the share that it explains.
-  /// Present with the reason `explained`, unless that pose itself was one too many, and for a pose
-  /// with too low a score at the place of a better one.
+  /// Present with the reason `explained`, unless the explaining pose was itself refused for
+  /// max_instances, and for a pose with too low a score at the place of a better one.
   std::optional<std::size_t> explained_by{};
   float explained_share = 0;
 };
