@@ -32,11 +32,11 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kRowGrain = 8;          // image rows per task
 constexpr std::size_t kPixelGrain = 1 << 16;  // pixels per task with little work per pixel
-constexpr float kNormalClusterRad = 0.5236F;  // as for models, so that their pairs match
+constexpr float kNormalClusterRad = 0.5236F;  // same as for models, so that their pairs match
 static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi_v<float> / 180 &&
                   kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
               "scenes are thinned as models are");
-constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // for a closed surface
+constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // maximum for a closed surface
 // Maximum pairs per point in a voxel; one surface has 2 or 3.
 constexpr std::size_t kMostPairs = 16;
 constexpr double kMostPixels = 256;  // maximum pixels per point on one side of a closed surface
@@ -126,7 +126,7 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
 }
 
-/// planes  in the camera's frame
+/// planes  planes in the camera's frame
 void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
                   kernels::RangeImage& image) {
   const kernels::ImageGeometry& geometry = image.geometry;
@@ -344,7 +344,7 @@ void fit_normals(const Points& points, float radius, NormalsSpan normals,
 
 /// Prepare a surface that is visible from all around.
 ///
-/// triangles  of scene.points
+/// triangles  triangles of scene.points
 Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& input,
                                   const PrepareOptions& options, PreparedScene& scene) {
   const Normals outward = cover_surface(triangles, scene);
