@@ -14,7 +14,7 @@ double log_odds(float probability, double least) noexcept;
 /// Log odds that a pose is correct rather than the other one, by the pixels where they differ and
 /// by their scores, which also include the other pixels.
 ///
-/// comparison  of the pose with the other one
+/// comparison  comparison of the pose with the other one
 double rival_log_odds(float score, float other_score,
                       const kernels::PoseComparison& comparison) noexcept;
 

@@ -133,7 +133,7 @@ std::vector<Row> choose_unexplained(const TestedPoses& poses, std::span<const Ro
   std::erase_if(refused, is_unexplained);
   const Selection selection = select(poses, std::move(contenders), options);
   for (const Refusal& refusal : selection.refused) {
-    if (!is_standing(refusal.row)) refused.push_back(refusal);  // otherwise one too many, as before
+    if (!is_standing(refusal.row)) refused.push_back(refusal);  // else too_many, as before
   }
   std::vector<Row> chosen;
   for (const Row row : selection.chosen) {

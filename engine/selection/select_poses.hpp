@@ -34,7 +34,7 @@ struct Refusal {
 };
 
 struct Selection {
-  std::vector<Row> chosen;  ///< in the order of choice
+  std::vector<Row> chosen;  ///< sorted in the order of choice
   std::vector<std::uint8_t>
       explained;  ///< one value per pixel over all images: 1 if a confident pose explains it
   std::vector<Refusal> refused;  ///< all other poses, from the best to the worst
@@ -59,7 +59,7 @@ Selection select_poses(const TestedPoses& poses, const SelectOptions& options);
 /// Choose refused poses from min_score that were hidden by a pose that was itself refused later.
 /// They are chosen unless a standing pose or a better one of them explains them.
 ///
-/// standing  rows that were chosen and not refused; a pose that is one too many counts as standing
+/// standing  rows that were chosen and not refused later, and rows refused for max_instances
 /// refused   refusals of all poses; chosen poses are removed, and the others receive the pose that
 ///           hides them now
 /// Returns the rows of the chosen poses, in the order of choice.

@@ -17,7 +17,7 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kAlternativePlace = 0.3F;  // in diameters
+constexpr float kAlternativePlace = 0.3F;  // [diameters]
 constexpr float kLeastAlternativeScore = 0.1F;
 constexpr float kAlternativeShare = 0.5F;  // share of the score of the ambiguous pose
 constexpr int kMaxHops = 3;                // steps from an alternative to a better alternative
