@@ -77,9 +77,10 @@ inline constexpr double kBeforeSurface = 3e-4;
 /// Measure a scene.
 ///
 /// seed, stream  determine the noise, which is independent for each pixel
-/// flaws         without flaws, the rules below apply. With a matching window, depth is computed by
-///               matching (engine/simulation/match_scene); echoes are mixed and bounced
-///               (engine/simulation/echo_scene); written values contain the calibration error
+/// flaws         flaws of the sensor; without any, the rules below apply. With a matching window,
+///               depth is computed by matching (engine/simulation/match_scene); echoes are mixed
+///               and bounced (engine/simulation/echo_scene); written values contain the
+///               calibration error
 /// Returns depths in units of the sensor's depth_step, 0 for no measurement.
 ///
 /// No measurement is possible beyond nearest and farthest; on surfaces steeper than 80 degrees to

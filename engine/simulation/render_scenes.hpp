@@ -102,7 +102,7 @@ struct RenderedScene {
 class VirtualScanner {
  public:
   /// models  at least one; they must outlive the scanner
-  /// unit    of the ground truth
+  /// unit    unit of the ground truth
   /// Errors: usage (an option), bad_data (no model, one without extent), internal (ray tracing).
   static Result<VirtualScanner> create(std::span<const ScanModel> models, LengthUnit unit,
                                        const ScanOptions& options);
@@ -113,7 +113,7 @@ class VirtualScanner {
   /// Scan models at rest in a pile, on the ground or in a bin (engine::pile_up), with a camera that
   /// looks down on them from a random side.
   ///
-  /// index  of the scene; scenes are independent of one another
+  /// index  index of the scene; scenes are independent of one another
   /// The visible fraction is exact and relative to the silhouette's pixels, including those beyond
   /// the image's border. Occlusion and clutter are Drost's, by area: a measured pixel of a surface
   /// less than 80 degrees steep represents the patch z^2 / (fx fy |normal . ray|) that it sees.

@@ -149,7 +149,7 @@ Eigen::Matrix3d written_from_true(const Camera& camera, const CalibrationFlaws& 
 /// moves to where its pixel and depth indicate; the rotation is the one nearest to the map, which
 /// also stretches.
 ///
-/// center  of the object, in its own frame
+/// center  center of the object, in the object's frame
 Pose written_pose(const Pose& T_camera_model, const Eigen::Vector3d& center, const Camera& camera,
                   const CalibrationFlaws& flaws);
 

@@ -213,7 +213,7 @@ std::uint32_t scaled(std::uint32_t pixels, double resolution) {
 
 /// Create an empty image: its flaws, its size and its camera.
 ///
-/// focal  at a resolution of 1
+/// focal  focal length at a resolution of 1 [pixel]
 RenderedScene choose_image(const ScanOptions& options, LengthUnit unit, double focal,
                            std::uint32_t index) {
   RenderedScene scene;
@@ -323,7 +323,7 @@ struct Surroundings {
   Finish finish;
 };
 
-/// range  of the farthest point [m]
+/// range  range of the farthest point [m]
 Surroundings surround(const Points& points, const Pose& T_camera_world, double range,
                       const engine::BinSize& bin, const ScanOptions& options,
                       CounterRandom& random) {
