@@ -24,8 +24,8 @@ namespace trivet::engine {
 /// parts.
 class AheadWriter {
  public:
-  /// file     of the library
-  /// names    of all its models
+  /// file     path of the library
+  /// names    names of all its models
   /// sources  sources of its first models, rising: all of them are trained now
   AheadWriter(std::filesystem::path file, const LibraryHeader& header, const TriSpinBasis& basis,
               const NamesToCome& names, std::vector<std::size_t> sources)

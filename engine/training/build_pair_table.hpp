@@ -33,7 +33,7 @@ struct PairTable {
 /// Sample a model evenly, and store the point pair features in a table. Same bytes for any number
 /// of threads.
 ///
-/// source  for errors: bad_data (too few or too many points, no pairs)
+/// source  source named in errors: bad_data (too few or too many points, no pairs)
 Result<PairTable> build_pair_table(const SurveyedModel& model, const Symmetry& symmetry,
                                    const PairTableOptions& options, const ModelSource& source,
                                    StageTimes& times);

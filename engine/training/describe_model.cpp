@@ -13,7 +13,7 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kRelativeResolution = 0.0125F;  // in diameters
+constexpr float kRelativeResolution = 0.0125F;  // [diameters]
 // kNormalClusterDeg, rounded down, since the bytes of all trained libraries depend on it.
 constexpr float kNormalClusterRad = 0.52F;
 // Spacing of the supports' points in resolutions. Bins are at least 1.2 wide, and points are

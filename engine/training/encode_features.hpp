@@ -23,7 +23,7 @@ FeatureRows encode_features(const Descriptions& descriptions, const kernels::Pro
 
 /// Concatenate all rows of a model.
 ///
-/// resolution  of the descriptions
+/// resolution  resolution of the descriptions
 TriSpinFeatures join_features(std::span<const FeatureRows> parts, const TriSpinBasis& basis,
                               float resolution);
 

@@ -11,7 +11,7 @@ namespace trivet::engine {
 /// Orient the normals of dense points to the outward side of the nearest sample of the same sheet.
 ///
 /// samples  positions with outward normals, `spacing` apart
-/// views    of the samples, one each, or empty. The normals of points near a sample that is visible
+/// views    views of each sample, or empty. The normals of points near a sample that is visible
 ///          in no view become NaN, and so do those of points far from all samples
 void orient_by_samples(PointsView samples, NormalsView sample_normals,
                        std::span<const ViewMask> views, float spacing, PointsView points,

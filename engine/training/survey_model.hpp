@@ -35,7 +35,7 @@ struct SurveyedModel {
 
   // Members for training only.
   SpreadPoints all_samples;         ///< includes samples visible in no view
-  std::vector<ViewMask> all_views;  ///< of all samples
+  std::vector<ViewMask> all_views;  ///< views of all samples
   std::vector<double> areas;        ///< cumulative areas of the triangles; empty without a surface
   kernels::RayScene rays;
   float ray_offset = 0;        ///< distance from the surface at which rays start
@@ -48,7 +48,7 @@ struct SurveyedModel {
   std::size_t num_hidden() const noexcept { return all_views.size() - sample_views.size(); }
 };
 
-/// num_samples  of a surface with faces
+/// num_samples  number of samples for a surface with faces
 /// Errors: bad_data (too few distinct points, no extent), internal.
 Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source,
                                    std::size_t num_samples, StageTimes& times);

@@ -50,7 +50,7 @@ struct TrainedModel {
 /// Train one model from a mesh, or from a cloud, which receives faces if it lies on a surface. Same
 /// input, same bytes for any number of threads.
 ///
-/// basis  of the features; empty: the model has no features
+/// basis  basis of the features; empty: the model has no features
 /// Errors: bad_data (too few distinct points, no extent).
 Result<TrainedModel> train_model(const Cloud& cloud, const ModelSource& source,
                                  const TrainOptions& options, const TriSpinBasis& basis = {});

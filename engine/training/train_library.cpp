@@ -96,7 +96,7 @@ struct TrainingRun::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  TrainRequest request;  // with sources by name
+  TrainRequest request;  // its sources are sorted by name
   FileLock lock;
   LibraryHeader header;
   TriSpinBasis basis;
@@ -106,15 +106,15 @@ struct TrainingRun::State {
   std::vector<ModelCopy> staying;  // its models that are not among the sources
   std::vector<Library> parts;
   Known kept, resumed;
-  std::vector<std::string> fingerprints;  // of the sources; empty: unreadable
+  std::vector<std::string> fingerprints;  // one per source; empty: unreadable
   std::vector<std::size_t> jobs;          // sources to be trained
   std::size_t num_unreadable = 0;
   std::optional<engine::AheadWriter> ahead;
 
   std::mutex mutex;                            // guards the members below
   std::size_t num_given = 0;                   // number of jobs handed out
-  std::map<std::size_t, JobOutcome> outcomes;  // by source
-  std::map<std::size_t, Error> faults;         // by source
+  std::map<std::size_t, JobOutcome> outcomes;  // keyed by source
+  std::map<std::size_t, Error> faults;         // keyed by source
 
   const std::vector<ModelSource>& sources() const { return request.sources; }
   std::size_t num_taken_over() const { return sources().size() - jobs.size() - num_unreadable; }

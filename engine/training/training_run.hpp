@@ -68,7 +68,7 @@ class TrainingRun {
   TrainingRun& operator=(TrainingRun&&) noexcept;
   ~TrainingRun();
 
-  const std::vector<ModelSource>& sources() const noexcept;  ///< by name
+  const std::vector<ModelSource>& sources() const noexcept;  ///< sorted by name
   std::size_t num_taken_over() const noexcept;               ///< number of reused models among them
   /// The next job; absent after the last one. Not thread-safe.
   std::optional<TrainingJob> next();
