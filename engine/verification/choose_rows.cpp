@@ -11,10 +11,10 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kPlace = 0.2F;  // in diameters
+constexpr float kPlace = 0.2F;  // [diameters]
 // Where many instances of a model lie, the best visible ones must not use up the budget.
 constexpr std::size_t kRefinedAPlace = 4, kExaminedAPlace = 2;
-constexpr float kSameTranslation = 0.01F;  // in diameters
+constexpr float kSameTranslation = 0.01F;  // [diameters]
 constexpr float kSameRotationRad = 0.035F;
 
 /// Choice of poses from the first on, with a limit per place on its part of the budget.

@@ -62,7 +62,8 @@ class PoseVerifier {
                                                       const Pose& T_scene_model) const;
 
  private:
-  using Surfaces = std::map<std::uint32_t, std::shared_ptr<const kernels::RayScene>>;  // by model
+  // Keyed by model.
+  using Surfaces = std::map<std::uint32_t, std::shared_ptr<const kernels::RayScene>>;
 
   Result<Surfaces> surfaces_of(const PoseTable& table, std::span<const Row> rows) const;
   TestedPose judged_by_samples(const PoseTester& tester, const Pose& pose, float score) const;
@@ -75,7 +76,7 @@ class PoseVerifier {
   const PreparedScene& scene_;
   const VerificationOptions& options_;
   StageTimes& times_;
-  std::map<std::uint32_t, std::unique_ptr<const PoseTester>> testers_;  // by model
+  std::map<std::uint32_t, std::unique_ptr<const PoseTester>> testers_;  // keyed by model
 };
 
 }  // namespace trivet::engine
