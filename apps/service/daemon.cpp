@@ -17,9 +17,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLastAnswers{1000};  ///< for clients to take them
-constexpr milliseconds kLastSteps{1000};    ///< for threads to end
-constexpr milliseconds kLogged{100};        ///< for the last line to be written
+constexpr milliseconds kLastAnswers{1000};  ///< time for clients to receive the last responses
+constexpr milliseconds kLastSteps{1000};    ///< time for threads to end
+constexpr milliseconds kLogged{100};        ///< time for the last line to be written
 
 std::atomic<bool> hung_up{false};
 
@@ -115,7 +115,7 @@ void Daemon::end_by(Clock::time_point last) {
     try {
       log_.write("error", "some work did not end: the process ends without it");
       std::this_thread::sleep_for(kLogged);
-    } catch (const std::bad_alloc&) {  // ends without a word
+    } catch (const std::bad_alloc&) {  // ends without a message
     }
     std::_Exit(kExitUnfinished);
   });

@@ -1,4 +1,4 @@
-/// The life of a program that answers over HTTP until it is told to stop.
+/// The life cycle of a program that serves HTTP until it is stopped.
 #pragma once
 
 #include <atomic>
@@ -22,12 +22,13 @@
 
 namespace trivet::apps::service {
 
-/// It starts, waits, drains and ends; to be made before all that answers or writes to its log.
+/// Starts, waits, drains and ends. Construct it before everything that sends responses or writes to
+/// its log.
 class Daemon {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// max_arriving_mb  of bodies on their way, all together
+  /// max_arriving_mb  bodies that are being received, in total
   Daemon(const ListenSettings& settings, std::uint32_t max_arriving_mb)
       : settings_(settings),
         max_arriving_mb_(max_arriving_mb),
@@ -37,14 +38,15 @@ class Daemon {
   Daemon& operator=(const Daemon&) = delete;
 
   RequestLog& log() { return log_; }
-  /// Read the file of tokens, if there is one. Where that fails, the old ones stay. Errors: those of
-  /// read_token_file.
+  /// Reads the token file, if there is one. If that fails, the old tokens stay.
+  /// Errors: those of read_token_file.
   Result<void> read_tokens();
-  std::size_t num_connections() const;  ///< open ones; from any thread
+  std::size_t num_connections() const;  ///< open connections; from any thread
 
-  /// Listen, and answer by `routes.handle` and `routes.admit`, on the network's thread, those whom
-  /// Access lets in; `routes.is_free` tells what needs no token, and `routes.count_refused` is told
-  /// of the others. Errors: usage (address), cannot_create (the port is taken).
+  /// Listens, and answers admitted requests by `routes.handle` and `routes.admit`, on the network
+  /// thread. Access decides which are admitted; `routes.is_free` selects those that need no token,
+  /// and `routes.count_refused` counts the others.
+  /// Errors: usage (address), cannot_create (the port is in use).
   template <class Routes>
   Result<void> start(Routes& routes) {
     return start(HttpHandler{[&routes](HttpRequest request, HttpAnswer answer) {
@@ -59,34 +61,34 @@ class Daemon {
                                    [&](AccessFault fault) { routes.count_refused(fault); });
                              }});
   }
-  std::string url() const;  ///< once it listens
+  std::string url() const;  ///< valid once it listens
 
-  /// From now on SIGHUP is taken; to be called before `wait`.
+  /// Handles SIGHUP from now on. Call it before `wait`.
   static void take_hangups();
-  static bool was_hung_up();  ///< by a SIGHUP since this was asked last
+  static bool was_hung_up();  ///< a SIGHUP came since the last call
 
-  /// Look again and again, until told to stop.
+  /// Calls back at intervals, until it is stopped.
   static void wait(const std::stop_token& stop, std::chrono::milliseconds interval,
                    const std::function<void()>& look);
 
-  /// Be ready no more, so that balancers go elsewhere; after the grace take no more connections;
-  /// then answer what came in. From then on the routes are asked no more.
+  /// Ends readiness, so that load balancers choose other servers. After the grace period it accepts
+  /// no more connections, then answers the received requests. From then on no route is called.
   ///
-  /// Work ends two seconds before exit-timeout-ms is over, or at half of it if that is later: one is
-  /// for clients to take the last answers, one for threads to end. What goes on at its end, such as
-  /// work that does not check whether it is to stop, ends with the process: with exit code
+  /// Work ends two seconds before exit-timeout-ms is over, or at half of it if that is later. One
+  /// second is for clients to receive the last responses, one for threads to end. Work that still
+  /// runs then, such as work that does not check for a stop, ends with the process, with exit code
   /// kExitUnfinished.
   ///
-  /// finish  returns whether all was answered by the deadline
+  /// finish  returns whether everything was answered by the deadline
   void drain(const std::function<void()>& set_closing,
              const std::function<bool(Clock::time_point deadline)>& finish);
-  void log_end();  ///< of the drain, to the log
+  void log_end();  ///< logs the end of the drain
 
-  static constexpr int kExitUnfinished = 75;  ///< as of what is stopped before its end
+  static constexpr int kExitUnfinished = 75;  ///< as for work that is stopped before its end
 
  private:
   Result<void> start(HttpHandler handler);
-  void end_by(Clock::time_point last);  ///< the process, unless this goes before
+  void end_by(Clock::time_point last);  ///< ends the process, if still alive
   std::optional<HttpResponse> refuse(const HttpRequest& head, bool is_free,
                                      const std::function<void(AccessFault)>& count);
 
@@ -96,9 +98,9 @@ class Daemon {
   BearerTokens tokens_;
   const Access access_;
   std::optional<HttpServer> server_;
-  std::atomic<const HttpServer*> listening_{nullptr};  // requests come before start() has ended
+  std::atomic<const HttpServer*> listening_{nullptr};  // requests may precede the end of start()
   bool is_all_answered_ = true;
-  std::jthread last_resort_;  // once it drains; last: it needs the log
+  std::jthread last_resort_;  // runs while draining; last member: it needs the log
 };
 
 }  // namespace trivet::apps::service

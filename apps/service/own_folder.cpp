@@ -28,7 +28,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-/// What lies in a folder that has no marker; empty: nothing.
+/// A name that a folder without marker contains; empty: none.
 std::string foreign_name(const fs::path& folder) {
   for (const std::string& name : names_in(folder)) {
     if (name != kLostAndFound) return name;
@@ -36,7 +36,7 @@ std::string foreign_name(const fs::path& folder) {
   return "";
 }
 
-/// The marker's text; none where it is no regular file.
+/// The text of the marker; none: not a regular file.
 std::optional<std::string> marker_of(const fs::path& folder, const FolderKind& kind) {
   const fs::path file = folder / kind.marker;
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -131,7 +131,7 @@ void remove_own_folder(const fs::path& folder, const FolderKind& kind,
   }
   if (is_left) return;
   ::unlink((folder / kind.marker).c_str());
-  // What a program has put there meanwhile is its own, too.
+  // Files that a program has written there meanwhile belong to it, too.
   if (::rmdir(folder.c_str()) != 0) (void)mark_folder(folder, kind, note.value_or(""));
 }
 

@@ -1,4 +1,5 @@
-/// Folders that a service writes and cleans: those that a marker file says to be its own.
+/// Folders that a service writes and cleans. A marker file identifies them as belonging to the
+/// service.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +12,12 @@
 
 namespace trivet::apps::service {
 
-/// What a service makes of a folder. The marker's first line is the kind with its version; what a
-/// folder without one holds was made by somebody else.
+/// A kind of folder of the service. The first line of the marker is the kind with its version. The
+/// contents of a folder without a marker belong to somebody else.
 struct FolderKind {
   std::string_view marker;  ///< name of the file
   std::string_view line;    ///< "trivet parts 1"
-  std::string_view option;  ///< that names such a folder
+  std::string_view option;  ///< option that names such a folder
 };
 inline constexpr FolderKind kPartsFolder{".trivet-parts", "trivet parts 1", "--allow-training"};
 inline constexpr FolderKind kPartFolder{".trivet-part", "trivet part 1",
@@ -25,33 +26,34 @@ inline constexpr FolderKind kSessionFolder{".trivet-session", "trivet session 1"
 
 enum class FolderState : std::uint8_t {
   absent,
-  empty,    ///< but for lost+found, which a file system of its own begins with
-  own,      ///< it has the marker
-  foreign,  ///< it holds something and has none, or is no folder, but perhaps a link to one
+  empty,    ///< except for lost+found, which a new file system contains
+  own,      ///< has the marker
+  foreign,  ///< not empty and without the marker, or no folder but perhaps a link to one
 };
 FolderState folder_state(const std::filesystem::path& folder, const FolderKind& kind);
 
-/// Whether a folder that an option names is absent, empty or own. Errors: cannot_create (it is
-/// foreign, and how one is made own).
+/// Checks that the folder named by an option is absent, empty or marked.
+/// Errors: cannot_create (it is foreign; the message explains how to mark it).
 Result<void> check_own_folder(const std::filesystem::path& folder, const FolderKind& kind);
-/// The same, and mark what is absent or empty. Errors: cannot_create, io, too.
+/// Checks the folder as above, and marks it if it is absent or empty. Errors: cannot_create, io,
+/// too.
 Result<void> claim_folder(const std::filesystem::path& folder, const FolderKind& kind);
 
-/// Write the marker, with `note` as its second line.
+/// Writes the marker, with `note` as its second line.
 Result<void> mark_folder(const std::filesystem::path& folder, const FolderKind& kind,
                          std::string_view note = "");
-/// The note of a marker; none: there is no such marker.
+/// The note of a marker; none: no such marker.
 std::optional<std::string> note_of(const std::filesystem::path& folder, const FolderKind& kind);
 
-/// Whether a file may be written or removed: all folders between it and the own one are there as such
-/// or not at all, and so is the file. Links lead elsewhere. Errors: cannot_create.
+/// Whether a file may be written or removed. All folders between it and the marked one must be
+/// folders or absent, and the file must be a regular file or absent. Links lead elsewhere.
+/// Errors: cannot_create.
 ///
-/// file  its path below `folder`
+/// file  path below `folder`
 Result<void> check_below(const std::filesystem::path& folder, const std::filesystem::path& file);
 
-/// Remove an own folder with these files and what programs put beside them while they write
-/// (.FILE.…). What else lies there stays, and so does the folder then, with its marker. No link is
-/// followed.
+/// Removes a marked folder with these files and the temporary files that programs write beside them
+/// (.FILE.…). Other files stay, and then so does the folder with its marker. No link is followed.
 void remove_own_folder(const std::filesystem::path& folder, const FolderKind& kind,
                        const std::set<std::string>& files);
 

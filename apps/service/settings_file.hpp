@@ -1,4 +1,4 @@
-/// What a program that keeps running can be told: by flags, or in a TOML file with the same names.
+/// Settings of a program that keeps running: from flags, or from a TOML file with the same names.
 #pragma once
 
 #include <cstdint>
@@ -19,20 +19,20 @@ class App;
 namespace trivet::apps::service {
 
 struct Setting {
-  std::string_view name;  ///< the key in the file, and the flag without its dashes
+  std::string_view name;  ///< key in the file, and flag without its dashes
   std::string_view meaning;
-  std::string text;  ///< what it is when nobody sets it
-  /// Errors: usage (its name, what was expected, and the value).
+  std::string text;  ///< default value
+  /// Errors: usage (the name, what was expected, and the value).
   std::function<Result<void>(const std::string& value)> set;
-  std::string_view argument{};  ///< where it is none of the flags: its place, as LIBRARY
-  bool is_list = false;         ///< `set` adds a value; of flags, which may be given again
-  bool is_flag = false;         ///< its values are true and false
+  std::string_view argument{};  ///< name as a positional argument, such as LIBRARY; empty: a flag
+  bool is_list = false;         ///< `set` adds a value; of flags, which may be repeated
+  bool is_flag = false;         ///< values are true and false
 };
 
-/// A text of any content.
+/// A setting with any text.
 Setting text_setting(std::string_view name, std::string_view meaning, std::string& value);
 
-/// Off unless it is set: a flag without a value, true or false in the file.
+/// A switch that is off by default: a flag without a value, true or false in the file.
 Setting flag_setting(std::string_view name, std::string_view meaning, bool& value);
 
 /// A whole number.
@@ -46,21 +46,22 @@ Setting number_setting(std::string_view name, std::string_view meaning, Number& 
                         [&value](std::uint64_t n) { value = static_cast<Number>(n); });
 }
 
-/// What a command line says of settings.
+/// Settings given on the command line.
 struct SettingArguments {
   std::string config;  ///< the file; empty: none
   bool check_config = false;
-  std::map<std::string, std::vector<std::string>> values;  ///< by the name of the setting
+  std::map<std::string, std::vector<std::string>> values;  ///< keyed by the name of the setting
 };
 
-/// A flag or a place for each setting, --config and --check-config. `arguments` outlives the app.
+/// Adds a flag or a positional argument for each setting, --config and --check-config. `arguments`
+/// outlives the app.
 void add_settings(CLI::App& command, std::span<const Setting> settings,
                   SettingArguments& arguments);
 
-/// Everything that is wrong with settings, a line each.
+/// All faults of settings, one line each.
 using SettingFaults = std::vector<std::string>;
 
-/// Set what the file says, and what flags say in its place. Errors: missing_input, io (the file).
+/// Sets the values of the file, overridden by those of flags. Errors: missing_input, io (the file).
 Result<SettingFaults> set_values(std::span<const Setting> settings,
                                  const SettingArguments& arguments);
 

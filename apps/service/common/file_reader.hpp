@@ -10,17 +10,17 @@
 
 namespace trivet::apps::service {
 
-/// Reads one file to its end, of which the size is known.
+/// Reads a file of known size to its end.
 class FileReader {
  public:
   FileReader() = default;
   FileReader(const std::filesystem::path& file, std::uint64_t bytes)
       : stream_(file, std::ios::binary), left_(bytes) {}
-  /// The whole file, as it is now; none: it is not there.
+  /// Opens the file in its present state; none: it does not exist.
   static std::optional<FileReader> open(const std::filesystem::path& file);
 
   std::uint64_t left() const { return left_; }
-  /// At most as much as is left; 0: it cannot be read.
+  /// Reads up to the rest of the file. Returns the number of bytes; 0: it cannot be read.
   std::size_t read(std::span<char> out);
 
  private:

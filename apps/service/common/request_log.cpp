@@ -21,15 +21,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxLines = 4096;
-/// %v is the rest of the object; before it stand 53 bytes at most.
+/// %v is the rest of the object, after at most 53 bytes.
 constexpr const char* kPattern = R"({"ts":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v)";
-/// A pipe that is ready takes a line of PIPE_BUF bytes without blocking.
+/// A pipe that is ready accepts a line of PIPE_BUF bytes without blocking.
 constexpr std::size_t kMaxText = PIPE_BUF - 64;
 constexpr int kPollMs = 100;
 constexpr std::chrono::seconds kLastWait{1};
 
-/// Writes when a write would not block. Without an end to its patience it waits for a reader that
-/// sleeps; lines that nobody will read are dropped and counted.
+/// Writes as soon as a write would not block. Without a deadline it waits for a slow reader. Lines
+/// that cannot be delivered are dropped and counted.
 class PatientSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
   explicit PatientSink(int file_descriptor)
@@ -50,9 +50,9 @@ class PatientSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex>
       pollfd reader{file_descriptor_, POLLOUT, 0};
       const bool is_told = ::poll(&reader, 1, is_last ? 0 : kPollMs) > 0;
       if (is_told && reader.revents == POLLOUT) break;
-      if (is_told || is_last) return count_dropped();  // the reader has gone, or sleeps on
+      if (is_told || is_last) return count_dropped();  // the reader has gone, or remains blocked
     }
-    (void)!::write(file_descriptor_, line.data(), line.size());  // nobody could be told
+    (void)!::write(file_descriptor_, line.data(), line.size());  // nowhere to report an error
   }
   void flush_() override {}
 
@@ -63,13 +63,13 @@ class PatientSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex>
 
 }  // namespace
 
-/// A queue, a logger and a sink of its own: spdlog's global ones would live on at the exit.
+/// A separate queue, logger and sink: spdlog's global ones would outlive the exit.
 struct RequestLog::State {
   explicit State(int file_descriptor) : sink(std::make_shared<PatientSink>(file_descriptor)) {
-    // By default it would say so on standard error, which may be what does not go on.
+    // The default handler reports to standard error, which may be the blocked stream.
     logger->set_error_handler([sink = sink](const std::string&) { sink->count_dropped(); });
   }
-  // Ends the queue's thread when it has taken the last line, which the sink does in time.
+  // Ends the thread of the queue after the last line, which the sink finishes in time.
   ~State() { sink->wait_until(Clock::now() + kLastWait); }
 
   const std::shared_ptr<PatientSink> sink;

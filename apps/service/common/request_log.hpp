@@ -1,4 +1,4 @@
-/// What the service did, one JSON object a line.
+/// A log of requests, one JSON object per line.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,19 @@
 
 namespace trivet::apps::service {
 
-/// A thread of its own writes, so that a reader that has stopped reading holds up no request: lines
-/// that there is no room for are dropped, the oldest first, and counted. Any member may be called
-/// from any thread.
+/// A separate thread writes, so that a reader that has stopped reading delays no request. Lines
+/// that do not fit into the queue are dropped, the oldest first, and counted. All members may be
+/// called from any thread.
 class RequestLog {
  public:
   explicit RequestLog(int file_descriptor);  ///< < 0: nothing is written
   RequestLog(const RequestLog&) = delete;
   RequestLog& operator=(const RequestLog&) = delete;
-  ~RequestLog();  ///< writes what is left, for a second at most
+  ~RequestLog();  ///< writes the remaining lines, for a second at most
 
-  /// Written as {"ts": RFC 3339 in UTC, "level", "msg", …}. level  info, warning or error
+  /// Writes {"ts": RFC 3339 in UTC, "level", "msg", …}.
+  ///
+  /// level  info, warning or error
   void write(std::string_view level, std::string_view message,
              const nlohmann::ordered_json& fields = nlohmann::ordered_json::object());
   std::uint64_t num_dropped() const;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxHostSize = 255, kMaxShownHost = 100;
 
-/// An address as others are compared with; none: it is a name.
+/// The address in comparable form; none: the text is a name.
 std::optional<boost::asio::ip::address> address_of(const std::string& text) {
   boost::system::error_code error;
   boost::asio::ip::address address = boost::asio::ip::make_address(text, error);
@@ -23,11 +23,11 @@ std::optional<boost::asio::ip::address> address_of(const std::string& text) {
   if (!address.is_v6()) return address;
   boost::asio::ip::address_v6 six = address.to_v6();
   if (six.is_v4_mapped()) return make_address_v4(boost::asio::ip::v4_mapped, six);
-  six.scope_id(0);  // tells the interface, which no client of ours knows
+  six.scope_id(0);  // the zone is the interface, which no client of this service knows
   return six;
 }
 
-/// Of HOST, HOST:PORT, [ADDRESS] or [ADDRESS]:PORT, with the brackets; none: it is none of these.
+/// The host of HOST, HOST:PORT, [ADDRESS] or [ADDRESS]:PORT, with the brackets; none: another form.
 std::optional<std::string_view> without_port(std::string_view host) {
   const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
   if (bracket == std::string_view::npos) return std::nullopt;
@@ -40,14 +40,15 @@ std::optional<std::string_view> without_port(std::string_view host) {
   return host.substr(0, colon);
 }
 
-/// What a browser leaves out of an origin, and some clients do not leave out of a host.
+/// Removes the default port, which browsers omit from an origin and some clients do not omit from a
+/// host.
 std::string_view without_usual_port(std::string_view host, std::string_view scheme) {
   const std::string_view port = scheme == "https" ? ":443" : ":80";
   if (host.ends_with(port)) host.remove_suffix(port.size());
   return host;
 }
 
-/// Whether an origin is that of a page that came from this host.
+/// Whether an origin belongs to a page that was served by this host.
 bool is_origin_of(const std::string& origin, const std::string& host) {
   for (const std::string_view scheme : {"http", "https"}) {
     const std::string front = fmt::format("{}://", scheme);
@@ -62,7 +63,7 @@ bool only_reads(const HttpRequest& head) {
   return head.method == "GET" || head.method == "HEAD" || head.method == "OPTIONS";
 }
 
-/// What changes something, or costs more than a look, is for no page but our own.
+/// Refuses requests of foreign pages that change something or cost more than a read.
 std::optional<AccessRefusal> refuse_foreign_page(const HttpRequest& head) {
   const std::string origin = formats::lower_case(head.header("origin"));
   const std::string host =
@@ -119,14 +120,14 @@ bool Access::is_served(std::string_view host, const std::string& local_address) 
   const Result<std::string> name = parse_host_name(*named);
   if (!name) return false;
   if (*name == "localhost" || std::ranges::count(host_names_, *name) > 0) return true;
-  // A foreign page's host is always a name: who says an address has connected to it.
+  // A foreign page's host is always a name. A client that gives an address has connected to it.
   const auto address = address_of(*name);
   return address && (address->is_loopback() || address == address_of(local_address));
 }
 
 std::optional<AccessRefusal> Access::refuse_host(const HttpRequest& head) const {
   for (const std::string& host : {head.named_host, head.header("host")}) {
-    // Without a name nobody can have been misled: probes that speak HTTP/1.0 send none.
+    // Without a Host header, DNS rebinding is impossible: probes that speak HTTP/1.0 send none.
     if (host.empty() || is_served(host, head.local_address)) continue;
     return AccessRefusal{
         AccessFault::host, 421,

@@ -1,4 +1,4 @@
-/// Whom a service answers: looked at before a body is read.
+/// Access control: which requests the service answers. Checked before a body is read.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace trivet::apps::service {
 
-/// Why a request is refused, a word each for metrics and logs.
+/// Why a request is refused. Metrics and logs have one word for each fault.
 enum class AccessFault : std::uint8_t { path, host, origin, page, token, read_only };
 inline constexpr std::array<std::string_view, 6> kAccessFaults{"path", "host",  "origin",
                                                                "page", "token", "read_only"};
@@ -24,33 +24,36 @@ constexpr std::string_view name_of(AccessFault fault) {
 struct AccessRefusal {
   AccessFault fault;
   unsigned status;
-  std::string reason;  ///< a sentence for who asked
+  std::string reason;  ///< sentence for the client
 
   HttpResponse response() const;
 };
 
-/// What the page of the service sends with all that it asks. No page elsewhere can: a browser would
-/// ask first whether it may (Fetch, "CORS-preflight request"), and is refused.
+/// The header that the page of the service sends with every request. No other page can send it: the
+/// browser would first send a preflight request (Fetch, "CORS-preflight request"), which is
+/// refused.
 inline constexpr std::string_view kPageHeader = "x-trivet", kPageWord = "page";
 
-/// A name or address as a Host header has it, in lower case, without a dot at its end. Errors: usage
-/// (a scheme, a port, or characters that no name has).
+/// Normalizes a name or address of a Host header: in lower case, without a dot at its end.
+/// Errors: usage (a scheme, a port, or characters that no name has).
 Result<std::string> parse_host_name(std::string_view text);
 
 class Access {
  public:
-  /// host_names  that are served beside those of loopback and the address that a connection came in
-  ///             on, as parse_host_name gives them
-  /// tokens      one of which all must show that is not free; null: nobody is asked for one
+  /// host_names  names that are served beside those of loopback and the address of the connection,
+  ///             as returned by parse_host_name
+  /// tokens      tokens of which every request that is not free must show one; null: no token is
+  ///             required
   Access(std::vector<std::string> host_names, const BearerTokens* tokens)
       : host_names_(std::move(host_names)), tokens_(tokens) {}
 
-  /// Look at a request without its body; none: it may be answered.
+  /// Checks the head of a request, before its body is read. Returns the refusal; none: go on.
   ///
-  /// * Its path says all in one way: see check_path. So what a proxy sees is what is answered.
-  /// * Its host is one that is served: after DNS rebinding, the name of a foreign page is not.
-  /// * What may change something comes from the service's own page or from no page.
-  /// * It shows a token, unless it `is_free`.
+  /// * The path must be unambiguous (see check_path), so that the service answers the path that a
+  ///   proxy has checked.
+  /// * The host must be one that is served. After DNS rebinding, the name of a foreign page is not.
+  /// * A request that may change something comes from the service's page or from no page.
+  /// * The request shows a token, unless it `is_free`.
   std::optional<AccessRefusal> refuse(const HttpRequest& head, bool is_free) const;
 
  private:

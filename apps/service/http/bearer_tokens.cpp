@@ -33,7 +33,7 @@ std::string_view without_blanks(std::string_view text) {
   return text;
 }
 
-/// Looks at every character of what was given, whichever is the first that differs.
+/// Compares in constant time: reads every character of the given token, whichever differs first.
 bool is_same(std::string_view given, std::string_view token) {
   unsigned differ = given.size() == token.size() ? 0 : 1;
   for (std::size_t i = 0; i < given.size(); ++i) {

@@ -1,4 +1,4 @@
-/// Words that clients without a proxy show to be let in.
+/// Bearer tokens: they admit clients that do not come through a proxy.
 #pragma once
 
 #include <filesystem>
@@ -12,23 +12,24 @@
 
 namespace trivet::apps::service {
 
-/// What a file of tokens holds.
+/// Contents of a token file.
 struct TokenFile {
-  std::vector<std::string> tokens;     ///< one at least
-  bool is_readable_by_others = false;  ///< than its owner and group
+  std::vector<std::string> tokens;     ///< at least one
+  bool is_readable_by_others = false;  ///< by others than its owner and group
 };
 
-/// One token a line, of letters, digits and -._~+/= (RFC 6750, 2.1); blank lines and those that
-/// begin with # are left out. A message never tells a token. Errors: missing_input, io, bad_data
-/// (no token, or a line that is none).
+/// Reads one token per line, of letters, digits and -._~+/= (RFC 6750, 2.1). Blank lines and lines
+/// that begin with # are skipped. Messages never contain a token.
+/// Errors: missing_input, io, bad_data (no token, or an invalid line).
 Result<TokenFile> read_token_file(const std::filesystem::path& file);
 
 /// All members may be called from any thread.
 class BearerTokens {
  public:
-  /// Those that are taken from now on.
+  /// Replaces the accepted tokens.
   void set(std::vector<std::string> tokens);
-  /// Whether a header Authorization has one of them. The time tells nothing but the tokens' lengths.
+  /// Whether an Authorization header contains an accepted token. The time depends on nothing but
+  /// the lengths of the tokens.
   bool allow(std::string_view authorization) const;
 
  private:

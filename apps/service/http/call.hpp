@@ -1,4 +1,4 @@
-/// One request on its way to its answer.
+/// A request on its way to its response.
 #pragma once
 
 #include <atomic>
@@ -17,18 +17,19 @@ namespace trivet::apps::service {
 
 struct Call {
   Call(HttpRequest what, HttpAnswer whereto);
-  double seconds() const;  ///< since it came
-  /// Whether the client waits no more, by what it said in its body. From any thread, as the next.
+  double seconds() const;  ///< time since the request arrived
+  /// Whether the timeout that the client gave in its body has passed. May be called from any
+  /// thread, as may set_timeout.
   bool is_overdue() const;
-  void set_timeout(std::chrono::microseconds timeout);  ///< since it came; 0: none
+  void set_timeout(std::chrono::microseconds timeout);  ///< counted from the arrival; 0: none
 
   HttpRequest request;
   HttpAnswer answer;
   std::string id, trace;  ///< see request_id and trace_parent
-  std::size_t num_bytes;  ///< of the body, which may be taken
-  Target target{};        ///< once it was parsed
+  std::size_t num_bytes;  ///< size of the body, which may have been moved out
+  Target target{};        ///< valid once it was parsed
   std::string route = "other";
-  bool is_logged = false;                                                ///< also when all is well
+  bool is_logged = false;  ///< log the call even if it succeeds
   nlohmann::ordered_json log_fields = nlohmann::ordered_json::object();  ///< more for the log
   std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
 
@@ -37,13 +38,13 @@ struct Call {
 };
 using CallPtr = std::shared_ptr<Call>;
 
-/// Answers calls: counts them, logs them, and says to which request an answer
-/// belongs. From any thread.
+/// Sends responses: counts and logs them, and adds the id of the request. May be used from any
+/// thread.
 class Replies {
  public:
-  /// Both outlive it.
+  /// metrics, log  outlive the object
   Replies(RequestMetrics& metrics, RequestLog& log) : metrics_(metrics), log_(log) {}
-  /// Once for each call.
+  /// Call once for each call.
   void send(const Call& call, HttpResponse response) const;
 
  private:

@@ -14,7 +14,7 @@
 namespace trivet::apps::service {
 namespace {
 
-constexpr std::size_t kStep = 256 << 10;  ///< bytes to unpack at a time
+constexpr std::size_t kStep = 256 << 10;  ///< bytes to decompress at a time
 
 PackedFrame frame_of(ContentCoding coding) {
   return coding == ContentCoding::gzip ? PackedFrame::gzip : PackedFrame::zlib;
@@ -59,7 +59,7 @@ std::string trimmed(std::string_view text) {
   return formats::lower_case(out);
 }
 
-/// How much each coding of an Accept-Encoding is liked, 0 to 1.
+/// The preference of each coding of an Accept-Encoding header, 0 to 1.
 std::map<std::string, double, std::less<>> likings(std::string_view accept_encoding) {
   std::map<std::string, double, std::less<>> out;
   const std::string all = trimmed(accept_encoding) + ',';
@@ -104,7 +104,7 @@ ContentCoding accepted_coding(std::string_view accept_encoding) {
     return any == liked.end() ? 0 : any->second;
   };
   ContentCoding best = ContentCoding::identity;
-  // Unnamed, identity may always be sent, and is liked less than any that is named.
+  // Identity is always acceptable unless it is named; any named coding is preferred to it.
   double most = liked.contains("identity") ? liking(best) : 0;
   for (const ContentCoding coding : {ContentCoding::gzip, ContentCoding::deflate}) {
     if (liking(coding) <= most) continue;

@@ -1,4 +1,4 @@
-/// Files as bodies, read while they are sent.
+/// Files as bodies of responses, read while they are sent.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,12 @@
 
 namespace trivet::apps::service {
 
-/// What is left of a file; ends early if it becomes shorter. 404 where there is none.
+/// A response with the rest of an opened file. It ends early if the file becomes shorter. 404
+/// without a file.
 HttpResponse file_response(std::optional<FileReader> file,
                            const std::string& content_type = kBytes);
 
-/// The whole file, as it is now.
+/// A response with the whole file in its present state.
 HttpResponse file_response(const std::filesystem::path& file,
                            const std::string& content_type = kBytes);
 

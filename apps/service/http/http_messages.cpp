@@ -22,7 +22,7 @@ bool is_plain(const std::string& id) {
   });
 }
 
-/// sysexits and HTTP speak of the same faults.
+/// Maps sysexits codes to status codes: both describe the same faults.
 unsigned status_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::usage:

@@ -42,14 +42,14 @@ using tcp = asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kPauseWhenFull{50}, kMaxDiscardTime{2000}, kPatience{1000};
-constexpr std::size_t kMinPackedBytes = 16 << 10;    ///< less is sent as soon as it would be packed
-constexpr std::uint64_t kStreamedBytes = 256 << 10;  ///< of a stream that are in memory
+constexpr std::size_t kMinPackedBytes = 16 << 10;    ///< packing takes longer than sending
+constexpr std::uint64_t kStreamedBytes = 256 << 10;  ///< part of a stream that is in memory
 
 std::string lower(beast::string_view text) {
   return formats::lower_case({text.data(), text.size()});
 }
 
-/// Counts while it lives.
+/// Adds to a sum for the duration of its life.
 template <class Sum>
 class Share {
  public:
@@ -71,7 +71,7 @@ HttpResponse too_large(const HttpLimits& limits) {
   return refusal(413, fmt::format("expected a body of at most {} bytes", limits.max_body_bytes));
 }
 
-/// What a failed read deserves; none: the connection just ends.
+/// The response to a failed read; none: the connection just ends.
 std::optional<HttpResponse> refusal_of(const error_code& error, const HttpLimits& limits) {
   if (error == http::error::body_limit) return too_large(limits);
   if (error == http::error::header_limit) {
@@ -92,9 +92,9 @@ std::optional<ContentCoding> coding_of(const http::request<http::string_body>& h
   return content_coding({name.data(), name.size()});
 }
 
-/// What a well-formed request may still not be; none: it may be read on.
+/// The refusal of a well-formed request; none: read on.
 std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& head) {
-  // RFC 9112, 3.2: whoever routes by the host must not be told two things.
+  // RFC 9112, 3.2: servers that route by the host must not receive two.
   const std::size_t num_hosts = head.count(http::field::host);
   if (num_hosts > 1 || (num_hosts == 0 && head.version() >= 11))
     return refusal(400, "expected one Host header");
@@ -115,10 +115,10 @@ std::optional<HttpResponse> refusal_of(const http::request<http::string_body>& h
   return std::nullopt;
 }
 
-/// Without the body, and what only the connection knows.
+/// The request without its body and without the connection's fields.
 HttpRequest request_head(const http::request<http::string_body>& message) {
   HttpRequest head;
-  // HEAD is answered as GET is, less the body.
+  // HEAD is answered as GET, without the body.
   head.method = message.method() == http::verb::head ? "GET" : std::string(message.method_string());
   head.target = std::string(message.target());
   for (const auto& field : message.base())
@@ -130,19 +130,19 @@ bool is_text(std::string_view content_type) {
   return content_type.starts_with("application/json") || content_type.starts_with("text/");
 }
 
-/// As a date of HTTP: RFC 9110, 5.6.7.
+/// An HTTP date: RFC 9110, 5.6.7.
 std::string date_of(std::time_t time) {
   return fmt::format("{:%a, %d %b %Y %H:%M:%S} GMT", fmt::gmtime(time));
 }
 
-/// A time after which whatever a socket waits for ends, with the socket still open for an answer:
-/// the stream's own expiry would close it.
+/// A deadline for all operations that wait on a socket. The socket stays open for a response: the
+/// expiry of the stream itself would close it.
 class Deadline {
  public:
   Deadline(tcp::socket& socket, std::chrono::milliseconds after)
       : timer_(socket.get_executor(), after) {
     timer_.async_wait([&socket, state = state_](const error_code& error) {
-      if (error || !state->is_awaited) return;  // the socket may be gone
+      if (error || !state->is_awaited) return;  // the socket may be closed
       state->has_passed = true;
       error_code ignored;
       socket.cancel(ignored);
@@ -179,7 +179,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     while (acceptor.is_open()) {
       try {
         co_await accept_one();
-      } catch (const std::bad_alloc&) {  // who came is lost, not who comes
+      } catch (const std::bad_alloc&) {  // lose this client, not those that follow
       }
     }
   }
@@ -218,7 +218,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
                    });
   }
 
-  /// Stop listening; who is in the system's queue has been told that it is connected.
+  /// Stops listening. Clients in the system's queue are already connected.
   void close_door() {
     is_closing = true;
     error_code error;
@@ -241,7 +241,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     return response;
   }
 
-  /// Before the body is read.
+  /// Called before the body is read.
   std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes) const {
     if (num_arriving + body_bytes > limits.max_arriving_bytes)
       return busy("as many bytes arrive as may");
@@ -259,7 +259,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     return handler.check(head);
   }
 
-  /// One connection, request after request.
+  /// Serves one connection, request after request.
   asio::awaitable<void> serve(beast::tcp_stream stream) {
     beast::flat_buffer buffer(limits.max_header_bytes + 65'536);
     error_code error;
@@ -268,7 +268,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       http::request_parser<http::string_body> parser;
       parser.header_limit(static_cast<std::uint32_t>(limits.max_header_bytes));
       parser.body_limit(limits.max_body_bytes);
-      // Idle until the first byte, then a deadline for the whole of the request.
+      // Idle until the first byte; then the deadline holds for the whole request.
       if (buffer.size() == 0) {
         stream.expires_after(is_closing ? kPatience : limits.idle_timeout);
         const std::size_t n = co_await stream.async_read_some(
@@ -299,15 +299,15 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
   }
 
-  /// Read a whole request. Returns what to answer instead; with `error` and nothing there is nobody
-  /// to answer.
+  /// Reads a whole request. Returns the response to send in its place. With `error` and without a
+  /// response there is no client left.
   asio::awaitable<std::optional<HttpResponse>> read(beast::tcp_stream& stream,
                                                     beast::flat_buffer& buffer,
                                                     http::request_parser<http::string_body>& parser,
                                                     error_code& error) {
     const auto token = [&error] { return asio::redirect_error(asio::use_awaitable, error); };
     const Deadline deadline(stream.socket(), limits.request_timeout);
-    stream.expires_after(limits.request_timeout + kPatience);  // if it passes between two reads
+    stream.expires_after(limits.request_timeout + kPatience);  // a margin between two reads
     co_await http::async_read_header(stream, buffer, parser, token());
     if (!error) {
       if (std::optional<HttpResponse> refused = refusal_of(parser.get())) co_return refused;
@@ -336,13 +336,13 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return refusal_of(error, limits);
   }
 
-  /// Replace a body by what it was before it was packed. Returns what to answer instead.
+  /// Replaces a body by its decompressed content. Returns the response to send in case of an error.
   asio::awaitable<std::optional<HttpResponse>> unpack_body(
       http::request<http::string_body>& message) {
     const ContentCoding coding = *coding_of(message);
     message.erase(http::field::content_encoding);
     if (coding == ContentCoding::identity) co_return std::nullopt;
-    // One at a time, so that as many bombs as there are connections take the memory of one.
+    // One at a time, so that decompression bombs on all connections together use the memory of one.
     Result<std::string> unpacked = co_await aside([this, coding, packed = &message.body()] {
       return unpack(coding, *packed, limits.max_body_bytes);
     });
@@ -355,7 +355,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return std::nullopt;
   }
 
-  /// Long texts are packed for those who take them so.
+  /// Compresses long texts for clients that accept it.
   asio::awaitable<void> pack_body(HttpResponse& response, const std::string& accepted) {
     if (response.body.size() < kMinPackedBytes || !is_text(response.content_type)) co_return;
     response.headers.emplace_back("Vary", "Accept-Encoding");
@@ -368,7 +368,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     response.headers.emplace_back("Content-Encoding", coding_name(coding));
   }
 
-  /// Do what takes long beside the network, one after the other.
+  /// Runs slow work outside the network thread, one item after the other.
   template <class Work>
   asio::awaitable<std::invoke_result_t<Work>> aside(Work work) {
     using Done = std::invoke_result_t<Work>;
@@ -383,7 +383,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         initiate, asio::use_awaitable, std::move(work));
   }
 
-  /// Hand a request to the handler and wait for its answer.
+  /// Passes a request to the handler and waits for its response.
   asio::awaitable<HttpResponse> answer(beast::tcp_stream& stream,
                                        http::request<http::string_body> message) {
     HttpRequest request = request_head(message);
@@ -396,13 +396,13 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     auto initiate = [this](auto completion, HttpRequest asked) {
       // A handler may be copied; a completion may not.
       auto shared = std::make_shared<decltype(completion)>(std::move(completion));
-      // Who answers may outlive the server: what it holds needs the context until it is let go.
+      // The callback may outlive the server: the completion needs the context until it is released.
       const HttpAnswer answer = [self = shared_from_this(), this, shared](HttpResponse response) {
         asio::post(context, [shared, response = std::move(response)]() mutable {
           (*shared)(std::move(response));
         });
       };
-      // What throws here would end the process. Nothing has answered then.
+      // An exception here would end the process. No response was sent then.
       try {
         handler.handle(std::move(asked), answer);
       } catch (const std::bad_alloc&) {
@@ -428,7 +428,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     return message;
   }
 
-  /// What is read for it waits until the client has taken what came before.
+  /// Reads the next bytes of the stream once the client has received the previous ones
+  /// (backpressure).
   asio::awaitable<bool> write_stream(beast::tcp_stream& stream, const HttpResponse& response,
                                      unsigned version, bool keep_alive, bool is_head) {
     auto message = head_of<http::empty_body>(response, version, keep_alive);
@@ -472,8 +473,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return !error;
   }
 
-  /// Read what a refused client still sends, and throw it away: most clients read the answer when
-  /// they have sent all.
+  /// Reads and discards the rest of a refused request: most clients read the response only after
+  /// they have sent everything.
   asio::awaitable<void> discard(beast::tcp_stream& stream) {
     error_code error;
     stream.socket().shutdown(tcp::socket::shutdown_send, error);
@@ -490,12 +491,12 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
   std::atomic<std::size_t> num_connections{0}, num_busy{0};
-  std::size_t num_arriving = 0;  // bytes of bodies; of the network's thread, as the next
+  std::size_t num_arriving = 0;  // bytes of bodies; used by the network thread only, as the next
   std::map<asio::ip::address, std::size_t> per_address;
   std::atomic<bool> is_closing{false};
   std::uint16_t port = 0;
   std::thread thread;
-  asio::thread_pool coder{1};  // last: what it works on is the context's
+  asio::thread_pool coder{1};  // last member: its work uses the context
 };
 
 std::string HttpRequest::header(std::string_view name) const {
@@ -543,12 +544,12 @@ Result<HttpServer> HttpServer::start(const std::string& address, std::uint16_t p
   asio::co_spawn(state->context, state->accept(), asio::detached);
   state->thread = std::thread([&context = state->context] {
     wait_for_memory_on_this_thread();
-    // Keeps running while no connection is open.
+    // Keeps the context running while no connection is open.
     const auto work = asio::make_work_guard(context);
     while (!context.stopped()) {
       try {
         context.run();
-      } catch (const std::exception&) {  // of one connection; the others go on
+      } catch (const std::exception&) {  // on one connection; the others continue
       }
     }
   });

@@ -1,4 +1,4 @@
-/// Options that come as JSON, as the parameters that they are in a target.
+/// Options given as JSON, converted to the parameters of a target.
 #pragma once
 
 #include <initializer_list>
@@ -9,11 +9,12 @@
 
 namespace trivet::apps::service {
 
-/// A camera as the parameters camera, depth, distortion and image-size; what is as usual is left out.
+/// Adds a camera as the parameters camera, depth, distortion and image-size, without default
+/// values.
 void add_camera(const Camera& camera, Parameters& parameters);
 
-/// Members of an object as parameters, but for those named: texts, numbers, true and false, lists
-/// of these, and cameras as parse_camera takes them. Throws JsonFault.
+/// Converts the members of an object to parameters, except the excluded names. Accepts strings,
+/// numbers, booleans, lists of these, and cameras as read by parse_camera. Throws JsonFault.
 Parameters parameters_of(const JsonNode& object,
                          std::initializer_list<std::string_view> without = {});
 

@@ -13,12 +13,12 @@ namespace {
 constexpr std::string_view kForm = "multipart/form-data";
 constexpr std::size_t kMaxParts = 1000, kMaxHeaderBytes = 4096;
 
-bool begins_with(std::string_view text, std::string_view front) {  // whatever the case
+bool begins_with(std::string_view text, std::string_view front) {  // ignores case
   return text.size() >= front.size() &&
          formats::lower_case(text.substr(0, front.size())) == formats::lower_case(front);
 }
 
-/// The value of `key="value"` or `key=value` among parameters that semicolons separate.
+/// The value of `key="value"` or `key=value` among parameters separated by semicolons.
 std::optional<std::string> parameter(std::string_view header, std::string_view key) {
   std::size_t at = header.find(';');
   while (at != std::string_view::npos) {
@@ -49,7 +49,7 @@ std::optional<std::string> parameter(std::string_view header, std::string_view k
   return std::nullopt;
 }
 
-/// The lines above a part's content.
+/// Reads the header lines of a part.
 Result<FormPart> read_part(std::string_view text, std::size_t place) {
   const std::size_t end = text.find("\r\n\r\n");
   if (end == std::string_view::npos || end > kMaxHeaderBytes) {
@@ -99,7 +99,7 @@ Result<std::vector<FormPart>> split_form(std::string_view content_type, std::str
     }
     if (parts.size() == kMaxParts)
       return Error{ErrorCode::bad_data, fmt::format("form: expected at most {} parts", kMaxParts)};
-    const std::size_t begin = at + 2;  // behind `end` where one boundary follows another
+    const std::size_t begin = at + 2;  // after `end` if another boundary follows
     Result<FormPart> part = read_part(body.substr(begin, std::max(end, begin) - begin), begin);
     if (!part) return part.error();
     parts.push_back(std::move(*part));

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kMicro = 1e-6;
 
-/// What /proc/self/stat says behind the name of the program.
+/// Fields of /proc/self/stat after the name of the program.
 struct ProcessState {
-  double start_seconds = 0;  ///< from the system's start
+  double start_seconds = 0;  ///< since the boot of the system
   double virtual_bytes = 0, resident_bytes = 0;
 };
 
@@ -27,7 +27,7 @@ std::optional<ProcessState> read_state() {
   std::string text;
   if (!std::getline(file, text) || text.rfind(')') == std::string::npos) return std::nullopt;
   formats::TextCursor fields(std::string_view(text).substr(text.rfind(')') + 1));
-  // proc(5): the name is the second field; the start is the 22nd, then come the sizes.
+  // proc(5): the name is the second field; the start time is the 22nd, and the sizes follow it.
   constexpr int kNumBetween = 22 - 3;
   for (int i = 0; i < kNumBetween; ++i) fields.word();
   const std::optional<double> start_ticks = parse_number(fields.word()),
@@ -38,7 +38,7 @@ std::optional<ProcessState> read_state() {
                       *resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE))};
 }
 
-/// When the system was started, in seconds of Unix time.
+/// Boot time of the system, in seconds of Unix time.
 std::optional<double> boot_seconds() {
   std::ifstream file("/proc/stat");
   for (std::string word; file >> word;) {

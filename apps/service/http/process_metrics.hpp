@@ -1,4 +1,4 @@
-/// What the system knows of this process, by the names that all clients of Prometheus give it.
+/// Metrics of this process, under the names that all Prometheus client libraries use.
 ///
 /// Source: https://prometheus.io/docs/instrumenting/writing_clientlibs, "Process metrics"; proc(5).
 #pragma once
@@ -9,8 +9,8 @@
 
 namespace trivet::apps::service {
 
-/// Processor time, memory, open files and the time of the start, as they are now; what cannot be
-/// read is left out.
+/// Current processor time, memory, open files and start time. Values that cannot be read are left
+/// out.
 std::vector<prometheus::MetricFamily> process_metrics();
 
 }  // namespace trivet::apps::service

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxShownPath = 100;
 
-/// What the escape at the beginning of a text stands for. Errors: usage (it is broken).
+/// Decodes the escape at the beginning of a text. Errors: usage (it is malformed).
 Result<char> unescape(std::string_view text) {
   unsigned value = 0;
   const std::string_view digits = text.substr(1, 2);

@@ -58,7 +58,7 @@ Durations& RequestMetrics::durations(const std::string& name, const std::string&
 HttpResponse RequestMetrics::response(std::vector<prometheus::MetricFamily> now) const {
   std::vector<prometheus::MetricFamily> all = registry_.Collect();
   for (prometheus::MetricFamily& family : all) {
-    // The registry keeps them by their hash, and their labels by name: code before route.
+    // The registry orders series by their hash, and labels by name: code before route.
     for (prometheus::ClientMetric& metric : family.metric) std::ranges::reverse(metric.label);
     std::ranges::sort(family.metric,
                       [](const auto& a, const auto& b) { return a.label < b.label; });

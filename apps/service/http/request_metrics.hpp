@@ -1,4 +1,4 @@
-/// Counters and histograms of a service, told in Prometheus' text format.
+/// Counters and histograms of a service, in the Prometheus text format.
 #pragma once
 
 #include <prometheus/counter.h>
@@ -17,27 +17,28 @@
 
 namespace trivet::apps::service {
 
-/// One for each value of the labels.
+/// One counter for each combination of label values.
 using Counters = prometheus::Family<prometheus::Counter>;
 using Durations = prometheus::Family<prometheus::Histogram>;
 
-/// What is counted of requests, whatever they ask for; the rest is counted in the same registry. All
+/// Metrics that all requests have in common. Other metrics are added to the same registry. All
 /// members may be called from any thread.
 class RequestMetrics {
  public:
   RequestMetrics();
-  /// Tell of requests that may come before they do: rates of series that appear with their first
-  /// count miss it.
+  /// Creates the series of expected requests in advance: rates of a series that first appears with
+  /// a count would miss that count.
   void expect_requests(const std::string& route, std::span<const unsigned> codes);
   void count_request(const std::string& route, unsigned code);
   void count_refused(AccessFault fault);
-  void observe_request(double seconds);  ///< from its arrival to its answer; recognitions only
+  void observe_request(double seconds);  ///< time from the arrival of a recognition to its response
 
  protected:
   ~RequestMetrics() = default;
   Counters& counters(const std::string& name, const std::string& help);
   Durations& durations(const std::string& name, const std::string& help);
-  /// What was counted, and what is only read when somebody asks: of the service, and of the process.
+  /// The response with all counters, and with the current metrics of the service and of the
+  /// process.
   HttpResponse response(std::vector<prometheus::MetricFamily> now) const;
 
  private:
@@ -46,15 +47,15 @@ class RequestMetrics {
   prometheus::Histogram& request_;
 };
 
-/// The one with these labels, from five milliseconds to a minute.
+/// The histogram with these labels, from five milliseconds to a minute.
 prometheus::Histogram& duration_of(Durations& durations, const prometheus::Labels& labels);
 
-/// Codes that routes answer with at any time.
+/// Status codes that any route may answer with.
 inline constexpr std::array<unsigned, 3> kUsualCodes{200, 400, 404};
 inline constexpr std::array<unsigned, 3> kCodesOfOthers{400, 404, 405};
 inline constexpr std::array<unsigned, 7> kCodesOfWork{200, 400, 404, 499, 500, 503, 504};
 
-/// A gauge and a counter that are kept elsewhere.
+/// A gauge and a counter whose values are kept elsewhere.
 prometheus::MetricFamily gauge_now(std::string name, std::string help, std::size_t value);
 prometheus::MetricFamily counter_now(std::string name, std::string help, std::uint64_t value);
 

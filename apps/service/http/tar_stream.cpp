@@ -19,7 +19,7 @@ constexpr std::size_t kNameBytes = 100;
 
 std::uint64_t padded(std::uint64_t bytes) { return (bytes + kBlock - 1) / kBlock * kBlock; }
 
-/// POSIX.1-1988, ustar; the time is the file's own.
+/// POSIX.1-1988, ustar, with the modification time of the file.
 std::string header_of(const TarEntry& entry, std::int64_t time) {
   std::array<char, kBlock> block{};
   const auto put = [&](std::size_t offset, const std::string& text) {
@@ -37,7 +37,7 @@ std::string header_of(const TarEntry& entry, std::int64_t time) {
   put(116, "0000000");
   put(124, fmt::format("{:011o}", entry.bytes));
   put(136, fmt::format("{:011o}", std::max<std::int64_t>(time, 0)));
-  put(148, "        ");  // the sum counts itself as blanks
+  put(148, "        ");  // the checksum counts its own field as blanks
   put(156, "0");
   put(257, "ustar");
   put(263, "00");
@@ -92,7 +92,7 @@ class TarReader {
 
   const std::vector<TarEntry> entries_;
   std::size_t next_ = 0;
-  std::string text_;  // comes before what is left of the file
+  std::string text_;  // sent before the rest of the file
   FileReader file_;
   std::uint64_t padding_ = 0;
 };

@@ -1,4 +1,4 @@
-/// Files as one archive, told piece by piece.
+/// An archive of files, streamed piece by piece.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 namespace trivet::apps::service {
 
 struct TarEntry {
-  std::string name;  ///< at most 155 bytes of folders, a slash, and at most 100 of the file's name
+  std::string name;  ///< up to 155 bytes of folders, a slash, and up to 100 bytes of file name
   std::filesystem::path file;
   std::uint64_t bytes = 0;
 };
 
-/// An uncompressed archive of regular files (POSIX ustar). A file that is no longer there, or of
-/// another size, ends it early.
+/// An uncompressed archive of regular files (POSIX ustar). A file that is missing or whose size has
+/// changed ends it early.
 HttpStream tar_stream(std::vector<TarEntry> entries);
 
 }  // namespace trivet::apps::service
