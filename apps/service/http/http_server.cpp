@@ -307,7 +307,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
                                                     error_code& error) {
     const auto token = [&error] { return asio::redirect_error(asio::use_awaitable, error); };
     const Deadline deadline(stream.socket(), limits.request_timeout);
-    stream.expires_after(limits.request_timeout + kPatience);  // a margin between two reads
+    stream.expires_after(limits.request_timeout + kPatience);  // deadline may pass between reads
     co_await http::async_read_header(stream, buffer, parser, token());
     if (!error) {
       if (std::optional<HttpResponse> refused = refusal_of(parser.get())) co_return refused;

@@ -5,12 +5,12 @@
 namespace trivet::apps::service {
 namespace {
 
-// It takes a few milliseconds, and the next scene takes pages anew.
+// A trim takes a few milliseconds, and the next scene allocates pages again.
 constexpr std::chrono::seconds kInterval{10};
 constexpr std::chrono::milliseconds kQuiet{500};
 
-// By default they grow to 32 and 64 MiB with what is freed, and the free end of a thread's arena is
-// what malloc_trim leaves alone.
+// By default these thresholds grow to 32 and 64 MiB with the freed sizes, and malloc_trim leaves
+// the free end of a thread's arena alone.
 constexpr int kLargestInArena = 4 << 20, kLargestFreeEnd = 1 << 20;
 
 }  // namespace

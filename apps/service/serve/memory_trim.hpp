@@ -1,18 +1,19 @@
-/// Memory that finished work leaves free goes back to the system.
+/// Returns freed memory to the system.
 #pragma once
 
 #include <chrono>
 
 namespace trivet::apps::service {
 
-/// The allocator keeps what each thread has freed, as much as its largest scene took and as old
-/// libraries did. One lives as long as the process has work, and is asked a few times a second.
+/// The allocator keeps what each thread has freed: as much as its largest scene used, and memory of
+/// old libraries. One object lives as long as the process has work, and is called a few times a
+/// second.
 class MemoryTrim {
  public:
-  /// Bounds what each thread keeps. Before other threads are.
+  /// Bounds the memory kept per thread. Call it before other threads start.
   MemoryTrim();
 
-  /// Give back when work has ended, and every few seconds while it goes on.
+  /// Returns memory when work has ended, and every few seconds while it goes on.
   void trim(bool is_busy);
 
  private:

@@ -74,7 +74,7 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
 
 namespace {
 
-/// What is missing or contradicts itself.
+/// Missing and contradictory settings.
 SettingFaults faults_of(const ServeSettings& settings) {
   SettingFaults faults = faults_of(settings.listen, "max-waiting-mb", settings.max_waiting_mb);
   const auto check_file = [&](const char* setting, const std::string& file) {

@@ -24,16 +24,17 @@ struct ServeSettings {
   ListenSettings listen;
 
   ServiceOptions service() const;
-  /// A fourth of the memory is the library's, the rest is for scenes at work.
+  /// A quarter of the memory is for the library, the rest for scenes being recognized.
   OpenOptions opening() const { return {calibration, std::max(memory_mb / 4, 16U)}; }
   LibraryFiles files() const { return {library, opening()}; }
 };
 
-/// They write to `settings`, which outlives them.
+/// The settings write to `settings`, which outlives them.
 std::vector<Setting> settings_of(ServeSettings& settings);
 
-/// Set what a command line and its file say. Errors: missing_input, io (the file); usage: everything
-/// that is wrong, a line each, also what is missing or contradicts itself.
+/// Sets the values of a command line and of its settings file.
+/// Errors: missing_input, io (the file); usage: every fault, one line each, including missing and
+/// contradictory settings.
 Result<void> read_settings(ServeSettings& settings, const SettingArguments& arguments);
 
 }  // namespace trivet::apps::service

@@ -12,14 +12,14 @@
 namespace trivet::apps::service {
 namespace {
 
-/// All routes in their order. The first that fits a request answers it.
+/// All routes in their order. The first that matches a request answers it.
 Routes joined(std::vector<Routes> resources) {
   Routes all;
   for (Routes& routes : resources) std::ranges::move(routes, std::back_inserter(all));
   return all;
 }
 
-/// The path of a target that is not decoded.
+/// The path of a target, without decoding.
 std::string_view path_of(std::string_view target) { return target.substr(0, target.find('?')); }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// What the service answers to which request.
+/// The routes of the service.
 #pragma once
 
 #include <atomic>
@@ -22,28 +22,29 @@
 
 namespace trivet::apps::service {
 
-/// What a service has beside recognition; null, empty: it was not asked for.
+/// Optional resources of a service. null, empty: not requested.
 struct ServiceResources {
   std::vector<Example> examples{};
   ReloadLibrary reload{};
-  PartWorkshop* workshop = nullptr;  ///< without it the library is only read
+  PartWorkshop* workshop = nullptr;  ///< null: the library is read-only
   const LiveScans* live = nullptr;
   Session* session = nullptr;
 };
 
-/// Hands each request to the resource whose route fits. All members may be called from any thread.
+/// Dispatches each request to the resource whose route matches. All members may be called from any
+/// thread.
 class ServiceRoutes {
  public:
-  /// All that is given by reference or pointer outlives the routes.
+  /// All arguments given by reference or pointer outlive the routes.
   ServiceRoutes(RecognitionService& service, Metrics& metrics, RequestLog& log,
                 const RouteOptions& options, ServiceResources resources);
   ServiceRoutes(const ServiceRoutes&) = delete;
   ServiceRoutes& operator=(const ServiceRoutes&) = delete;
 
   void handle(HttpRequest request, HttpAnswer answer);
-  /// What needs work is refused before its body is read where no more is taken.
+  /// Refuses work before its body is read if no more is accepted.
   std::optional<HttpResponse> admit(std::string_view target, std::size_t body_bytes);
-  /// What needs no token: whether the service lives, and the page, which asks for one.
+  /// Whether a target needs no token: the liveness check, and the page, which asks for the token.
   static bool is_free(std::string_view target);
   void count_refused(AccessFault fault) { metrics_.count_refused(fault); }
   void set_ready(bool ready) { is_ready_ = ready; }
@@ -68,7 +69,7 @@ class ServiceRoutes {
   StatusRoutes status_;
   InferenceRoutes inference_;
   const PageRoutes page_;
-  Routes routes_;  // of all of them
+  Routes routes_;  // routes of all resources
 };
 
 }  // namespace trivet::apps::service

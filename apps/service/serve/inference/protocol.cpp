@@ -24,9 +24,9 @@ static_assert(std::endian::native == std::endian::little, "tensors are little-en
 
 constexpr int kMaxPoints = 100'000'000;
 constexpr std::chrono::hours kMaxTimeout{1};
-constexpr std::size_t kMaxJsonBytes = 16 << 20;  ///< a parsed document takes up to 20 times as much
+constexpr std::size_t kMaxJsonBytes = 16 << 20;  ///< parsing takes up to 20 times the memory
 
-/// Bytes after the header that no tensor has taken yet.
+/// Bytes after the header that no tensor has used yet.
 struct Rest {
   std::string_view bytes;
 
@@ -39,7 +39,7 @@ struct Rest {
   }
 };
 
-/// Members of an object that are known; others would be ignored without a word.
+/// Fails on unknown members of an object, which would otherwise be ignored silently.
 void expect_members(const JsonNode& object, std::string_view expected) {
   for (const auto& [name, value] : object.members()) {
     if (name != expected)
@@ -47,7 +47,7 @@ void expect_members(const JsonNode& object, std::string_view expected) {
   }
 }
 
-/// The numbers of an FP32 tensor of this many.
+/// Reads an FP32 tensor with this many numbers.
 std::vector<float> read_numbers(const JsonNode& input, std::size_t count, Rest& rest) {
   if (input.at("datatype").string() != "FP32") input.at("datatype").refuse("expected FP32");
   std::vector<float> numbers;
@@ -101,7 +101,7 @@ std::chrono::microseconds read_timeout(const JsonNode& parameters) {
   return std::chrono::microseconds(read_whole(parameters.at("timeout"), high));
 }
 
-/// What tells how to schedule and not what to search; the rest are options of the recognition.
+/// Reads parameters that control scheduling. The rest are options of the recognition.
 void read_parameters(const JsonNode& parameters, InferenceRequest& request, bool& all_binary) {
   constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
   request.options = parameters_of(parameters, {"binary_data_output", "timeout", "priority",
@@ -111,8 +111,8 @@ void read_parameters(const JsonNode& parameters, InferenceRequest& request, bool
     return parameters.has(name) && parameters.at(name).boolean();
   };
   all_binary = boolean("binary_data_output");
-  // Requests know nothing of each other, so a sequence of them is as good as any others; and all
-  // wait in the order in which they come.
+  // Requests are independent, so a sequence of them is treated as single requests; all wait in the
+  // order of their arrival.
   (void)boolean("sequence_start");
   (void)boolean("sequence_end");
   if (parameters.has("priority")) (void)read_whole(parameters.at("priority"), kAny);
@@ -163,7 +163,7 @@ void read_request(const JsonNode& root, InferenceRequest& request, Rest& rest) {
   read_outputs(root, request, all_binary);
 }
 
-/// What a tensor of the answer holds, in both forms.
+/// The data of an output tensor, in both forms.
 struct OutputData {
   Json shape, values = Json::array();
   std::string bytes{};
@@ -288,7 +288,7 @@ InferenceResponse write_inference(const InferenceRequest& request, const SceneRe
   Json json{{"model_name", model}, {"model_version", std::to_string(version)}};
   if (!request.id.empty()) json["id"] = request.id;
   json["outputs"] = std::move(outputs);
-  // Models are named by files, which need not be UTF-8.
+  // Models are named after files, whose names need not be UTF-8.
   InferenceResponse response{json_text(json), 0};
   response.header_size = response.body.size();
   response.body += bytes;

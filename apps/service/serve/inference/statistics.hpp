@@ -1,4 +1,4 @@
-/// How the inferences of a library went.
+/// Statistics of the inferences of a library.
 ///
 /// Source: Triton's extension of the Open Inference Protocol, statistics.
 #pragma once
@@ -12,17 +12,17 @@
 
 namespace trivet::apps::service {
 
-/// Where the time of an inference went [s].
+/// Stages of an inference [s].
 struct InferenceSeconds {
-  double total = 0;   ///< from the request to its answer
-  double queue = 0;   ///< until it was begun
-  double input = 0;   ///< to read it
+  double total = 0;   ///< from the request to its response
+  double queue = 0;   ///< waiting time in the queue
+  double input = 0;   ///< to read the input
   double infer = 0;   ///< to recognize
-  double output = 0;  ///< to write the answer
+  double output = 0;  ///< to write the response
 };
 
-/// All members may be called from any thread. Those of a library are forgotten once one of the next
-/// generation was counted.
+/// All members may be called from any thread. The statistics of a library are dropped once an
+/// inference of the next generation was counted.
 class InferenceStatistics {
  public:
   void count_success(std::uint64_t generation, const InferenceSeconds& seconds);
@@ -31,7 +31,7 @@ class InferenceStatistics {
   nlohmann::ordered_json json(const std::string& model, std::uint64_t generation) const;
 
  private:
-  /// How often, and how long in all.
+  /// Number of calls and their total time.
   struct Sum {
     std::uint64_t count = 0;
     std::chrono::nanoseconds time{0};
@@ -40,10 +40,10 @@ class InferenceStatistics {
     nlohmann::ordered_json json() const;
   };
   struct Sums {
-    std::uint64_t generation = 0, last_ms = 0;  ///< last_ms: of the last inference, Unix time
+    std::uint64_t generation = 0, last_ms = 0;  ///< last_ms: time of the last inference, Unix time
     Sum success, fail, queue, input, infer, output;
   };
-  /// Those of a generation, unless a later one was counted. Pre: locked.
+  /// The sums of a generation; null if a later one was already counted. Pre: locked.
   Sums* sums_of(std::uint64_t generation);
 
   mutable std::mutex mutex_;

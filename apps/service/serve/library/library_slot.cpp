@@ -22,7 +22,7 @@ Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFi
   if (!recognizer) return recognizer.error();
   auto generation =
       std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recognizer), number});
-  // Of a file without an index: no scene waits for it.
+  // Computed now for a file without an index, so that no scene waits for it.
   TRIVET_TRY(generation->recognizer.features());
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
@@ -92,7 +92,7 @@ void LibrarySlot::check_for_change() {
     log_.write("error", "library changed", {{"error", same.error().message}});
     logged_number_ = generation->number;
   } catch (const std::exception&) {
-    // Without memory to tell of it now: in a second.
+    // Out of memory for the log entry: try again in a second.
   }
 }
 

@@ -1,4 +1,5 @@
-/// The library that a service answers with, read anew aside while the old one answers.
+/// The library that a service answers with. It is reloaded in the background while the old one
+/// answers.
 #pragma once
 
 #include <condition_variable>
@@ -17,28 +18,29 @@
 
 namespace trivet::apps::service {
 
-/// What a service answers with.
+/// Files of a library generation.
 struct LibraryFiles {
   std::string library;
   OpenOptions options;
 };
 
-/// Open a library and index its features. Errors: of open_recognizer.
+/// Opens a library and indexes its features. Errors: those of open_recognizer.
 Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFiles& files,
                                                                  std::uint64_t number);
 
-/// Reads on a thread of its own, one after the other. A bad file leaves the old library answering. Once
-/// a second it checks whether others changed the library in place, and says so in the log.
+/// Reloads on a separate thread, one reload after the other. After a bad file the old library
+/// continues to answer. Once a second it checks whether the library was changed in place, and logs
+/// it.
 class LibrarySlot {
  public:
   using Done = std::function<void(Result<void>)>;
-  /// `service` answers with generation 1 of `files`. What is given outlives the slot.
+  /// `service` answers with generation 1 of `files`. All arguments outlive the slot.
   LibrarySlot(LibraryFiles files, RecognitionService& service, Metrics& metrics, RequestLog& log);
   LibrarySlot(const LibrarySlot&) = delete;
   LibrarySlot& operator=(const LibrarySlot&) = delete;
   ~LibrarySlot();
 
-  /// `done` is called from the slot's thread. Requests that come while a read waits share it.
+  /// `done` is called on the slot's thread. Requests that arrive while a reload waits share it.
   void reload(Done done);
 
  private:
@@ -55,7 +57,7 @@ class LibrarySlot {
   std::vector<Done> requests_;
   bool is_closed_ = false;
   std::uint64_t next_number_ = 2;
-  std::uint64_t logged_number_ = 0;  ///< of the generation whose change was logged
+  std::uint64_t logged_number_ = 0;  ///< generation whose change was logged
   std::thread thread_;
 };
 

@@ -19,13 +19,13 @@ using Json = nlohmann::ordered_json;
 constexpr float kSameAxis = 0.9998F;  // cosine of 1 degree
 constexpr float kDegreesPerRadian = 180 / std::numbers::pi_v<float>;
 
-/// A line that turns map the model about onto itself, or nearly.
+/// An axis about which a rotation maps the model onto itself, or nearly.
 struct TurnAxis {
   Eigen::Vector3f direction, point;
-  float turn = 0;  ///< the smallest [rad]; 0: any
+  float turn = 0;  ///< smallest rotation [rad]; 0: any
 };
 
-/// The axes of some turns, each once. Every symmetry keeps the center in place, near ones nearly.
+/// The distinct axes of some rotations. Every symmetry keeps the center in place, near ones nearly.
 std::vector<TurnAxis> axes_of(std::span<const Pose> poses, const std::optional<Symmetry::Axis>& any,
                               const Eigen::Vector3f& center) {
   std::vector<TurnAxis> axes;
@@ -54,7 +54,7 @@ Json axes_json(const std::vector<TurnAxis>& axes) {
   return json;
 }
 
-/// As a manifest declares symmetries; null where there are none.
+/// Symmetries as a manifest declares them; null if there are none.
 Json declaration_json(std::span<const std::vector<Pose>* const> poses,
                       const std::optional<Symmetry::Axis>& axis) {
   Json symmetries = Json::array();
@@ -70,8 +70,7 @@ Json declaration_json(std::span<const std::vector<Pose>* const> poses,
   return declaration;
 }
 
-/// What the model nearly looks the same by, with the symmetries that it has, since a declaration
-/// stands for all.
+/// The near symmetries of the model together with its exact ones, since a declaration replaces all.
 Json near_declaration_json(const Model& model) {
   if (model.near_symmetries.empty() && !model.near_axis) return nullptr;
   return declaration_json(std::array{&model.symmetry.poses, &model.near_symmetries},

@@ -1,4 +1,4 @@
-/// A model of a library, as JSON for programs.
+/// A model of a library as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,12 +7,13 @@
 
 namespace trivet::apps::service {
 
-/// As openapi.json has axes: "direction", "point", and "turn_deg", which is null for any turn.
+/// An axis as defined in openapi.json: "direction", "point", and "turn_deg", which is null for a
+/// rotation by any angle.
 ///
-/// turn  the smallest [rad]; 0: any
+/// turn  smallest rotation [rad]; 0: any
 nlohmann::ordered_json turn_axis_json(const Symmetry::Axis& axis, float turn);
 
-/// {"name", "diameter", "symmetry", "near_symmetry"}; lengths are in the library's unit.
+/// {"name", "diameter", "symmetry", "near_symmetry"}. Lengths are in the library's unit.
 nlohmann::ordered_json model_json(const Model& model);
 
 }  // namespace trivet::apps::service

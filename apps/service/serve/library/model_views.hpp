@@ -1,4 +1,4 @@
-/// What people are shown of the models of a library.
+/// Meshes and pictures of the models of a library.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ namespace trivet::apps::service {
 
 const Model* find_model(const Library& library, std::string_view name);
 
-/// The model's surface as the bytes of a PLY file, in the library's unit.
+/// The model's surface as a PLY file, in the library's unit.
 std::string model_mesh(const Model& model);
 
-/// Small pictures, drawn when they are first asked for and kept as long as their generation
-/// answers. Any member may be called from any thread.
+/// Thumbnails, rendered on first use and kept as long as their generation answers. All members may
+/// be called from any thread.
 class Thumbnails {
  public:
-  /// PNG. Pre: `model` is one of the generation's. Errors: internal.
+  /// Returns a PNG. Pre: `model` belongs to the generation. Errors: internal.
   Result<std::string> png(const LibraryGeneration& generation, const Model& model);
 
  private:

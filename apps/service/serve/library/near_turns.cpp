@@ -19,18 +19,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kTurnsAboutAxis = 8;    // that stand for any turn
+constexpr int kTurnsAboutAxis = 8;    // samples of a rotation by any angle
 constexpr float kSameTurn = 0.02F;    // [rad]
 constexpr float kSameShift = 0.005F;  // [diameters]
 
-/// How far a motion takes samples off the surface, and where the farthest comes to lie.
+/// How far a motion moves samples off the surface, and where the farthest sample ends.
 struct Deviation {
   Pose motion = Pose::Identity();
   float median = 0, p90 = 0, largest = 0;
   Eigen::Vector3f place{0, 0, 0};
 };
 
-/// There and back: what the moved surface has too much, and what it lacks.
+/// Measures both directions: what the moved surface has in excess, and what it lacks.
 Deviation deviation_by(const Model& model, const Pose& motion) {
   const std::size_t n = model.samples.size();
   std::vector<float> distances(2 * n);
@@ -44,7 +44,7 @@ Deviation deviation_by(const Model& model, const Pose& motion) {
       static_cast<std::size_t>(std::ranges::max_element(distances) - distances.begin());
   deviation.largest = distances[farthest];
   const Eigen::Vector3f sample = model.samples[farthest % n];
-  // What the moved surface lacks is where the surface is.
+  // What the moved surface lacks lies on the original surface.
   deviation.place = farthest < n ? Eigen::Vector3f(motion * sample) : sample;
   std::ranges::sort(distances);
   deviation.median = distances[n];
@@ -52,7 +52,7 @@ Deviation deviation_by(const Model& model, const Pose& motion) {
   return deviation;
 }
 
-/// Any turn about the near axis, by the worst of some.
+/// A rotation by any angle about the near axis, measured by the worst of some samples.
 Deviation deviation_about(const Model& model, const Symmetry::Axis& axis) {
   Deviation worst;
   for (int k = 1; k <= kTurnsAboutAxis; ++k) {
@@ -69,8 +69,8 @@ bool are_same(const Pose& a, const Pose& b, float diameter) {
          between.translation().norm() < kSameShift * diameter;
 }
 
-/// All that a near turn is declared by: it, its inverse, and both after each symmetry of the model,
-/// so that what is declared leaves no pose of the same kind out.
+/// All motions that declare a near rotation: it, its inverse, and both after each symmetry of the
+/// model, so that the declaration omits no equivalent pose.
 std::vector<Pose> declared_by(const Model& model, const Pose& motion) {
   std::vector<Pose> all;
   const auto add = [&](const Pose& pose) {
@@ -105,7 +105,7 @@ Json turns_json(const Model& model) {
   std::vector<Pose> listed;
   for (const Pose& motion : model.near_symmetries) {
     const auto same = [&](const Pose& other) { return are_same(motion, other, model.diameter); };
-    if (std::ranges::any_of(listed, same)) continue;  // of an earlier one, its inverse
+    if (std::ranges::any_of(listed, same)) continue;  // inverse of an earlier one
     const std::vector<Pose> all = declared_by(model, motion);
     listed.insert(listed.end(), all.begin(), all.end());
     const float angle = Eigen::AngleAxisf(Eigen::Matrix3f(motion.linear())).angle();

@@ -1,4 +1,4 @@
-/// By what a model nearly looks the same, turn by turn, and how far each takes it off itself.
+/// Near symmetries of a model, rotation by rotation, with the deviation that each causes.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,14 @@
 
 namespace trivet::apps::service {
 
-/// Of a model or part, in paths.
+/// Path segment of a model or part.
 inline constexpr std::string_view kNearSymmetry = "near-symmetry";
 
-/// {"turns": [{"motions", "axis", "measured", "deviation": {"median", "p90", "largest"}, "place"}]}:
-/// each with its inverse and both after each symmetry, and any turn about the near axis as one without
-/// motions, of which the worst is measured. Lengths are in the library's unit. Errors: bad_data (the model is damaged).
+/// {"turns": [{"motions", "axis", "measured", "deviation": {"median", "p90", "largest"},
+/// "place"}]}. Each rotation is listed with its inverse and both after each symmetry. A rotation by
+/// any angle about the near axis has no motions; its worst angle is measured. Lengths are in the
+/// library's unit.
+/// Errors: bad_data (the model is damaged).
 Result<nlohmann::ordered_json> near_turns_json(const Library& library, std::uint32_t model);
 
 }  // namespace trivet::apps::service

@@ -27,7 +27,7 @@ double now_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// Of what is within, where the file is packed by gzip.
+/// The format of the contents, if the file is compressed by gzip.
 std::string format_of(const fs::path& file) {
   const fs::path inner = file.extension() == ".gz" ? file.stem() : file;
   const std::string extension = inner.extension().string();
@@ -39,7 +39,7 @@ std::string new_epoch() {
   return fmt::format("{:08x}{:08x}", random(), random());
 }
 
-/// A name as others may read it.
+/// The file name as valid UTF-8.
 std::string shown_name(const fs::path& file) { return valid_utf8(file.filename().string()); }
 
 std::string reason_of_no_answer(const ServiceOutcome& outcome) {
@@ -106,7 +106,7 @@ void LiveScans::run(const std::stop_token& stop) {
         }
       }
     } catch (const std::exception&) {
-      // Without memory for a name there is none to tell of it, either. The folder stays.
+      // Out of memory for a name: the result cannot be reported either. The folder stays watched.
     }
   }
 }

@@ -1,4 +1,4 @@
-/// A folder that scans come into: each is recognized as it comes.
+/// A watched folder: each scan is recognized as it arrives.
 #pragma once
 
 #include <cstdint>
@@ -23,32 +23,32 @@ namespace trivet::apps::service {
 
 struct LiveSettings {
   std::string folder;  ///< empty: none is watched
-  std::string query;   ///< parameters of /v1/recognize, for all its scans
+  std::string query;   ///< parameters of /v1/recognize, for all scans of the folder
   std::uint32_t rest_ms =
-      1000;  ///< a file that was not renamed is whole when it rested for so long
+      1000;  ///< time for which a file that was not renamed must be unchanged to count as complete
 };
 
-/// What came of a scan.
+/// The result of a scan.
 struct LiveScan {
   std::uint64_t number = 0;
-  std::string name, query;       ///< of its file, as text; parameters that it was recognized with
-  double time = 0, seconds = 0;  ///< when it came, since 1970; what recognizing it took
+  std::string name, query;       ///< file name as text; parameters of the recognition
+  double time = 0, seconds = 0;  ///< arrival, since 1970; duration of the recognition
   std::size_t num_detections = 0;
   std::string error;  ///< empty: none
 };
 
-/// What lies there at the start is old; what appears or changes later is taken once it is whole (see
-/// ScanFolder), the oldest first, one at a time. What goes wrong with a scan is its result: it ends
-/// nothing else, and the scan is tried again when its file changes. The last hundred results are
-/// kept. Any member may be called from any thread.
+/// Files that exist at the start are ignored. A file that appears or changes later is recognized
+/// once it is complete (see ScanFolder), the oldest first, one at a time. An error becomes the
+/// result of its scan and ends nothing else; the scan is tried again when its file changes. The
+/// last hundred results are kept. All members may be called from any thread.
 class LiveScans {
  public:
-  /// The parameters of the query, where the folder can be watched. Errors: usage (the query),
-  /// missing_input (the folder).
+  /// The parameters of the query, if the folder can be watched.
+  /// Errors: usage (the query), missing_input (the folder).
   static Result<Parameters> check(const LiveSettings& settings);
-  /// Errors: as of check().
+  /// Errors: those of check().
   ///
-  /// service, metrics, log  outlive it
+  /// service, metrics, log  outlive the object
   static Result<std::unique_ptr<LiveScans>> watch(const LiveSettings& settings,
                                                   RecognitionService& service, Metrics& metrics,
                                                   RequestLog& log);
@@ -56,11 +56,12 @@ class LiveScans {
   LiveScans& operator=(const LiveScans&) = delete;
   ~LiveScans();
 
-  /// New with each service: numbers of another epoch stand for other scans.
+  /// Differs for each start of the service: equal numbers of different epochs denote different
+  /// scans.
   const std::string& epoch() const noexcept { return epoch_; }
-  /// Those behind a number, rising.
+  /// Scans with larger numbers, in ascending order.
   std::vector<LiveScan> scans_after(std::uint64_t number) const;
-  /// The answer as /v1/recognize gives it; none: no longer kept, or there was an error.
+  /// The response as /v1/recognize gives it; none: no longer kept, or there was an error.
   std::shared_ptr<const std::string> answer(std::uint64_t number) const;
   /// The scan's file; none: no longer kept, or overwritten since.
   std::optional<std::filesystem::path> file(std::uint64_t number) const;
@@ -69,16 +70,16 @@ class LiveScans {
   struct Scan {
     std::uint64_t number = 0;
     std::filesystem::path file;
-    FileStamp stamp;  ///< of the file as it was read
+    FileStamp stamp;  ///< state of the file when it was read
     std::string error;
-    double time = 0, seconds = 0;  ///< when it came, since 1970; what recognizing it took
+    double time = 0, seconds = 0;  ///< arrival, since 1970; duration of the recognition
     std::size_t num_detections = 0;
     std::shared_ptr<const std::string> answer;
   };
   LiveScans(const LiveSettings& settings, Parameters parameters, RecognitionService& service,
             Metrics& metrics, RequestLog& log);
   void run(const std::stop_token& stop);
-  /// What came of a scan; nothing: it is being written again, and comes once more.
+  /// The result of a scan; none: the file is being written again and will be reported once more.
   std::optional<Scan> recognize(const Arrival& arrival, const std::stop_token& stop);
   std::optional<Scan> try_recognize(const Arrival& arrival, const std::stop_token& stop);
   void keep(Scan scan);
@@ -89,8 +90,8 @@ class LiveScans {
   RecognitionService& service_;
   Metrics& metrics_;
   RequestLog& log_;
-  ScanFolder folder_;         // of the thread
-  mutable std::mutex mutex_;  // of what follows
+  ScanFolder folder_;         // used by the thread only
+  mutable std::mutex mutex_;  // protects the following members
   std::deque<Scan> scans_;
   std::uint64_t num_scans_ = 0;
   std::jthread thread_;

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kPollInterval{150};
-/// After so many rests without one, and so long, a file is reported as one that never rests.
+/// A file that keeps changing for so many rest times, and at least for so long, is reported as never
+/// complete.
 constexpr int kMostRests = 10;
 constexpr milliseconds kRestless{10'000};
 
@@ -36,8 +37,8 @@ FileStamp FileStamp::of(const fs::path& file) noexcept {
           std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
-// Events tell what was renamed, and nothing else: others may be lost (network file systems, a full
-// queue), and what was closed need not be whole.
+// Events report renamed files only: others may be lost (network file systems, a full queue), and a
+// closed file need not be complete.
 ScanFolder::ScanFolder(fs::path folder, milliseconds rest)
     : folder_(std::move(folder)), rest_(rest), events_(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
   if (events_ >= 0) (void)::inotify_add_watch(events_, folder_.c_str(), IN_MOVED_TO);
@@ -80,7 +81,7 @@ std::vector<Arrival> ScanFolder::wait() {
     std::this_thread::sleep_for(kPollInterval);
   const std::set<std::string> renamed = read_renamed();
   std::map<fs::path, FileStamp> files;
-  if (!list_files(files)) return {};  // it may come back
+  if (!list_files(files)) return {};  // the folder may come back
 
   const Clock::time_point now = Clock::now();
   std::vector<Arrival> arrivals;

@@ -1,4 +1,4 @@
-/// Which scans of a folder that others write are whole.
+/// Detection of complete scans in a folder that other programs write to.
 #pragma once
 
 #include <chrono>
@@ -17,19 +17,20 @@ struct FileStamp {
   std::int64_t written = 0;  ///< nanoseconds since 1970
   bool operator==(const FileStamp&) const = default;
 
-  /// Of a regular file that is not empty; zeros of anything else.
+  /// The state of a regular file that is not empty; zeros for anything else.
   static FileStamp of(const std::filesystem::path& file) noexcept;
 };
 
-/// What the folder has to tell of one of its scans.
+/// An event for one scan of the folder.
 struct Arrival {
   std::filesystem::path file;
   FileStamp stamp;
-  bool is_whole = true;  ///< or it is written again and again, and never was
+  bool is_whole = true;  ///< false: it is written again and again, and never was complete
 };
 
-/// What lies there at the start is old. What appears or changes later is whole once it was renamed
-/// into the folder, or its size and time have rested: a writer that is slower than that has to rename.
+/// Files that exist at the start are ignored. A file that appears or changes later is complete once
+/// it was renamed into the folder, or once its size and time have been unchanged for the rest time.
+/// Slower writers have to rename.
 class ScanFolder {
  public:
   ScanFolder(std::filesystem::path folder, std::chrono::milliseconds rest);
@@ -37,9 +38,10 @@ class ScanFolder {
   ScanFolder& operator=(const ScanFolder&) = delete;
   ~ScanFolder();
 
-  /// What has become whole since, the one that was written first before others. Waits for a moment.
+  /// Files that have become complete since the last call, the one written first before others.
+  /// Waits for a moment.
   std::vector<Arrival> wait();
-  /// Tell of a file again when it has rested: it was being written.
+  /// Reports a file again once it is unchanged for the rest time: it was being written.
   void expect(const std::filesystem::path& file);
 
  private:
@@ -47,18 +49,18 @@ class ScanFolder {
   struct WatchedFile {
     FileStamp stamp;
     Clock::time_point rests_since, waits_since;
-    bool is_done = false;   ///< reported as whole, or old
-    bool is_noted = false;  ///< reported as one that never rests
+    bool is_done = false;   ///< reported as complete, or present at the start
+    bool is_noted = false;  ///< reported as never complete
   };
 
-  /// What lies in the folder now. Returns false where it cannot be read.
+  /// Lists the files of the folder. Returns false if it cannot be read.
   bool list_files(std::map<std::filesystem::path, FileStamp>& files) const;
-  /// Names that were renamed into the folder since this was last asked.
+  /// Names that were renamed into the folder since the last call.
   std::set<std::string> read_renamed() const;
 
   const std::filesystem::path folder_;
   const std::chrono::milliseconds rest_;
-  int events_ = -1;  ///< inotify; none: all must rest
+  int events_ = -1;  ///< inotify; none: all files must rest
   std::map<std::filesystem::path, WatchedFile> watched_;
 };
 

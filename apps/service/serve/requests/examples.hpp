@@ -1,4 +1,4 @@
-/// Scans that the page offers to those who have none at hand.
+/// Example scans that the page offers to users without a scan.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace trivet::apps::service {
 struct Example {
   std::string name;
   std::filesystem::path file;
-  std::string query;  ///< parameters of a recognition, format among them
+  std::string query;  ///< parameters of a recognition, including format
 };
 
 /// The scenes of a manifest or a BOP data set. Errors: those of read_listing.

@@ -5,7 +5,7 @@
 namespace trivet::apps::service {
 namespace {
 
-/// In the order in which a scene goes through them.
+/// In the order of the stages of a scene.
 constexpr const char* kStages[]{"decode",       "prepare",   "subsample",   "vote",   "match",
                                 "cluster",      "preselect", "refine",      "verify", "examine",
                                 "alternatives", "select",    "check camera"};

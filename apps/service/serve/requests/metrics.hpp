@@ -17,13 +17,13 @@ class Metrics : public RequestMetrics {
   void observe_queue(double seconds);
   void observe_stage(const std::string& stage, double seconds);
 
-  /// Values of this moment.
+  /// Current values.
   struct Gauges {
     std::size_t waiting = 0, running = 0, queue_bytes = 0, connections = 0;
     std::size_t library_models = 0, library_bytes = 0, library_changed = 0;
     std::uint64_t generation = 0, dropped_lines = 0;
   };
-  /// All counters, with these values, as Prometheus reads them.
+  /// The response with all counters and these values, in the Prometheus format.
   HttpResponse response(const Gauges& gauges) const;
 
  private:

@@ -1,4 +1,4 @@
-/// How a listed scene is read, as a client asks for it.
+/// How a client requests the reading of a listed scene.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace trivet::apps::service {
 
-/// The parameters of a recognition: format, unit, and what is known of camera and viewpoint.
+/// The parameters of a recognition: format, unit, and the known values of camera and viewpoint.
 std::string reading_query(const ManifestScene& scene, LengthUnit unit);
 
 }  // namespace trivet::apps::service

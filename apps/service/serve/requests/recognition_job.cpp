@@ -25,11 +25,12 @@ Result<SceneResult> recognize_scan(const ScanPart& scan, const RecognizeOptions&
   metrics.observe_stage("decode",
                         std::chrono::duration<double>(ServiceClock::now() - begun).count());
   SceneInput input = scan.scene.input(unit);
-  input.file = scan.name;  // of which errors speak
+  input.file = scan.name;  // shown in errors
   return trivet::recognize(generation.recognizer, *cloud, input, options, stop);
 }
 
-/// Whether the client sent what is wrong; all else (no memory, a library that changed) another try may mend.
+/// Whether the error is a fault of the client's data. All other errors (no memory, a changed
+/// library) may disappear on retry.
 bool is_of_scan(const Error& error) {
   return error.code == ErrorCode::bad_data || error.code == ErrorCode::usage;
 }

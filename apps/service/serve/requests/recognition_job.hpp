@@ -1,4 +1,4 @@
-/// Scans that a service recognizes, and the answer about them.
+/// Jobs that recognize the scans of a request, and their responses.
 #pragma once
 
 #include <memory>
@@ -18,16 +18,17 @@ struct Recognition {
       : request(std::move(asked)), results(request.scans.size()), failures(request.scans.size()) {}
 
   ScanRequest request;
-  // By scan, once the job is done.
+  // Indexed by scan; valid once the job is done.
   std::vector<SceneResult> results;
-  std::vector<std::optional<Error>> failures;  ///< what was wrong with a scan, of several
+  std::vector<std::optional<Error>> failures;  ///< errors of single scans, if there are several
 };
 
-/// A part of the job a scan. One that cannot be read or recognized fails the job if it is the only one; of several, each keeps its
-/// failure to itself. `metrics` outlives the job.
+/// A job with one part per scan. A scan that cannot be read or recognized fails the job if it is
+/// the only one; with several scans, each keeps its own error. `metrics` outlives the job.
 ServiceJob recognition_job(const std::shared_ptr<Recognition>& recognition, Metrics& metrics);
 
-/// The answer to the client once the job is done. Errors: every scan failed, as failed_scenes has it.
+/// The response to the client once the job is done.
+/// Errors: every scan failed, as reported by failed_scenes.
 Result<nlohmann::ordered_json> recognition_json(const Recognition& done,
                                                 const ServiceAnswer& answer,
                                                 const std::string& request_id);

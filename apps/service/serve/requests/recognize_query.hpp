@@ -1,5 +1,5 @@
-/// What a client may ask of a recognition: the options of `trivet recognize`, and how its scan is
-/// to be read.
+/// Parameters of a recognition request: the options of `trivet recognize`, and how the scan is
+/// read.
 #pragma once
 
 #include "apps/service/http/query.hpp"
@@ -14,11 +14,11 @@ struct RecognizeQuery {
   ServedScene scene;
 };
 
-/// The preset with the options of a recognition and of the scan in its place, each given once.
-/// Errors: usage.
+/// The preset, overridden by the options of the recognition and of the scan. Each may be given
+/// once. Errors: usage.
 Result<RecognizeQuery> parse_recognize_query(const Parameters& parameters);
 
-/// What the parameter `preset` may be.
+/// The values of the parameter `preset`.
 const OptionInfo& preset_parameter();
 
 }  // namespace trivet::apps::service

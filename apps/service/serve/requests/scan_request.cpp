@@ -21,7 +21,7 @@ const std::set<std::string, std::less<>>& known_formats() {
   return formats;
 }
 
-/// What a body is, by the parameter `format` or its content type.
+/// The format of a body, from the parameter `format` or its content type.
 Result<std::string> format_of(const Target& target, const std::string& content_type) {
   if (const std::optional<std::string> format = target.parameter("format")) {
     if (known_formats().contains(*format)) return *format;
@@ -41,7 +41,7 @@ Result<void> check_name(const std::string& name) {
                            fmt::join(known_formats(), ", "))};
 }
 
-/// What the part "options" says: for all scans, and for each.
+/// Contents of the part "options": for all scans, and for each.
 struct FormOptions {
   Parameters all;
   std::vector<Parameters> each;
@@ -125,7 +125,7 @@ Result<ScanRequest> parse_scan_request(HttpRequest& request, Target target) {
 
   const Result<std::string> format = format_of(target, content_type);
   if (!format) return format.error();
-  // A second one is no parameter that is known.
+  // A second one remains as an unknown parameter.
   if (const auto given = std::ranges::find(target.parameters, "format",
                                            [](const auto& entry) { return entry.first; });
       given != target.parameters.end()) {

@@ -1,4 +1,4 @@
-/// The scans of a request with what is asked of them: one as the body, or several in a form.
+/// The scans of a request with their options: one scan as the body, or several in a form.
 #pragma once
 
 #include <memory>
@@ -14,24 +14,26 @@
 namespace trivet::apps::service {
 
 struct ScanPart {
-  std::string name;        ///< that the client gave the file; its extension tells the format
-  std::string_view bytes;  ///< within the request's body
+  std::string name;        ///< client's file name; its extension gives the format
+  std::string_view bytes;  ///< view into the body of the request
   ServedScene scene;
 };
 
-/// Parts of a body that lives as long as they do.
+/// Views into a body that outlives them.
 struct ScanRequest {
   std::shared_ptr<const std::string> body;
   std::vector<ScanPart> scans;  ///< at least one
   RecognizeOptions options;
 };
 
-/// As the body alone: `format` tells the format, or the content type; options are parameters of
-/// the target. As multipart/form-data: parts "scene", each with a file name, and at most one part
-/// "options", an object with the names of the parameters; its "scenes", if there, is a list of one
-/// object a scan with the camera, viewpoint and unit that differ. Parameters of the target hold for
-/// all. Takes the request's body. Errors: usage, bad_data.
-/// target  the request's, without what is not for the recognition
+/// A single scan is the whole body: `format` or the content type gives its format, and options are
+/// parameters of the target. As multipart/form-data, there are parts "scene", each with a file
+/// name, and at most one part "options", an object with the names of the parameters. Its optional
+/// "scenes" is a list of one object per scan with the camera, viewpoint and unit that differ.
+/// Parameters of the target apply to all scans. Moves the body out of the request.
+/// Errors: usage, bad_data.
+///
+/// target  that of the request, without parameters that are not for the recognition
 Result<ScanRequest> parse_scan_request(HttpRequest& request, Target target);
 
 }  // namespace trivet::apps::service

@@ -150,12 +150,13 @@ std::span<const Option<ServedScene>> options_of<ServedScene>() {
 namespace trivet::apps::service {
 namespace {
 
-// A small body may hold a large image, or unpack to a large file.
+// A small body may contain a large image, or decompress to a large file.
 constexpr std::uint64_t kMaxScanPoints = 16'000'000, kMaxScanBytes = 512ULL << 20;
 
-// Peak resident memory of `trivet --threads 1 recognize` beyond that without a scene and the file, a
-// point: 88 bytes of depth images of 1, 4 and 16 million pixels, whatever is measured in them, 89 and
-// 80 of 1 and 4 million scattered points, 84 and 88 a vertex or face of meshes of 3 and 12 million.
+// Peak resident memory of `trivet --threads 1 recognize` per point, in excess of that without a
+// scene and of the file: 88 bytes for depth images of 1, 4 and 16 million pixels, however many are
+// valid, 89 and 80 for 1 and 4 million scattered points, 84 and 88 per vertex or face of meshes of
+// 3 and 12 million.
 constexpr std::uint64_t kBytesPerPoint = 100, kSceneBytes = 16ULL << 20;
 
 ReadOptions read_options() {

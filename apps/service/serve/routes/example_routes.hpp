@@ -1,4 +1,4 @@
-/// Scans that the page offers to those who have none at hand.
+/// Routes of the example scans.
 #pragma once
 
 #include <utility>
@@ -12,7 +12,7 @@ namespace trivet::apps::service {
 
 class ExampleRoutes {
  public:
-  /// responder  outlives it
+  /// responder  outlives the object
   ExampleRoutes(const Responder& responder, std::vector<Example> examples)
       : responder_(responder), examples_(std::move(examples)) {}
   Routes routes() const;

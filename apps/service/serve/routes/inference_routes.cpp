@@ -17,15 +17,15 @@
 namespace trivet::apps::service {
 namespace {
 
-/// JSON that is read on the network's thread.
+/// Limit of the JSON that is parsed on the network thread.
 constexpr std::size_t kShortJson = 64 << 10;
 
 double seconds_since(ServiceClock::time_point begun) {
   return std::chrono::duration<double>(ServiceClock::now() - begun).count();
 }
 
-/// The most memory that an inference takes beside its body: a point of a binary tensor is 12 bytes,
-/// and two bytes of JSON may become a number, a node of 16 and its place.
+/// The most memory that an inference uses in addition to its body. A point of a binary tensor is 12
+/// bytes; two bytes of JSON may become a number, a node of 16 bytes and its place.
 std::size_t tensor_bytes(std::size_t body_bytes, std::optional<std::size_t> header_size) {
   constexpr std::size_t kTensorPoint = 12, kJsonNumber = 2, kJsonNode = 24;
   const std::size_t json = std::min(body_bytes, header_size.value_or(body_bytes));
@@ -33,11 +33,11 @@ std::size_t tensor_bytes(std::size_t body_bytes, std::optional<std::size_t> head
   return scene_bytes(num_points) + json / kJsonNumber * kJsonNode;
 }
 
-/// What the inference protocol calls the library.
+/// The name of the library in the inference protocol.
 std::string model_name(const Library& library) { return library.file.stem().string(); }
 
-/// What a path behind /v2/models/ asks for: NAME[/versions/N] of the library that answers, and the
-/// rest. Errors: usage (another name or version).
+/// The rest of a path after /v2/models/NAME[/versions/N], where NAME is the current library.
+/// Errors: usage (another name or version).
 Result<std::string_view> rest_of_model(std::string_view path, const LibraryGeneration& generation) {
   const std::string model = model_name(generation.recognizer.library());
   const std::string version = std::to_string(generation.number);
@@ -55,8 +55,9 @@ Result<std::string_view> rest_of_model(std::string_view path, const LibraryGener
   return rest;
 }
 
-/// What a repository index is asked for: {"ready": true} for nothing but what answers. Errors:
-/// bad_data.
+/// Whether a request for the repository index has {"ready": true} and so asks for ready models
+/// only.
+/// Errors: bad_data.
 Result<bool> asks_for_ready(std::string_view body) {
   bool only_ready = false;
   if (body.size() > kShortJson) {
@@ -72,7 +73,7 @@ Result<bool> asks_for_ready(std::string_view body) {
   return only_ready;
 }
 
-/// A request at work.
+/// An inference in progress.
 struct Inference {
   InferenceRequest request;
   SceneResult result;
@@ -175,7 +176,7 @@ void InferenceRoutes::infer(const CallPtr& call, std::string_view rest) {
         call, error_response(400, "Inference-Header-Content-Length: expected a number of bytes"));
   }
   count_failures(call, generation->number);
-  // A timeout behind more JSON than that is seen when the request's turn has come.
+  // A timeout after more JSON than that is read when the request leaves the queue.
   const std::string_view json =
       std::string_view(call->request.body).substr(0, header_size.value_or(std::string::npos));
   if (json.size() <= kShortJson) call->set_timeout(inference_timeout(json));
@@ -199,7 +200,7 @@ void InferenceRoutes::infer(const CallPtr& call, std::string_view rest) {
       });
 }
 
-/// Count an answer to the call that is an error.
+/// Counts an error response to the call.
 void InferenceRoutes::count_failures(const CallPtr& call, std::uint64_t generation) {
   call->answer = [this, generation, begun = ServiceClock::now(),
                   answer = std::move(call->answer)](HttpResponse response) {

@@ -1,4 +1,4 @@
-/// The Open Inference Protocol.
+/// Routes of the Open Inference Protocol.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace trivet::apps::service {
 
 class InferenceRoutes {
  public:
-  /// All that is given outlives it.
+  /// All arguments outlive the object.
   ///
   /// is_ready  whether the library answers
   InferenceRoutes(const Responder& responder, const RecognitionService& service,

@@ -56,7 +56,7 @@ void LibraryRoutes::list_models(const CallPtr& call, std::string_view) const {
 }
 
 void LibraryRoutes::view_model(const CallPtr& call, std::string_view rest) {
-  const std::size_t slash = rest.rfind('/');  // a name may have some, too
+  const std::size_t slash = rest.rfind('/');  // the name may contain slashes, too
   const std::string name(rest.substr(0, slash));
   const std::string_view view = slash == std::string_view::npos ? "" : rest.substr(slash + 1);
   if (view != "mesh.ply" && view != "thumbnail.png" && view != kNearSymmetry) {

@@ -1,4 +1,4 @@
-/// The library that answers, and its models.
+/// Routes of the current library and its models.
 #pragma once
 
 #include <functional>
@@ -11,12 +11,12 @@
 
 namespace trivet::apps::service {
 
-/// Calls back once the library was read anew, or could not be.
+/// Calls back once the library was reloaded or the reload has failed.
 using ReloadLibrary = std::function<void(std::function<void(Result<void>)>)>;
 
 class LibraryRoutes {
  public:
-  /// responder, service  outlive it
+  /// responder, service  outlive the object
   LibraryRoutes(const Responder& responder, const RecognitionService& service, ReloadLibrary reload)
       : responder_(responder), service_(service), reload_(std::move(reload)) {}
   Routes routes();

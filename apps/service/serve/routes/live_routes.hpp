@@ -1,4 +1,4 @@
-/// What came of the scans of a watched folder.
+/// Routes of the results of a watched folder.
 #pragma once
 
 #include "apps/service/serve/live/live_scans.hpp"
@@ -9,7 +9,7 @@ namespace trivet::apps::service {
 
 class LiveRoutes {
  public:
-  /// responder  outlives it, as the scans do
+  /// responder  outlives the object, as do scans
   /// scans      null: no folder is watched
   LiveRoutes(const Responder& responder, const LiveScans* scans)
       : responder_(responder), scans_(scans) {}

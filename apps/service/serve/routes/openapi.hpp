@@ -1,5 +1,5 @@
-/// The description of the service for programs: OpenAPI 3.1, apps/service/serve/api/openapi.json
-/// with the parameters of a recognition.
+/// The OpenAPI 3.1 description of the service: apps/service/serve/api/openapi.json with the
+/// parameters of a recognition.
 #pragma once
 
 #include <string_view>

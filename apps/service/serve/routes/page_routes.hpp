@@ -1,4 +1,4 @@
-/// The page of the service, and the description of what it offers.
+/// Routes of the page of the service, and of its OpenAPI description.
 #pragma once
 
 #include "apps/service/serve/routes/responder.hpp"
@@ -8,9 +8,9 @@ namespace trivet::apps::service {
 
 class PageRoutes {
  public:
-  /// responder  outlives it
+  /// responder  outlives the object
   explicit PageRoutes(const Responder& responder) : responder_(responder) {}
-  /// The page is at every path that is nobody else's: its route comes last.
+  /// The page answers every path that no other route answers: its route comes last.
   Routes routes() const;
 
  private:

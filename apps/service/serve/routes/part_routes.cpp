@@ -30,7 +30,7 @@ Result<LengthUnit> parse_unit(const std::string& text) {
   return Error{ErrorCode::usage, fmt::format("unit: expected m or mm, found '{}'", text)};
 }
 
-/// Read {"declaration": as a manifest declares symmetries, or null for what the program finds}.
+/// Reads {"declaration": symmetries in the form of a manifest, or null for the detected ones}.
 /// Errors: bad_data.
 Result<std::optional<Symmetry>> parse_declaration(const std::string& body) {
   std::optional<Symmetry> symmetry;
@@ -46,7 +46,7 @@ Result<std::optional<Symmetry>> parse_declaration(const std::string& body) {
   return symmetry;
 }
 
-/// library  of the draft; null: it is not trained
+/// library  that of the draft; null: not trained
 Json draft_json(const DraftStatus& draft, const Library* library) {
   Json error, model;
   if (!draft.error.empty()) error = draft.error;

@@ -1,4 +1,5 @@
-/// What changes the library: parts that are brought, trained and published, models that go.
+/// Routes that change the library: upload, training and publication of parts, and removal of
+/// models.
 #pragma once
 
 #include "apps/service/serve/routes/responder.hpp"
@@ -9,8 +10,8 @@ namespace trivet::apps::service {
 
 class PartRoutes {
  public:
-  /// responder  outlives it, as the workshop does
-  /// workshop   null: the library is only read
+  /// responder  outlives the object, as does the workshop
+  /// workshop   null: the library is read-only
   PartRoutes(const Responder& responder, PartWorkshop* workshop)
       : responder_(responder), workshop_(workshop) {}
   Routes routes() const;
@@ -24,7 +25,7 @@ class PartRoutes {
   void publish_part(const CallPtr& call, std::string_view rest) const;
   void remove_model(const CallPtr& call, std::string_view rest) const;
   void rename_model(const CallPtr& call, std::string_view rest) const;
-  /// Answers the call where there is no workshop.
+  /// Whether there is a workshop. Sends the response if there is none.
   bool has_workshop(const CallPtr& call) const;
 
   const Responder& responder_;

@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::size_t kDefaultShownPoints = 250'000, kMaxShownPoints = 5'000'000;
 
-/// What is wanted of a scan's points.
+/// Options of a request for a scan's points.
 struct PointsQuery {
   std::size_t max_points = kDefaultShownPoints;
   bool intensity = false;
 };
 
-/// Move what is for the points out of the parameters. Errors: usage.
+/// Moves the options for the points out of the parameters. Errors: usage.
 Result<PointsQuery> extract_points_query(Target& target) {
   PointsQuery query;
   if (const std::optional<std::string> given = target.parameter("max-points")) {
@@ -46,15 +46,15 @@ Result<PointsQuery> extract_points_query(Target& target) {
   return query;
 }
 
-/// The points of a scan as floats, at most so many of them: spread over all without a pattern. A
-/// point's intensity, where the cloud has it, stands behind its coordinates.
+/// The points of a scan as floats, up to a limit: sampled evenly over all without a pattern. A
+/// point's intensity, if the cloud has it, follows its coordinates.
 std::string shown_points(const Cloud& cloud, std::size_t max_points) {
   const Points& points = cloud.points;
   const std::size_t row = (cloud.intensity.empty() ? 3 : 4) * sizeof(float);
   std::string bytes;
   const double share = static_cast<double>(max_points) / static_cast<double>(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // Fibonacci hashing: the fractions of multiples of the golden ratio are evenly spread.
+    // Fibonacci hashing: the fractional parts of multiples of the golden ratio are evenly spread.
     const double place = static_cast<double>(i * 0x9E37'79B9'7F4A'7C15ULL) * 0x1p-64;
     if (place >= share || bytes.size() >= row * max_points) continue;
     const Eigen::Vector3f p = points[i];

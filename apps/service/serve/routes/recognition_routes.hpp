@@ -1,4 +1,4 @@
-/// Recognition of scans, and what is shown of their points.
+/// Routes that recognize scans, and that show their points.
 #pragma once
 
 #include "apps/service/serve/requests/metrics.hpp"
@@ -9,7 +9,7 @@ namespace trivet::apps::service {
 
 class RecognitionRoutes {
  public:
-  /// Both outlive it.
+  /// Both outlive the object.
   RecognitionRoutes(const Responder& responder, Metrics& metrics)
       : responder_(responder), metrics_(metrics) {}
   Routes routes() const;

@@ -1,4 +1,4 @@
-/// Answers to calls, at once or by jobs of the recognition service.
+/// Responses to calls, at once or by jobs of the recognition service.
 #pragma once
 
 #include <chrono>
@@ -16,16 +16,16 @@
 namespace trivet::apps::service {
 
 struct RouteOptions {
-  std::chrono::milliseconds default_deadline{10'000};  ///< of a recognition
-  std::size_t max_waiting_bytes = 0;                   ///< that the service takes
-  std::size_t max_working_bytes = 0;                   ///< that scenes at work may need
-  bool read_only = false;                              ///< nobody changes anything over HTTP
+  std::chrono::milliseconds default_deadline{10'000};  ///< deadline of a recognition
+  std::size_t max_waiting_bytes = 0;  ///< bound of the queue: bytes of waiting requests
+  std::size_t max_working_bytes = 0;  ///< bound on the memory of scenes being recognized
+  bool read_only = false;             ///< no change over HTTP is allowed
 };
 
 /// All members may be called from any thread.
 class Responder {
  public:
-  /// All that is given outlives it.
+  /// All arguments outlive the object.
   Responder(RecognitionService& service, Metrics& metrics, RequestLog& log,
             const RouteOptions& options)
       : service_(service), metrics_(metrics), replies_(metrics, log), options_(options) {}
@@ -34,23 +34,23 @@ class Responder {
     replies_.send(*call, std::move(response));
   }
 
-  /// Answer with what `write` makes of the job's answer, or with the refusal or error. `write` is
-  /// part of the work, which may be answered for meanwhile: it leaves the call alone. `note` counts
-  /// and logs what is answered.
+  /// Runs a job, then sends the response that `write` makes of its result, or the refusal or error.
+  /// `write` is part of the work, which may still run after a response was sent: it does not touch
+  /// the call. `note` counts and logs the response.
   void run(const CallPtr& call, ServiceJob job,
            std::function<HttpResponse(const ServiceAnswer&)> write,
            std::function<void(const ServiceAnswer&)> note = {}) const;
-  /// Run a small job: `work` gives the answer.
+  /// Runs a small job: `work` returns the response.
   ///
-  /// part_bytes  that it needs beside the body
+  /// part_bytes  memory that it needs in addition to the body
   void run_small(const CallPtr& call,
                  std::function<Result<HttpResponse>(const LibraryGeneration&)> work,
                  std::size_t part_bytes = 0) const;
 
-  /// For a change of the library: answers, once it is done, with the generation that answers then.
+  /// The completion of a change of the library: responds with the generation that answers then.
   std::function<void(const Result<void>&)> reply_generation(const CallPtr& call) const;
 
-  /// Count a recognition that is answered, and log what it found.
+  /// Counts an answered recognition and logs its detections.
   void note_recognition(const CallPtr& call, const ServiceAnswer& answer,
                         std::span<const SceneResult> results) const;
 

@@ -1,4 +1,4 @@
-/// A session as JSON, and its refusals as answers.
+/// A session as JSON, and its refusals as responses.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,8 +14,8 @@ nlohmann::ordered_json scan_json(const KeptScan& kept);
 /// {"kept", "unit", "bytes", "scans", "runs", "faults"}
 nlohmann::ordered_json session_json(const SessionContents& contents, std::uint64_t max_bytes);
 
-/// The answer to a client whose request the session refuses, with what is there instead of what the
-/// client expected. Errors: of what has failed.
+/// The response to a request that the session refuses, with the present state in place of the one
+/// that the client expected. Errors: those of the failed operation.
 Result<HttpResponse> session_error_response(const SessionError& error);
 
 }  // namespace trivet::apps::service

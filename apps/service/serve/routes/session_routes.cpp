@@ -24,7 +24,7 @@
 namespace trivet::apps::service {
 namespace {
 
-/// Find models of a library that outlives the returned function.
+/// Finds models of a library that outlives the returned function.
 ModelOfName models_of(const LibraryGeneration& generation) {
   return [&generation](const std::string& name) -> std::optional<SessionModel> {
     const Library& library = generation.recognizer.library();
@@ -37,8 +37,9 @@ ModelOfName models_of(const LibraryGeneration& generation) {
   };
 }
 
-/// How the scan is read, with the viewpoint that a recognition would find out, since a manifest must
-/// say it. Errors: those of read_scan and find_view.
+/// How the scan is read, with the viewpoint that a recognition would estimate, since a manifest
+/// must contain it.
+/// Errors: those of read_scan and find_view.
 Result<ScanReading> reading_of(const ScanPart& scan, LengthUnit library_unit) {
   const Result<Cloud> cloud =
       read_scan(std::as_bytes(std::span(scan.bytes)), scan.name, scan.scene, library_unit);
@@ -54,7 +55,7 @@ Result<ScanReading> reading_of(const ScanPart& scan, LengthUnit library_unit) {
   return reading;
 }
 
-/// Read {"truth": entries of a manifest, or null where it is not known}. Errors: bad_data.
+/// Reads {"truth": entries of a manifest, or null if unknown}. Errors: bad_data.
 Result<ScanTruth> parse_scan_truth(const std::string& body, const ModelOfName& models) {
   ScanTruth truth;
   const Result<void> read =
@@ -72,7 +73,7 @@ Result<ScanTruth> parse_scan_truth(const std::string& body, const ModelOfName& m
   return truth;
 }
 
-/// The whole session as one tar file.
+/// The whole session as a tar file.
 HttpResponse archive_response(const std::vector<SessionFile>& files) {
   std::vector<TarEntry> entries;
   for (const SessionFile& file : files)
@@ -85,13 +86,13 @@ HttpResponse archive_response(const std::vector<SessionFile>& files) {
   return response;
 }
 
-/// The answer to a request that needs no job, where nothing can have failed.
+/// The response to a request that needs no job, for errors other than `failed`.
 HttpResponse refusal_at_once(const SessionError& error) {
   Result<HttpResponse> response = session_error_response(error);
   return response ? *std::move(response) : error_response(response.error());
 }
 
-/// Split a path that has two names, as RUN/NAME; none where it has another number of them.
+/// Splits a path of two names, such as RUN/NAME; none: another number of names.
 std::optional<std::pair<std::string, std::string>> two_names(std::string_view path) {
   const std::size_t slash = path.find('/');
   if (slash == std::string_view::npos || path.find('/', slash + 1) != std::string_view::npos)

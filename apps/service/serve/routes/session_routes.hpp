@@ -1,4 +1,4 @@
-/// What keeps scans, answers and truth.
+/// Routes of a session: scans, answers and truth.
 #pragma once
 
 #include "apps/service/serve/routes/responder.hpp"
@@ -9,7 +9,7 @@ namespace trivet::apps::service {
 
 class SessionRoutes {
  public:
-  /// responder  outlives it, as the session does
+  /// responder  outlives the object, as does the session
   /// session    null: none is kept
   SessionRoutes(const Responder& responder, Session* session)
       : responder_(responder), session_(session) {}
@@ -25,7 +25,7 @@ class SessionRoutes {
   void get_answer(const CallPtr& call, std::string_view rest) const;
   void put_answer(const CallPtr& call, std::string_view rest) const;
   void delete_run(const CallPtr& call, std::string_view rest) const;
-  /// Answers the call where no session is kept.
+  /// Whether a session is kept. Sends the response if none is.
   bool has_session(const CallPtr& call) const;
 
   const Responder& responder_;

@@ -1,4 +1,4 @@
-/// How the service is: alive, ready, and what it has counted.
+/// Routes for liveness, readiness and metrics.
 #pragma once
 
 #include <atomic>
@@ -16,9 +16,9 @@ namespace trivet::apps::service {
 
 class StatusRoutes {
  public:
-  /// All that is given outlives it.
+  /// All arguments outlive the object.
   ///
-  /// is_ready  whether balancers may send requests
+  /// is_ready  whether load balancers may send requests
   StatusRoutes(const Responder& responder, const RecognitionService& service,
                const Metrics& metrics, const RequestLog& log, const std::atomic<bool>& is_ready)
       : responder_(responder),
@@ -27,7 +27,7 @@ class StatusRoutes {
         log_(log),
         is_ready_(is_ready) {}
   Routes routes() const;
-  /// What tells the number of open connections; before any call.
+  /// Sets the source of the number of open connections. Call it before any request.
   void set_num_connections(std::function<std::size_t()> num) { num_connections_ = std::move(num); }
 
  private:

@@ -73,7 +73,7 @@ std::optional<Manifest> SessionLoader::load_listing(const char* name) {
   return std::nullopt;
 }
 
-/// Whether it is a folder. A link that leads elsewhere is reported.
+/// Whether it is a folder. Reports a link that leads elsewhere.
 bool SessionLoader::is_folder(const std::string& folder) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(folder_ / folder, error);
@@ -81,8 +81,8 @@ bool SessionLoader::is_folder(const std::string& folder) {
   return fs::is_directory(status);
 }
 
-/// Load the regular files of a folder. A service that died while it wrote one left it under a
-/// temporary name.
+/// Loads the regular files of a folder. A service that died while it wrote a file has left it under
+/// a temporary name.
 void SessionLoader::load_files(const std::string& folder) {
   if (!is_folder(folder)) return;
   for (const fs::directory_entry& entry : sorted_entries(folder_ / folder)) {

@@ -1,4 +1,4 @@
-/// What lies in the folder of a session that an earlier service kept.
+/// Reads the folder of a session that an earlier service kept.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace trivet::apps::service {
 
-/// Read all of it. What is damaged is listed in `damaged` and stays as it is, but damaged listings
-/// are renamed. Files that a dying service was writing are removed.
+/// Reads all of it. Damaged files are listed in `damaged` and stay as they are, except that damaged
+/// listings are renamed. Files that a dying service was writing are removed.
 SessionContents load_session(const std::filesystem::path& folder);
 
 }  // namespace trivet::apps::service

@@ -63,7 +63,7 @@ Result<std::unique_ptr<Session>> Session::open(const fs::path& folder, std::uint
   return std::unique_ptr<Session>(new Session(folder, max_bytes, std::move(*lock)));
 }
 
-// What it holds.
+// Contents.
 
 SessionContents Session::contents() const {
   const std::lock_guard lock(reading_);
@@ -101,7 +101,7 @@ std::vector<SessionFile> Session::files() const {
     if (const auto num_bytes = regular_file_bytes(folder_ / name))
       files.push_back({name, folder_ / name, *num_bytes});
   };
-  add(std::string(kSessionFolder.marker));  // so that a service takes what is unpacked
+  add(std::string(kSessionFolder.marker));  // lets a service accept the unpacked archive
   for (const auto& [name, bytes] : contents_.files) add(name);
   return files;
 }
@@ -168,7 +168,7 @@ std::set<std::string> Session::listed_models(const Scans& scans) const {
 SessionResult<void> Session::write_models(const Scans& scans, const ModelOfName& models) {
   for (const std::string& name : listed_models(scans)) {
     const std::optional<SessionModel> model = is_model_name(name) ? models(name) : std::nullopt;
-    if (!model) continue;  // of another library: as it was kept, if it was
+    if (!model) continue;  // of another library: as stored, if it was
     const auto known = generations_.find(name);
     if (known != generations_.end() && known->second == model->generation) continue;
     const std::string mesh = model->mesh(), file = mesh_file(name);
@@ -357,7 +357,7 @@ SessionResult<void> Session::delete_run(const std::string& run) {
   for (const std::string& file : files) {
     TRIVET_TRY(remove(file));
   }
-  std::error_code not_empty;  // what else lies there stays
+  std::error_code not_empty;  // keep a folder that contains other files
   if (check_below(folder_, answer_file(run, "x"))) fs::remove(folder_ / "runs" / run, not_empty);
   return {};
 }

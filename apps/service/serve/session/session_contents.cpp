@@ -12,7 +12,7 @@
 namespace trivet::apps::service {
 namespace {
 
-constexpr std::uint64_t kLeastFileBytes = 4096;  ///< that a file takes of a disk
+constexpr std::uint64_t kLeastFileBytes = 4096;  ///< smallest space of a file on a disk
 
 }  // namespace
 

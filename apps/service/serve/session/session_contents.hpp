@@ -1,4 +1,4 @@
-/// What a session holds.
+/// The contents of a session.
 #pragma once
 
 #include <cstddef>
@@ -20,18 +20,18 @@ namespace trivet::apps::service {
 
 struct SessionScan {
   ManifestScene listed;    ///< how it is read, and its truth
-  bool is_marked = false;  ///< its truth is known
+  bool is_marked = false;  ///< the truth is known
 };
 
-/// What a recognition found in a scan.
+/// The result of a recognition in a scan.
 struct SessionAnswer {
   std::size_t num_found = 0;
   std::optional<double> seconds;
-  std::set<std::string> models;  ///< that were found
-  std::string version;           ///< of the file
+  std::set<std::string> models;  ///< models that were found
+  std::string version;           ///< version of the file
 };
 
-/// What is damaged in the folder.
+/// A damaged file of the folder.
 struct DamagedFile {
   std::string file, reason;
 };
@@ -39,30 +39,30 @@ struct DamagedFile {
 struct SessionContents {
   LengthUnit unit = LengthUnit::meter;
   std::map<std::string, SessionScan> scans;
-  std::map<std::string, std::map<std::string, SessionAnswer>> runs;  ///< by run, then by scan
-  std::map<std::string, ManifestModel> models;                       ///< whose meshes are kept
-  std::map<std::string, std::uint64_t> files;  ///< bytes, by path below the folder
+  std::map<std::string, std::map<std::string, SessionAnswer>> runs;  ///< keyed by run, then by scan
+  std::map<std::string, ManifestModel> models;  ///< models whose meshes are stored
+  std::map<std::string, std::uint64_t> files;   ///< size in bytes, keyed by path below the folder
   std::vector<DamagedFile> damaged;
 };
 
-/// What the files take of a disk.
+/// The space on a disk that the files occupy.
 std::uint64_t bytes_on_disk(const SessionContents& contents);
-/// What one file of so many bytes takes of a disk.
+/// The space on a disk that one file of this size occupies.
 std::uint64_t bytes_on_disk(std::uint64_t bytes);
 
-/// Read an answer about one scan, as `trivet recognize --json` and the service write it. Errors:
-/// bad_data.
+/// Reads an answer about one scan, as written by `trivet recognize --json` and the service.
+/// Errors: bad_data.
 Result<SessionAnswer> read_answer(std::span<const std::byte> bytes, const std::string& name);
 
-/// The truth as [{"model", "T_scene_model"}], or null where it is not known.
+/// The truth as [{"model", "T_scene_model"}], or null if unknown.
 nlohmann::ordered_json truth_json(const SessionScan& scan);
 
-/// A version is the same for the same content.
+/// A version that is the same for the same content.
 std::string version_of(std::string_view bytes);
 std::string truth_version(const SessionScan& scan);
 
-/// Whether a change that expects these versions may replace this one: `expected` is a list of them;
-/// "*" or nothing stands for any.
+/// Whether a change that expects these versions may replace the given one: `expected` is a list of
+/// versions; "*" or an empty text stands for any.
 bool expects_version(std::string_view expected, std::string_view version);
 
 }  // namespace trivet::apps::service

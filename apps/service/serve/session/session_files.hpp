@@ -1,4 +1,4 @@
-/// The files of a session's folder, by their paths below it.
+/// The files of a session's folder, named by their paths below it.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@ inline constexpr const char* kScansFile = "scans.json";
 inline constexpr const char* kManifestFile = "manifest.json";
 inline constexpr std::size_t kMaxSessionNameSize = 64;
 
-/// What a session may be asked for by name: [A-Za-z0-9][A-Za-z0-9._-]{0,63} without "..".
+/// Whether a name in requests to a session is valid: [A-Za-z0-9][A-Za-z0-9._-]{0,63} without "..".
 bool is_session_name(std::string_view name) noexcept;
 
 std::string mesh_file(const std::string& model);
 std::string answer_file(const std::string& run, const std::string& scan);
 
-/// The size of a file; none where it is no regular file.
+/// The size of a file; none: not a regular file.
 std::optional<std::uint64_t> regular_file_bytes(const std::filesystem::path& file);
 
 }  // namespace trivet::apps::service

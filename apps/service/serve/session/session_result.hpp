@@ -1,4 +1,4 @@
-/// Results of a session: a value, or why it refuses.
+/// Results of a session: a value, or the reason of a refusal.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,16 @@
 namespace trivet::apps::service {
 
 enum class SessionFault : std::uint8_t {
-  failed,     ///< of the disk, or of reading what came: the error's code tells which
-  invalid,    ///< a name or unit that no scan of the session can have
+  failed,     ///< of the disk, or of reading the request: see the code of the error
+  invalid,    ///< name or unit that no scan of the session can have
   unknown,    ///< no such scan, run or answer
-  exists,     ///< something of this name is there already
-  stale,      ///< another version is there than the one that was to be replaced
-  too_large,  ///< more than a session may hold
-  full,       ///< more than is left of that
+  exists,     ///< this name already exists
+  stale,      ///< the present version is not the one to be replaced
+  too_large,  ///< more than the limit of a session
+  full,       ///< more than the rest of the limit
 };
 
-/// A scan as the session keeps it.
+/// A scan stored by the session.
 struct KeptScan {
   std::string name;
   std::uint64_t num_bytes = 0;
@@ -32,7 +32,7 @@ struct KeptScan {
   SessionScan scan;
 };
 
-/// An answer as the session keeps it.
+/// An answer stored by the session.
 struct KeptAnswer {
   std::string version;
   nlohmann::ordered_json document;  ///< null: its file cannot be read
@@ -41,12 +41,12 @@ struct KeptAnswer {
 struct SessionError {
   SessionFault fault = SessionFault::failed;
   Error error;
-  // What is there in place of the version that was expected:
+  // Present state in place of the expected version:
   std::optional<KeptScan> kept_scan{};
   std::optional<KeptAnswer> kept_answer{};
 };
 
-/// As Result, with the faults of a session.
+/// The counterpart of Result with the faults of a session.
 template <class T>
 class [[nodiscard]] SessionResult {
   using Value = std::conditional_t<std::is_void_v<T>, std::monostate, T>;

@@ -38,7 +38,7 @@ double seconds_since(Clock::time_point begun) {
   return std::chrono::duration<double>(Clock::now() - begun).count();
 }
 
-/// As flags of `trivet train`, where they are not the defaults.
+/// The options as flags of `trivet train`, without defaults.
 std::vector<std::string> flags_of(const TrainOptions& options) {
   std::vector<std::string> flags;
   for (const auto& option : options_of<TrainOptions>()) {
@@ -51,13 +51,13 @@ std::vector<std::string> flags_of(const TrainOptions& options) {
   return flags;
 }
 
-/// Errors: usage: no file of a part is called so.
+/// Errors: usage: not a valid name for the file of a part.
 Result<void> check_file_name(const std::string& file) {
   const bool plain = !file.empty() && file.size() <= kLongestFileName && file.front() != '.' &&
                      std::ranges::none_of(file, [](char c) {
                        return c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ';
                      });
-  // The workshop itself puts files of these names there.
+  // The workshop writes files of these names there.
   const bool is_reserved = file == kManifest || file == kLibrary || file == kFacts;
   if (plain && !is_reserved) return {};
   return Error{ErrorCode::usage,
@@ -65,7 +65,7 @@ Result<void> check_file_name(const std::string& file) {
                            kLongestFileName, file.substr(0, kLongestFileName))};
 }
 
-/// The message without what the client does not know: where its file lies.
+/// Removes the folder from the message: the client does not know where its file lies.
 std::string without_folder(std::string message, const fs::path& folder) {
   for (const std::string& prefix : {std::string("error: "), folder.string() + "/"}) {
     if (const std::size_t place = message.find(prefix); place != std::string::npos)
@@ -74,19 +74,19 @@ std::string without_folder(std::string message, const fs::path& folder) {
   return message;
 }
 
-/// Run a job of the thread. A job that fails in whatever way ends itself and nothing else.
+/// Runs a job of the thread. Any failure of a job ends only this job.
 template <class F>
 Result<void> run_job(F&& job) {
   try {
     return job();
   } catch (const std::bad_alloc&) {
-    return Error{ErrorCode::no_memory, kOutOfMemory};  // short: no memory is taken for it
+    return Error{ErrorCode::no_memory, kOutOfMemory};  // short: it allocates no memory
   } catch (const std::exception& error) {
     return Error{ErrorCode::internal, error.what()};
   }
 }
 
-/// What lies in the folder of a draft whose file is called so.
+/// The files in the folder of a draft that was made from this file.
 std::set<std::string> files_of(const std::string& file) {
   return {file, std::string(kManifest), std::string(kLibrary), std::string(kFacts)};
 }
@@ -140,7 +140,7 @@ fs::path PartWorkshop::folder_of(const std::string& name) const {
   return fs::path(settings_.folder) / name;
 }
 
-/// Load the drafts that an earlier service left. What is no draft is left alone.
+/// Loads the drafts that an earlier service left. Other folders are ignored.
 Result<void> PartWorkshop::load_drafts() {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(settings_.folder, error)) {
@@ -257,7 +257,8 @@ Result<void> PartWorkshop::forget(const std::string& name) {
   return {};
 }
 
-/// Remove what the workshop has made in it, also where the draft is damaged and so not known.
+/// Removes the workshop's files from the folder, even if the draft is damaged and therefore
+/// unknown.
 void PartWorkshop::remove_folder(const std::string& name) const {
   const fs::path folder = folder_of(name);
   const std::optional<std::string> file = note_of(folder, kPartFolder);
@@ -273,7 +274,7 @@ bool PartWorkshop::has(const std::string& name) const {
 }
 
 std::optional<std::string> PartWorkshop::refuse_folder(const std::string& name) const {
-  if (!is_model_name(name)) return std::nullopt;  // nor has it a folder
+  if (!is_model_name(name)) return std::nullopt;  // no folder either
   if (folder_state(folder_of(name), kPartFolder) != FolderState::foreign) return std::nullopt;
   return fmt::format(
       "part '{}': expected nothing of this name in the workshop's folder, or a part, with the file "
@@ -295,7 +296,7 @@ void PartWorkshop::train(const std::string& name) {
   const Result<void> done = run_job([&] { return train_and_read(name, stop, made); });
   const std::lock_guard lock(mutex_);
   const auto found = drafts_.find(name);
-  // Another one of its name may have come meanwhile.
+  // A new draft of this name may have come meanwhile.
   if (found == drafts_.end() || found->second.stop.get_token() != stop) return;
   Draft& draft = found->second;
   draft.seconds = seconds_since(draft.begun);
@@ -303,7 +304,7 @@ void PartWorkshop::train(const std::string& name) {
   draft.facts = std::move(made.facts);
   draft.library = std::move(made.library);
   draft.state =
-      done ? DraftState::trained : DraftState::failed;  // last: until then it may run out of memory
+      done ? DraftState::trained : DraftState::failed;  // last: it may still run out of memory
   log_.write(done ? "info" : "warning", done ? "part trained" : "part not trained",
              {{"model", name}, {"seconds", draft.seconds}, {"error", draft.error}});
 }
@@ -366,7 +367,7 @@ void PartWorkshop::rename(const std::string& from, const std::string& to, Done d
       std::move(done));
 }
 
-/// Edit the library's file and answer with what came of it.
+/// Edits the library's file and calls back with the result.
 void PartWorkshop::change(std::string_view what, const std::string& name,
                           std::function<Result<void>()> edit, Done done,
                           std::function<void()> after) {
@@ -431,17 +432,17 @@ void PartWorkshop::run(const std::stop_token& stop) {
       next();
       return {};
     });
-    if (!done) fail_training();  // even for saying so there was no memory
+    if (!done) fail_training();  // out of memory even for the error
   }
 }
 
-/// Fail the drafts whose training an exception has ended in the middle.
+/// Marks drafts as failed whose training was ended by an exception.
 void PartWorkshop::fail_training() noexcept {
   const std::lock_guard lock(mutex_);
   for (auto& [name, draft] : drafts_) {
     if (draft.state != DraftState::training) continue;
     draft.state = DraftState::failed;
-    draft.error = kOutOfMemory;  // short: none is taken for it
+    draft.error = kOutOfMemory;  // short: it allocates no memory
   }
 }
 

@@ -1,4 +1,5 @@
-/// Parts that clients bring to a running service: trained aside as drafts, looked at, published.
+/// Parts that clients upload to a running service: trained as drafts in the background, inspected,
+/// published.
 #pragma once
 
 #include <chrono>
@@ -26,12 +27,12 @@
 namespace trivet::apps::service {
 
 struct WorkshopSettings {
-  std::string folder;  ///< where drafts lie; empty: nothing is trained
+  std::string folder;  ///< folder of drafts; empty: training is off
   std::uint32_t max_file_mb = 64;
-  std::uint32_t max_seconds = 300;  ///< of training one
+  std::uint32_t max_seconds = 300;  ///< time limit of one training
   std::uint32_t max_drafts = 100;
-  std::uint32_t max_models = 10'000;       ///< of the library
-  std::string program = "/proc/self/exe";  ///< that trains, as `trivet train` does
+  std::uint32_t max_models = 10'000;       ///< limit of the library
+  std::string program = "/proc/self/exe";  ///< executable that trains, as `trivet train` does
 };
 
 enum class DraftState : std::uint8_t { waiting, training, trained, failed };
@@ -39,32 +40,32 @@ enum class DraftState : std::uint8_t { waiting, training, trained, failed };
 /// "waiting", "training", "trained", "failed".
 std::string_view name_of(DraftState state);
 
-/// A draft as it is now.
+/// The present state of a draft.
 struct DraftStatus {
   std::string name, file;
   std::uint64_t num_bytes = 0;
   LengthUnit unit = LengthUnit::meter;
   DraftState state = DraftState::waiting;
-  double seconds = 0;            ///< that its training took, or takes until now
+  double seconds = 0;            ///< duration of its training so far
   std::string error;             ///< empty: none
-  nlohmann::ordered_json facts;  ///< as `trivet train --json` writes them; null before
+  nlohmann::ordered_json facts;  ///< as written by `trivet train --json`; null before
 };
 
-/// A draft is a folder of its own: the file as it came, a manifest of it, and the library of this
-/// one model that `trivet train` makes of both, in a process of its own with limits on time and
-/// memory. So a damaged or hostile file costs its refusal and nothing else, and drafts outlive the
-/// service. All work is done by one thread, in the order in which it was asked for; an exception ends
-/// what it was at, and no more. Folders are written and removed that have the marker of their kind, or
-/// were not there. Any member may be called from any thread.
+/// Each draft has a folder with the uploaded file, a manifest of it, and the library of this one
+/// model that `trivet train` makes of both. The training runs in a separate process with limits on
+/// time and memory. So a damaged or hostile file is refused and affects nothing else, and drafts
+/// outlive the service. One thread does all work, in the order of the requests; an exception ends
+/// only the current item. Only folders that have the marker of their kind, or that did not exist,
+/// are written and removed. All members may be called from any thread.
 class PartWorkshop {
  public:
   using Done = std::function<void(const Result<void>&)>;
-  /// Reads the library anew, then calls back.
+  /// Reloads the library, then calls back.
   using Reload = std::function<void(std::function<void(Result<void>)>)>;
 
-  /// Takes over the drafts of the folder; nothing is done with them before start(). Errors:
-  /// cannot_create (also: the folder is not its own), bad_data (the library's parameters are not of
-  /// this version).
+  /// Loads the drafts of the folder; none is processed before start().
+  /// Errors: cannot_create (also: the folder is foreign), bad_data (the library's parameters belong
+  /// to another version).
   ///
   /// library  file that drafts are published into; log outlives the workshop
   static Result<std::unique_ptr<PartWorkshop>> open(WorkshopSettings settings,
@@ -72,37 +73,38 @@ class PartWorkshop {
                                                     RequestLog& log);
   PartWorkshop(const PartWorkshop&) = delete;
   PartWorkshop& operator=(const PartWorkshop&) = delete;
-  ~PartWorkshop();  ///< training is stopped; what waits is answered with an error
+  ~PartWorkshop();  ///< stops training; waiting items end with an error
 
-  void start();  ///< once: work on what is asked for, and on the drafts
+  void start();  ///< Starts to process requests and drafts; call it once.
 
   const WorkshopSettings& settings() const noexcept { return settings_; }
 
-  /// Train a file as a draft, in place of one of the same name.
+  /// Trains a file as a draft, replacing one of the same name.
   ///
-  /// name  of the model
-  /// file  name that the client gave the file: its extension tells the format
-  /// unit  of its coordinates
+  /// name  name of the model
+  /// file  client's name of the file: its extension gives the format
+  /// unit  unit of its coordinates
   /// Errors: usage (the names, too many drafts, those of `refuse_folder`), cannot_create, io (the
   /// disk).
   Result<void> bring(const std::string& name, const std::string& file, LengthUnit unit,
                      std::string_view bytes);
-  /// Train a draft again, with a symmetry that is declared, in the library's unit; none: with what
-  /// the program finds. Errors: usage (no such draft, not trained), cannot_create, io.
+  /// Trains a draft again with a declared symmetry, in the library's unit; none: with the detected
+  /// one.
+  /// Errors: usage (no such draft, not trained), cannot_create, io.
   Result<void> declare(const std::string& name, const std::optional<Symmetry>& symmetry);
-  /// Forget a draft, and stop its training. Errors: usage (no such draft).
+  /// Deletes a draft, and stops its training. Errors: usage (no such draft).
   Result<void> drop(const std::string& name);
-  bool has(const std::string& name) const;  ///< a draft
-  /// Why a draft cannot have this name: something lies there that the workshop has not made; none: it
-  /// can.
+  bool has(const std::string& name) const;  ///< there is such a draft
+  /// Why a draft cannot have this name: its folder was not made by the workshop; none: it can.
   std::optional<std::string> refuse_folder(const std::string& name) const;
 
-  /// Put a trained draft into the library, in place of a model of the same name, and answer with
-  /// it. Errors: usage (not trained, too many models), those of `take_models`, of reading it.
+  /// Puts a trained draft into the library, replacing a model of the same name, and calls back with
+  /// it.
+  /// Errors: usage (not trained, too many models), those of `take_models`, of reading it.
   void publish(const std::string& name, Done done);
-  /// Errors: of remove_models, of reading the library.
+  /// Removes a model. Errors: of remove_models, of reading the library.
   void remove(const std::string& model, Done done);
-  /// Errors: of rename_model, of reading the library.
+  /// Renames a model. Errors: of rename_model, of reading the library.
   void rename(const std::string& from, const std::string& to, Done done);
 
   /// All drafts, by name.
@@ -147,10 +149,10 @@ class PartWorkshop {
   const std::filesystem::path library_;
   const Reload reload_;
   RequestLog& log_;
-  const LengthUnit unit_;                   // of the library
-  const std::vector<std::string> options_;  // flags that give the library's parameters
-  std::mutex files_mutex_;                  // of the folders of drafts
-  mutable std::mutex mutex_;                // of what follows
+  const LengthUnit unit_;                   // unit of the library
+  const std::vector<std::string> options_;  // flags with the library's parameters
+  std::mutex files_mutex_;                  // protects the folders of drafts
+  mutable std::mutex mutex_;                // protects the following members
   std::condition_variable changed_;
   std::map<std::string, Draft> drafts_;
   std::deque<Work> work_;

@@ -22,9 +22,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kPollMs = 20;
 constexpr int kNice = 10;
-constexpr std::size_t kMostWords = 4096;  // of what it says, the last ones
+constexpr std::size_t kMostWords = 4096;  // last bytes of its messages that are kept
 
-/// In the child, where nothing but system calls may be made.
+/// Runs in the child process, where only system calls are allowed.
 [[noreturn]] void become(char* const* arguments, const ChildLimits& limits, int errors) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -1,4 +1,4 @@
-/// Work on files that nobody vouches for, in a process of its own.
+/// Processing of untrusted files in a separate process.
 #pragma once
 
 #include <chrono>
@@ -10,19 +10,19 @@
 
 namespace trivet::apps::service {
 
-/// What a child may take before it is killed.
+/// Limits of a child process, which is killed if it exceeds them.
 struct ChildLimits {
   std::chrono::seconds time{300};
-  std::size_t memory_bytes = std::size_t{8} << 30;  ///< of its address space
+  std::size_t memory_bytes = std::size_t{8} << 30;  ///< limit of its address space
 };
 
-/// Run a program below the priority of this one until it ends; whatever becomes of it, nothing
-/// happens here. It dies with this process.
+/// Runs a program at a lower priority until it ends. A crash of the program does not affect this
+/// process, and the program dies with this process.
 ///
-/// program  with its arguments
+/// program  command with its arguments
 /// stop     kills it
-/// Errors: bad_data (what it said last, or what killed it), resumable (stopped), internal (no
-/// process could be made).
+/// Errors: bad_data (its last message, or the signal that killed it), resumable (stopped), internal
+/// (no process could be created).
 Result<void> run_child(const std::vector<std::string>& program, const ChildLimits& limits,
                        const std::stop_token& stop);
 
