@@ -83,7 +83,7 @@ Result<std::vector<std::optional<SceneResult>>> read_bop_detections(
   std::vector<std::optional<SceneResult>> results(manifest.scenes.size());
   for (const BopResult& result : *stored) {
     const auto scene = scenes.find({result.scene_id, result.image_id});
-    if (scene == scenes.end()) continue;  // an image that is no target
+    if (scene == scenes.end()) continue;  // an image that is not a target
     const auto name = names.find(result.object_id);
     if (name == names.end()) {
       return Error{ErrorCode::bad_data,

@@ -11,7 +11,7 @@
 namespace trivet::apps {
 namespace {
 
-/// The depth image in the library's unit. Errors: of reading, usage (it is none).
+/// Reads the depth image in the library's unit. Errors: of reading, usage (not a depth image).
 Result<engine::MeasuredImage> read_image(const SceneInput& source) {
   std::optional<Camera> camera = source.camera;
   if (camera) camera->depth_scale *= source.scale;

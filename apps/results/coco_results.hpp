@@ -1,5 +1,5 @@
-/// Detections in the images of a BOP data set as masks and boxes, as `trivet recognize --coco`
-/// writes them.
+/// Detections in the images of a BOP data set as masks and boxes, as written by `trivet recognize
+/// --coco`.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace trivet::apps {
 
-/// Add the detections of a scene. Each is its model rendered in its pose: the box is of the whole
-/// silhouette in the image, the mask of what is visible beside the measured depth, as BOP has it;
-/// none is added of which nothing is.
-/// Pre: check_bop_ids. Errors: of reading the depth image; usage (it is none), internal (ray tracing).
+/// Adds the detections of a scene. The model of each is rendered in its pose. As in BOP, the box
+/// encloses the whole silhouette in the image, and the mask contains the part that the measured
+/// depth leaves visible. A detection without a visible part is left out. Pre: check_bop_ids.
+/// Errors: of reading the depth image; usage (not a depth image), internal (ray tracing).
 Result<void> add_coco_results(const SceneInputs& scenes, std::size_t index,
                               const Recognizer& recognizer, const SceneResult& found,
                               std::vector<CocoResult>& results);

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t kResampling = 1;  // any: the same comparison, the same bytes
+constexpr std::uint64_t kResampling = 1;  // any value: the same comparison gives the same bytes
 
 ComparedScene parse_evaluated(const JsonNode& node) {
   ComparedScene scene{node.at("scene").string(), {}, {}, {0, 0, 0}, {}, {}};
@@ -44,7 +44,7 @@ ComparedScene compared_scene(StoredScene&& stored) {
   return scene;
 }
 
-/// Files of a folder by name, or the one that is named.
+/// The files of a folder by name, or the single file named.
 std::vector<std::filesystem::path> documents_of(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_directory(file, error)) return {file};
@@ -56,7 +56,7 @@ std::vector<std::filesystem::path> documents_of(const std::string& file) {
   return files;
 }
 
-/// Whether a document is of `trivet evaluate`.
+/// Whether a document is one of `trivet evaluate`.
 Result<bool> is_evaluation(const std::filesystem::path& file) {
   bool has_truth = false;
   const Result<void> read = with_json(file, [&](const JsonNode& root) {
@@ -82,7 +82,7 @@ Result<void> add_recognized(const std::filesystem::path& file, ComparedResult& o
   return {};
 }
 
-/// The scenes of b in the order of a. Errors: bad_data.
+/// Puts the scenes of b into the order of a. Errors: bad_data.
 Result<void> arrange(const ComparedResult& a, ComparedResult& b) {
   std::set<std::string> names;
   for (const ComparedScene& scene : a.scenes) names.insert(scene.name);
@@ -93,7 +93,7 @@ Result<void> arrange(const ComparedResult& a, ComparedResult& b) {
     std::vector<ComparedScene> arranged;
     for (const ComparedScene& scene : a.scenes) {
       const auto same = std::ranges::find(b.scenes, scene.name, &ComparedScene::name);
-      if (same == b.scenes.end()) break;  // b has one twice
+      if (same == b.scenes.end()) break;  // b contains one twice
       arranged.push_back(std::move(*same));
       same->name.clear();
     }
@@ -158,11 +158,11 @@ SceneComparison compare_by_poses(const ComparedScene& a, ComparedScene& b,
   return out;
 }
 
-// What is told.
+// Output.
 
 struct Sums {
   std::size_t both = 0, only_a = 0, only_b = 0, false_a = 0, false_b = 0;
-  std::optional<double> seconds_a = 0, seconds_b = 0;  ///< none where a scene does not tell
+  std::optional<double> seconds_a = 0, seconds_b = 0;  ///< none if a scene has no time
 };
 
 Sums sums_of(const Comparison& comparison) {
@@ -239,7 +239,7 @@ std::string found_text(const char* of, const Comparison& comparison, bool is_a) 
   return text.empty() ? text : fmt::format("only in {}:\n{}", of, text);
 }
 
-/// Of what both found.
+/// The scores of objects that both found.
 std::string scores_text(const Comparison& comparison) {
   std::vector<double> of_a, of_b;
   for (std::size_t s = 0; s < comparison.scenes.size(); ++s) {

@@ -1,4 +1,4 @@
-/// Two results over the same scenes, side by side.
+/// Comparison of two results over the same scenes.
 #pragma once
 
 #include <cstddef>
@@ -14,47 +14,49 @@
 
 namespace trivet::apps {
 
-/// What a result tells of a scene.
+/// The result for one scene.
 struct ComparedScene {
   std::string name;
   std::optional<double> seconds;
-  std::vector<Detection> detections;  ///< reported ones, in the frame of a cloud with `offset`
+  std::vector<Detection> detections;  ///< in the frame of a cloud with `offset`
   Eigen::Vector3d offset{0, 0, 0};
   // Of results of `trivet evaluate`, which have no poses:
-  std::vector<std::optional<std::size_t>> truths;  ///< that each detection found, if any
-  std::vector<std::size_t> missed;                 ///< truths that count and were not found
+  std::vector<std::optional<std::size_t>> truths;  ///< truth found by each detection, if any
+  std::vector<std::size_t> missed;                 ///< counted truths that were not found
 };
 
 struct ComparedResult {
   std::string file;
-  bool has_truth = false;  ///< it is of `trivet evaluate`
+  bool has_truth = false;  ///< the result is one of `trivet evaluate`
   std::vector<ComparedScene> scenes;
 };
 
-/// A result of `trivet recognize --json` or `trivet evaluate --json`, or a folder of such files, as
-/// the runs of a session. Errors: missing_input, io, bad_data (names the JSON path of the fault).
+/// Reads a result of `trivet recognize --json` or `trivet evaluate --json`, or a folder of such
+/// files, such as the runs of a session.
+/// Errors: missing_input, io, bad_data (names the JSON path of the fault).
 Result<ComparedResult> read_compared(const std::string& file);
 
-/// Of one scene: indices of detections.
+/// The comparison of one scene, as indices of detections.
 struct SceneComparison {
   std::vector<DetectionMatch> both;
-  std::vector<std::size_t> only_a, only_b;    ///< with truth: right ones alone
+  std::vector<std::size_t> only_a, only_b;    ///< with truth: correct ones only
   std::vector<std::size_t> false_a, false_b;  ///< only with truth
-  std::size_t neither = 0;                    ///< truths that none found; only with truth
+  std::size_t neither = 0;                    ///< truths found by neither; only with truth
 };
 
 struct Comparison {
   ComparedResult a, b;  ///< with their scenes in the order of a
   std::vector<SceneComparison> scenes;
   std::optional<PairedComparison> paired;  ///< only with truth
-  std::string measure;                     ///< of what is the same, in words
+  std::string measure;                     ///< criterion for equal poses, in words
 };
 
-/// Compare results over the same scenes: with truth, by which truths were found; else by poses that
-/// are alike.
+/// Compares results over the same scenes: with truth, by the truths that were found; without, by
+/// similar poses.
 ///
 /// matcher  null: results with truth need none
-/// Errors: bad_data (other scenes, or only one has truth), usage (no matcher, and no truth).
+/// Errors: bad_data (different scenes, or truth in only one result), usage (neither a matcher nor
+/// truth).
 Result<Comparison> compare_results(ComparedResult a, ComparedResult b, const PoseMatcher* matcher,
                                    std::string measure);
 

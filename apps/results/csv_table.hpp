@@ -1,4 +1,4 @@
-/// Tables for spreadsheets and statistics programs, after RFC 4180.
+/// CSV tables after RFC 4180, for spreadsheets and statistics programs.
 #pragma once
 
 #include <cstddef>
@@ -11,19 +11,19 @@
 
 namespace trivet::apps {
 
-/// A table under construction, row by row.
+/// Builds a table row by row.
 class CsvTable {
  public:
   explicit CsvTable(std::string_view header) : text_(header) {}
 
   CsvTable& row();
-  CsvTable& text(std::string_view bytes);  ///< as valid_utf8() tells it
-  /// To seven digits; one that is not finite is empty.
+  CsvTable& text(std::string_view bytes);  ///< converted by valid_utf8()
+  /// Appends a number with seven digits; an empty field if it is not finite.
   CsvTable& number(double value);
   CsvTable& number(const std::optional<double>& value);
   CsvTable& count(std::size_t value);
   CsvTable& empty(std::size_t fields);
-  /// The file appears whole or not at all. Errors: cannot_create, io.
+  /// Writes the file atomically: it appears whole or not at all. Errors: cannot_create, io.
   Result<void> write(const std::filesystem::path& file) const;
 
  private:

@@ -22,7 +22,7 @@ nlohmann::ordered_json parts_json(const kernels::ScoreParts& parts) {
   return json;
 }
 
-/// What each part adds to the log odds.
+/// The contribution of each part to the log odds.
 nlohmann::ordered_json evidence_json(const kernels::ScoreModel& score,
                                      const kernels::ScoreParts& parts) {
   nlohmann::ordered_json json;
@@ -54,7 +54,7 @@ nlohmann::ordered_json rejected_json(const kernels::ScoreModel& score, const Sce
   return json;
 }
 
-/// By what they say, x, y, z of each place in the frame of the scene's file.
+/// Grouped by their verdict, x, y, z of each place in the frame of the scene's file.
 nlohmann::ordered_json rays_json(const SceneResult& result,
                                  std::span<const kernels::JudgedRay> rays) {
   nlohmann::ordered_json json;
@@ -102,7 +102,7 @@ nlohmann::ordered_json alternatives_json(const std::vector<Pose>& alternatives,
   return json;
 }
 
-/// The axis in the model's frame, in the scene file's unit, and the angles that are as likely.
+/// The axis in the model's frame, in the scene file's unit, and the equally likely angles.
 nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
   if (!turns) return nullptr;
   constexpr float kDegreesPerRadian = 57.29578F;
@@ -113,7 +113,7 @@ nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
           {"to_deg", kDegreesPerRadian * turns->high}};
 }
 
-/// Lengths in the scene file's unit; null of closed surfaces, which no sensor saw.
+/// Lengths in the scene file's unit; null for closed surfaces, which no sensor has measured.
 nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& sensor) {
   if (!sensor) return nullptr;
   return {{"range", sensor->range},
@@ -124,7 +124,7 @@ nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& se
           {"edge_pixels", sensor->edge_pixels()}};
 }
 
-/// The viewpoint in the scene file's frame and unit; null of what no one place saw.
+/// The viewpoint in the scene file's frame and unit; null for scenes without a single viewpoint.
 nlohmann::ordered_json view_json(const std::optional<SceneView>& view) {
   if (!view) return nullptr;
   nlohmann::ordered_json viewpoint;
@@ -137,7 +137,7 @@ nlohmann::ordered_json view_json(const std::optional<SceneView>& view) {
           {"words", words ? nlohmann::ordered_json(*words) : nullptr}};
 }
 
-/// offset  of the cloud that the detection was found in
+/// offset  of the cloud with the detection
 Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
   const auto number = [&](std::string_view key) {
     return node.has(key) ? static_cast<float>(node.at(key).number())
@@ -156,7 +156,8 @@ Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
   return detection;
 }
 
-/// As it is told; results of other programs far from zero are compared near their first pose.
+/// The offset of the document. Results of other programs far from zero are compared near their
+/// first pose.
 Eigen::Vector3d offset_of(const JsonNode& scene) {
   constexpr double kFar = 1e5;
   if (scene.has("offset")) return scene.at("offset").vector3();

@@ -19,7 +19,7 @@ ordered_json tally_json(const Tally& tally) {
           {"add_right", tally.add_right}, {"false_positives", tally.false_positives}};
 }
 
-/// Groups of truths: false positives belong to none of them.
+/// Sums of groups of truths. False positives belong to no group.
 ordered_json groups_json(const Tallies& tallies) {
   ordered_json object = ordered_json::object();
   for (const auto& [name, tally] : tallies) {

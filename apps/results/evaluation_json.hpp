@@ -1,4 +1,4 @@
-/// An evaluation as JSON and as a table for people.
+/// An evaluation as JSON and as a text table.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,14 +14,14 @@ namespace trivet::apps {
 /// "right", "wrong" or "neutral".
 const char* verdict_name(Verdict verdict);
 
-/// What counts as reported.
+/// Which detections count as reported.
 struct ScoreThreshold {
-  std::optional<float> min_score{};    ///< none: all that is there
-  bool require_pose = false;           ///< the very pose has it
-  std::optional<float> lowest_kept{};  ///< that recognition kept, for curves and BOP's scores
+  std::optional<float> min_score{};    ///< none: all of the results
+  bool require_pose = false;           ///< compare score x pose_share, not the score
+  std::optional<float> lowest_kept{};  ///< kept by recognition, for curves and BOP's scores
 };
 
-/// Sums, medians, curves, and for each scene what every detection turned out to be.
+/// Sums, medians and curves, and the verdict of every detection of each scene.
 nlohmann::ordered_json evaluation_json(const Manifest& manifest, const Evaluation& evaluation,
                                        const ScoreThreshold& threshold, const BopScores& bop,
                                        std::span<const std::optional<SceneResult>> results);
@@ -29,7 +29,9 @@ nlohmann::ordered_json evaluation_json(const Manifest& manifest, const Evaluatio
 /// The same sums and medians as lines of text.
 std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop);
 
-/// The threshold as a line of text. source: the library or the file that was judged.
+/// The threshold as a line of text.
+///
+/// source  the library or the evaluated file
 std::string threshold_words(const ScoreThreshold& threshold, const std::string& source);
 
 }  // namespace trivet::apps

@@ -1,4 +1,4 @@
-/// Scenes that could not be read or recognized, among others that were.
+/// Errors of scenes that could not be read or recognized, among others that were.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,9 @@
 
 namespace trivet::apps {
 
-/// Success without any; the error of the only one; else one that tells all of them, under the code of
-/// the first: "2 of 5 scenes failed, the others are told:" (if there are others) and a line each.
+/// Success without any failure. A single error is returned as it is. Several become one error with
+/// the code of the first and a line for each, after "2 of 5 scenes failed, the others are told:" if
+/// there are other scenes.
 Result<void> failed_scenes(const std::vector<Error>& failures, std::size_t num_scenes);
 
 }  // namespace trivet::apps

@@ -12,8 +12,8 @@
 namespace trivet::apps {
 namespace {
 
-/// The point of the truth's surface that is nearest to the sensor, in the frame of the scene's file;
-/// none: the model has no mesh.
+/// The point of the truth's surface that is nearest to the sensor, in the frame of the scene's
+/// file; none: the model has no mesh.
 std::optional<Eigen::Vector3d> place_of(const ManifestScene& scene, const TruthInstance& truth,
                                         std::span<const EvaluationMesh> meshes) {
   const EvaluationMesh* const mesh = find_mesh(meshes, truth.model);
@@ -55,7 +55,7 @@ Result<MissedWhys> explain_missed(const Recognizer& recognizer, const Manifest& 
       const auto place = place_of(manifest.scenes[s], truth, meshes);
       if (!place || !find_model(recognizer.library(), truth.model)) continue;
       RecognizeOptions asking = options;
-      asking.doubtful_score.reset();  // what is refused is to be refused
+      asking.doubtful_score.reset();  // poses below the threshold stay rejected
       asking.explain.point = *place;
       asking.explain.models = {truth.model};
       const Result<SceneResult> result =

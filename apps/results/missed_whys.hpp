@@ -1,4 +1,4 @@
-/// Why truths were missed.
+/// Reasons why truths were missed.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,18 @@
 
 namespace trivet::apps {
 
-/// By scene and truth, a sentence without its subject, the model.
+/// A sentence without its subject, the model; keyed by scene and truth.
 using MissedWhys = std::map<std::pair<std::size_t, std::size_t>, std::string>;
 
-/// Ask of each missed truth why its model is not found there, at its surface's point nearest to the
-/// sensor: its scene is recognized once more. Truths of models without a mesh, or that were not
-/// looked for, are left out. Errors: of recognize.
+/// Explains for each missed truth why its model is not found at the point of its surface that is
+/// nearest to the sensor. Its scene is recognized once more. Truths of models without a mesh, or
+/// that were not searched for, are left out. Errors: of recognize.
 Result<MissedWhys> explain_missed(const Recognizer& recognizer, const Manifest& manifest,
                                   std::span<const EvaluationMesh> meshes,
                                   const Evaluation& evaluation, const RecognizeOptions& options,
                                   const Progress& progress);
 
-/// Put them into what evaluation_json gave, as `why` of each missed truth.
+/// Adds the reasons to the output of evaluation_json, as `why` of each missed truth.
 void add_whys(const Evaluation& evaluation, const MissedWhys& whys,
               nlohmann::ordered_json& document);
 

@@ -30,7 +30,7 @@ namespace {
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 // Sine of a second angle that leaves the other two undetermined.
 constexpr double kUpright = 1 - 1e-12;
-constexpr double kShortestInMm = 10, kLongestInM = 50;  // of a calibration
+constexpr double kShortestInMm = 10, kLongestInM = 50;  // of a hand-eye calibration
 
 /// Angles about the fixed axes x, y, z, in this order.
 Eigen::Vector3d fixed_angles(const Eigen::Matrix3d& r) {
@@ -87,7 +87,7 @@ RobotPose robot_pose(const FilePose& pose, LengthUnit unit, RobotConvention conv
   RobotPose out;
   const Eigen::Vector3d position = unit_scale(unit, length_unit(convention)) * pose.translation();
   out.position = {position.x(), position.y(), position.z()};
-  // Poses are of floats: the nearest rotation in double.
+  // Poses have single precision: use the nearest rotation in double precision.
   const Eigen::Quaterniond q = quaternion_of(pose.linear());
   const Eigen::Matrix3d rotation = q.toRotationMatrix();
   const Eigen::Vector3d angles = fixed_angles(rotation);

@@ -1,4 +1,4 @@
-/// Poses as controllers of robots take them.
+/// Poses in the conventions of robot controllers.
 #pragma once
 
 #include <array>
@@ -18,42 +18,45 @@
 
 namespace trivet::apps {
 
-/// How a controller writes an orientation, and the unit of its positions.
+/// Representation of an orientation in a controller, and the unit of its positions.
 enum class RobotConvention : std::uint8_t {
-  quaternion,  ///< x, y, z, w with w >= 0; [m], as ROS
-  rpy,         ///< roll, pitch, yaw [rad] about the fixed axes x, y, z; [m], as URDF
-  kuka,        ///< A, B, C [deg] about z, then the turned y, then the turned x; [mm]
+  quaternion,  ///< x, y, z, w with w >= 0; [m]; used by ROS
+  rpy,         ///< roll, pitch, yaw [rad] about the fixed axes x, y, z; [m]; used by URDF
+  kuka,        ///< A, B, C [deg] about z, then the rotated y, then the rotated x; [mm]
   fanuc,       ///< W, P, R [deg] about the fixed axes x, y, z; [mm]
-  ur,          ///< rotation vector [rad]; [m], as Universal Robots
+  ur,          ///< rotation vector [rad]; [m]; Universal Robots
   abb,         ///< q1, q2, q3, q4 with the scalar first, q1 >= 0; [mm]
 };
 
-/// What a robot is told of an object: a frame of it in the frame that the robot moves in.
+/// The pose of an object for a robot: a frame of the object in the robot base frame.
 struct RobotPose {
-  std::array<double, 3> position{};  ///< in the convention's unit
-  std::vector<double> orientation;   ///< 3 or 4 numbers, as the convention has them
+  std::array<double, 3> position{};  ///< in the unit of the convention
+  std::vector<double> orientation;   ///< 3 or 4 numbers, depending on the convention
 };
 
 /// Names of the numbers of an orientation: "A", "B", "C".
 std::span<const std::string_view> orientation_names(RobotConvention convention);
 LengthUnit length_unit(RobotConvention convention);
 
-/// Where an angle is not determined, since the second one turns by 90 degrees, the one about x is 0.
+/// Converts a pose. If an angle is not determined, since the second one is 90 degrees, the angle
+/// about x is 0.
+///
 /// unit  of the pose's lengths
 RobotPose robot_pose(const FilePose& pose, LengthUnit unit, RobotConvention convention);
 
-/// Frames of models that robots grasp by, T_model_grasp, by model and name.
+/// Grasp frames of models, T_model_grasp, keyed by model and name.
 using GraspFrames = std::map<std::string, std::map<std::string, FilePose>>;
 
-/// {"MODEL": {"GRASP": four rows of four numbers}}, in the library's unit. Errors: missing_input,
-/// bad_data.
+/// Reads {"MODEL": {"GRASP": four rows of four numbers}}, in the library's unit.
+/// Errors: missing_input, bad_data.
 Result<GraspFrames> read_grasp_frames(const std::filesystem::path& file);
 
-/// Four rows of four numbers: T_robot_scene, in the scenes' unit. Errors: missing_input, bad_data.
+/// Reads four rows of four numbers: T_robot_scene, in the scenes' unit.
+/// Errors: missing_input, bad_data.
 Result<FilePose> read_frame(const std::filesystem::path& file);
 
-/// Whether the length of a calibration looks like that of another unit, as a sentence: a robot is
-/// hardly nearer to what it sees than 10 mm, nor farther than 50 m.
+/// A sentence that warns if the length of a hand-eye calibration suggests another unit: a robot is
+/// hardly nearer to a scene than 10 mm, nor farther than 50 m.
 std::optional<std::string> frame_unit_doubt(const FilePose& T_robot_scene, LengthUnit unit);
 
 }  // namespace trivet::apps

@@ -1,4 +1,4 @@
-/// What commands answer, to standard output.
+/// Output of commands to standard output.
 #pragma once
 
 #include <string_view>
@@ -7,8 +7,8 @@
 
 namespace trivet::apps {
 
-/// Write a text, as printable_lines() tells it, and see it leave the process. Everything that goes to standard output goes this
-/// way, so that a full disk does not pass for a good run. Errors: io.
+/// Writes a text, escaped by printable_lines(), and flushes it. All output to standard output goes
+/// through this function, so that a full disk is reported as an error. Errors: io.
 Result<void> write_output(std::string_view text);
 
 }  // namespace trivet::apps

@@ -1,4 +1,4 @@
-/// Results as JSON, to a file or to standard output.
+/// Results as JSON, written to a file or to standard output.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace trivet::apps {
 
-/// Write a document to a file, which appears whole or not at all; "-" is standard output.
+/// Writes a document to a file, which appears whole or not at all; "-" is standard output.
 /// Errors: cannot_create, io.
 Result<void> write_json(const std::string& target, const nlohmann::ordered_json& document);
 
