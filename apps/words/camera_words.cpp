@@ -7,7 +7,7 @@
 namespace trivet::apps {
 namespace {
 
-/// What was given, as a share of what it should be; `scale` makes it right.
+/// The deviation of a given value from the correct one, in words; `scale` corrects the value.
 std::string how_far(double scale) {
   const double off = 1 / scale - 1;
   return fmt::format("{:.1f} % too {}", 100 * std::abs(off), off > 0 ? "large" : "small");

@@ -1,4 +1,4 @@
-/// What a check of a camera found, for people.
+/// The result of a check of a camera, in words.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace trivet::apps {
 
-/// "the focal length looks 4.0 % too large; depths look 1.1 % too small"; nothing where the camera
-/// is right as far as can be told.
+/// "the focal length looks 4.0 % too large; depths look 1.1 % too small"; none if no error of the
+/// camera was detected.
 std::optional<std::string> camera_finding(const CameraCheck& check);
 
 }  // namespace trivet::apps

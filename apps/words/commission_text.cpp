@@ -13,7 +13,7 @@
 namespace trivet::apps {
 namespace {
 
-constexpr float kWorthTelling = 0.05F;  // change of a weight
+constexpr float kWorthTelling = 0.05F;  // smallest reported change of a weight
 constexpr std::size_t kToldMarks = 5;
 constexpr float kSure = 0.9F, kHopeless = 0.1F;  // scores that marks contradict
 

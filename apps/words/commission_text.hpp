@@ -1,4 +1,4 @@
-/// What a calibration of the score changed, in words.
+/// The effect of a calibration of the score, in words.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace trivet::apps {
 
-/// The marks, what the scores of scans left out were and are, which parts count for more or less,
-/// and how far to believe it.
+/// The marks, the scores of held-out scans before and after, the parts with changed weights, and
+/// how reliable the calibration is.
 std::string commission_text(const Commissioning& found, const Outcomes& outcomes, float least);
 
-/// The marks that contradict the score most, a line each; empty where none does. Truth that is
-/// incomplete shows here, as detections marked wrong that are surely right.
+/// The marks that contradict the score most, one line each; empty if none does. Incomplete truth
+/// shows here, as detections marked wrong that are surely right.
 std::string doubtful_marks(const kernels::ScoreModel& model, const Outcomes& outcomes);
 
 }  // namespace trivet::apps

@@ -9,7 +9,7 @@
 namespace trivet::apps {
 namespace {
 
-/// What the last of the poses came to before the search gave them up.
+/// The state of the last poses before the search discarded them.
 std::string giving_up(const ModelExplanation& explanation, const PoseOptions& limits) {
   switch (*explanation.reached()) {
     case PoseStage::proposed:

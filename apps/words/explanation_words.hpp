@@ -7,12 +7,12 @@
 
 namespace trivet::apps {
 
-/// A sentence without its subject, the model: "was refined here, but ...". `explanation` is one of the
-/// result's, `options` those that it was recognized with.
+/// A sentence without its subject, the model: "was refined here, but ...". `explanation` belongs to
+/// the result, `options` are those of the recognition.
 std::string explanation_words(const SceneResult& result, const ModelExplanation& explanation,
                               const kernels::ScoreModel& score, const RecognizeOptions& options);
 
-/// Lines for people about the place that was asked about; empty without one.
+/// Lines of text about the requested place; empty without one.
 std::string explanation_text(const SceneResult& result, const kernels::ScoreModel& score,
                              const RecognizeOptions& options);
 

@@ -13,11 +13,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Tri-Spin-Images of all models together, and how much of the file is theirs.
+/// Tri-Spin-Images of all models together, and their share of the file.
 struct FeatureTotals {
   std::size_t number = 0;
   std::uint64_t bytes = 0;
-  double energy_share = 0;  ///< of the variance, what the components have
+  double energy_share = 0;  ///< share of the variance in the components
 };
 
 FeatureTotals feature_totals(const Library& library) {

@@ -1,4 +1,4 @@
-/// What a library holds, for people and for programs.
+/// The contents of a library, as text and as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,8 +11,8 @@ namespace trivet::apps {
 /// The file, then a table with a row for each model; lengths in the library's unit.
 std::string library_text(const Library& library);
 
-/// The same, and what a table has no room for. `parameters` is what the file says: an object, or a
-/// text where it is no JSON.
+/// The same, with details that do not fit into a table. `parameters` is taken from the file: an
+/// object, or a text if it is not JSON.
 nlohmann::ordered_json library_json(const Library& library);
 
 }  // namespace trivet::apps

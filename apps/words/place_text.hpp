@@ -1,4 +1,4 @@
-/// Where a model was found, in words of few digits.
+/// The position of a detection in a few digits.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace trivet::apps {
 
-/// "x, y, z" of the model's origin in the frame of the scene's file, to four digits of what is left
+/// "x, y, z" of the model's origin in the frame of the scene's file, to four digits of the position
 /// without the offset.
 ///
 /// offset  of the scene (SceneResult::offset)

@@ -1,4 +1,4 @@
-/// What recognition found, for a person at a terminal.
+/// The result of a recognition as text for a terminal.
 #pragma once
 
 #include <string>
@@ -10,18 +10,18 @@
 
 namespace trivet::apps {
 
-/// A line for the scene and one for each detection; where there is none, what to check. Lengths in
-/// the scene's unit.
+/// A line for the scene and one for each detection. Without detections, advice on what to check.
+/// Lengths in the scene's unit.
 ///
-/// min_score  that detections must have
+/// min_score  lowest score of detections
 std::string scene_text(const SceneInput& scene, const SceneResult& result, const Library& library,
                        float min_score);
 
-/// What to check when nothing was found: sentences, which the page of the service has, too.
+/// Advice when nothing was found: sentences that the page of the service shows, too.
 std::vector<std::string> advice_on_nothing(const SceneInput& scene, const SceneResult& result,
                                            const Library& library, float min_score);
 
-/// A line where the camera looks wrong, else nothing.
+/// A line if the camera seems wrong, else nothing.
 std::string camera_text(const CameraCheck& check);
 
 }  // namespace trivet::apps

@@ -9,7 +9,7 @@
 namespace trivet::apps {
 namespace {
 
-/// Those that are not empty, with semicolons.
+/// The texts that are not empty, joined by semicolons.
 std::string joined(std::initializer_list<std::string> texts) {
   std::string out;
   for (const std::string& text : texts) {
@@ -18,7 +18,7 @@ std::string joined(std::initializer_list<std::string> texts) {
   return out;
 }
 
-/// "83 % of its pixels are explained by gear"; empty where no detection explains them.
+/// "83 % of its pixels are explained by gear"; empty if no detection explains them.
 std::string explanation(const SceneResult& result, const RejectedPose& rejected) {
   if (!rejected.explained_by) return "";
   return fmt::format("{:.0f} % of its pixels are explained by {}", 100 * rejected.explained_share,

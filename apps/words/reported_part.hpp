@@ -1,4 +1,4 @@
-/// Of detections that were kept for files that take every pose, those that a person is told.
+/// Selection of the detections to report, among those kept for files that contain every pose.
 #pragma once
 
 #include "engine/options/recognize_options.hpp"
@@ -6,8 +6,9 @@
 
 namespace trivet::apps {
 
-/// The result with the detections that reach options.min_score. Those between doubtful_score and it
-/// join the rejected poses, up to max_rejected of a model. Without doubtful_score: the same.
+/// The result with the detections that reach options.min_score. Those between doubtful_score and
+/// min_score join the rejected poses, up to max_rejected per model. Without doubtful_score, the
+/// result is unchanged.
 SceneResult reported_part(SceneResult result, const RecognizeOptions& options);
 
 }  // namespace trivet::apps

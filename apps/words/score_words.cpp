@@ -13,8 +13,8 @@ namespace trivet::apps {
 namespace {
 
 constexpr float kDegreesPerRadian = 57.29578F;
-constexpr float kWorthWords = 1;  // of log odds: what costs less goes unnamed
-constexpr float kMinor = 0.4F;    // of the costliest part's cost: what costs less goes unnamed, too
+constexpr float kWorthWords = 1;  // of log odds: smaller losses are not mentioned
+constexpr float kMinor = 0.4F;    // share of the largest loss: smaller ones are not mentioned
 constexpr float kHardlyLower = 0.95F;
 
 std::string percent(float share) {
@@ -23,9 +23,9 @@ std::string percent(float share) {
 
 constexpr kernels::ScoreOffsets kOffsets = kernels::kScoreOffsets;
 
-/// Each function undoes the logarithm that kernels::score_parts takes.
+/// Each function inverts the logarithm of kernels::score_parts.
 struct Entry {
-  std::string_view name;  // of kernels::kScoreParts
+  std::string_view name;  // from kernels::kScoreParts
   PartWords words;
   std::string (*finding)(float value);
 };
@@ -165,7 +165,7 @@ std::string costliest_findings(const kernels::ScoreModel& model, const kernels::
 }
 
 float deduction(const kernels::ScoreModel& model, const kernels::ScoreParts& parts, float score) {
-  constexpr double kLeast = 1e-6;  // beyond it the odds of a float are rounding
+  constexpr double kLeast = 1e-6;  // beyond it the odds of a float are rounding errors
   const auto log_odds = [=](double p) {
     const double inside = std::clamp(p, kLeast, 1 - kLeast);
     return std::log(inside / (1 - inside));

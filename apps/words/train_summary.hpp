@@ -1,4 +1,4 @@
-/// What training did, for people and programs.
+/// The result of a training, as text and as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,7 +8,7 @@
 
 namespace trivet::apps {
 
-/// A row for each model that is new to the library, but no more than a screen or two; empty: none.
+/// A row for each model that is new to the library, limited to a screen or two; empty: none.
 std::string train_table(const TrainReport& report, LengthUnit unit);
 
 /// "LIB.h5: 1000 models (3 trained, 997 as they were), ... point pairs, ... features, 4.2 s"

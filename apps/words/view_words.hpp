@@ -1,4 +1,4 @@
-/// How a scene was understood, for people.
+/// The assumed viewpoint of a scene, in words.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace trivet::apps {
 
-/// "taken as seen from the origin; if the sensor stood elsewhere, give its viewpoint"; nothing where
-/// the caller or the file said what saw the scene.
+/// "taken as seen from the origin; if the sensor stood elsewhere, give its viewpoint"; none if the
+/// caller or the file gave the viewpoint.
 std::optional<std::string> view_words(const SceneView& view);
 
 }  // namespace trivet::apps
