@@ -1,7 +1,7 @@
-/// Finds the principal components that all libraries share, from machine parts and things of a
-/// household that the program makes itself, and writes engine/training/standard_basis.bin.
-/// Libraries that were trained with other components cannot take models of this one: raise
-/// kTrainingRevision with it.
+/// Computes the principal components that all libraries share, from generated machine parts and
+/// household items, and writes engine/training/standard_basis.bin. Libraries that were trained with
+/// other components cannot accept models trained with these: increase kTrainingRevision with every
+/// new basis.
 #include <fmt/format.h>
 
 #include <cstdio>

@@ -27,7 +27,7 @@ bool has_extension(const fs::path& file, std::string_view extension) {
   return formats::lower_case(file.extension().string()) == extension;
 }
 
-/// What a folder without geometry holds, and what to give instead of it.
+/// Describes the contents of a folder without geometry, and suggests what to give instead.
 std::string describe_folder(const fs::path& folder) {
   fs::path listing;
   std::size_t num_images = 0;
@@ -47,7 +47,8 @@ std::string describe_folder(const fs::path& folder) {
   return "none";
 }
 
-/// What stands beside models and scans and is none: pictures, textures, materials, lists, notes.
+/// Whether a file accompanies models and scans but is none: pictures, textures, materials, lists,
+/// notes.
 bool is_companion(const fs::path& file) {
   constexpr std::array<std::string_view, 14> kCompanions{".json", ".png",  ".jpg", ".jpeg", ".bmp",
                                                          ".tif",  ".tiff", ".mtl", ".bin",  ".txt",
@@ -56,10 +57,11 @@ bool is_companion(const fs::path& file) {
       kCompanions, [&](std::string_view companion) { return has_extension(file, companion); });
 }
 
-/// The files of a folder that `readable` accepts, by name. What begins with a dot is hidden, as
-/// macOS's "._part.stl" beside part.stl. Errors: missing_input, bad_data (none).
+/// The files of a folder that `readable` accepts, by name. Names that begin with a dot are hidden,
+/// such as macOS's "._part.stl" beside part.stl.
+/// Errors: missing_input, bad_data (none).
 ///
-/// left_out  gets the other files and the folders, whose names then end in a slash
+/// left_out  receives the other files and the folders, whose names then end in a slash
 template <class Readable>
 Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& readable,
                                           std::vector<std::string>& left_out) {
@@ -92,8 +94,8 @@ Result<std::vector<fs::path>> list_folder(const fs::path& folder, Readable&& rea
   return files;
 }
 
-/// In a folder of BOP models (obj_000001.ply ...) models_info.json declares the symmetries, in the
-/// models' unit.
+/// Declares the symmetries of BOP models (obj_000001.ply ...) from models_info.json in their
+/// folder, in the models' unit.
 Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSource> sources) {
   const fs::path info = folder / "models_info.json";
   if (!fs::exists(info)) return {};
@@ -108,7 +110,7 @@ Result<void> declare_bop_symmetries(const fs::path& folder, std::span<ModelSourc
   return {};
 }
 
-/// A model of a file that nothing names.
+/// Adds a model of a file without a given name.
 void add_unnamed(const fs::path& file, ModelInputs& inputs) {
   const std::string name = model_name_of(file);
   inputs.sources.push_back({name, file, 1, {}, true});
@@ -118,7 +120,7 @@ void add_unnamed(const fs::path& file, ModelInputs& inputs) {
   }
 }
 
-/// Errors: usage (a name that is none or stands twice), bad_data (an image).
+/// Errors: usage (an invalid or duplicate name), bad_data (an image).
 Result<void> check_models(std::span<const ModelSource> sources) {
   std::map<std::string_view, const ModelSource*> by_name;
   for (const ModelSource& source : sources) {
@@ -157,7 +159,7 @@ void add_scenes(const Manifest& manifest, LengthUnit library_unit, SceneInputs& 
     inputs.object_ids[model.name] = model.object_id;
 }
 
-/// The cameras of a file, each read once.
+/// Reads each camera of a file once.
 class CameraFile {
  public:
   CameraFile(fs::path file, std::optional<int> image_id)
@@ -205,7 +207,7 @@ Result<ModelInputs> collect_models(const std::vector<std::string>& arguments) {
                    "standard input; write the model to a file first"};
     }
     if (is_listing(argument)) {
-      // Of a BOP data set the models alone: its scenes may be many, or not there.
+      // Only the models of a BOP data set: its scenes may be many, or missing.
       const Result<Manifest> manifest =
           is_bop_folder(argument) ? read_bop_models(argument) : read_manifest(argument);
       if (!manifest) return manifest.error();
@@ -300,7 +302,7 @@ Result<LengthUnit> choose_unit_into(const std::string& library_file, const Model
 
 namespace {
 
-/// A scan that came over standard input: its bytes, unpacked, and their format.
+/// Reads a scan from standard input: its uncompressed bytes and their format.
 Result<SceneInput> read_standard_input(SceneInput input) {
   constexpr std::string_view kName = "standard input";
   if (::isatty(STDIN_FILENO) == 1)

@@ -16,7 +16,7 @@ kernels::ScoreParts parse_parts(const JsonNode& node) {
   return parts;
 }
 
-/// A scan that was recognized twice is one scan.
+/// The index of a scan. A scan that was recognized twice has one index.
 std::uint32_t index_of(const std::string& scan, Outcomes& outcomes) {
   const auto found = std::ranges::find(outcomes.scans, scan);
   const auto index = static_cast<std::uint32_t>(found - outcomes.scans.begin());

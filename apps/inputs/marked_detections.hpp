@@ -8,9 +8,10 @@
 
 namespace trivet::apps {
 
-/// Add the detections of a result that have a member "right", true or false; the others count
-/// neither way. A scene is a scan. Errors: missing_input, io; bad_data (names the place: a mark
-/// that is neither, a part of the score that is missing or no number, a result without any mark).
+/// Adds the detections of a result that have a member "right", true or false; others are not
+/// counted. A scene is a scan.
+/// Errors: missing_input, io; bad_data (names the place: an invalid mark, a part of the score that
+/// is missing or no number, a result without any mark).
 Result<void> add_marked(const std::filesystem::path& file, Outcomes& outcomes);
 
 }  // namespace trivet::apps

@@ -26,14 +26,14 @@ const char* type_text(OptionKind kind) {
   return "";
 }
 
-/// "fused,ppf,trisi": what a check is named for, so that completions know it.
+/// "fused,ppf,trisi": the name of a check, from which completions read the choices.
 std::string choice_names(const OptionInfo& info) {
   std::vector<std::string_view> names;
   for (const Choice& choice : info.choices) names.push_back(choice.name);
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-/// "Meaning, 0 to 1 [diameter]", and a line for each choice that has a meaning.
+/// "Meaning, 0 to 1 [diameter]", and a line for each choice with a description.
 std::string help_text(const OptionInfo& info, const OptionValue& usual) {
   std::string text(info.help);
   if (info.choices.empty()) {

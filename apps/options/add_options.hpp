@@ -1,4 +1,4 @@
-/// The options of the command line, from their declarations.
+/// Adds options to the command line, from their declarations.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@ class Option;
 
 namespace trivet::apps {
 
-/// What a command line says of one option.
+/// The value of one option on the command line.
 struct GivenOption {
   std::string text;
   CLI::Option* option = nullptr;
@@ -23,19 +23,19 @@ struct GivenOption {
   bool is_given() const;
 };
 
-/// By the names of options.
+/// Keyed by the names of options.
 using GivenOptions = std::map<std::string_view, GivenOption>;
 
-/// Add --NAME to a command, with its help, and check what is given. `given` outlives the command.
+/// Adds --NAME to a command, with its help and a check of its value. `given` outlives the command.
 ///
-/// usual  told as the default
+/// usual  shown as the default
 CLI::Option* add_option(CLI::App& command, const OptionInfo& info, const OptionValue& usual,
                         GivenOption& given);
 
-/// Let an option have these values only; its help tells them.
+/// Limits an option to these values, which its help lists.
 CLI::Option* limit_to(CLI::Option* option, const std::vector<std::string>& names);
 
-/// Add all that are for the command line.
+/// Adds all options that are for the command line.
 template <class Options>
 void add_options(CLI::App& command, GivenOptions& given) {
   for (const Option<Options>& option : options_of<Options>()) {
@@ -44,7 +44,7 @@ void add_options(CLI::App& command, GivenOptions& given) {
   }
 }
 
-/// Set those that were given. Errors: usage.
+/// Sets the given options. Errors: usage.
 template <class Options>
 Result<void> set_given(const GivenOptions& given, Options& options) {
   for (const auto& [name, what] : given) {

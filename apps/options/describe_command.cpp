@@ -18,7 +18,7 @@ std::vector<std::string> split(std::string_view text) {
   return parts;
 }
 
-/// What an option's check is named for, or its type tells as "TEXT:{m,mm}".
+/// The choices from the name of an option's check, or from its type, such as "TEXT:{m,mm}".
 std::vector<std::string> choices_of(CLI::Option& option) {
   try {
     if (const std::string& named = option.get_validator()->get_name(); !named.empty())

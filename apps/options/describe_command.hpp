@@ -11,9 +11,9 @@ class App;
 
 namespace trivet::apps {
 
-/// Everything that `app` and the commands below it say of themselves.
+/// The descriptions of `app` and of all its subcommands.
 ///
-/// name  of `app` in what is written of it
+/// name  of `app` in the description
 CommandHelp describe_command(CLI::App& app, const std::string& name);
 
 }  // namespace trivet::apps

@@ -1,4 +1,4 @@
-/// The options of recognition on the command line, the same wherever scenes are recognized.
+/// The options of recognition on the command line, shared by all commands that recognize scenes.
 #pragma once
 
 #include <string>
@@ -17,8 +17,8 @@ struct RecognizeArguments {
 /// `arguments` must live as long as the command.
 void add_recognize_options(CLI::App& command, RecognizeArguments& arguments);
 
-/// The preset with what was given on the command line in its place. Errors: of reading expected
-/// poses.
+/// The preset, overridden by the options given on the command line.
+/// Errors: of reading expected poses.
 Result<RecognizeOptions> recognize_options(const RecognizeArguments& arguments);
 
 }  // namespace trivet::apps

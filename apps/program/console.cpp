@@ -18,16 +18,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What of a run has been told.
+/// The progress shown so far.
 struct Told {
   Clock::time_point start = Clock::now(), last{};
-  std::optional<std::size_t> done_at_first;  // items that were done when the first report came
+  std::optional<std::size_t> done_at_first;  // items done at the time of the first report
 
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 };
 
-/// How fast it goes and how long the rest will take, by what was done since the first report; empty
-/// where nothing was.
+/// The speed and the remaining time, estimated from the items since the first report; empty if
+/// there were none.
 std::string pace(const Told& told, std::size_t done, std::size_t total) {
   const double seconds = told.seconds();
   if (done >= total || done <= *told.done_at_first || seconds <= 0) return "";
@@ -51,7 +51,7 @@ std::string progress_json(const std::string& verb, std::size_t done, std::size_t
   return json_text(line);
 }
 
-/// At once, and whole. There is nobody to tell that it failed.
+/// Writes the text at once and as a whole. A failure cannot be reported anywhere.
 void tell(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
 }  // namespace
@@ -94,7 +94,7 @@ Progress Console::progress(std::string_view verb, std::stop_token stop, bool bri
       if (item.empty()) told.start = Clock::now();
     }
     if (brief && told.seconds() < 1) return;
-    // Of many items, a log gets a line now and then.
+    // With many items, a log gets a line now and then.
     const bool is_due =
         done == total || (total <= kMostLines && !brief) || Clock::now() - told.last > kBetween;
     if (!is_due) return;

@@ -1,7 +1,7 @@
-/// What a person sees: a progress bar on a terminal, plain lines otherwise, nothing with --quiet;
-/// and what a program sees that asks for progress as JSON.
-/// No colors: what is said needs none. Names and words of others act on no terminal: they are told
-/// by printable_lines(). What standard error does not take is lost, and stops no
+/// Messages of a program on standard error. People see a progress bar on a terminal, plain lines
+/// otherwise, and nothing with --quiet. Programs can request progress as JSON. There are no colors:
+/// the text alone is sufficient. Names and texts from outside are escaped by printable_lines(), so
+/// that they cannot control a terminal. Failed writes to standard error are ignored and stop no
 /// work.
 #pragma once
 
@@ -16,18 +16,18 @@ namespace trivet::apps {
 class Console {
  public:
   bool quiet = false;
-  bool json_progress = false;  ///< an object a line, whether quiet or not
+  bool json_progress = false;  ///< one object per line, whether quiet or not
 
   void line(std::string_view text) const;     ///< to standard error, unless quiet
   void warning(std::string_view text) const;  ///< to standard error, always
-  void wrote_report(const std::filesystem::path& folder) const;  ///< where its page is, as a line
+  void wrote_report(const std::filesystem::path& folder) const;  ///< prints the page's location
   void error(std::string_view text) const;                       ///< to standard error, always
-  void complaint(std::string_view text) const;  ///< of the command line; to standard error, always
-  /// A report for Progress: redraws one line on a terminal, prints a line an item otherwise; with
-  /// the time that is left. As JSON: {"stage", "done", "total", "item", "seconds"}, of which
+  void complaint(std::string_view text) const;  ///< command line error; to standard error, always
+  /// A callback for Progress. On a terminal it redraws one line, otherwise it prints a line per
+  /// item; with the remaining time. As JSON: {"stage", "done", "total", "item", "seconds"}, where
   /// `stage` is the verb and `seconds` count from its beginning.
   ///
-  /// brief  what mostly takes no time: nothing is told in its first second
+  /// brief  for steps that usually take no time: nothing is shown in the first second
   Progress progress(std::string_view verb, std::stop_token stop, bool brief = false) const;
 };
 

@@ -1,4 +1,4 @@
-/// What all subcommands of a program share.
+/// State shared by all subcommands of a program.
 #pragma once
 
 #include <functional>
@@ -13,9 +13,9 @@ namespace trivet::apps {
 struct Context {
   Console console;
   unsigned num_threads = 0;  ///< 0: all cores
-  std::string command;       ///< the whole command line, as a shell takes it
+  std::string command;       ///< the whole command line, quoted for a shell
   std::stop_token stop;
-  std::function<Result<void>()> run;  ///< set by the subcommand that was chosen
+  std::function<Result<void>()> run;  ///< set by the chosen subcommand
 };
 
 }  // namespace trivet::apps

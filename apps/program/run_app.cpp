@@ -25,14 +25,14 @@
 namespace trivet::apps {
 namespace {
 
-/// 0, or what an error that is told stands for.
+/// Prints the error, if any, and returns its exit code, or 0.
 int end_code(const Result<void>& done, const Console& console) {
   if (done) return 0;
   console.error(done.error().message);
   return exit_code(done.error().code);
 }
 
-/// The arguments as one line that a shell splits into them again.
+/// The arguments as one line that a shell splits into the same arguments.
 std::string command_line(std::span<char* const> arguments) {
   std::string line;
   for (const std::string_view argument : arguments) {
@@ -53,7 +53,7 @@ std::string command_line(std::span<char* const> arguments) {
   return line;
 }
 
-/// What an option or a command that is not there was probably meant to be, as a line; or nothing.
+/// A line that suggests similar options or commands in place of an unknown one; or nothing.
 std::string did_you_mean(const CLI::App& program) {
   std::vector<std::string> names;
   const CLI::App* command = &program;

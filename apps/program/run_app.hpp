@@ -1,4 +1,4 @@
-/// What the programs of the command line share: signals, common options, errors to exit codes.
+/// Common parts of the command line programs: signals, common options, exit codes of errors.
 #pragma once
 
 #include <stop_token>
@@ -11,15 +11,15 @@ class App;
 
 namespace trivet::apps {
 
-/// Take over the signals of the process. To be called once, before any thread: Ctrl-C (SIGINT,
-/// SIGTERM) once asks the work to stop at the next step, twice ends the program at once; a limit on
-/// the size of files becomes an error of the write. Returns the token that asks for the stop.
+/// Handles the signals of the process. Call it once, before any thread starts. The first Ctrl-C
+/// (SIGINT, SIGTERM) stops the work at the next step, the second ends the program at once. A limit
+/// on the size of files becomes an error of the write. Returns the token that requests the stop.
 std::stop_token watch_signals();
 
 /// --threads, --quiet and --progress.
 void add_common_options(CLI::App& app, Context& context);
 
-/// Parse the command line, run what was chosen, tell its error. Returns the exit code.
+/// Parses the command line, runs the chosen command and prints its error. Returns the exit code.
 int run_app(CLI::App& app, Context& context, int argc, char** argv);
 
 }  // namespace trivet::apps

@@ -1,4 +1,4 @@
-/// Studies as all programs conduct them.
+/// Runs studies, for all programs.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct StudyArguments {
 /// `arguments` must live as long as the command.
 void add_study_arguments(CLI::App& command, StudyArguments& arguments);
 
-/// Compute what is missing, as `share` has it done, and write tables and report.
+/// Computes missing results, distributed by `share`, and writes tables and report.
 ///
 /// reports  whether this process writes them
 Result<void> conduct_study(const StudyArguments& arguments, const Context& context,

@@ -1,4 +1,5 @@
-/// From the command line to what is trained, and back to what is told: of all programs that train.
+/// Converts the command line to a training request, and the result to output, for all programs that
+/// train.
 #pragma once
 
 #include <stop_token>
@@ -32,11 +33,12 @@ Result<TrainRequest> make_request(const TrainArguments& arguments, const Console
 
 TrainProgress train_progress(const Console& console, const std::stop_token& stop);
 
-/// Print warnings, table and summary, and write the JSON. Errors: io; bad_data: models were left out.
+/// Prints warnings, table and summary, and writes the JSON.
+/// Errors: io; bad_data: models were left out.
 Result<void> write_train_report(const TrainReport& report, const TrainRequest& request,
                                 const std::string& json, const Console& console);
 
-/// Train in this process, with progress, and tell what came of it. Errors: of both.
+/// Trains in this process, with progress, and prints the result. Errors: of both.
 Result<void> train_and_tell(const TrainRequest& request, const std::string& json,
                             const Console& console, const std::stop_token& stop);
 

@@ -1,4 +1,4 @@
-/// Detections as a file of BOP results.
+/// Detections as a BOP results file.
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ namespace trivet::apps {
 
 class BopOutput : public Output {
  public:
-  /// request  outlives the output. Pre: check_bop_ids.
+  /// request  outlives the output
+  /// Pre: check_bop_ids.
   BopOutput(std::string file, const RecognitionRequest& request)
       : file_(std::move(file)), request_(request) {}
 

@@ -13,7 +13,8 @@ namespace trivet::apps {
 
 class CocoOutput : public Output {
  public:
-  /// request  outlives the output. Pre: check_bop_ids.
+  /// request  outlives the output
+  /// Pre: check_bop_ids.
   CocoOutput(std::string file, const RecognitionRequest& request)
       : file_(std::move(file)), request_(request) {}
 

@@ -17,7 +17,7 @@ class JsonOutput : public Output {
   using Json = nlohmann::ordered_json;
 
   /// file     "-" stands for standard output
-  /// library  as the command line names it
+  /// library  as named on the command line
   /// request  outlives the output
   JsonOutput(std::string file, const std::string& library, const RecognitionRequest& request);
 
@@ -25,10 +25,10 @@ class JsonOutput : public Output {
   void add_failed(const SceneInput& scene, const Error& error) override;
   Result<void> finish() override;
 
-  /// Make an element of "scenes", which this process adds or sends to one that does.
+  /// Makes an element of "scenes". This process adds it, or sends it to the process that does.
   static Json element(const SceneInput& scene, const SceneResult& reported,
                       const RecognitionRequest& request);
-  /// Add what element() made.
+  /// Adds an element made by element().
   ///
   /// check  of the scene's camera, if there was any
   void add_element(Json element, const std::optional<CameraCheck>& check);

@@ -1,4 +1,4 @@
-/// What a command writes of the scenes that it recognizes.
+/// Outputs of a command that recognizes scenes.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace trivet::apps {
 
-/// A scene of the command, and what was found in it.
+/// A scene of the command and the result for it.
 struct RecognizedScene {
-  std::size_t index;  ///< in SceneInputs
+  std::size_t index;  ///< index in SceneInputs
   const SceneInput& input;
   const SceneResult& reported;  ///< detections that reach min-score
-  const SceneResult& all;       ///< detections down to the score that BOP's files take
+  const SceneResult& all;       ///< detections down to the score limit of BOP's files
 };
 
 /// One kind of output, such as a file. Scenes are added in the order of the command, one at a time.
@@ -25,10 +25,9 @@ class Output {
   virtual ~Output() = default;
 
   virtual Result<void> add(const RecognizedScene& scene) = 0;
-  /// Add a scene that could not be read or recognized. An output that has no place for it leaves it
-  /// out.
+  /// Adds a scene that could not be read or recognized. Outputs that cannot represent it ignore it.
   virtual void add_failed(const SceneInput&, const Error&) {}
-  /// Write what the scenes added up to, once all are added.
+  /// Writes what depends on all scenes, once all are added.
   virtual Result<void> finish() = 0;
 };
 

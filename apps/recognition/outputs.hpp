@@ -1,5 +1,5 @@
-/// Which outputs a command has, and what its command line says of them. A new kind of output is a
-/// file beside this one, and is registered here.
+/// Registry of the outputs of a command and their options. A new kind of output is a file in this
+/// folder, and is registered here.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ namespace trivet::apps {
 
 struct RecognitionRequest;
 
-/// Files and folders to write. An empty name asks for nothing.
+/// Files and folders to write. An empty name means no such output.
 struct OutputArguments {
   std::string json, report, bop_csv, coco;
   std::string robot_csv, robot, robot_frame, grasps;
@@ -25,9 +25,9 @@ struct OutputArguments {
 /// `arguments` must live as long as the command.
 void add_output_options(CLI::App& command, OutputArguments& arguments);
 
-/// Make every output that the arguments ask for, and lines for a person unless they ask for JSON.
+/// Makes every requested output, and text output unless JSON is requested.
 ///
-/// library           as the command line names it
+/// library           as named on the command line
 /// request, context  outlive the outputs
 /// Errors: of RobotOutput::open.
 Result<OutputList> make_outputs(const OutputArguments& arguments, const std::string& library,

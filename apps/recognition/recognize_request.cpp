@@ -73,7 +73,7 @@ Result<RecognitionRequest> make_request(const SceneCommand& arguments, const Con
   Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
   const OutputArguments& outputs = arguments.outputs;
-  if (outputs.json.empty()) options->max_rejected = 1;  // text names the best one of an empty scene
+  if (outputs.json.empty()) options->max_rejected = 1;  // text shows the best one of an empty scene
   if (!outputs.report.empty()) options->max_rejected = kRejectedPerModel;
   RecognizeOptions kept = *options;
   std::vector<std::string> bop_files{outputs.bop_csv, outputs.coco};

@@ -1,4 +1,5 @@
-/// From the command line to what is recognized: of all programs that recognize scenes of files.
+/// Converts the command line to a recognition request, for all programs that recognize scenes of
+/// files.
 #pragma once
 
 #include <string>
@@ -28,12 +29,12 @@ struct SceneCommand {
 /// `arguments` must live as long as the command.
 void add_scene_command(CLI::App& command, SceneCommand& arguments);
 
-/// All that is needed before the first scene.
+/// Everything needed before the first scene.
 struct RecognitionRequest {
   Recognizer recognizer;
   SceneInputs scenes;
-  RecognizeOptions options;  ///< as they were given
-  RecognizeOptions kept;     ///< with what outputs need beside
+  RecognizeOptions options;  ///< options as given
+  RecognizeOptions kept;     ///< options extended for the outputs
 };
 
 /// Errors: of opening the library and of collecting the scenes; usage.

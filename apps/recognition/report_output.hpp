@@ -26,7 +26,7 @@ class ReportOutput : public Output {
   const RecognitionRequest& request_;
   const Context& context_;
   std::vector<SceneInput> scenes_;
-  std::vector<SceneResult> results_;  // one a scene
+  std::vector<SceneResult> results_;  // one per scene
 };
 
 }  // namespace trivet::apps

@@ -21,7 +21,7 @@ std::string table_header(RobotConvention convention) {
   return text + ",frame";
 }
 
-/// Errors: of reading; usage (a grasp of a model that the library lacks).
+/// Errors: of reading; usage (a grasp of a model that is not in the library).
 Result<RobotOptions> robot_options(const OutputArguments& arguments, const Library& library) {
   RobotOptions options;
   engine::FieldTraits<RobotConvention>::set(options.convention, arguments.robot);
@@ -42,7 +42,7 @@ Result<RobotOptions> robot_options(const OutputArguments& arguments, const Libra
   return options;
 }
 
-/// Warn of a calibration in `file` whose length looks like that of another unit than the scenes'.
+/// Warns of a hand-eye calibration in `file` whose length suggests another unit than the scenes'.
 void warn_of_unit(const Console& console, const RobotOptions& robot, std::string_view file,
                   std::span<const SceneInput> scenes, const Library& library) {
   if (!robot.T_robot_scene) return;

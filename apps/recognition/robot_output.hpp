@@ -1,4 +1,4 @@
-/// Detections as a table of poses that a robot takes.
+/// Detections as a table of poses for a robot controller.
 #pragma once
 
 #include <memory>
@@ -13,18 +13,19 @@
 
 namespace trivet::apps {
 
-/// What the command line says of the robot.
+/// Options for the robot.
 struct RobotOptions {
   RobotConvention convention = RobotConvention::quaternion;
-  std::optional<FilePose> T_robot_scene{};  ///< scenes' unit: the hand-eye calibration
-  GraspFrames grasps{};                     ///< library's unit
+  std::optional<FilePose> T_robot_scene{};  ///< hand-eye calibration, in the scenes' unit
+  GraspFrames grasps{};                     ///< in the library's unit
 };
 
-/// A row for each grasp of each detection, or for the model's own frame where it has no grasps. The
-/// last column names the frame: "robot", or "scene" where there is no calibration.
+/// One row per grasp of each detection, or for the model's frame if it has no grasps. The last
+/// column names the frame: "robot", or "scene" without a hand-eye calibration.
 class RobotOutput : public Output {
  public:
-  /// Read what the arguments name, and warn of a calibration that looks like one of another unit.
+  /// Reads the files named by the arguments, and warns of a hand-eye calibration that seems to have
+  /// another unit.
   /// Errors: of reading the frame and the grasps; usage (a grasp of a model that is not in the
   /// library).
   ///

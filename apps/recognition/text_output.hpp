@@ -8,7 +8,8 @@
 
 namespace trivet::apps {
 
-/// Each scene is written as soon as it is added; what all scenes say of their cameras comes last.
+/// Each scene is written as soon as it is added. Findings about the cameras of all scenes come
+/// last.
 class TextOutput : public Output {
  public:
   /// request  outlives the output
