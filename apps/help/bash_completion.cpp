@@ -6,16 +6,16 @@
 namespace trivet::apps {
 namespace {
 
-/// The words behind the program's name, as "library info".
+/// The words after the program's name, such as "library info".
 std::string words_of(const CommandHelp& command) {
   const std::size_t space = command.name.find(' ');
   return space == std::string::npos ? "" : command.name.substr(space + 1);
 }
 
-/// Lines of the script, each for a `case` of its own.
+/// Lines of the script, each group for a separate `case`.
 struct BashCases {
-  std::string steps;    ///< from a command to one below
-  std::string values;   ///< what stands behind an option of a command
+  std::string steps;    ///< from a command to a subcommand
+  std::string values;   ///< values of an option of a command
   std::string offered;  ///< commands and options
 };
 
@@ -32,7 +32,7 @@ std::string value_action(const OptionHelp& option) {
   }
 }
 
-/// everywhere  options that every command has
+/// everywhere  options of every command
 void add_cases(const CommandHelp& command, const std::vector<OptionHelp>& everywhere,
                BashCases& cases) {
   const std::string words = words_of(command);

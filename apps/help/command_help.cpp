@@ -13,7 +13,7 @@ std::vector<OptionHelp> common_options(const CommandHelp& program) {
 
 std::string first_line(const std::string& text) {
   std::string line = text.substr(0, text.find('\n'));
-  if (line.ends_with(':')) line.pop_back();  // a list followed
+  if (line.ends_with(':')) line.pop_back();  // the line introduced a list
   return line;
 }
 

@@ -1,4 +1,4 @@
-/// What the commands say of themselves, as data: pages, manuals and completions are made of it.
+/// Descriptions of the commands as data, from which help pages, manuals and completions are made.
 #pragma once
 
 #include <string>
@@ -7,15 +7,15 @@
 namespace trivet::apps {
 
 struct OptionHelp {
-  std::vector<std::string> names;    ///< "-o", "--output"; of an argument its place, as "SCENE"
-  std::string type;                  ///< of its value, as "FILE", "TEXT:{m,mm}"; empty: a flag
-  std::string usual;                 ///< the default; empty: none is told
-  std::string meaning;               ///< may have several lines
-  std::vector<std::string> choices;  ///< values that there are; none: any
-  bool is_argument = false;          ///< known by its place, not by a name
+  std::vector<std::string> names;  ///< "-o", "--output"; "SCENE" for a positional argument
+  std::string type;     ///< type of the value, such as "FILE", "TEXT:{m,mm}"; empty: a flag
+  std::string usual;    ///< the default; empty: not shown
+  std::string meaning;  ///< may have several lines
+  std::vector<std::string> choices;  ///< allowed values; none: any
+  bool is_argument = false;          ///< positional, without a name
   bool is_required = false;
-  bool is_repeated = false;  ///< several values, or several names by commas
-  bool is_list = false;      ///< of those, names by commas
+  bool is_repeated = false;  ///< several values, or several names separated by commas
+  bool is_list = false;      ///< a repeated option with names separated by commas
 };
 
 struct OptionGroupHelp {
@@ -24,20 +24,20 @@ struct OptionGroupHelp {
 };
 
 struct CommandHelp {
-  std::string name;                     ///< with those above it, as "trivet library info"
-  std::string meaning;                  ///< the first line says it in short
-  std::string footer;                   ///< stands behind the options
-  std::vector<OptionGroupHelp> groups;  ///< in the order in which one needs them
-  std::vector<CommandHelp> commands;    ///< below it
+  std::string name;     ///< with the commands above it, such as "trivet library info"
+  std::string meaning;  ///< the first line is a summary
+  std::string footer;   ///< printed after the options
+  std::vector<OptionGroupHelp> groups;  ///< in the order of use
+  std::vector<CommandHelp> commands;    ///< subcommands
 };
 
-/// The title of options that print what the program says of itself, and no command needs.
+/// The title of options that print information about the program, which no command needs.
 inline constexpr const char* kAbout = "About";
 
-/// Those of the program that every command has, too.
+/// The options of the program that every command also has.
 std::vector<OptionHelp> common_options(const CommandHelp& program);
 
-/// What a text says in short: its first line.
+/// The summary of a text: its first line.
 std::string first_line(const std::string& text);
 
 }  // namespace trivet::apps

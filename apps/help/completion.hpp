@@ -1,4 +1,4 @@
-/// Scripts by which shells complete a command line.
+/// Completion scripts for shells.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace trivet::apps {
 
-/// What a shell offers in the place of a value.
+/// What a shell offers as a value.
 enum class ValueKind {
   none,   ///< a flag has no value
   name,   ///< one of the choices
@@ -17,7 +17,7 @@ enum class ValueKind {
 };
 ValueKind value_kind(const OptionHelp& option);
 
-/// Commands, options, the values that an option may have, and names of files.
+/// A script that completes commands, options, values of options, and file names.
 ///
 /// shell  "bash", "zsh" or "fish"
 std::string completion(const CommandHelp& program, const std::string& shell);

@@ -1,4 +1,4 @@
-/// How a command ends, by sysexits.h, as scripts expect it.
+/// Exit codes of commands after sysexits.h, as scripts expect them.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct ExitCode {
   std::string_view meaning;
 };
 
-/// Of everything that can go wrong; 0 is that nothing did.
+/// The exit codes of all failures; 0 is success.
 inline constexpr std::array<ExitCode, 8> kExitCodes{{
     {ErrorCode::usage, 2, "An option or an argument is wrong."},
     {ErrorCode::bad_data, 65, "A file breaks its format, or cannot be used."},

@@ -15,7 +15,7 @@ std::string single_quoted(std::string_view text) {
   return out + "'";
 }
 
-/// Where these words stand on the command line, and none of the commands below.
+/// True if these words are on the command line, without any of their subcommands.
 std::string condition(const CommandHelp& command) {
   std::string all;
   std::string_view words = command.name;

@@ -11,7 +11,7 @@
 namespace trivet::apps {
 namespace {
 
-/// The code point of the UTF-8 sequence at the front, which is taken off.
+/// Removes the UTF-8 sequence at the front and returns its code point.
 std::uint32_t take_code_point(std::string_view& text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const std::size_t length = lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
@@ -22,7 +22,7 @@ std::uint32_t take_code_point(std::string_view& text) {
   return point;
 }
 
-/// Text that roff takes as it is meant, in ASCII; but for what the front of a line means.
+/// Text escaped for roff, in ASCII, except for special characters at the beginning of a line.
 std::string escaped(std::string_view text) {
   std::string out;
   while (!text.empty()) {
@@ -49,12 +49,12 @@ std::string escaped(std::string_view text) {
 std::string bold(std::string_view text) { return "\\fB" + escaped(text) + "\\fR"; }
 std::string italic(std::string_view text) { return "\\fI" + escaped(text) + "\\fR"; }
 
-/// A line that is no request, whatever it begins with.
+/// A line that is never a roff request, whatever it begins with.
 std::string kept_line(std::string_view line) {
   return (line.starts_with('.') || line.starts_with('\'') ? "\\&" : "") + escaped(line) + '\n';
 }
 
-/// Text that roff fills, in lines of at most 80 characters.
+/// Text for roff to fill, in lines of at most 80 characters.
 std::string filled_lines(const std::string& text) {
   constexpr std::size_t kMostCharacters = 78;
   std::istringstream words(text);
@@ -69,7 +69,7 @@ std::string filled_lines(const std::string& text) {
   return line.empty() ? out : out + kept_line(line);
 }
 
-/// Paragraphs: lines that are indented stay as they are, others are filled.
+/// Paragraphs: indented lines stay as they are, others are filled.
 std::string prose(const std::string& text) {
   std::istringstream lines(text);
   std::string out;
@@ -90,7 +90,7 @@ std::string prose(const std::string& text) {
   return is_kept ? out + ".fi\n" : out;
 }
 
-/// Each line on its own.
+/// Each line separately.
 std::string meaning_of(const OptionHelp& option) {
   std::istringstream lines(option.meaning);
   std::string out;
@@ -140,7 +140,7 @@ std::string page_name(const CommandHelp& command) {
   return name;
 }
 
-/// What stands behind the first line of its meaning, and its footer.
+/// The meaning of a command after the first line, and its footer.
 std::string description(const CommandHelp& command) {
   const std::size_t end = command.meaning.find('\n');
   const std::string rest = end == std::string::npos ? "" : command.meaning.substr(end + 1);

@@ -7,9 +7,9 @@
 
 namespace trivet::apps {
 
-/// The page of a command with those below it, or of the program, for section 1.
+/// The page, in section 1, of a command with its subcommands, or of the program.
 ///
-/// name  of one of the program's commands, as "recognize", or of none: the program
+/// name  one of the program's commands, such as "recognize", or no command: the program
 std::string man_page(const CommandHelp& program, const std::string& name);
 
 }  // namespace trivet::apps

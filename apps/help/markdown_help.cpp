@@ -9,7 +9,7 @@
 namespace trivet::apps {
 namespace {
 
-/// What stands in a cell of a table.
+/// The content of a table cell.
 std::string cell(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -31,7 +31,7 @@ std::string row(const OptionHelp& option) {
                      option.is_required ? "Required. " : "", cell(option.meaning));
 }
 
-/// known  tables, and the command that each stands below
+/// known  tables, with the command below which each is printed
 std::string command_text(const CommandHelp& command, std::map<std::string, std::string>& known) {
   std::string out = fmt::format("\n## {}\n\n{}\n", command.name, command.meaning);
   for (const OptionGroupHelp& group : command.groups) {

@@ -7,7 +7,7 @@
 
 namespace trivet::apps {
 
-/// A command with its options, and each below it, in Markdown.
+/// A command with its options and all its subcommands, in Markdown.
 std::string markdown_help(const CommandHelp& command);
 
 }  // namespace trivet::apps

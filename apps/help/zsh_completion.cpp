@@ -8,7 +8,7 @@
 namespace trivet::apps {
 namespace {
 
-/// Text between single quotes, in which zsh's own separators stand for themselves.
+/// Text between single quotes, in which zsh's separators are escaped.
 std::string quoted(std::string_view text, std::string_view separators) {
   std::string out;
   for (const char c : text) {
@@ -39,7 +39,7 @@ std::string value_spec(const OptionHelp& option) {
   return "";
 }
 
-/// What _arguments takes: a line for each name.
+/// Arguments of _arguments: a line for each name.
 std::string specs(const OptionHelp& option) {
   if (option.is_argument)
     return fmt::format("        '{}{}'", option.is_repeated ? "*" : "", value_spec(option));
