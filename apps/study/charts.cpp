@@ -19,7 +19,7 @@ constexpr double kNamesLeft = 190, kRowHeight = 13, kRowGap = 12, kLineHeight = 
 constexpr double kRowsTop = 26;
 constexpr double kMarkStep = 8;  // between methods at one place of a curve
 
-/// From values to 0..1, and where to put numbers.
+/// Maps values to 0..1, with the positions of ticks.
 struct Scale {
   double low = 0, high = 1;
   bool logarithmic = false;
@@ -32,7 +32,8 @@ struct Scale {
   }
 };
 
-/// Of shares: from 0, or from nearer below what is drawn, in steps of a fifth of the whole.
+/// A scale for fractions: from 0, or from slightly below the lowest drawn value, in steps of a
+/// fifth of the range.
 Scale rate_scale(const Panel& panel) {
   double least = 1;
   for (const std::vector<PanelCell>& column : panel.cells) {
@@ -46,7 +47,7 @@ Scale rate_scale(const Panel& panel) {
   return scale;
 }
 
-/// Round numbers from 0 on, or by powers of ten where the largest is more than 12 times the least.
+/// Round numbers from 0 on, or powers of ten if the largest is more than 12 times the least.
 Scale time_scale(double least, double most) {
   Scale scale;
   scale.logarithmic = least > 0 && most > 12 * least;
@@ -78,10 +79,10 @@ struct Mark {
   std::string title;
 };
 
-/// What is drawn of a panel: of each method, one mark a row, or none.
+/// The drawn values of a panel: for each method, one mark per row, or none.
 struct Drawing {
   Scale scale;
-  std::string label, unit;  ///< of the axis, and of its numbers
+  std::string label, unit;  ///< label of the axis, and unit of its ticks
   std::vector<std::vector<std::optional<Mark>>> marks;
 
   std::string number(double value) const {
@@ -92,7 +93,7 @@ struct Drawing {
   }
 };
 
-/// What the rows are, with the unit of bins of truths, whose names have theirs.
+/// The label of the rows, with the unit of bins of truths, whose names contain theirs.
 std::string rows_axis(const Panel& panel) {
   if (panel.axis.empty()) return "variant";
   return panel.has_total ? panel.axis + " [share of the area]" : panel.axis;
@@ -104,8 +105,8 @@ std::string dot(Method method, double x, double y, const std::string& title) {
 
 std::size_t num_drawn(const Panel& panel) { return panel.rows.size() - (panel.has_total ? 1 : 0); }
 
-/// Rows from left to right, values upward, a line for each method. Methods have styles by their
-/// names.
+/// Rows from left to right, values upward, a line per method. The style depends on the method's
+/// name.
 std::string curve_chart(const Panel& panel, const Drawing& drawing) {
   const double plot = kWidth - kLeft - kRight, bottom = kTop + kPlotHeight;
   const auto n = static_cast<double>(num_drawn(panel));
@@ -150,7 +151,7 @@ std::string curve_chart(const Panel& panel, const Drawing& drawing) {
   return out + "</svg>\n";
 }
 
-/// A name in lines of about so many letters, broken at spaces.
+/// Breaks a name at spaces into lines of about this many letters.
 std::vector<std::string> lines_of(const std::string& name) {
   constexpr std::size_t kLetters = 25;
   std::vector<std::string> lines{""};
@@ -234,7 +235,7 @@ std::string rate_chart(const Panel& panel) {
 }
 
 std::string time_chart(const Panel& panel) {
-  if (panel.has_total) return "";  // times are of scenes, not of bins of truths
+  if (panel.has_total) return "";  // times belong to scenes, not to bins of truths
   Drawing drawing{{}, "time of a scene on one core", "s", {}};
   double least = 0, most = 0;
   for (std::size_t m = 0; m < panel.methods.size(); ++m) {

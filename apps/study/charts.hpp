@@ -1,4 +1,4 @@
-/// The curves of a study's report, as SVG within the page.
+/// The charts of a study's report, as inline SVG.
 #pragma once
 
 #include <string>
@@ -7,13 +7,13 @@
 
 namespace trivet::apps::study {
 
-/// The share found, with Wilson intervals: a curve over a quantity, else a row for each name.
+/// The found fraction with Wilson intervals: a curve over a quantity, else one row per name.
 std::string rate_chart(const Panel& panel);
 
-/// Seconds of a scene on one core; empty where they are not known, and for bins of truths.
+/// Seconds per scene on one core; empty if unknown, and for bins of truths.
 std::string time_chart(const Panel& panel);
 
-/// What the colors mean.
+/// The legend of the colors.
 std::string chart_key(const Panel& panel);
 
 }  // namespace trivet::apps::study

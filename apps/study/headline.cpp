@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kStronglyOccluded = ">84%";
 
-/// A method in some cells together.
+/// Sums over some cells of a method.
 struct Sum {
   Rate found;
   std::size_t num_false = 0;
@@ -29,7 +29,7 @@ struct Sum {
   double f1() const { return f1_score(found, num_false); }
 };
 
-/// The row of all panels, which `row_of` chooses in each.
+/// Sums over one row of each panel, which `row_of` chooses.
 template <class RowOf>
 Sum sum_row(const ExperimentResults& results, std::size_t m, RowOf&& row_of) {
   Sum sum;
@@ -52,7 +52,7 @@ std::string by_methods(const ExperimentResults& results, Text&& text) {
   return out;
 }
 
-/// Which rows these are: "0.02", or of a curve "0.02 to 0.05" for rows side by side.
+/// The names of rows: "0.02", or for a curve "0.02 to 0.05" for adjacent rows.
 std::string row_names(const Panel& panel, const std::set<std::size_t>& rows) {
   std::vector<std::string> names;
   for (auto row = rows.begin(); row != rows.end(); ++row) {
@@ -65,7 +65,7 @@ std::string row_names(const Panel& panel, const std::set<std::size_t>& rows) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// One for each kind of experiment.
+// One function for each kind of experiment.
 
 std::string on_bins(const ExperimentResults& results) {
   const Panel& panel = results.panels.front();  // of all scenes

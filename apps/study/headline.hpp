@@ -1,4 +1,4 @@
-/// What an experiment says, in a sentence.
+/// The conclusion of an experiment in a sentence.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace trivet::apps::study {
 
-/// The numbers of all scenes together that answer what the experiment asks, as HTML.
+/// The numbers over all scenes that answer the question of the experiment, as HTML.
 std::string headline(const ExperimentResults& results);
 
 }  // namespace trivet::apps::study

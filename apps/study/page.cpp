@@ -23,7 +23,7 @@ std::string anchor(const Experiment& experiment) {
   return out;
 }
 
-/// The processor's name, where the system tells it.
+/// The processor's name, if the system reports it.
 std::string processor() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {
@@ -45,7 +45,7 @@ std::string summary(const Study& study, const StudyResults& results) {
 
 // Tables.
 
-/// A difference of shares in points, with its sign: "+1.2", "−0.3", "0.0".
+/// A difference of fractions in percentage points, with its sign: "+1.2", "−0.3", "0.0".
 std::string points_text(double difference) {
   const std::string digits = fmt::format("{:.1f}", std::abs(100 * difference));
   if (digits == "0.0") return digits;
@@ -70,7 +70,7 @@ std::string difference_cell(const std::optional<PairedComparison>& comparison) {
       points_text(comparison->low), points_text(comparison->high), p);
 }
 
-/// What the columns of differences hold: against another row, or against another method.
+/// What the difference columns compare with: another row, or another method.
 enum class Compared : std::uint8_t { nothing, row, method };
 
 Compared compared(const Panel& panel, std::size_t m) {
@@ -139,7 +139,7 @@ std::string experiment_section(const Experiment& experiment, const ExperimentRes
   return out + "</section>\n";
 }
 
-/// What libraries of several sizes take.
+/// The resources of libraries of several sizes.
 std::string library_section(const StudyResults& results) {
   if (results.libraries.size() < 2) return "";
   std::string rows;
@@ -186,7 +186,7 @@ Result<std::string> picture_section(const StudyResults& results, const StudyFold
   return out;
 }
 
-// How it was done.
+// Methods and environment.
 
 std::string method_notes() {
   return "<section><h2>How to read it</h2>\n<ul class=\"findings\">\n"

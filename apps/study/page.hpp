@@ -1,4 +1,4 @@
-/// The report of a study: one page that needs nothing else.
+/// The report of a study: a single self-contained page.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace trivet::apps::study {
 
-/// Write FOLDER/index.html: a headline for each experiment, then its curves and tables, pictures of
-/// scenes, and what leads to the same numbers again. The page appears whole or not at all. Errors:
-/// of reading and drawing the scenes; cannot_create, io.
+/// Writes FOLDER/index.html: a headline for each experiment, then its curves and tables, pictures
+/// of scenes, and instructions to reproduce the numbers. The page appears whole or not at all.
+/// Errors: of reading and drawing the scenes; cannot_create, io.
 ///
-/// command  that leads to this page, as a shell takes it
+/// command  reproduces this page, quoted for a shell
 Result<void> write_study_page(const Study& study, const StudyResults& results,
                               const StudyFolder& folder, const std::string& command);
 

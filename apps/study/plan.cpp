@@ -28,7 +28,7 @@ Result<std::string> hash_file(const fs::path& file) {
   return xxh3_hex(*bytes);
 }
 
-/// Things by their key, in the order in which they are first met.
+/// Unique items by their key, in the order of insertion.
 template <class Thing>
 class Unique {
  public:
@@ -92,7 +92,7 @@ class Planner {
     return json;
   }
 
-  /// Scenes of these models, for one repetition.
+  /// Adds scenes of these models, for one repetition.
   std::size_t add_scanned(const std::vector<std::size_t>& groups, StudySettings settings,
                           std::uint32_t repetition) {
     settings.scan.seed += repetition;
@@ -131,7 +131,7 @@ class Planner {
     json["method"] = method;
     if (settings.num_others > 0) {
       json["others"] = models_json(group.others);
-      // One scene, for the sake of its models.
+      // One scene is enough to get its models.
       StudySettings one;
       one.scan.num_scenes = one.scan.num_instances = 1;
       one.scan.seed = study_.seed;
@@ -176,7 +176,7 @@ class Planner {
     return {};
   }
 
-  /// Cells of a library one after the other, and in them those of a scene.
+  /// Sorts cells by library, then by scene.
   void sort_cells() {
     std::vector<std::size_t> order(plan_.cells.size()), place(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

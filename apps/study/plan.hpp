@@ -1,4 +1,4 @@
-/// What a study has to compute, each thing once, named by what it depends on.
+/// Everything that a study has to compute, each item once, identified by its dependencies.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@ namespace trivet::apps::study {
 /// A set of scenes: scanned, or those of a manifest.
 struct SceneSet {
   std::string key;
-  std::vector<std::size_t> models;  ///< groups that lie in the scenes
+  std::vector<std::size_t> models;  ///< groups with models in the scenes
   std::filesystem::path manifest;   ///< empty: scanned
   ScanOptions options{};
 };
 
-/// What a library is trained from.
+/// The inputs of a library.
 struct LibraryPlan {
   std::string key;
-  std::size_t set = 0;              ///< whose models it has
-  std::vector<std::size_t> others;  ///< sets, of whose models it has the first
-  std::uint32_t num_others = 0;     ///< so many
+  std::size_t set = 0;              ///< set whose models the library contains
+  std::vector<std::size_t> others;  ///< sets whose first models are added
+  std::uint32_t num_others = 0;     ///< number of these models
   TrainOptions options{};
 };
 
@@ -41,20 +41,20 @@ struct Cell {
 struct StudyPoint {
   std::size_t experiment = 0, scenes = 0, method = 0, variant = 0;
   StudySettings settings{};
-  std::vector<std::size_t> sets;   ///< one a repetition
-  std::vector<std::size_t> cells;  ///< of the scenes of these sets, in their order
+  std::vector<std::size_t> sets;   ///< one per repetition
+  std::vector<std::size_t> cells;  ///< cells of the scenes of these sets, in their order
 };
 
 struct StudyPlan {
   std::vector<SceneSet> sets;
   std::vector<LibraryPlan> libraries;
-  std::vector<Cell> cells;  ///< those of one library together
+  std::vector<Cell> cells;  ///< ordered by library
   std::vector<StudyPoint> points;
 };
 
-/// A key is a hash of everything that the thing depends on: the settings of its stage and of those
-/// before, the bytes of the files, the version of the program. Errors: of reading the models' files
-/// and manifests.
+/// A key is a hash of all dependencies of an item: the settings of its stage and of the previous
+/// ones, the bytes of the files, the version of the program.
+/// Errors: of reading the models' files and manifests.
 Result<StudyPlan> plan_study(const Study& study);
 
 }  // namespace trivet::apps::study

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMaxBytes = 1 << 20;
 constexpr double kMaxSeed = 1e15;
 
-/// Walks through a configuration and gathers what is wrong with it.
+/// Reads a configuration and collects its faults.
 class Reader {
  public:
   explicit Reader(fs::path file) : file_(std::move(file)) {}
@@ -33,7 +33,7 @@ class Reader {
   }
   void fault(const toml::node& where, std::string_view text) { fault(where.source(), text); }
 
-  /// Refuse keys that mean nothing.
+  /// Reports unknown keys as faults.
   void allow(const toml::table& table, std::initializer_list<std::string_view> keys) {
     for (const auto& [key, node] : table) {
       if (std::ranges::find(keys, key.str()) == keys.end()) {
@@ -86,7 +86,7 @@ class Reader {
       fault(*node, fmt::format("{}: expected a list of texts", key));
     return out;
   }
-  /// The places of names in a list. Names that are not there are faults.
+  /// The indices of names in a list. Unknown names are faults.
   template <class Named>
   std::vector<std::size_t> places(const toml::table& table, std::string_view key,
                                   const std::vector<Named>& named) {
@@ -154,7 +154,7 @@ class Reader {
     return std::nullopt;
   }
 
-  /// One setting, which must be there and take the value.
+  /// Adds one setting, which must exist and accept the value.
   void change(const toml::node& node, const std::string& name, const OptionValue& value,
               std::vector<SettingChange>& out) {
     const Setting* const setting = find_setting(name);
@@ -179,7 +179,8 @@ class Reader {
     out.push_back({name, value});
   }
 
-  /// Settings as nested tables: { degrade = { noise = 0.1 } }, in use { degrade.noise = 0.1 }.
+  /// Adds settings of nested tables: { degrade = { noise = 0.1 } }, usually written { degrade.noise
+  /// = 0.1 }.
   void changes(const toml::table& table, const std::string& prefix,
                std::vector<SettingChange>& out) {
     for (const auto& [key, node] : table) {
@@ -343,7 +344,7 @@ Experiment read_experiment(Reader& reader, const toml::table& table, const Study
   return experiment;
 }
 
-/// Scenes of a manifest are there already: nothing of how they are made may vary.
+/// Scenes of a manifest already exist: the settings that generate scenes must not vary.
 void check_listed(Reader& reader, const toml::table& where, const SceneGroup& scenes,
                   const Experiment& experiment) {
   if (scenes.manifest.empty()) return;
@@ -365,7 +366,7 @@ void check_listed(Reader& reader, const toml::table& where, const SceneGroup& sc
   }
 }
 
-/// Settings that fit each by itself may not fit together.
+/// Settings that are valid separately may be invalid together.
 void check_settings(Reader& reader, const toml::table& where, const Study& study,
                     const Experiment& experiment) {
   for (const std::size_t group : experiment.scenes) {

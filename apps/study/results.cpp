@@ -10,7 +10,7 @@
 namespace trivet::apps::study {
 namespace {
 
-/// A point of the plan, judged.
+/// An evaluated point of the plan.
 struct JudgedPoint {
   const StudyPoint* point = nullptr;
   Evaluation evaluation;
@@ -27,7 +27,8 @@ Manifest manifest_of(const StudyPoint& point, const std::vector<Manifest>& sets)
   return all;
 }
 
-/// Count what is reported of models that lie in no scene, which evaluation leaves out, as false.
+/// Counts detections of models that are in no scene, which the evaluation leaves out, as false
+/// positives.
 void count_others(const Manifest& manifest, const std::vector<std::optional<SceneResult>>& results,
                   Evaluation& evaluation) {
   for (std::size_t s = 0; s < results.size(); ++s) {
@@ -67,7 +68,7 @@ class Judge {
     return JudgedPoint{&point, std::move(*evaluation), static_cast<double>(threshold)};
   }
 
-  /// The scene of a point in which the share found is the median.
+  /// The scene of a point with the median of the found fraction.
   Result<StudyPicture> picture(const JudgedPoint& judged, std::string caption) {
     const StudyPoint& point = *judged.point;
     const std::vector<SceneEvaluation>& scenes = judged.evaluation.scenes;
@@ -113,7 +114,7 @@ class Judge {
 
 // Pairs of points on the same scenes.
 
-/// Trials by set and scene.
+/// Trials keyed by set and scene.
 using Trials = std::map<std::pair<std::size_t, std::size_t>, PairedTrials>;
 
 std::vector<bool> found_truths(const SceneEvaluation& scene) {
@@ -145,7 +146,7 @@ PairedComparison compare(const Trials& trials, std::uint64_t seed) {
   return compare_paired(scenes, seed);
 }
 
-/// None where they did not have the same scenes.
+/// None if the points do not have the same scenes.
 std::optional<PairedComparison> compare(const JudgedPoint& first, const JudgedPoint& second,
                                         std::uint64_t seed) {
   if (first.point->sets != second.point->sets) return std::nullopt;
@@ -172,7 +173,7 @@ PanelCell cell_of(const JudgedPoint& judged) {
   return cell;
 }
 
-/// Which variant leaves the settings as they are.
+/// The variant that leaves the settings unchanged.
 std::optional<std::size_t> default_variant(const Study& study, const Experiment& experiment,
                                            const SceneGroup& scenes, Method method) {
   const Setting* const setting = find_setting(experiment.vary);
@@ -192,7 +193,7 @@ ExperimentKind kind_of(const Experiment& experiment) {
   if (experiment.against == Against::previous) return ExperimentKind::steps;
   const bool tunes = experiment.vary.empty() || experiment.vary.starts_with("train.") ||
                      experiment.vary.starts_with("recognize.");
-  // What a library holds beside the models of the scenes is no parameter.
+  // Other models of a library than those of the scenes are not a parameter.
   return tunes && experiment.vary != "train.others" ? ExperimentKind::parameter
                                                     : ExperimentKind::conditions;
 }
@@ -219,7 +220,7 @@ class Arranger {
       case ExperimentKind::conditions:
         for (const std::size_t group : experiment_.scenes) {
           out.panels.push_back(variants(group));
-          // Without the default among the values there is nothing to hold them against.
+          // Without the default among the values there is no reference to compare them with.
           if (out.panels.back().reference == Reference::none) out.kind = ExperimentKind::conditions;
         }
         break;
@@ -235,7 +236,7 @@ class Arranger {
   }
 
  private:
-  /// A panel of which each row is a point for each method.
+  /// A panel with one point per row and method.
   template <class At>
   Panel panel_of(std::size_t num_rows, At&& at_row) const {
     Panel panel;
@@ -293,7 +294,7 @@ class Arranger {
     return panel;
   }
 
-  /// Truths by what hides them, of some groups together.
+  /// Truths grouped by the cause of their occlusion, over some groups of scenes.
   Panel bins(const std::vector<std::size_t>& groups, std::string title) const {
     Panel panel;
     panel.title = std::move(title);
@@ -331,7 +332,8 @@ class Arranger {
     return experiment_.curve == Curve::occlusion ? evaluation.by_occlusion : evaluation.by_clutter;
   }
 
-  /// The bins that some group has a truth in: each after the one that it follows in its group.
+  /// The bins that contain a truth of some group. Each follows the one that precedes it in its
+  /// group.
   std::vector<std::string> bin_names(const std::vector<std::size_t>& groups) const {
     std::vector<std::string> names;
     for (const std::size_t group : groups) {
@@ -353,7 +355,7 @@ class Arranger {
     whole.num_add_right += group.num_add_right;
     whole.threshold = group.threshold;
     whole.f1 = f1_score(whole.found, *whole.false_positives);
-    // Medians of groups do not add up.
+    // The medians of groups cannot be added.
     whole.seconds = first ? group.seconds : std::nullopt;
     whole.translation_error = first ? group.translation_error : std::nullopt;
     whole.rotation_error_deg = first ? group.rotation_error_deg : std::nullopt;
@@ -384,10 +386,10 @@ bool beyond_chance(const PairedComparison& comparison) noexcept {
 
 namespace {
 
-/// Of several libraries of one size, and of several cells, the most.
+/// The maximum over several libraries of one size, and over several cells.
 Result<std::vector<LibraryRow>> library_rows(const StudyPlan& plan, const StudyFolder& folder,
                                              const std::vector<Manifest>& sets) {
-  std::map<std::size_t, LibraryRow> rows;  // by number of models
+  std::map<std::size_t, LibraryRow> rows;  // keyed by number of models
   for (const Cell& cell : plan.cells) {
     const LibraryPlan& library = plan.libraries[cell.library];
     const Result<LibraryUse> use = read_use(folder, cell);

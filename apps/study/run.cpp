@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The models of some groups, as they lie in scenes.
+/// The models of some groups, as they are in scenes.
 Result<std::vector<ScanModel>> gather_models(const Study& study,
                                              const std::vector<std::size_t>& groups) {
   std::vector<ScanModel> models;

@@ -1,4 +1,4 @@
-/// Compute what a study has planned and its folder does not hold yet.
+/// Computes the items that a study has planned and that its folder does not contain yet.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@
 
 namespace trivet::apps::study {
 
-/// Where a study keeps what it has computed: FOLDER/scenes/KEY/manifest.json, libraries/KEY.h5 and
-/// cells/KEY.json, each whole or not there.
+/// The folder with the computed items of a study: FOLDER/scenes/KEY/manifest.json, libraries/KEY.h5
+/// and cells/KEY.json. Each is complete or absent.
 class StudyFolder {
  public:
   explicit StudyFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -36,34 +36,35 @@ class StudyFolder {
   std::filesystem::path folder_;
 };
 
-/// Tells what a run does: a Progress for each of its steps, by its verb.
+/// Creates a Progress for each step of a run, from its verb.
 using ProgressOf = std::function<Progress(std::string_view verb)>;
 
-/// Has items worked on, each of them once, by calling `work` with all of them, or with some of them
-/// again and again in each of several processes; returns when all are done. The items of the first
-/// process count: others may see meanwhile what it has done.
+/// Distributes items so that each is processed once. Calls `work` with all of them, or repeatedly
+/// with some of them in each of several processes; returns when all are done. The items passed by
+/// the first process apply, since other processes may already see its results.
 using Share = std::function<Result<void>(
     std::span<const std::size_t> items,
     const std::function<Result<void>(std::span<const std::size_t>)>& work)>;
-/// All by this process.
+/// Processes all items in this process.
 Result<void> do_all(std::span<const std::size_t> items,
                     const std::function<Result<void>(std::span<const std::size_t>)>& work);
 
-/// Render, train and recognize what is missing. Stopped or killed at any time, the next run goes on
-/// with what is not there yet. Errors: of each step; resumable when stopped.
+/// Renders, trains and recognizes what is missing. After a stop or a crash, the next run continues
+/// with the items that are still missing.
+/// Errors: of each step; resumable when stopped.
 Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFolder& folder,
                        const ProgressOf& progress, const Share& share = do_all);
 
-/// The truth of each set. Errors: of reading.
+/// Reads the truth of each set. Errors: of reading.
 Result<std::vector<Manifest>> read_sets(const StudyPlan& plan, const StudyFolder& folder);
 
-/// What was found in the scenes of a point, in their order. Errors: of reading.
+/// Reads the results for the scenes of a point, in their order. Errors: of reading.
 Result<std::vector<std::optional<SceneResult>>> read_cells(const StudyPlan& plan,
                                                            const StudyFolder& folder,
                                                            const std::vector<Manifest>& sets,
                                                            const StudyPoint& point);
 
-/// What the library of a cell took by its end. Errors: of reading.
+/// Reads the resources that the library of a cell had used at its end. Errors: of reading.
 Result<LibraryUse> read_use(const StudyFolder& folder, const Cell& cell);
 
 }  // namespace trivet::apps::study

@@ -8,7 +8,7 @@
 namespace trivet::apps::study {
 namespace {
 
-/// stage  the part of the settings, by name and by pointer
+/// stage  part of the settings, by name and by member pointer
 template <class Options>
 void add_stage(std::string_view stage, Options StudySettings::*part, std::vector<Setting>& out) {
   for (const Option<Options>& option : options_of<Options>()) {

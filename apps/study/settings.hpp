@@ -17,12 +17,12 @@
 
 namespace trivet::apps::study {
 
-/// What one scene of a study is made, trained for and recognized by.
+/// The settings by which one scene of a study is made, trained for and recognized.
 struct StudySettings {
   ScanOptions scan{};
   DegradeOptions degrade{};
   TrainOptions train{};
-  std::uint32_t num_others = 0;  ///< models of the library that lie in no scene
+  std::uint32_t num_others = 0;  ///< models of the library that are in no scene
   RecognizeOptions recognize{};
 };
 
@@ -31,21 +31,21 @@ Result<void> validate(const StudySettings& settings);
 
 /// An option of a stage.
 struct Setting {
-  std::string name;   ///< STAGE.NAME, the name that of the option
-  std::string label;  ///< what it is, with its unit
+  std::string name;   ///< STAGE.NAME, where NAME is that of the option
+  std::string label;  ///< description with its unit
   std::function<OptionValue(const StudySettings&)> get;
   /// Errors: usage (what was expected instead).
   std::function<Result<void>(StudySettings&, const OptionValue&)> set;
 };
 
-/// By stage: scan, degrade, train, recognize.
+/// Ordered by stage: scan, degrade, train, recognize.
 std::span<const Setting> all_settings();
 
-/// None of this name: null.
+/// Null: no setting of this name.
 const Setting* find_setting(std::string_view name);
 
 struct SettingChange {
-  std::string name;  ///< of a setting that there is
+  std::string name;  ///< name of an existing setting
   OptionValue value;
 };
 

@@ -1,4 +1,4 @@
-/// What a study compares, as its configuration declares it.
+/// A study as declared by its configuration.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@
 
 namespace trivet::apps::study {
 
-/// Models of one kind: files, or parts made to order.
+/// Models of one kind: files, or generated parts.
 struct ModelGroup {
   std::string name;
-  std::vector<std::string> files;  ///< as collect_models takes them
-  std::uint32_t num_parts = 0;     ///< made parts beside them
+  std::vector<std::string> files;  ///< arguments of collect_models
+  std::uint32_t num_parts = 0;     ///< number of generated parts
   std::vector<std::string> families;
   ScanModelOptions options{};
 };
@@ -25,31 +25,32 @@ struct ModelGroup {
 /// Scenes of one kind: scanned for the study, or those of a manifest.
 struct SceneGroup {
   std::string name, title;
-  std::vector<std::size_t> models;  ///< groups that lie in the scenes
-  std::vector<std::size_t> others;  ///< groups that `train.others` takes models from
+  std::vector<std::size_t> models;  ///< groups with models in the scenes
+  std::vector<std::size_t> others;  ///< groups from which `train.others` adds models
   std::filesystem::path manifest;   ///< empty: scanned
   std::vector<SettingChange> changes;
 };
 
 struct Variant {
   std::string name;
-  std::optional<double> number;  ///< of a numeric setting
+  std::optional<double> number;  ///< value of a numeric setting
   std::vector<SettingChange> changes;
 };
 
-/// What detections count as reported.
+/// Which detections count as reported.
 enum class Threshold : std::uint8_t {
-  setting,  ///< those from recognize.min-score on
-  best_f1,  ///< each variant its own, where its F1 is the best: scores that mean different things
+  setting,  ///< those with at least recognize.min-score
+  /// The threshold of each variant that gives its best F1, for scores of different meanings.
+  best_f1,
 };
 
-/// What its curves run over.
+/// The horizontal axis of the curves.
 enum class Curve : std::uint8_t { variants, occlusion, clutter };
 
 /// What named variants are compared with.
 enum class Against : std::uint8_t {
   usual,     ///< the variant that changes nothing
-  previous,  ///< each with the one before: steps that build on one another
+  previous,  ///< the previous variant: steps that build on one another
 };
 
 struct Experiment {
@@ -68,11 +69,11 @@ struct Experiment {
 struct Study {
   std::string title, about;
   std::uint64_t seed = 1;
-  std::uint32_t num_pictures = 3;  ///< scenes that the report shows
+  std::uint32_t num_pictures = 3;  ///< scenes shown in the report
   std::vector<ModelGroup> models;
   std::vector<SceneGroup> scenes;
   std::vector<Experiment> experiments;
-  std::string text;  ///< the whole configuration
+  std::string text;  ///< text of the whole configuration
 };
 
 /// The settings of one variant: the defaults, changed by the group of scenes, the experiment, the
@@ -80,7 +81,7 @@ struct Study {
 Result<StudySettings> settings_of(const Study& study, const Experiment& experiment,
                                   const SceneGroup& scenes, Method method, const Variant& variant);
 
-/// Read a configuration (TOML). Its paths are relative to it.
+/// Reads a configuration (TOML). Its paths are relative to it.
 /// Errors: missing_input, io, bad_data: every fault with its line, what was expected and found.
 Result<Study> read_study(const std::filesystem::path& file);
 

@@ -7,10 +7,10 @@
 
 namespace trivet::apps::study {
 
-/// Write FOLDER/results.csv, one row a method under one condition: what was found, with Wilson's
-/// interval; the difference from the panel's reference row (change) and from its first method
-/// (lead), with bootstrap interval and McNemar's p. Empty where a number is not known. Errors:
-/// cannot_create, io.
+/// Writes FOLDER/results.csv, one row per method and condition: the found fraction, with Wilson's
+/// interval; the differences from the panel's reference row (change) and from its first method
+/// (lead), with bootstrap interval and McNemar's p. Empty if a number is unknown.
+/// Errors: cannot_create, io.
 Result<void> write_study_table(const Study& study, const StudyResults& results,
                                const StudyFolder& folder);
 
