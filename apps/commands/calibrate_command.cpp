@@ -18,7 +18,7 @@
 namespace trivet::apps {
 namespace {
 
-constexpr float kLowestLeast = 0.5F;  // below, what is reported changes what is found
+constexpr float kLowestLeast = 0.5F;  // below it, the reported detections affect what is found
 
 struct CalibrateArguments {
   std::string library, output;

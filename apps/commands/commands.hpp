@@ -20,7 +20,8 @@ void add_calibrate(CLI::App& app, Context& context);
 void add_fit_score(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
 void add_study(CLI::App& app, Context& context);
-/// Options that print what all commands say of themselves: after the commands.
+/// Adds the options that print the descriptions of all commands. Call it after the commands were
+/// added.
 void add_documents(CLI::App& app);
 
 }  // namespace trivet::apps

@@ -12,7 +12,7 @@
 namespace trivet::apps {
 
 void add_documents(CLI::App& app) {
-  // What is thrown is printed.
+  // CLI11 prints the text of the exception.
   const auto print = [](const std::string& text) { throw CLI::CallForVersion(text, 0); };
   app.add_flag_callback(
          "--help-markdown", [=, &app] { print(markdown_help(describe_command(app, "trivet"))); },

@@ -33,13 +33,13 @@ struct EvaluateArguments {
   RecognizeArguments recognize;
 };
 
-/// What is judged: recognized now, or stored by any program.
+/// The results to evaluate: recognized now, or stored by any program.
 struct Judged {
   std::vector<std::optional<SceneResult>> results;
-  ScoreThreshold threshold;         ///< of what counts as reported
-  std::string source;               ///< the file that it came from
-  std::vector<std::string> lacked;  ///< models that count and were not looked for
-  // Of what is recognized now:
+  ScoreThreshold threshold;         ///< which results count as reported
+  std::string source;               ///< file of the results
+  std::vector<std::string> lacked;  ///< counted models that were not searched for
+  // Of results that are recognized now:
   std::optional<Recognizer> recognizer{};
   RecognizeOptions options{};
   std::vector<Error> failures{};  ///< scenes without a result
@@ -49,8 +49,8 @@ std::string source_of(const std::string& library, const std::string& calibration
   return calibration.empty() ? library : fmt::format("{}, calibrated by {}", library, calibration);
 }
 
-/// The models that count and are not looked for: their instances cannot be found. Told, and an
-/// error where these are all. Errors: usage.
+/// The counted models that are not searched for: their instances cannot be found. They are
+/// reported, and an error if all models are among them. Errors: usage.
 Result<std::vector<std::string>> lacked_models(const Manifest& manifest, const Library& library,
                                                const std::vector<std::string>& chosen,
                                                const EvaluateArguments& arguments,
@@ -106,7 +106,7 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   return judged;
 }
 
-/// All that is stored was reported, unless a threshold is given.
+/// All stored detections count as reported, unless a threshold is given.
 Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments& arguments,
                               const Context& context) {
   const bool is_bop = std::filesystem::path(arguments.detections).extension() == ".csv";
@@ -144,7 +144,7 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
   return Judged{std::move(*results), threshold, arguments.detections, {}};
 }
 
-/// Write the evaluation in each form that the arguments ask for.
+/// Writes the evaluation in each requested form.
 Result<void> write_evaluation(const ReportInput& input, const Judged& judged,
                               const EvaluateArguments& arguments, const Context& context) {
   const Evaluation& evaluation = input.evaluation;
@@ -237,7 +237,7 @@ void add_evaluate(CLI::App& app, Context& context) {
   command->add_option("--report", arguments->report,
                       "Write index.html with tables, curves and pictures into this folder");
   command->callback([arguments, &context] {
-    // The manifest is what stands last.
+    // The manifest is the last argument.
     if (arguments->manifest.empty()) arguments->library.swap(arguments->manifest);
     if (arguments->library.empty() && arguments->detections.empty()) {
       throw CLI::RequiredError("LIBRARY and MANIFEST, or a MANIFEST with --detections,");

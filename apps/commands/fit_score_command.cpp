@@ -27,9 +27,8 @@ namespace {
 
 constexpr double kRidge = 1;
 constexpr std::uint64_t kMaxOutcomesBytes = 1ULL << 30;
-/// The calibration scenes hold nearly two unknown objects to each one of the library, where scores
-/// are given there are about half as many: the odds that a detection is right are so many times
-/// higher.
+/// The calibration scenes contain nearly two unknown objects per object of the library. Scenes in
+/// use contain about half as many: the odds that a detection is correct are this many times higher.
 constexpr double kFewerUnknown = 3.5;
 
 struct FitScoreArguments {
@@ -54,7 +53,7 @@ Result<Outcomes> recognize_with(const kernels::ScoreModel& score,
   return outcomes;
 }
 
-/// Right and wrong ones.
+/// Counts correct and wrong detections.
 std::pair<std::size_t, std::size_t> count(const Outcomes& outcomes) {
   const auto right = static_cast<std::size_t>(std::ranges::count(outcomes.right, 1));
   return {right, outcomes.right.size() - right};
@@ -104,7 +103,7 @@ std::string csv_of(const Outcomes& outcomes) {
   return text;
 }
 
-/// Add what csv_of() wrote.
+/// Adds the output of csv_of().
 Result<void> read_outcomes(const std::string& file, Outcomes& outcomes) {
   const Result<std::string> text = read_text_file(file, kMaxOutcomesBytes);
   if (!text) return text.error();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kFailed = 1;
 
-/// The code, then the message.
+/// Sends the code, then the message.
 void send(int pipe, const Error& error) {
   const std::string text = std::string(1, static_cast<char>(error.code)) + error.message;
   for (std::size_t sent = 0; sent < text.size();) {

@@ -1,4 +1,4 @@
-/// Work that may break down, in a process that may.
+/// Work that may crash, in a child process.
 #pragma once
 
 #include <functional>
@@ -7,10 +7,10 @@
 
 namespace trivet::apps {
 
-/// Work in a child process, whose result becomes this one's.
+/// Runs work in a child process, and returns its result.
 ///
-/// broken  what it means that the child was ended by a signal
-/// Pre: no thread works. Errors: those of the work; io (no process could be made).
+/// broken  error to return if the child was ended by a signal
+/// Pre: no other thread runs. Errors: those of the work; io (no process could be created).
 Result<void> in_child(const std::function<Result<void>()>& work, const Error& broken);
 
 }  // namespace trivet::apps

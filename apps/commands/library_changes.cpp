@@ -28,7 +28,7 @@ Progress written(const Context& context) {
   return context.console.progress("wrote", context.stop, true);
 }
 
-/// As they are given, with the unit and the parameters of the library.
+/// A request with the given models, and the unit and parameters of the library.
 Result<TrainRequest> request_to_add(const ChangeArguments& arguments, const Console& console) {
   const Result<Library> library = open_library(arguments.file);
   if (!library) return library.error();
@@ -90,7 +90,7 @@ Result<void> unpack(const ChangeArguments& arguments, const Progress& progress) 
   return assemble_library(library->header, library->basis, copies_of(*library), *lock, progress);
 }
 
-/// HDF5 may break down over a damaged file whose structure has no checksums.
+/// HDF5 may crash on a damaged file whose structure has no checksums.
 Result<void> import_file(const ChangeArguments& arguments, const Context& context) {
   return in_child(
       [&] {

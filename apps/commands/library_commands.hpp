@@ -5,9 +5,9 @@
 
 namespace trivet::apps {
 
-/// Those that look into libraries: list, info, verify, diff.
+/// The commands that read libraries: list, info, verify, diff.
 void add_library_views(CLI::App& library, Context& context);
-/// Those that write libraries: add, remove, rename, merge, import; and export.
+/// The commands that write libraries: add, remove, rename, merge, import; and export.
 void add_library_changes(CLI::App& library, Context& context);
 
 }  // namespace trivet::apps

@@ -14,8 +14,8 @@
 namespace trivet::apps {
 namespace {
 
-/// Recognize the scenes, one after the other to `emit` or, what failed, to `fail`; with the cameras
-/// that were estimated, if that is asked for.
+/// Recognizes the scenes one after the other. Passes results to `emit` and failures to `fail`, with
+/// the estimated cameras if requested.
 Result<void> recognize_scenes(RecognitionRequest& request, bool estimate_camera,
                               const Progress& progress,
                               const std::function<void(std::size_t, const SceneResult&)>& emit,

@@ -20,13 +20,13 @@ struct ScanArguments {
   std::vector<std::string> models;
   std::string output, unit;
   std::uint32_t num_parts = 0;
-  std::vector<std::string> families;  ///< of the parts; empty: all
+  std::vector<std::string> families;  ///< families of the parts; empty: all
   ScanModelOptions model_options;
   GivenOptions given;
 };
 
-/// The models of the command line, then made parts. Errors: usage (none, two of one name), of
-/// reading.
+/// The models of the command line, then generated parts.
+/// Errors: usage (none, two of one name), of reading.
 Result<std::vector<ScanModel>> gather_models(const ScanArguments& arguments,
                                              const ModelInputs& inputs, LengthUnit unit,
                                              std::uint64_t seed) {

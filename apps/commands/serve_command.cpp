@@ -35,11 +35,11 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPollInterval{50};
 
-/// What SIGHUP asks for.
+/// Handles SIGHUP.
 void reload(LibrarySlot& slot, Daemon& daemon) {
   RequestLog& log = daemon.log();
   notify_systemd("RELOADING=1");
-  (void)daemon.read_tokens();  // which tells what is wrong
+  (void)daemon.read_tokens();  // reports its errors itself
   slot.reload([&log](const Result<void>& done) {
     notify_systemd("READY=1");
     if (done) {
@@ -50,7 +50,7 @@ void reload(LibrarySlot& slot, Daemon& daemon) {
   });
 }
 
-/// Until told to stop.
+/// Waits until it is stopped.
 void wait(const std::stop_token& stop, LibrarySlot& slot, Daemon& daemon,
           const RecognitionService& service, MemoryTrim& memory) {
   const auto watchdog = watchdog_interval();
@@ -58,7 +58,7 @@ void wait(const std::stop_token& stop, LibrarySlot& slot, Daemon& daemon,
   Daemon::wait(stop, kPollInterval, [&] {
     const ServiceState state = service.state();
     memory.trim(state.num_running + state.num_waiting > 0);
-    // Twice as often as it must be.
+    // Twice as often as required.
     if (watchdog && ServiceClock::now() - last_notice >= *watchdog / 2 && !state.is_stuck) {
       notify_systemd("WATCHDOG=1");
       last_notice = ServiceClock::now();
@@ -67,7 +67,7 @@ void wait(const std::stop_token& stop, LibrarySlot& slot, Daemon& daemon,
   });
 }
 
-/// Open a session, and warn of what is damaged in it.
+/// Opens a session, and warns of damaged files in it.
 Result<std::unique_ptr<Session>> open_session(const ServeSettings& settings,
                                               const Context& context) {
   Result<std::unique_ptr<Session>> session =
@@ -81,15 +81,15 @@ Result<std::unique_ptr<Session>> open_session(const ServeSettings& settings,
   return session;
 }
 
-/// All that a service opens before it listens. A check of the settings opens the same, so that what
-/// it calls good starts. Nothing is trained yet.
+/// Everything that a service opens before it listens. A check of the settings opens the same, so
+/// that valid settings are sure to start. No training has started yet.
 struct OpenedService {
   explicit OpenedService(const ServeSettings& settings)
       : daemon(settings.listen, settings.max_waiting_mb) {}
 
   Daemon daemon;
   Metrics metrics;
-  std::vector<Example> examples;  // none where none are asked for, as all that follows
+  std::vector<Example> examples;  // this and the following members: none if not requested
   std::unique_ptr<Session> session;
   std::optional<RecognitionService> service;
   std::optional<LibrarySlot> slot;
@@ -97,8 +97,8 @@ struct OpenedService {
   std::unique_ptr<LiveScans> live;
 };
 
-/// files   of the library; to be checked whole where its options say so
-/// Errors: of the first that is wrong, with the sentences of all.
+/// files   files of the library, which is verified completely if its options require it
+/// Errors: the first error, with the messages of all.
 Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& settings,
                                                     const LibraryFiles& files,
                                                     const Context& context) {
@@ -143,8 +143,8 @@ Result<std::unique_ptr<OpenedService>> open_service(const ServeSettings& setting
   return Error{faults.front().code, fmt::format("{}", fmt::join(sentences, "\nerror: "))};
 }
 
-/// Open all that a service with these settings opens, with all of the library checked, and tell what
-/// was found.
+/// Opens everything that a service with these settings opens, with the library verified completely,
+/// and prints the result.
 Result<void> check(const ServeSettings& settings, const Context& context) {
   LibraryFiles files = settings.files();
   files.options.verify = true;
@@ -199,7 +199,7 @@ Result<void> serve(const ServeSettings& settings, const Context& context) {
                [&](ServiceClock::time_point deadline) { return opened.service->drain(deadline); });
   opened.live.reset();
   opened.workshop.reset();
-  opened.slot.reset();  // a library that is being read is answered for, too
+  opened.slot.reset();  // a library that is being loaded also sends a response
   daemon.log_end();
   return {};
 }
