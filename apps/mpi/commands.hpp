@@ -1,4 +1,4 @@
-/// The subcommands of trivet-mpi: those of trivet, shared among processes.
+/// The subcommands of trivet-mpi: those of trivet, distributed over processes.
 #pragma once
 
 #include "apps/mpi/ranks.hpp"

@@ -16,15 +16,15 @@ namespace {
 
 /// Kinds of messages.
 enum Tag : int {
-  kAsk,      // to rank 0: a job, please
-  kJob,      // from rank 0: '+' and the job, or empty: there are no more
+  kAsk,      // to rank 0: request for a job
+  kJob,      // from rank 0: '+' and the job; empty: no more jobs
   kOutcome,  // to rank 0
-  kEnd,      // to rank 0: how the rank's work ended
+  kEnd,      // to rank 0: result of the rank's work
   kOver,     // from rank 0: all have ended
 };
 
 constexpr std::chrono::milliseconds kPause{1};
-/// How long a rank that was stopped waits for others, which may have been killed.
+/// How long a stopped rank waits for other ranks, which may have been killed.
 constexpr std::chrono::seconds kPatience{2};
 
 void send(int to, Tag tag, const std::string& bytes) {
@@ -36,7 +36,7 @@ struct Message {
   std::string bytes;
 };
 
-/// What has come, if anything has. MPI's own waiting would take a core.
+/// A received message, if any. A blocking MPI call would occupy a core.
 std::optional<Message> receive() {
   int is_there = 0;
   MPI_Status status;
@@ -61,10 +61,10 @@ Result<void> decode(const std::string& bytes) {
   return Error{static_cast<ErrorCode>(bytes[0] - '0'), bytes.substr(1)};
 }
 
-/// Between the thread that works and the one that may call MPI.
+/// Exchanges messages between the worker thread and the thread that may call MPI.
 class Exchange {
  public:
-  // for the thread that works
+  // for the worker thread
   std::optional<std::string> ask() {
     std::unique_lock lock(mutex_);
     asked_ = true;
@@ -78,7 +78,7 @@ class Exchange {
     outcomes_.push_back(std::move(outcome));
   }
 
-  // for the one that calls MPI
+  // for the thread that calls MPI
   bool take_question() {
     const std::lock_guard lock(mutex_);
     return std::exchange(asked_, false);
@@ -101,7 +101,7 @@ class Exchange {
   std::deque<std::string> outcomes_;
 };
 
-/// The work of a rank in a thread of its own.
+/// The work of a rank in a separate thread.
 class Work {
  public:
   Work(const std::function<Result<void>(const Worker&)>& work, Worker worker)
@@ -115,10 +115,10 @@ class Work {
  private:
   Result<void> result_;
   std::atomic<bool> ended_{false};
-  std::jthread thread_;  // joined first
+  std::jthread thread_;  // last member: joined first
 };
 
-/// Since when a stop is asked for.
+/// Measures the time since a stop was requested.
 class Patience {
  public:
   explicit Patience(std::stop_token stop) : stop_(std::move(stop)) {}
@@ -151,9 +151,9 @@ Result<void> lead(const Ranks& ranks, const JobBook& book,
                             [&](std::string outcome) { own.tell(std::move(outcome)); }});
   Patience patience(stop);
   Result<void> first;
-  int num_ended = 1;  // this one among them
+  int num_ended = 1;  // including this rank
   while (true) {
-    const bool own_ended = work.ended();  // before its last outcomes are taken
+    const bool own_ended = work.ended();  // read before its last outcomes are received
     while (const std::optional<Message> message = receive()) {
       if (message->tag == kAsk) send(message->from, kJob, next_of(book));
       if (message->tag == kOutcome) book.done(message->bytes);
@@ -200,7 +200,7 @@ Result<void> follow(const std::function<Result<void>(const Worker&)>& do_work,
     }
     if (patience.is_over()) {
       if (ended) return stopped();
-      own.answer("");  // what it waits for does not come
+      own.answer("");  // the awaited message will not come
     }
     std::this_thread::sleep_for(kPause);
   }

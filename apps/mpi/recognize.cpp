@@ -26,14 +26,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What rank 0 needs of a scene.
+/// The result of a scene for rank 0.
 struct SceneOutcome {
   Json scene;
   std::optional<CameraCheck> check;
   std::optional<Error> failure{};
 };
 
-// All ranks are the same program: what has no pointers goes as its bytes, in hexadecimal digits.
+// All ranks run the same program: structures without pointers are sent as bytes, in hexadecimal
+// digits.
 
 template <class T>
 std::string hex_of(const T& value) {
@@ -92,7 +93,7 @@ std::string outcome_bytes(std::size_t index, const SceneOutcome& outcome) {
   return json_text(all);
 }
 
-/// The scenes that this rank gets, one after the other, each by all its threads.
+/// Recognizes the scenes of this rank one after the other, each with all its threads.
 Result<void> recognize_share(const RecognitionRequest& request, const Worker& worker,
                              const std::stop_token& stop) {
   while (const std::optional<std::string> job = worker.next()) {

@@ -12,7 +12,7 @@
 namespace trivet::apps::mpi {
 namespace {
 
-/// Items that a rank gets at a time, of many: enough for its threads.
+/// Items that a rank gets at a time if there are many: enough for its threads.
 constexpr std::size_t kItems = 16;
 
 std::string items_bytes(std::span<const std::size_t> items) {
@@ -25,7 +25,8 @@ std::vector<std::size_t> parse_items(const std::string& bytes) {
   return items;
 }
 
-/// Items in all ranks, a few at a time where there are many; told of by rank 0.
+/// Distributes items over all ranks, a few at a time if there are many; rank 0 reports the
+/// progress.
 study::Share shared_among(const Ranks& ranks, const Context& context) {
   return [&](std::span<const std::size_t> items,
              const std::function<Result<void>(std::span<const std::size_t>)>& work) {
@@ -71,7 +72,7 @@ void add_study(CLI::App& app, const Ranks& ranks, Context& context) {
   add_study_arguments(*command, *arguments);
   command->callback([arguments, &ranks, &context] {
     context.run = [arguments, &ranks, &context] {
-      Context quiet = context;  // each rank's own share is not worth telling
+      Context quiet = context;  // each rank's share is not reported
       quiet.console.quiet = true;
       const Result<void> done =
           conduct_study(*arguments, quiet, shared_among(ranks, context), ranks.is_first());

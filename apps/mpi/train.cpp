@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Messages name models: each rank finds the sources by itself, from the same command line.
+// Messages name models only: each rank finds the sources itself, from the same command line.
 
 std::string job_bytes(const TrainingJob& job, const std::vector<ModelSource>& sources) {
   return json_text(Json{{"model", sources[job.source].name}, {"check_only", job.check_only}});
@@ -36,7 +36,7 @@ std::string outcome_bytes(const JobOutcome& outcome, const std::vector<ModelSour
   return json_text(all);
 }
 
-/// Where each model is in a list.
+/// The index of each model in a list.
 using Places = std::map<std::string, std::size_t>;
 
 Places places_of(const std::vector<ModelSource>& sources) {
@@ -64,7 +64,7 @@ JobOutcome parse_outcome(const std::string& bytes, const Places& places) {
   return outcome;
 }
 
-/// What this rank trains of the jobs that it gets.
+/// Trains the models of the jobs that this rank gets.
 Result<void> train_share(const TrainRequest& request, const Ranks& ranks, const Worker& worker,
                          const std::stop_token& stop) {
   const Places places = places_of(request.sources);
@@ -83,7 +83,7 @@ Result<void> train_share(const TrainRequest& request, const Ranks& ranks, const 
       stop);
 }
 
-/// Rank 0's account of the whole.
+/// Rank 0's state of the whole training.
 class Account {
  public:
   Account(Result<TrainingRun> run, const TrainProgress& progress)
@@ -102,7 +102,7 @@ class Account {
             [this](const std::string& bytes) {
               JobOutcome outcome = parse_outcome(bytes, places_);
               progress_.training(++num_done_, places_.size(), run_->sources()[outcome.source].name);
-              // Without a model, which lies in a rank's part, nothing is written.
+              // Writes nothing: the model itself is in a rank's part.
               [[maybe_unused]] const Result<PackedModels> added = run_->add(std::move(outcome));
             }};
   }
@@ -118,7 +118,7 @@ class Account {
   std::size_t num_done_ = 0;
 };
 
-/// Until all ranks are here; those that wait take no processor time.
+/// Waits for all ranks without using processor time.
 Result<void> meet(const Ranks& ranks, const std::stop_token& stop) {
   return share_jobs(
       ranks, {[] { return std::nullopt; }, [](const std::string&) {}},
