@@ -42,7 +42,7 @@ std::string precision_recall_chart(const Evaluation& evaluation) {
   std::string out = axes(kTop + kSide + 46, "precision over recall", "recall", "precision", true);
   std::string path;
   for (const OperatingPoint& point : evaluation.curve.points) {
-    // A threshold between two scores gives nothing between their points: the curve is a stair.
+    // A threshold between two scores gives no point between theirs: the curve has steps.
     if (path.empty()) {
       path = fmt::format("M{:.1f} {:.1f}H{:.1f}", across(0), down(point.precision),
                          across(point.recall));

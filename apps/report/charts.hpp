@@ -1,4 +1,4 @@
-/// The curves of the report as inline SVG; their colors are those of the page.
+/// The charts of the report as inline SVG; their colors are those of the page.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace trivet::apps {
 
-/// Precision over recall, with the point that was reported and the one of the best F1.
+/// Precision over recall, with the reported point and the point of the best F1.
 std::string precision_recall_chart(const Evaluation& evaluation);
 
-/// The share of right detections over their score, with 95 % intervals and numbers.
+/// The fraction of correct detections over their score, with 95 % intervals and counts.
 std::string calibration_chart(const Calibration& calibration);
 
 }  // namespace trivet::apps

@@ -14,7 +14,7 @@ namespace trivet::apps {
 namespace {
 
 constexpr std::size_t kMaxProblems = 80, kMaxRight = 24;
-constexpr double kNear = 1;  // diameters; a wrong detection farther from a truth is no answer to it
+constexpr double kNear = 1;  // diameters; a wrong detection farther away does not belong to a truth
 
 struct Style {
   const char* name;
@@ -44,7 +44,7 @@ const Detection& detection_of(const ReportInput& input, std::size_t scene,
 
 std::string whole_percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
-/// "91 % occluded, 84 % clutter": what the manifest tells of a truth.
+/// "91 % occluded, 84 % clutter": the conditions of a truth in the manifest.
 std::string conditions(const TruthInstance& truth) {
   std::string out;
   for (const auto& [value, text] : {std::pair{truth.occlusion, "occluded"},
@@ -60,8 +60,8 @@ std::string errors(const JudgedDetection& judged) {
                      judged.rotation_error_deg);
 }
 
-/// What is drawn into a scene: its reported detections, then what was missed. Labels stand in the
-/// same order.
+/// The drawings in a scene: its reported detections, then the missed truths. Labels are in the same
+/// order.
 struct Plan {
   std::vector<Overlay> overlays;
   std::vector<PictureLabel> labels;
@@ -89,7 +89,7 @@ Plan plan_scene(const ReportInput& input, std::size_t s) {
   return plan;
 }
 
-/// Why a truth was missed, if that was asked; else empty.
+/// Why a truth was missed, if requested; else empty.
 std::string why_paragraph(const ReportInput& input, std::size_t scene, std::size_t truth) {
   const auto why = input.whys.find({scene, truth});
   if (why == input.whys.end()) return "";
@@ -121,7 +121,7 @@ std::string scene_table(const ReportInput& input, std::size_t s) {
          rows + "</table></div>";
 }
 
-/// The score and what it is made of, as far as it is told.
+/// The score and its parts, as far as they are known.
 std::string score_parts(const Detection& detection) {
   std::string out = fmt::format("<b>{}</b>", escape_html(score_text(detection.score)));
   for (const auto& [value, text] : {std::pair{detection.visible_fraction, "agrees"},
@@ -155,8 +155,8 @@ Gallery choose_exhibits(const ReportInput& input) {
     const SceneEvaluation& scene = input.evaluation.scenes[s];
     std::vector<bool> shown(scene.detections.size());
     for (const std::size_t t : scene.missed) {
-      // The answer to a missed truth: what found it below the threshold, else the wrong detection
-      // that is nearest.
+      // The detection for a missed truth: the one that found it below the threshold, else the
+      // nearest wrong one.
       std::optional<std::size_t> answer = scene.truths[t].found_by;
       for (std::size_t i = 0; i < scene.detections.size() && !scene.truths[t].found_by; ++i) {
         const JudgedDetection& judged = scene.detections[i];

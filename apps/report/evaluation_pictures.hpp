@@ -1,4 +1,4 @@
-/// The pictures of an evaluation: scenes with what was found, and close-ups of single instances.
+/// The pictures of an evaluation: scenes with their detections, and close-ups of single instances.
 #pragma once
 
 #include <cstddef>
@@ -12,29 +12,29 @@
 
 namespace trivet::apps {
 
-/// One instance to be shown: a truth, a detection, or both.
+/// One instance for a close-up: a truth, a detection, or both.
 struct Exhibit {
   std::size_t scene = 0;
   std::optional<std::size_t> truth;      ///< index in the scene's truth
   std::optional<std::size_t> detection;  ///< index in the scene's judged detections
 };
 
-/// What is worth a close-up: missed truths with the answer that was nearest, detections that are
-/// wrong elsewhere, then right ones by rising score; each part up to a limit.
+/// The instances for close-ups: missed truths with the nearest detection, wrong detections
+/// elsewhere, then correct ones in order of increasing score; each part up to a limit.
 struct Gallery {
   std::vector<Exhibit> problems, right;
   std::size_t num_problems = 0, num_right = 0;  ///< without the limit
 };
 Gallery choose_exhibits(const ReportInput& input);
 
-/// What the outlines mean.
+/// The legend of the outlines.
 std::string picture_key();
 
 /// The figure of a scene with its table.
 Result<std::string> scene_figure(const ReportInput& input, std::size_t scene, SceneDrawing& drawing,
                                  PictureStore& store);
 
-/// The figure of one instance: what the sensor saw, truth and answer in outlines, its numbers.
+/// The figure of one instance: the measured scene, truth and detection in outlines, its numbers.
 Result<std::string> exhibit_figure(const ReportInput& input, const Exhibit& exhibit,
                                    SceneDrawing& drawing, PictureStore& store,
                                    const std::string& name);

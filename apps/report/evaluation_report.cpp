@@ -13,12 +13,12 @@
 namespace trivet::apps {
 namespace {
 
-/// What a close-up takes within the page, about [byte].
+/// The approximate size of an embedded close-up [byte].
 constexpr std::size_t kExhibitBytes = 75'000;
 
 // The result in words.
 
-/// "Of 3 missed, 2 are occluded by 70 % or more", where occlusion is known of all.
+/// "Of 3 missed, 2 are occluded by 70 % or more", if the occlusion of all is known.
 std::string where_missed(const ReportInput& input) {
   constexpr double kMuch = 0.7;
   std::size_t known = 0, much = 0;

@@ -1,4 +1,4 @@
-/// A page that shows what was found, for people to judge.
+/// A page that presents the results of an evaluation for review.
 #pragma once
 
 #include <filesystem>
@@ -20,15 +20,15 @@ struct ReportInput {
   const Evaluation& evaluation;
   const BopScores& bop;
   std::span<const std::optional<SceneResult>> results;
-  std::string source;  ///< the library or the file of detections that was judged
-  MissedWhys whys{};   ///< where that was asked
+  std::string source;  ///< the library or the evaluated file of detections
+  MissedWhys whys{};   ///< reasons, if requested
 };
 
-/// Write folder/index.html: the result in words, tables, curves over the score, what was missed or
-/// wrong as close-ups, then right ones, then every scene. The page needs no network; its pictures
-/// are within it while that makes up to about 20 MB, else in folder/pictures. It appears whole or
-/// not at all. Errors: of reading and drawing the scenes; cannot_create, io; resumable when
-/// stopped.
+/// Writes folder/index.html: the result in words, tables, curves over the score, close-ups of
+/// missed and wrong instances, then of correct ones, then every scene. The page needs no network.
+/// Its pictures are embedded while they make up to about 20 MB, else they are in folder/pictures.
+/// The page appears whole or not at all.
+/// Errors: of reading and drawing the scenes; cannot_create, io; resumable when stopped.
 Result<void> write_report(const std::filesystem::path& folder, const ReportInput& input,
                           const Progress& progress);
 

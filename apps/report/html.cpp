@@ -7,8 +7,8 @@
 namespace trivet::apps {
 namespace {
 
-/// Colors follow the reader's light or dark setting; on a phone the pictures of a scene stand
-/// below each other.
+/// Colors follow the reader's light or dark setting; on a phone the pictures of a scene are
+/// stacked.
 constexpr std::string_view kStyle = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--link:#2f62bd;--text:#1b1f26;--dim:#626b79;--line:#dfe3e9;--bar:#4477d0;--range:#4477d040;
 --right:#16803f;--wrong:#c92a2a;--missed:#1f66c7;--neutral:#6b7380;--doubtful:#946200;--ppf:#3b6fd1;--trisi:#c9700c;--fused:#14866d}
@@ -129,7 +129,7 @@ std::string png_address(std::span<const std::byte> png) {
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out = "data:image/png;base64,";
   out.reserve(out.size() + (png.size() + 2) / 3 * 4);
-  // RFC 4648, section 4: three bytes are four digits of six bits, the last ones filled up with '='.
+  // RFC 4648, section 4: three bytes become four digits of six bits, the last ones padded with '='.
   for (std::size_t i = 0; i < png.size(); i += 3) {
     unsigned bits = 0;
     for (std::size_t k = 0; k < 3; ++k) {

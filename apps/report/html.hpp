@@ -1,4 +1,4 @@
-/// The parts of the report that are about HTML only.
+/// The parts of the report that concern only HTML.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,19 @@
 
 namespace trivet::apps {
 
-/// Everything before and after the page's content. `title` is plain text.
+/// Wraps the content in a complete page. `title` is plain text.
 std::string html_page(std::string_view title, std::string_view content);
 
-/// Text, as printable_lines() tells it, as it may stand between tags and in quoted attributes.
+/// Text converted by printable_lines() and escaped for use between tags and in quoted attributes.
 std::string escape_html(std::string_view bytes);
 
 /// "97.2 %".
 std::string percent(double share);
 
-/// A number that stands out, with its title and a note. HTML goes in as it is.
+/// A highlighted number with its title and a note. The arguments are HTML and are not escaped.
 std::string card(std::string_view title, std::string_view value, std::string_view note);
 
-/// Bytes of a PNG as an address that holds them.
+/// A data URL with the bytes of a PNG.
 std::string png_address(std::span<const std::byte> png);
 
 }  // namespace trivet::apps

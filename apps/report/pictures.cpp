@@ -12,7 +12,7 @@
 namespace trivet::apps {
 namespace {
 
-/// Told apart by eye, and none like the outlines.
+/// Distinguishable by eye, and different from the outlines.
 constexpr std::array<Color, 10> kModelColors{{{236, 168, 62},
                                               {158, 118, 226},
                                               {62, 178, 178},
@@ -74,7 +74,7 @@ std::string model_label(std::span<const EvaluationMesh> meshes, const std::strin
 }
 
 std::string picture_labels(std::span<const PictureLabel> labels, std::span<const DrawnBox> boxes) {
-  // Of a letter and of a line in a picture of usual size, as shares of it.
+  // Sizes of a letter and of a line in a picture of usual size, as fractions of the picture.
   constexpr float kLetter = 0.0125F, kLine = 0.045F;
   struct Spot {
     float x, y, width;

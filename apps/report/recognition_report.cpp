@@ -50,7 +50,7 @@ std::string headline(const RecognitionReport& report) {
   return out + "</p>\n";
 }
 
-/// The way to each scene.
+/// The table of contents, with a link to each scene.
 std::string contents(const RecognitionReport& report) {
   if (report.scenes.size() < 2) return "";
   std::string rows;
@@ -96,7 +96,7 @@ std::string calibration_words(const Recognizer& recognizer) {
   return name.is_null() ? "none" : name.get<std::string>();
 }
 
-/// What leads to the same result again.
+/// Instructions to reproduce the result.
 std::string origin(const RecognitionReport& report) {
   const Library& library = report.recognizer.library();
   std::string rows;

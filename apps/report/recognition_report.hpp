@@ -1,4 +1,4 @@
-/// A page that shows what one recognition found and what it rejected, for people to judge.
+/// A page that presents the detections and rejected poses of one recognition for review.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,22 @@
 
 namespace trivet::apps {
 
-/// How many rejected poses of a model the page tells of: RecognizeOptions::max_rejected.
+/// The number of rejected poses per model on the page: RecognizeOptions::max_rejected.
 inline constexpr std::uint32_t kRejectedPerModel = 3;
 
 struct RecognitionReport {
   const Recognizer& recognizer;
   const RecognizeOptions& options;
   std::span<const SceneInput> scenes;
-  std::span<const SceneResult> results;  ///< one a scene
-  std::string command;                   ///< that leads to this result, as a shell takes it
+  std::span<const SceneResult> results;  ///< one per scene
+  std::string command;  ///< command that reproduces this result, quoted for a shell
 };
 
-/// Write folder/index.html: each scene with the found models drawn in, what their scores are made
-/// of, the rejected poses with the reason, times and options. The pictures are in folder/pictures;
-/// while they make up to about 20 MB they are within the page, too, which then stands alone. The
-/// page appears whole or not at all. Errors: of reading and drawing the scenes; cannot_create, io;
-/// resumable when stopped.
+/// Writes folder/index.html: each scene with the detected models drawn in, the parts of their
+/// scores, the rejected poses with the reason, times and options. The pictures are in
+/// folder/pictures. While they make up to about 20 MB, they are also embedded in the page, which is
+/// then self-contained. The page appears whole or not at all.
+/// Errors: of reading and drawing the scenes; cannot_create, io; resumable when stopped.
 Result<void> write_recognition_report(const std::filesystem::path& folder,
                                       const RecognitionReport& report, const Progress& progress);
 

@@ -23,12 +23,12 @@
 namespace trivet::apps {
 namespace {
 
-constexpr Color kQuiet{112, 118, 130};  // what was found, in the picture of the rejected
-constexpr float kHopeful = 0.01F;       // rejected poses below are not drawn
-constexpr float kNothing = 0.005F;      // of log odds: rounding
-constexpr float kSmall = 0.6F;          // models within such a part of the picture get a close-up
+constexpr Color kQuiet{112, 118, 130};  // detections, in the picture of the rejected poses
+constexpr float kHopeful = 0.01F;       // rejected poses with lower scores are not drawn
+constexpr float kNothing = 0.005F;      // of log odds: rounding errors
+constexpr float kSmall = 0.6F;  // models within such a fraction of the picture get a close-up
 
-/// One scene, and what its figure is made from.
+/// One scene, and the data for its figure.
 struct Subject {
   const RecognitionReport& report;
   const SceneInput& input;
@@ -36,7 +36,7 @@ struct Subject {
   std::span<const EvaluationMesh> models;
 
   const kernels::ScoreModel& score() const { return report.recognizer.score(); }
-  /// The most that each part can give in this scan.
+  /// The most that each part can contribute in this scan.
   std::array<float, kernels::kNumScoreParts> most() const {
     const std::optional<kernels::SensorModel>& sensor = result.stats.sensor;
     return most_evidence(score(), sensor ? sensor->correlation : 0);
@@ -45,7 +45,7 @@ struct Subject {
 
 std::string percent(float share) { return fmt::format("{:.0f} %", 100 * share); }
 
-/// A score, safe within HTML.
+/// A score, escaped for HTML.
 std::string score_cell(float score) { return escape_html(score_text(score)); }
 
 /// "at 0.2204, 0.09953, 0.5979 m, turned by 123.4° about 0.10, -0.98, 0.17".
@@ -70,8 +70,8 @@ Color brighter(const Color& color) {
   return {up(color.red), up(color.green), up(color.blue)};
 }
 
-/// Whether a rejected pose is worth a picture: it has a chance, and is not just a worse guess at a
-/// detection of its own model.
+/// Whether a rejected pose deserves a picture: its score is high enough, and it is not just a worse
+/// alternative to a detection of its model.
 bool is_hopeful(const Subject& subject, const RejectedPose& rejected) {
   const bool beneath_its_like =
       rejected.explained_by &&
@@ -79,7 +79,7 @@ bool is_hopeful(const Subject& subject, const RejectedPose& rejected) {
   return rejected.score >= kHopeful && !(rejected.reason == Rejection::too_low && beneath_its_like);
 }
 
-/// The rejected poses that are worth a row: hopeful ones, and the best of each model without any
+/// The rejected poses that get a row: those with a picture, and the best of each model without any
 /// detection.
 std::vector<std::size_t> told(const Subject& subject) {
   std::vector<std::size_t> out;
@@ -92,13 +92,13 @@ std::vector<std::size_t> told(const Subject& subject) {
   return out;
 }
 
-/// What a rejected pose is called in picture and tables; detections are 1, 2, ...
+/// The label of a rejected pose in picture and tables; detections are 1, 2, ...
 std::string rejected_id(std::size_t index) { return fmt::format("R{}", index + 1); }
 
 // Why a pose was rejected.
 
 struct Reason {
-  const char* style;  // a class of the page's
+  const char* style;  // a CSS class of the page
   Color outline;
 };
 const Reason& reason_of(const RejectedPose& rejected) {
@@ -135,7 +135,7 @@ std::string table(std::string_view title, std::string_view head, const std::stri
       title, head, rows);
 }
 
-/// What the scan cannot tell a detection from: "2 other poses; can_1".
+/// Alternatives that the scan does not distinguish from a detection: "2 other poses; can_1".
 std::string other_than(const Detection& detection) {
   std::string out;
   if (!detection.alternatives.empty())
@@ -145,7 +145,7 @@ std::string other_than(const Detection& detection) {
   return out;
 }
 
-/// "93 %", and of an object that reaches beyond the scan "46 %, 30 % outside the scan".
+/// "93 %", and for an object that extends beyond the scan "46 %, 30 % outside the scan".
 std::string visibility(const Detection& detection) {
   constexpr float kHardly = 0.01F;
   std::string out = percent(detection.visible_fraction);
@@ -156,7 +156,7 @@ std::string visibility(const Detection& detection) {
   return out;
 }
 
-/// Two rows for each: numbers, then the place and what speaks against it.
+/// Two rows for each: numbers, then the place and the evidence against it.
 std::string found_table(const Subject& subject) {
   const std::vector<Detection>& detections = subject.result.detections;
   if (detections.empty()) return "<h2>Found</h2><p class=\"dim\">None of the models.</p>\n";
@@ -203,8 +203,9 @@ std::string rejected_table(const Subject& subject) {
   return table("Rejected", "<td><th>model<th class=\"n\">score<th>why not", rows) + rest;
 }
 
-/// One row that adds up: the log odds, where they begin, what other answers take off, and bars as
-/// long as each part can give, filled as far as it gives.
+/// One row that adds up: the log odds, their initial value, the reduction by other answers, and
+/// bars. The length of a bar is the most that its part can contribute, the filled length its
+/// contribution.
 std::string parts_row(const Subject& subject, const std::string& id, const std::string& model,
                       float score, const kernels::ScoreParts& parts) {
   const auto most = subject.most();
@@ -217,7 +218,7 @@ std::string parts_row(const Subject& subject, const std::string& id, const std::
   float sum = bias + others;
   for (std::size_t k = 0; k < parts.size(); ++k)
     sum += kernels::part_evidence(subject.score(), parts, k);
-  // Rounding alone is nothing that others took.
+  // A rounding error is not a reduction by other answers.
   row += fmt::format("<td class=\"n\">{:+.1f}<td class=\"n\">{:+.1f}<td class=\"n\">{}", sum, bias,
                      others < -kNothing ? fmt::format("{:+.1f}", others) : "");
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -301,7 +302,7 @@ std::string caption(const Subject& subject) {
                            scene_unit(subject), result.stats.total_seconds);
 }
 
-/// "0.4 mm", "0.9 m", of a length in the scene's unit.
+/// "0.4 mm", "0.9 m": a length in the scene's unit.
 std::string length_words(const Subject& subject, float length) {
   const bool meters = scene_unit(subject) == std::string_view(unit_name(LengthUnit::meter));
   const float in_meters = meters ? length : length / 1000;
@@ -309,14 +310,14 @@ std::string length_words(const Subject& subject, float length) {
                           : fmt::format("{:.3g} m", in_meters);
 }
 
-/// What was assumed of what saw the scene; empty where the caller or the file said it.
+/// The assumed viewpoint of the scene; empty if the caller or the file gave it.
 std::string view_in_words(const Subject& subject) {
   const std::optional<SceneView>& view = subject.result.stats.view;
   const std::optional<std::string> words = view ? view_words(*view) : std::nullopt;
   return words ? fmt::format("<p>The scan was {}.</p>\n", *words) : "";
 }
 
-/// How the scan errs; empty of closed surfaces, which no sensor saw.
+/// The measurement errors of the scan; empty for closed surfaces, which no sensor has measured.
 std::string sensor_in_words(const Subject& subject) {
   const std::optional<kernels::SensorModel>& sensor = subject.result.stats.sensor;
   if (!sensor || !(sensor->noise > 0)) return "";
@@ -335,7 +336,7 @@ std::string sensor_in_words(const Subject& subject) {
   return fmt::format("<p class=\"dim\">{}.</p>\n", out);
 }
 
-/// What is wrong with the camera that was given; empty where nothing seems to be.
+/// The errors of the given camera; empty if there seem to be none.
 std::string camera_in_words(const Subject& subject) {
   const std::optional<CameraCheck>& check = subject.result.stats.camera_check;
   const std::optional<std::string> finding = check ? camera_finding(*check) : std::nullopt;
@@ -378,7 +379,7 @@ FigurePlan plan_rejected(const Subject& subject) {
     plan.add(mesh, in_file_frame(detection.T_scene_model, subject.result.offset), kQuiet, kQuiet,
              true, "");
   }
-  for (std::size_t i = shown.size(); i-- > 0;) {  // the best one drawn last
+  for (std::size_t i = shown.size(); i-- > 0;) {  // draw the best one last
     const RejectedPose& rejected = subject.result.rejected[shown[i]];
     plan.add(*find_mesh(subject.models, rejected.model),
              in_file_frame(rejected.T_scene_model, subject.result.offset),
@@ -387,7 +388,7 @@ FigurePlan plan_rejected(const Subject& subject) {
   return plan;
 }
 
-/// Whether all that is drawn lies in a small part of the picture.
+/// Whether everything that is drawn is in a small part of the picture.
 bool is_small(std::span<const DrawnBox> boxes) {
   DrawnBox all;
   for (const DrawnBox& box : boxes) {
@@ -405,7 +406,7 @@ class Painter {
   Painter(SceneDrawing& drawing, PictureStore& store, std::string name, std::string scene)
       : drawing_(drawing), store_(store), name_(std::move(name)), scene_(std::move(scene)) {}
 
-  /// The scene, with a close-up below it where what was found, or else rejected, is small.
+  /// The scene, with a close-up below it if the detections, or else the rejected poses, are small.
   Result<std::string> views(const FigurePlan& found, const FigurePlan& rejected) {
     const std::span<const Overlay> models =
         found.overlays.empty() ? rejected.overlays : found.overlays;
@@ -423,17 +424,18 @@ class Painter {
  private:
   struct View {
     std::string html;
-    std::vector<DrawnBox> boxes;  // of what was found, or else rejected
+    std::vector<DrawnBox> boxes;  // boxes of the detections, or else of the rejected poses
   };
 
-  /// One view: the scan, what was found and what was rejected, of which the reader sees one.
+  /// One view with three layers: the scan, the detections and the rejected poses. The reader sees
+  /// one at a time.
   template <class Draw>
   Result<View> view(const std::string& kind, const FigurePlan& found, const FigurePlan& rejected,
                     Draw&& draw) {
     std::vector<std::pair<std::string, const FigurePlan*>> plans{{"Found", &found},
                                                                  {"Rejected", &rejected}};
     std::erase_if(plans, [](const auto& plan) { return plan.second->overlays.empty(); });
-    if (plans.empty()) plans.emplace_back("", &found);  // the scan is drawn with anything
+    if (plans.empty()) plans.emplace_back("", &found);  // draw the scan in any case
     std::vector<ViewLayer> layers;
     std::vector<DrawnBox> boxes;
     for (const auto& [name, plan] : plans) {

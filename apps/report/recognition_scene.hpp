@@ -1,4 +1,4 @@
-/// One scene of a report of recognition: pictures, tables and the reasons.
+/// One scene of a recognition report: pictures, tables and the reasons.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace trivet::apps {
 
-/// The figure of scene `s` with the models found, the models rejected, what their scores are made
-/// of, times and counts. `models` are the library's. A scene that shows too little to be drawn says
-/// so in the pictures' place. Errors: of reading, drawing and writing.
+/// The figure of scene `s` with the detected models, the rejected models, the parts of their
+/// scores, times and counts. `models` are those of the library. If a scene contains too little to
+/// be drawn, a message replaces the pictures. Errors: of reading, drawing and writing.
 Result<std::string> recognition_figure(const RecognitionReport& report, std::size_t s,
                                        std::span<const EvaluationMesh> models, PictureStore& store);
 

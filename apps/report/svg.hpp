@@ -1,4 +1,4 @@
-/// The pieces that charts are made of, as SVG within a page. Texts are plain.
+/// The elements of charts, as inline SVG. Texts are plain.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace trivet::apps {
 
-/// Opens a chart of this size, which "</svg>" ends.
+/// Begins a chart of this size, which "</svg>" ends.
 std::string svg_start(double width, double height, std::string_view label);
 
-/// Centered about x, or as `style` has it, on the line y.
+/// A text on the line y, centered about x or aligned as defined by `style`.
 std::string svg_text(std::string_view style, double x, double y, std::string_view text);
 
 /// The name of a vertical axis, upward and centered about y.
