@@ -58,7 +58,7 @@ py::array_t<double> stacked(const std::vector<SomePose>& poses) {
   return out;
 }
 
-/// Doubles of any array or sequence; none where it is no array of numbers.
+/// Any array or sequence as doubles; none if it is not an array of numbers.
 py::array_t<double> numbers_of(const py::handle& value) {
   const py::array_t<double> numbers =
       py::array_t<double>::ensure(py::reinterpret_borrow<py::object>(value));

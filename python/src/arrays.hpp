@@ -1,4 +1,4 @@
-/// Columns and poses as NumPy arrays.
+/// Converts columns and poses to NumPy arrays.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -19,12 +19,14 @@ namespace trivet::python {
 /// (n, 3), a copy.
 py::array rows_of(PointsView points);
 py::array rows_of(TrianglesView triangles);
-/// (n, 3), read only: the columns themselves where they lie evenly apart, as in a library's file,
-/// else a copy. owner: keeps them alive.
+/// (n, 3), read only. A view of the columns if they are evenly spaced, as in a library's file, else
+/// a copy.
+///
+/// owner  keeps the columns alive
 py::array rows_within(PointsView points, const py::object& owner);
 py::array rows_within(TrianglesView triangles, const py::object& owner);
 
-/// (n,) or, of rows of n numbers, (n, width): the memory itself, read only.
+/// (n,) or, for rows of n numbers, (n, width): a view of the memory, read only.
 template <class T>
 py::array view_of(std::span<const T> values, const py::object& owner, std::size_t width = 0) {
   const auto n = static_cast<py::ssize_t>(width == 0 ? values.size() : values.size() / width);
@@ -40,7 +42,7 @@ py::array_t<double> matrices_of(const std::vector<Pose>& poses);      ///< (n, 4
 py::array_t<double> matrices_of(const std::vector<FilePose>& poses);  ///< (n, 4, 4)
 py::array_t<double> vector_of(const Eigen::Vector3d& vector);         ///< (3,)
 
-/// Raises UsageError: not (4, 4), or no rotation and translation.
+/// Raises UsageError: not (4, 4), or not a rotation and translation.
 FilePose pose_of(const py::handle& matrix, const char* what);
 /// Raises UsageError: not 3 numbers.
 Eigen::Vector3d vector_from(const py::handle& numbers, const char* what);

@@ -1,4 +1,4 @@
-/// Between Python's calls and the engine's: errors as exceptions, work without the interpreter's lock.
+/// Calls from Python into the engine: errors as exceptions, work without the interpreter's lock.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -18,10 +18,10 @@ namespace trivet::python {
 
 namespace py = pybind11;
 
-/// The exception of its kind: trivet.errors.
+/// Raises the exception of the error's kind: trivet.errors.
 [[noreturn]] void raise(const Error& error);
 
-/// The name of a file, which is any bytes, as os.fsdecode() has it.
+/// The name of a file, which may be any bytes, as decoded by os.fsdecode().
 py::str path_text(const std::string& file);
 
 template <class T>
@@ -33,11 +33,12 @@ inline void unwrap(const Result<void>& result) {
   if (!result) raise(result.error());
 }
 
-/// Whether signals reach this thread.
+/// Whether this thread runs signal handlers.
 bool is_main_thread();
 
-/// Do work(stop token) while other Python threads run; what the handler of a signal raises, as of
-/// Ctrl-C, asks it to stop, and is raised when it has ended. What the work throws is thrown.
+/// Runs work(stop token) while other Python threads run. An exception of a signal handler, such as
+/// that of Ctrl-C, requests a stop, and is raised when the work has ended. Exceptions of the work
+/// are passed on.
 template <class Work>
 auto interruptibly(Work&& work, std::stop_source stop = {}) {
   if (!is_main_thread()) {
@@ -45,7 +46,7 @@ auto interruptibly(Work&& work, std::stop_source stop = {}) {
     return work(stop.get_token());
   }
   constexpr std::chrono::milliseconds kHowOften{50};
-  std::optional<py::error_already_set> raised;  // by the handler of a signal
+  std::optional<py::error_already_set> raised;  // by a signal handler
   auto result = [&] {
     const py::gil_scoped_release released;
     auto running = std::async(std::launch::async, [&] { return work(stop.get_token()); });
@@ -61,13 +62,14 @@ auto interruptibly(Work&& work, std::stop_source stop = {}) {
   return result;
 }
 
-/// What a caller wants to be told: progress(done, total, item). What it raises stops the work, and
-/// is raised by `rethrow`. Made, used by `to` and destroyed with the lock held.
+/// Calls the caller's progress(done, total, item). An exception of the callback stops the work, and
+/// is raised by `rethrow`. Constructed, used by `to` and destroyed with the lock held.
 class Reports {
  public:
   Reports(py::object callback, std::stop_source stop)
       : callback_(std::move(callback)), stop_(std::move(stop)) {}
-  /// For the work, on whose threads it takes the lock; nothing is told where there is no callback.
+  /// The Progress for the work, on whose threads it acquires the lock. Without a callback it does
+  /// nothing.
   Progress to(std::stop_token stop);
   void rethrow();
 

@@ -19,7 +19,7 @@
 namespace trivet::python {
 namespace {
 
-/// The document of `trivet evaluate --json`.
+/// Returns the document of `trivet evaluate --json`.
 std::string evaluate_manifest(const OpenLibrary& library, const std::string& file,
                               const std::string& preset, const py::object& progress,
                               const py::dict& keywords) {

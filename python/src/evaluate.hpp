@@ -1,4 +1,4 @@
-/// Results held against the truth of a manifest.
+/// Comparison of results with the truth of a manifest.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -20,7 +20,7 @@ struct ModelHandle {
   std::uint32_t index = 0;
 
   const Model& model() const { return recognizer->library().models[index]; }
-  /// What was not looked at before is compared with its checksums. Raises DataError.
+  /// Verifies the checksums of parts that were not read before. Raises DataError.
   const Model& checked(ModelPart part) const {
     unwrap(recognizer->library().check(index, part));
     return model();
@@ -57,7 +57,7 @@ py::object axis_of(const std::optional<Symmetry::Axis>& axis) {
                         vector_of(Eigen::Vector3f(axis->point).cast<double>()));
 }
 
-/// A property of columns, checked before they are first read.
+/// A property with columns, which are verified before the first read.
 template <class Get>
 auto columns(ModelPart part, Get&& get) {
   return [part, get](const py::object& self) -> py::object {

@@ -10,7 +10,7 @@
 
 namespace trivet::python {
 
-/// Shared by all that looks at its memory.
+/// Shared by all objects that refer to its memory.
 struct OpenLibrary {
   std::shared_ptr<const Recognizer> recognizer;
   std::string file;

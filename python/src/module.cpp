@@ -1,4 +1,4 @@
-// The extension module trivet._trivet; what callers see is in python/trivet.
+// The extension module trivet._trivet; the public interface is in python/trivet.
 #include <pybind11/pybind11.h>
 
 #include "python/src/evaluate.hpp"

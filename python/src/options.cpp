@@ -62,7 +62,7 @@ OptionValue value_of(const OptionInfo& info, const py::handle& value) {
                                                    py::repr(value).cast<std::string>())}));
 }
 
-// What is unset is None.
+// An unset value is None.
 py::object object_of(const OptionValue& value) {
   if (is_unset(value)) return py::none();
   return std::visit([](const auto& one) { return py::cast(one); }, value);

@@ -1,4 +1,4 @@
-/// Keyword arguments as options, by the engine's own lists of them.
+/// Converts keyword arguments to options, from the engine's lists of options.
 #pragma once
 
 #include <fmt/format.h>
@@ -22,11 +22,11 @@ inline std::string keyword_of(std::string_view option) {
   return keyword;
 }
 
-/// A value of the option's kind; None leaves it open. Raises UsageError.
+/// Converts a value to the option's kind; None leaves it unset. Raises UsageError.
 OptionValue value_of(const OptionInfo& info, const py::handle& value);
 py::object object_of(const OptionValue& value);
 
-/// Raises UsageError: of a keyword that is no option, or a value out of range.
+/// Raises UsageError: an unknown keyword, or a value out of range.
 template <class Options>
 void set_options(const py::dict& keywords, Options& options) {
   for (const auto& [key, given] : keywords) {
@@ -49,7 +49,7 @@ void set_options(const py::dict& keywords, Options& options) {
   }
 }
 
-/// What there is to set: for each keyword its meaning, range and default, as dictionaries.
+/// The available options as dictionaries: for each keyword its meaning, range and default.
 template <class Options>
 py::list describe_options() {
   py::list all;

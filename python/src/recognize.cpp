@@ -22,7 +22,7 @@
 namespace trivet::python {
 namespace {
 
-/// What was found, and what it takes to show it.
+/// The result, and everything needed to draw it.
 struct Recognized {
   std::shared_ptr<const Recognizer> recognizer;
   Scene scene;
@@ -96,7 +96,7 @@ py::object turns_of(const DetectionHandle& self) {
   return out;
 }
 
-/// The meshes of what was found alone: a library may have thousands of models.
+/// The meshes of the detected models only: a library may have thousands of models.
 Result<std::vector<EvaluationMesh>> found_meshes(const Recognized& self) {
   const Library& library = self.recognizer->library();
   std::vector<EvaluationMesh> meshes;
@@ -113,7 +113,7 @@ Result<std::vector<EvaluationMesh>> found_meshes(const Recognized& self) {
 
 struct Drawing {
   Picture picture;
-  std::vector<std::string> colors;  ///< of the detections, as CSS
+  std::vector<std::string> colors;  ///< colors of the detections, as CSS
 };
 
 Result<Drawing> draw(const Recognized& self) {

@@ -10,12 +10,12 @@
 
 namespace trivet::python {
 
-/// Stops what runs with it, from any thread.
+/// Stops the work that uses it, from any thread.
 struct Stopper {
   std::stop_source source;
 };
 
-/// The preset, with what the keywords say in its place. Raises UsageError.
+/// The preset, overridden by the keywords. Raises UsageError.
 RecognizeOptions recognize_options(const std::string& preset, const pybind11::dict& keywords);
 
 void add_recognize(pybind11::module_& module);

@@ -18,7 +18,7 @@
 namespace trivet::python {
 namespace {
 
-/// A scanner, and the models that it looks at.
+/// A scanner and its models.
 struct Scanner {
   std::shared_ptr<const std::vector<ScanModel>> models;
   LengthUnit unit = LengthUnit::meter;
@@ -79,7 +79,7 @@ py::dict scan(const Scanner& self, std::uint32_t index) {
   return out;
 }
 
-/// (name, vertices, triangles) of each, in the asked unit.
+/// (name, vertices, triangles) of each, in the requested unit.
 py::list models_of(const Scanner& self) {
   const float scale = static_cast<float>(unit_scale(LengthUnit::meter, self.unit));
   py::list all;

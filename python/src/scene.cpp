@@ -30,7 +30,7 @@ bool take(const py::array& array, ArrayView& view) {
   return true;
 }
 
-/// What read_camera takes as text: numbers, or what a camera file holds.
+/// The text that read_camera accepts: numbers, or the contents of a camera file.
 std::string camera_text(const py::handle& given) {
   if (py::isinstance<py::dict>(given)) {
     const py::cpp_function to_list([](const py::object& value) { return value.attr("tolist")(); });

@@ -1,4 +1,4 @@
-/// Scenes and models out of NumPy arrays and files.
+/// Scenes and models from NumPy arrays and files.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -14,7 +14,7 @@
 
 namespace trivet::python {
 
-/// A scene in memory, and what its sensor was.
+/// A scene in memory, with its sensor.
 struct Scene {
   std::shared_ptr<const Cloud> cloud;
   SceneInput input;  ///< without its scale
@@ -23,12 +23,12 @@ struct Scene {
 /// "m", "mm" or None. Raises UsageError.
 std::optional<LengthUnit> unit_from(const py::object& unit);
 
-/// Arrays as the engine reads them, which `converted` keeps alive: those of types that it does not
-/// read are converted first.
+/// A view of an array for the engine. Arrays of other types are converted first, and `converted`
+/// keeps the results alive.
 ArrayView view_from(const py::object& array, const char* what, py::list& converted);
 
-/// Points (n, 3) or (height, width, 3); normals and triangles may be None. Raises UsageError,
-/// DataError.
+/// Points (n, 3) or (height, width, 3); normals and triangles may be None.
+/// Raises UsageError, DataError.
 Cloud cloud_from(const py::object& points, const py::object& normals, const py::object& triangles,
                  const std::string& name, bool keep_origin);
 

@@ -20,7 +20,7 @@
 namespace trivet::python {
 namespace {
 
-/// The document of `trivet train --json`.
+/// Returns the document of `trivet train --json`.
 std::string train(const std::vector<std::string>& models, const std::string& output,
                   const py::object& unit, bool prune, bool keep_going, const std::string& preset,
                   const py::object& progress, const py::dict& keywords) {
