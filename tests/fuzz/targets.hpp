@@ -1,5 +1,5 @@
-/// What an untrusted client can send, as functions that take any bytes: to be searched by a fuzzer,
-/// and replayed on seeds and past findings by the ordinary tests.
+/// Input of untrusted clients as functions that accept any bytes: for fuzzers, and for the ordinary
+/// tests, which replay seeds and past findings.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace trivet::fuzz {
 
-/// A promise of the code under test that did not hold.
+/// A violated guarantee of the code under test.
 struct Broken : std::logic_error {
   using std::logic_error::logic_error;
 };
@@ -19,15 +19,15 @@ inline void require(bool holds, const std::string& promise) {
 }
 
 void parse_target(std::string_view input);
-/// The header, then, where there are tensors behind it, a zero byte and these.
+/// The header; then, if there are tensors, a zero byte and the tensors.
 void parse_inference(std::string_view input);
 /// The content type, a line feed, then the body.
 void split_form(std::string_view input);
 /// A digit for the format, then the body.
 void read_scan(std::string_view input);
-/// A digit for the format, a letter for what else is said, then the body.
+/// A digit for the format, a letter for the other options, then the body.
 void recognize_scene(std::string_view input);
-/// A letter for the coding, then the packed body.
+/// A letter for the coding, then the compressed body.
 void unpack(std::string_view input);
 /// Parameters, or the JSON of a form's options.
 void parse_query(std::string_view input);
@@ -35,7 +35,7 @@ void parse_query(std::string_view input);
 struct Target {
   const char* name;
   void (*run)(std::string_view input);
-  std::vector<std::string> (*seeds)();  ///< small valid inputs to begin from
+  std::vector<std::string> (*seeds)();  ///< small valid inputs to start from
 };
 
 std::vector<std::string> parse_target_seeds();

@@ -58,7 +58,7 @@ void fail_own_allocation(std::size_t n, std::size_t least_bytes) noexcept {
 }
 }  // namespace trivet::test
 
-// All forms, so that the runtimes of sanitizers put none of their own between them.
+// All forms, so that the runtimes of sanitizers do not replace some of them.
 void* operator new(std::size_t n) { return allocate(n, kPlain); }
 void* operator new[](std::size_t n) { return allocate(n, kPlain); }
 void* operator new(std::size_t n, std::align_val_t a) { return allocate(n, bytes(a)); }

@@ -1,5 +1,5 @@
-/// Count heap allocations of the running thread, to prove that a loop makes none, or few, and let one
-/// fail.
+/// Counts heap allocations of the calling thread, to prove that a loop makes none or few, and makes
+/// a chosen allocation fail.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,14 @@
 
 namespace trivet::test {
 
-/// Calls of operator new, in all its forms, by this thread so far.
+/// Number of calls of operator new, in all its forms, by this thread so far.
 std::size_t num_allocations() noexcept;
 
-/// The bytes that they asked for.
+/// Number of bytes requested by these calls.
 std::size_t num_allocated_bytes() noexcept;
 
-/// The bytes that a callable asks for, freed or not: a measure of its work, whatever the clock says.
+/// The bytes that a callable requests, freed or not: a measure of its work that is independent of
+/// time.
 template <class Body>
 std::size_t bytes_in(Body&& body) {
   const std::size_t before = num_allocated_bytes();
@@ -21,17 +22,18 @@ std::size_t bytes_in(Body&& body) {
   return num_allocated_bytes() - before;
 }
 
-/// Let the n-th call of operator new from now on find no memory, once, whichever thread makes it; 0:
-/// none. Calls of threads that are spared do not count.
+/// Makes the n-th call of operator new from now on fail, once, in whichever thread; 0: none. Calls
+/// of exempt threads do not count.
 void fail_allocation(std::int64_t n) noexcept;
-/// Whether one has failed since.
+/// Whether an allocation has failed since then.
 bool has_failed_allocation() noexcept;
-/// Of the running thread.
+/// Exempts the calling thread.
 void spare_allocations() noexcept;
-/// Let the nth from now on of this thread's allocations of so many bytes or more fail, once; 0: none.
+/// Makes the n-th allocation of this thread from now on with at least so many bytes fail, once; 0:
+/// none.
 void fail_own_allocation(std::size_t n, std::size_t least_bytes = 0) noexcept;
 
-/// How many allocations a callable makes.
+/// The number of allocations that a callable makes.
 template <class Body>
 std::size_t allocations_in(Body&& body) {
   const std::size_t before = num_allocations();

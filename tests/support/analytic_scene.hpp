@@ -1,4 +1,5 @@
-/// Scenes and models given by formulas: rendered by solving for each ray, sampled without meshes.
+/// Scenes and models given by formulas: rendered by analytic ray intersection, sampled without
+/// meshes.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,7 +18,8 @@
 
 namespace trivet::test {
 
-/// Where a ray first meets a surface: at origin + t direction; t is infinite for nowhere.
+/// The first intersection of a ray with a surface, at origin + t direction; t is infinite without
+/// one.
 struct SurfaceHit {
   double t = std::numeric_limits<double>::infinity();
   Eigen::Vector3d normal{0, 0, 0};
@@ -38,7 +40,7 @@ struct HalfSpace {
   Eigen::Vector3d normal;  ///< unit, outward
   double offset;           ///< inside: normal . p <= offset
 };
-using Solid = std::vector<HalfSpace>;  ///< the part inside all of them
+using Solid = std::vector<HalfSpace>;  ///< the intersection of all half spaces
 
 inline Solid box_of(const Eigen::Vector3d& half) {
   Solid out;
@@ -49,14 +51,14 @@ inline Solid box_of(const Eigen::Vector3d& half) {
   return out;
 }
 
-/// A box of three different sides with a cut corner: no motion maps it onto itself.
+/// A box with three different side lengths and a cut corner, without any symmetry.
 inline Solid cut_box() {
   Solid out = box_of({0.5, 0.35, 0.25});
   out.push_back({Eigen::Vector3d(1, 2, 3).normalized(), 0.35});
   return out;
 }
 
-/// The boundary of a solid; of a single half space, a plane.
+/// The boundary of a solid; for a single half space, a plane.
 inline Surface boundary(const Solid& solid) {
   return [=](const Eigen::Vector3d& o, const Eigen::Vector3d& d) -> SurfaceHit {
     SurfaceHit enter{0, {0, 0, 0}};
@@ -80,13 +82,13 @@ inline Surface moved(const Surface& surface, const Pose& pose) {
   };
 }
 
-/// A surface in the camera's frame, and the number of the plane that its pixels shall carry.
+/// A surface in the camera's frame, and the plane number of its pixels.
 struct Seen {
   Surface surface;
   std::uint8_t plane = 0;
 };
 
-/// What a camera sees of surfaces in its own frame.
+/// Renders surfaces given in the camera's frame.
 inline kernels::RangeImage render(const kernels::ImageGeometry& geometry,
                                   const std::vector<Seen>& surfaces) {
   kernels::RangeImage image;
@@ -113,7 +115,7 @@ inline kernels::RangeImage render(const kernels::ImageGeometry& geometry,
   return image;
 }
 
-/// Surface samples of a convex model about its origin, with the views that its normals alone give.
+/// Surface samples of a convex model about its origin, with the views that follow from its normals.
 struct SampledModel {
   Points points;
   Normals normals;
@@ -134,7 +136,7 @@ struct SampledModel {
   }
 };
 
-/// The k-th point of a sequence that fills the unit square evenly (multiples of 1/g and 1/g^2 with
+/// The k-th point of a low-discrepancy sequence in the unit square (multiples of 1/g and 1/g^2 with
 /// g^3 = g + 1).
 inline Eigen::Vector2d even(int k) {
   const auto fraction = [](double x) { return x - std::floor(x); };
@@ -155,7 +157,8 @@ inline SampledModel sampled_sphere(int n, float radius) {
   return model;
 }
 
-/// Samples of equal density on every face, taking turns; `extent` bounds the solid.
+/// Samples of equal density on every face, one face after the other in turn; `extent` bounds the
+/// solid.
 inline SampledModel sampled_solid(const Solid& solid, float spacing, float extent) {
   SampledModel model;
   const auto trials = static_cast<int>(4 * extent * extent / (spacing * spacing));
@@ -175,7 +178,7 @@ inline SampledModel sampled_solid(const Solid& solid, float spacing, float exten
   return model;
 }
 
-/// A pose in front of the camera: turned by a rotation vector, at a place.
+/// A pose in front of the camera: a rotation vector and a position.
 inline Pose placed(const Eigen::Vector3f& place, const Eigen::Vector3f& rotation = {0, 0, 0}) {
   Pose pose = Pose::Identity();
   const float angle = rotation.norm();
@@ -184,12 +187,12 @@ inline Pose placed(const Eigen::Vector3f& place, const Eigen::Vector3f& rotation
   return pose;
 }
 
-/// A wall that faces the camera at this depth; plane number 1 when it is background.
+/// A wall that faces the camera at this depth; plane number 1 if it is background.
 inline Seen wall(double depth, std::uint8_t plane = 0) {
   return {boundary({{Eigen::Vector3d(0, 0, -1), -depth}}), plane};
 }
 
-/// The left half of a wall: nearer things in front of an object.
+/// The left half of a wall: an occluder in front of an object.
 inline Seen left_half(double depth) {
   Solid half = box_of({10, 10, 0.01});
   half[0].offset = 0;

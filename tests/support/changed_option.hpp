@@ -1,4 +1,4 @@
-/// For each option a value that it does not have by itself.
+/// A value other than the default for each option.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace trivet::test {
 
-/// Within the range, and not the usual one.
+/// A value within the range that is not the default.
 inline OptionValue changed_value(const OptionInfo& info, const OptionValue& usual) {
   const auto other_number = [&] {
     const double low = std::max(info.range.low, 0.0);
@@ -44,7 +44,7 @@ inline OptionValue changed_value(const OptionInfo& info, const OptionValue& usua
                                                        : std::string(info.choices.back().name)};
 }
 
-/// As a command line or a query says it.
+/// The value in the form of a command line or a query.
 inline std::string text_of(const OptionValue& value) {
   if (const bool* const flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   std::string text = value_text(value);

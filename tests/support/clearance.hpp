@@ -1,4 +1,4 @@
-/// How far meshes are from each other, slowly and in double.
+/// Distances between meshes, by slow reference code in double precision.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -23,16 +23,16 @@ inline std::vector<Facet> facets_of(PointsView vertices, const Triangles& triang
   return out;
 }
 
-/// Height of a facet's plane over (x, y); NaN for an upright one.
+/// Height of a facet's plane over (x, y); NaN for a vertical one.
 inline double height_at(const Facet& f, double x, double y) {
   const Eigen::Vector3d n = (f[1] - f[0]).cross(f[2] - f[0]);
   return f[0].z() - (n.x() * (x - f[0].x()) + n.y() * (y - f[0].y())) / n.z();
 }
 
-/// Least height of one facet above another where both lie over the plane, which is at a corner of
-/// the polygon that both cover: one facet's outline, cut along each side of the other. Infinite
-/// where none is. Upright facets have no area over the plane and are left out: their edges belong
-/// to others too.
+/// Smallest height of one facet above another where both cover the plane. It occurs at a corner of
+/// the polygon that both cover: the outline of one facet, clipped along each side of the other.
+/// Infinite without a common polygon. Vertical facets have no area in the plane and are left out:
+/// their edges also belong to other facets.
 inline double clearance(const Facet& upper, const Facet& lower) {
   using Eigen::Vector2d;
   const auto area = [](const Vector2d& a, const Vector2d& b, const Vector2d& c) {
@@ -65,7 +65,7 @@ inline double clearance(const Facet& upper, const Facet& lower) {
   return least;
 }
 
-/// Least clearance of one mesh above another.
+/// Smallest clearance of one mesh above another.
 inline double clearance(const std::vector<Facet>& upper, const std::vector<Facet>& lower) {
   double least = std::numeric_limits<double>::infinity();
   for (const Facet& a : upper) {
@@ -96,7 +96,7 @@ inline double distance(const Eigen::Vector3d& p, const Facet& f) {
   return least;
 }
 
-/// How deep a point is inside a closed mesh, 0 outside. By the parity of a ray's crossings in a
+/// The depth of a point inside a closed mesh, 0 outside. Uses the parity of a ray's crossings in a
 /// direction that no edge has.
 inline double depth_inside(const Eigen::Vector3d& p, const std::vector<Facet>& mesh) {
   const Eigen::Vector3d direction = Eigen::Vector3d(0.5377, 0.2713, 0.7981).normalized();

@@ -15,7 +15,7 @@ constexpr std::array<std::array<std::uint32_t, 3>, 4> kSides{
 constexpr std::array<std::array<float, 3>, 4> kCorners{
     {{-100, -100, 400}, {100, -100, 400}, {-100, 100, 400}, {-100, -100, 550}}};
 
-/// Not test::Random, whose seed is the running test's: a fuzzer runs none.
+/// Replaces test::Random, whose seed comes from the running test: a fuzzer runs none.
 class Random {
  public:
   float uniform(float low, float high) {
@@ -26,7 +26,7 @@ class Random {
   std::mt19937 engine_{1};
 };
 
-/// Each three vertices that follow each other, from both sides.
+/// Adds a triangle of every three consecutive vertices, from both sides.
 void close(Cloud& cloud) {
   const auto n = static_cast<std::uint32_t>(cloud.points.size());
   for (std::uint32_t i = 0; i < n; ++i) {

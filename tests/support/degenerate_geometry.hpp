@@ -1,4 +1,4 @@
-/// Meshes that are hardly a surface, or many times the same one.
+/// Meshes that are hardly a surface, or that contain the same surface many times.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@
 namespace trivet::test {
 
 struct DegenerateMesh {
-  std::string name;  ///< what is wrong with it, and its number of vertices
-  Cloud cloud;       ///< its edges all lie between triangles, as of a closed surface
+  std::string name;  ///< its defect, and its number of vertices
+  Cloud cloud;       ///< every edge is between triangles, as in a closed surface
 };
 
-/// Of 1 to 12 vertices each: all in one place, in a line, in a plane, in two places, scattered, so
-/// small that floats hardly tell them apart, denormal, huge, and far from the origin.
+/// Meshes of 1 to 12 vertices: all at one point, in a line, in a plane, at two points, scattered,
+/// too close together for floats to distinguish, denormal, huge, and far from the origin.
 std::vector<DegenerateMesh> degenerate_meshes();
 
-/// A tetrahedron some 200 across whose faces are there `layers` times.
+/// A tetrahedron some 200 across whose faces occur `layers` times.
 Cloud layered_tetrahedron(std::size_t layers);
 
-/// The same with vertices of its own for each layer, all a little elsewhere.
+/// The same with separate, slightly shifted vertices for each layer.
 Cloud shifted_tetrahedra(std::size_t layers);
 
-/// As the text of an OBJ file.
+/// The text of an OBJ file.
 std::string obj_file(const Cloud& cloud);
 
 }  // namespace trivet::test

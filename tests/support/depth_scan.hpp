@@ -15,10 +15,10 @@ struct DepthScan {
   Points points;
 };
 
-inline constexpr float kPixelPitch = 0.01F;  ///< between rays of a depth_scan, at depth 1
+inline constexpr float kPixelPitch = 0.01F;  ///< spacing of a depth_scan's rays at depth 1
 
-/// A pinhole camera at the origin looks along z; depth gives z by the ray (a, b, 1), or NaN for a
-/// pixel without a point.
+/// A scan by a pinhole camera at the origin that looks along z. `depth` returns z for the ray (a,
+/// b, 1), or NaN for a pixel without a point.
 inline DepthScan depth_scan(std::uint32_t width, std::uint32_t height,
                             const std::function<float(float a, float b)>& depth) {
   DepthScan out;

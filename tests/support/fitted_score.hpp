@@ -1,4 +1,4 @@
-/// The fitted score as its file holds it, read as plainly as can be.
+/// The fitted score, read from its file by the simplest possible code.
 #pragma once
 
 #include <fstream>

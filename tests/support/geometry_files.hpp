@@ -17,7 +17,7 @@ namespace trivet::test {
 /// The value's bytes in little-endian order.
 template <class T>
 std::string little(T value) {
-  return {reinterpret_cast<const char*>(&value), sizeof(T)};  // the tests run on such machines only
+  return {reinterpret_cast<const char*>(&value), sizeof(T)};  // little-endian machines only
 }
 template <class T>
 std::string big(T value) {
@@ -47,15 +47,15 @@ std::string depth_png(std::uint32_t width, std::uint32_t height,
 std::string tiff_file(std::uint32_t width, std::uint32_t height, int bits, int format,
                       std::string_view pixels, int samples = 1);
 
-/// Binary glTF of a document and a buffer.
+/// A binary glTF file with a document and a buffer.
 std::string glb_file(std::string json, std::string buffer);
 std::string base64(std::string_view bytes);
 
-/// A NumPy array; `type` as numpy.dtype.str and `shape` as in Python.
+/// A NumPy array file; `type` as in numpy.dtype.str and `shape` as in Python.
 std::string npy_file(const std::string& type, const std::string& shape, const std::string& body,
                      bool fortran_order = false, int version = 1);
 
-/// Packed by gzip; level 0 stores the bytes as they are.
+/// Compresses bytes by gzip; level 0 stores them as they are.
 std::string gzip_file(std::string_view bytes, int level = 9);
 
 struct SampleFile {
@@ -65,14 +65,14 @@ struct SampleFile {
 /// A valid file of each format and encoding, a few hundred bytes long.
 std::vector<SampleFile> sample_files();
 
-/// What depth images are read with here.
+/// The camera of depth images in these tests.
 inline const Camera kCamera{500, 400, 1, 0.5, 0.001};
 inline const ReadOptions kReadOptions{.camera = kCamera};
 
-/// Whether the cloud keeps every promise of its type.
+/// Whether the cloud satisfies all invariants of its type.
 testing::AssertionResult is_valid(const Cloud& cloud);
 
-/// Whether the result is bad_data and its message names the file and this text.
+/// Whether the result is bad_data and its message contains the name of the file and this text.
 testing::AssertionResult is_refused(const Result<Cloud>& result, std::string_view text);
 
 }  // namespace trivet::test

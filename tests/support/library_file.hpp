@@ -1,4 +1,4 @@
-/// Tests of libraries: each has a folder of its own with one file in it.
+/// Fixture for tests of libraries: each test has a separate folder with one file in it.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/// Meshes of polygons, and outlines with known areas, as files hold them.
+/// Meshes of polygons and outlines with known areas, as found in files.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ namespace trivet::test {
 
 using Outline2d = std::vector<Eigen::Vector2d>;
 
-/// Signed area by the shoelace formula: above zero for counterclockwise outlines.
+/// Signed area by the shoelace formula: positive for counterclockwise outlines.
 inline double shoelace(const Outline2d& outline) {
   double twice = 0;
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -24,7 +24,7 @@ inline double shoelace(const Outline2d& outline) {
   return twice / 2;
 }
 
-/// A gear of four corners a tooth.
+/// A gear with four corners per tooth.
 inline Outline2d gear_outline(int teeth, double inner = 1, double outer = 1.25) {
   Outline2d outline;
   for (int i = 0; i < 4 * teeth; ++i) {
@@ -35,8 +35,8 @@ inline Outline2d gear_outline(int teeth, double inner = 1, double outer = 1.25) 
   return outline;
 }
 
-/// A hole cut into an outline as writers do it: from corner `at` over a bridge to the hole, around
-/// it, and back over the bridge. The hole runs clockwise.
+/// An outline with a hole, in the usual form of writers: from corner `at` over a bridge to the
+/// hole, around it, and back over the bridge. The hole runs clockwise.
 inline Outline2d bridged(const Outline2d& outline, std::size_t at, const Outline2d& hole) {
   Outline2d all(outline.begin(), outline.begin() + static_cast<std::ptrdiff_t>(at) + 1);
   all.insert(all.end(), hole.begin(), hole.end());
@@ -92,8 +92,8 @@ struct PolygonMesh {
   }
 };
 
-/// A counterclockwise outline drawn from z = 0 to `height`. Its ends are one polygon each; or, for
-/// outlines that a middle sees all of, triangles about the origin.
+/// A counterclockwise outline extruded from z = 0 to `height`. Its ends are one polygon each; or,
+/// for outlines that are star-shaped about the origin, triangles about the origin.
 inline PolygonMesh extruded(const Outline2d& outline, double height, bool triangulated = false) {
   PolygonMesh mesh;
   const auto n = static_cast<std::uint32_t>(outline.size());

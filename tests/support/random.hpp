@@ -1,4 +1,4 @@
-/// Random test data that is the same on every run: the seed comes from the name of the test.
+/// Random test data that is the same on every run: the name of the test gives the seed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ inline const std::vector<std::size_t> kSmallSizes{0, 1, 2, 3, 7, 63, 64, 65, 500
 
 class Random {
  public:
-  /// Seed from the running test and a number of the case within it.
+  /// Seeds from the running test and a number of the case within it.
   explicit Random(std::uint64_t test_case = 0) : engine_(seed(test_case)) {}
 
   float uniform(float low, float high) {
@@ -37,7 +37,8 @@ class Random {
     return v.norm() > 1e-3F ? v.normalized() : direction();
   }
 
-  /// Coordinates are multiples of 1/64 in [-extent, extent): float arithmetic on them is exact.
+  /// A cloud whose coordinates are multiples of 1/64 in [-extent, extent): float arithmetic on them
+  /// is exact.
   Points dyadic_cloud(std::size_t n, int extent = 2) {
     Points points(n);
     const auto coordinate = [&] {
@@ -106,7 +107,7 @@ inline Points permuted(PointsView points, const std::vector<std::uint32_t>& orde
   return out;
 }
 
-/// Same bits, NaN included.
+/// Whether all bits are equal, including those of NaN.
 inline bool same_bits(std::span<const float> a, std::span<const float> b) {
   return std::ranges::equal(
       a, b, {}, [](float v) { return std::bit_cast<std::uint32_t>(v); },
@@ -116,7 +117,7 @@ inline bool same_bits(PointsView a, PointsView b) {
   return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
 }
 
-/// Call body(first, count) for chunks of this size over [0, n).
+/// Calls body(first, count) for chunks of this size over [0, n).
 template <class Body>
 void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
   for (std::size_t first = 0; first < n; first += grain) body(first, std::min(grain, n - first));

@@ -42,7 +42,7 @@ struct Table {
   Column<PpfEntry> entries;
 };
 
-// Entries drawn with their cell, sorted as the format wants them, then counted.
+// Draws entries with their cell, sorts them as the format requires, then counts them.
 void fill_table(Random& random, const RandomModelSize& size, Model& model) {
   model.ppf.quantization = {uniform(random, 0.01F, 0.1F), size.num_distance_bins,
                             size.num_angle_bins};

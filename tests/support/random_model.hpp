@@ -1,4 +1,4 @@
-/// Models with random content that obey the format, and their comparison bit for bit.
+/// Models with random content that satisfy the format, and their comparison bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,12 @@ struct RandomModelSize {
 /// A model of random content; the same name and seed give the same model.
 Model random_model(const std::string& name, std::uint64_t seed, const RandomModelSize& size = {});
 
-/// A basis of random content with this many components; those of random_model's features have
+/// A basis of random content with this many components; the features of random_model have
 /// kRandomComponents.
 TriSpinBasis random_basis(std::uint64_t seed, std::size_t num_components);
 inline constexpr std::size_t kRandomComponents = 7;
 
-/// Empty when equal bit for bit, or the name of the first part that differs.
+/// Empty if equal bit for bit, or the name of the first part that differs.
 std::string difference(const Model& a, const Model& b);
 std::string difference(const TriSpinBasis& a, const TriSpinBasis& b);
 

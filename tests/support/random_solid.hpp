@@ -1,4 +1,4 @@
-/// Solids to try what works on solids with.
+/// Random solids as test data.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ inline kernels::Solid random_primitive(Random& random) {
   }
 }
 
-/// Several primitives by all the ways of composition.
+/// Several primitives combined by all kinds of composition.
 inline kernels::Solid random_solid(Random& random, int num_parts = 4) {
   kernels::Solid out = random_primitive(random);
   for (int k = 1; k < num_parts; ++k) {

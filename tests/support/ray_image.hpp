@@ -1,4 +1,4 @@
-/// What a camera measures of posed meshes, one ray a pixel.
+/// Depth images of posed meshes, one ray per pixel.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace trivet::test {
 
-/// Depths of a surface in each of the poses before a wall across the optical axis, which is plane
-/// 0. There are no normals.
+/// Depths of a surface in each of the poses in front of a wall perpendicular to the optical axis,
+/// which is plane 0. There are no normals.
 inline kernels::RangeImage measure(const kernels::ImageGeometry& geometry,
                                    const kernels::RayScene& surface, std::span<const Pose> poses,
                                    float wall) {

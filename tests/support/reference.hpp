@@ -1,4 +1,5 @@
-/// The slow, obvious versions: in double, from the definition, sharing nothing with the kernels.
+/// Slow reference implementations in double precision, written from the definitions, without code
+/// of the kernels.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ inline double squared_distance(const Eigen::Vector3f& a, const Eigen::Vector3f& 
   return (a.cast<double>() - b.cast<double>()).squaredNorm();
 }
 
-/// Indices of the points within radius of a query, rising.
+/// Indices of the points within radius of a query, in ascending order.
 inline std::vector<std::uint32_t> within(PointsView points, const Eigen::Vector3f& query,
                                          double radius) {
   std::vector<std::uint32_t> found;
@@ -60,7 +61,7 @@ inline std::optional<Plane> fit_plane(const std::vector<Eigen::Vector3d>& points
   return Plane{directions.col(0), std::sqrt(std::max(0.0, spread[0]))};
 }
 
-/// Points by voxel, in the order of (z, y, x), each list rising.
+/// Points by voxel, in the order of (z, y, x), each list in ascending order.
 inline std::map<std::array<double, 3>, std::vector<std::uint32_t>> voxels(PointsView points,
                                                                           double cell) {
   std::map<std::array<double, 3>, std::vector<std::uint32_t>> out;

@@ -1,4 +1,5 @@
-/// The slow, obvious comparison of two poses: in double, ray by ray, votes in a map.
+/// Slow reference implementation of the comparison of two poses: in double precision, ray by ray,
+/// with votes in a map.
 #pragma once
 
 #include <Eigen/Dense>
@@ -20,8 +21,8 @@ struct Comparison {
   double log_ratio = 0, num_votes = 0, z = 0;
 };
 
-/// What the words of compare_poses say, for one image whose plane 1 is background, and a crop with
-/// one ray in each pixel.
+/// compare_poses as documented, for one image whose plane 1 is background, and a crop with one ray
+/// in each pixel.
 inline Comparison comparison(const kernels::RangeImage& image, const kernels::RayScene& surface,
                              double diameter, const Pose& first, const Pose& second, double noise,
                              double correlation, double tolerance, const kernels::RayCrop& crop) {
@@ -42,7 +43,7 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     return Sight{static_cast<double>(hit.distance), scale > 0.17 * d.norm() ? scale : 0};
   };
   struct Measured {
-    double residual;  // infinite for nothing
+    double residual;  // infinite without a hit
     bool background;
   };
   const auto measured = [&](const Sight& sight, int u, int v) {

@@ -1,4 +1,4 @@
-/// Local frames and spin images by their formulas, in double.
+/// Local frames and spin images by their formulas, in double precision.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace trivet::reference {
 
 struct WeightedPoint {
-  Eigen::Vector3d position;  ///< less the keypoint
+  Eigen::Vector3d position;  ///< relative to the keypoint
   double area;
 };
 
@@ -45,8 +45,8 @@ inline Eigen::Matrix3d local_frame(const std::vector<WeightedPoint>& points, dou
   return axes;
 }
 
-/// e1 of a frame with this e3, by heights, and how surely they hold it. Yang et al., Pattern
-/// Recognition 2017.
+/// e1 of a frame with this e3, from heights, and its reliability. Yang et al., Pattern Recognition
+/// 2017.
 inline std::pair<Eigen::Vector3d, double> first_axis(const std::vector<WeightedPoint>& points,
                                                      double radius, const Eigen::Vector3d& e3) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -60,7 +60,7 @@ inline std::pair<Eigen::Vector3d, double> first_axis(const std::vector<WeightedP
   return {sum.normalized(), sum.norm() / all};
 }
 
-/// Johnson and Hebert, PAMI 1999: bilinear.
+/// Spin image with bilinear weights, after Johnson and Hebert, PAMI 1999.
 inline std::array<double, kernels::kSpinImageSize> spin_image(
     const std::vector<WeightedPoint>& points, const Eigen::Vector3d& axis, double radius) {
   constexpr int n = kernels::kSpinBins;

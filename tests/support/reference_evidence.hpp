@@ -1,4 +1,5 @@
-/// The slow, obvious verification of a pose: in double, sample by sample.
+/// Slow reference implementation of the verification of a pose: in double precision, sample by
+/// sample.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,8 +12,8 @@
 
 namespace trivet::reference {
 
-/// What the words of verify_pose say, for one image and in double. Samples on which rounding
-/// decides are counted apart.
+/// verify_pose as documented, for one image and in double precision. Samples whose result depends
+/// on rounding are counted separately.
 struct Evidence {
   std::array<int, 7>
       counts{};  // consistent, oblique, violation, occluded, unknown, outside, background

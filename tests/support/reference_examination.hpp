@@ -1,4 +1,5 @@
-/// The slow, obvious examination of a pose: in double, ray by ray and window by window.
+/// Slow reference implementation of the examination of a pose: in double precision, ray by ray and
+/// window by window.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,12 +23,12 @@ struct Examination {
   double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, sunk = 0,
          unknown = 0, background = 0;
   double residual = 0, smooth = 0, slope = 0, area = 0, relief = 0, stability = 0;
-  double beside = 0;  // of the covered pixels: what is seen beside its place counts for nothing
+  double beside = 0;  // fraction of covered pixels seen beside their place: not counted
 };
 
-/// What the words of examine_pose say, for one image whose plane 1 is background, a window of 2
-/// pixels, and rays that lie `square` pixels apart around the middle of the model's image; of a
-/// scan whose outlines lie up to `edge` pixels beside their place.
+/// examine_pose as documented, for one image whose plane 1 is background, a window of 2 pixels, and
+/// rays that are `square` pixels apart around the center of the model's image. The outlines of the
+/// scan are up to `edge` pixels beside their place.
 inline Examination examination(const kernels::RangeImage& image, const kernels::RayScene& surface,
                                float diameter, const Pose& T_camera_model, std::uint32_t square,
                                float tolerance, int edge, double correlation) {
@@ -44,11 +45,11 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   const double each = stride * stride, tau = static_cast<double>(tolerance);
 
   Examination out;
-  std::map<std::pair<int, int>, double> residuals;  // by steps from the middle
+  std::map<std::pair<int, int>, double> residuals;  // keyed by steps from the center
   std::map<std::pair<int, int>, double> depths;
-  std::vector<Eigen::Vector3d> places;         // that agree
-  std::map<std::pair<int, int>, double> hits;  // all that the model's image consists of
-  std::map<std::pair<int, int>, bool> edges;   // those inside the image that nothing hides
+  std::vector<Eigen::Vector3d> places;         // places that agree
+  std::map<std::pair<int, int>, double> hits;  // all rays that hit the model
+  std::map<std::pair<int, int>, bool> edges;   // those inside the image that nothing occludes
   Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
   const auto inside = [&](int x, int y) { return x >= 0 && y >= 0 && x < width && y < height; };
   const int reach = 400 / stride;
@@ -99,7 +100,8 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
           }
         }
       }
-      // From the tolerance on a violation counts more and more, up to 1.5 correlations beyond it.
+      // Beyond the tolerance, the weight of a violation increases, up to 1.5 correlations beyond
+      // it.
       const double beyond = std::abs(best) / tau - 1;
       const double share = beyond < 1.5 * correlation ? beyond / (1.5 * correlation) : 1;
       if (!std::isfinite(best)) {
@@ -143,8 +145,8 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     out.relief = std::sqrt(std::max(0.0, eigen_system(scatter).values(0))) / tau;
   out.area /= static_cast<double>(diameter) * static_cast<double>(diameter);
 
-  // The outline: where the model was seen up to its end, and all around beyond it something
-  // farther.
+  // The outline: pixels where the model was seen up to its end, with something farther all around
+  // beyond it.
   Eigen::Matrix<double, 6, 6> B = Eigen::Matrix<double, 6, 6>::Zero();
   double outline = 0;
   const double size = static_cast<double>(diameter), fx = static_cast<double>(g.fx);
@@ -183,7 +185,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
       for (int k = 0; k * stride <= blur; ++k)
         agrees = agrees || residuals.contains({i - k * di, j - k * dj});
       if (!told || !free || !agrees) continue;
-      // The plane through the camera that the outline lies in.
+      // The plane through the camera that contains the outline.
       const Eigen::Vector3d ray(
           (u_middle + stride * i - static_cast<double>(g.cx)) / fx,
           (v_middle + stride * j - static_cast<double>(g.cy)) / static_cast<double>(g.fy), 1);
@@ -201,7 +203,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   const int half = std::max(1, static_cast<int>(std::lround(2.0 / stride)));
   double num_slopes = 0;
   for (const auto& [at, r] : residuals) {
-    Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();  // of least squares, a + b di + c dj
+    Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();  // sums of least squares, a + b di + c dj
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (int dj = -half; dj <= half; ++dj) {
       for (int di = -half; di <= half; ++di) {

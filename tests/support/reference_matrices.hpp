@@ -6,14 +6,14 @@
 namespace trivet::reference {
 
 struct EigenSystem {
-  Eigen::Vector3d values;   ///< rising
+  Eigen::Vector3d values;   ///< ascending
   Eigen::Matrix3d vectors;  ///< unit columns
 };
 
-/// Of a symmetric matrix.
+/// The eigenvalues and eigenvectors of a symmetric matrix.
 EigenSystem eigen_system(const Eigen::Matrix3d& m);
 double least_eigenvalue(const Eigen::Matrix<double, 6, 6>& m);
-/// The rotation that is nearest in the Frobenius norm, by singular values.
+/// The nearest rotation in the Frobenius norm, by singular values.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m);
 
 }  // namespace trivet::reference

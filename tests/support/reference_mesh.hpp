@@ -1,4 +1,4 @@
-/// What a mesh is, found the slow and obvious way.
+/// Slow reference implementations of mesh properties.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ inline std::array<std::uint32_t, 3> corners(const Mesh& mesh, std::size_t t) {
   return {mesh.triangles.a[t], mesh.triangles.b[t], mesh.triangles.c[t]};
 }
 
-/// How many edges are in one triangle; no edge may be in more than two, nor twice in one direction.
+/// Number of edges that are in only one triangle. No edge may be in more than two, nor twice in one
+/// direction.
 inline std::size_t count_open_edges(const Triangles& triangles) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> directed;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -33,8 +34,8 @@ inline std::size_t count_open_edges(const Triangles& triangles) {
   }));
 }
 
-/// Whether every edge is in two triangles, in opposite directions, and the triangles about each
-/// vertex are one fan; every vertex is in use.
+/// Whether every edge is in two triangles, in opposite directions, the triangles about each vertex
+/// are one fan, and every vertex is in use.
 inline testing::AssertionResult is_closed_manifold(const Mesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   std::vector<std::map<std::uint32_t, std::uint32_t>> next(mesh.vertices.size());
@@ -88,7 +89,7 @@ inline std::size_t num_pieces(const Mesh& mesh) {
   return roots.size();
 }
 
-/// Of a closed mesh, positive for outward winding.
+/// Volume of a closed mesh, positive for outward winding.
 inline double volume(const Mesh& mesh) {
   double six_volumes = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -107,7 +108,7 @@ inline double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3
   return (p - a - share * along).norm();
 }
 
-/// From a point to the nearest place on any triangle.
+/// Distance from a point to the nearest point on any triangle.
 inline double distance_to_mesh(const Eigen::Vector3d& p, const Mesh& mesh) {
   double nearest = kInfinity;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -1,5 +1,5 @@
-/// Slow, obvious geometry of models: in double, from the definition, sharing nothing with the
-/// kernels.
+/// Slow reference geometry of models: in double precision, written from the definitions, without
+/// code of the kernels.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -28,8 +28,8 @@ inline Eigen::Vector3d corner(PointsView vertices, const Column<std::uint32_t>& 
   return vertices[which[t]].cast<double>();
 }
 
-/// Where a ray meets a triangle that is grown by a share of itself at each side; infinity for
-/// nowhere.
+/// The distance along a ray to a triangle that is enlarged by a fraction of itself at each side;
+/// infinity without a hit.
 inline double ray_triangle(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                            const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                            const Eigen::Vector3d& c, double growth) {
@@ -41,8 +41,8 @@ inline double ray_triangle(const Eigen::Vector3d& origin, const Eigen::Vector3d&
   return inside && uvt.z() >= 0 ? uvt.z() : kInfinity;
 }
 
-/// The nearest triangle along a ray: its distance, or infinity. Nothing where the answer hangs on
-/// rounding, as the ray passes within a share of 1e-4 of an edge.
+/// The distance along a ray to the nearest triangle, or infinity. None if the answer depends on
+/// rounding, since the ray passes within a fraction of 1e-4 of an edge.
 inline std::optional<double> nearest_hit(PointsView vertices, const Triangles& triangles,
                                          const Eigen::Vector3f& origin,
                                          const Eigen::Vector3f& direction) {
@@ -60,7 +60,7 @@ inline std::optional<double> nearest_hit(PointsView vertices, const Triangles& t
   return shrunk;
 }
 
-/// Where a ray first meets a sphere; infinity for nowhere.
+/// The distance along a ray to the first hit with a sphere; infinity without a hit.
 inline double ray_sphere(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                          const Eigen::Vector3f& center, double radius) {
   const Eigen::Vector3d o = (origin - center).cast<double>(), d = direction.cast<double>();

@@ -1,5 +1,5 @@
-/// Slow, obvious point-pair mathematics: in double, from the definitions, sharing nothing with the
-/// kernels.
+/// Slow reference implementation of point pair features: in double precision, written from the
+/// definitions, without code of the kernels.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,15 +23,16 @@ namespace trivet::reference {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// Angle between two vectors by Kahan's formula, good to the last digits everywhere; 0 if one is 0.
+/// Angle between two vectors by Kahan's formula, accurate to the last digits everywhere; 0 if one
+/// is 0.
 inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   if (a.norm() == 0 || b.norm() == 0) return 0;
   const Eigen::Vector3d u = a.normalized(), v = b.normalized();
   return 2 * std::atan2((u - v).norm(), (u + v).norm());
 }
 
-/// Drost et al., CVPR 2010, eq. (1), and the turn about +x that takes the second point into the
-/// half plane y >= 0, z = 0 of the reference point's frame, in [-pi, pi].
+/// The feature of Drost et al., CVPR 2010, eq. (1), and the rotation about +x that moves the second
+/// point into the half plane y >= 0, z = 0 of the reference point's frame, in [-pi, pi].
 struct PairFeature {
   double distance, angle_n1_d, angle_n2_d, angle_n1_n2, rotation;
 };
@@ -46,7 +47,7 @@ inline PairFeature pair_feature(const Eigen::Vector3f& p1, const Eigen::Vector3f
           -std::atan2(local.z(), local.y())};
 }
 
-/// A component in bins: which one, and how far the value lies inside it, in bins.
+/// The bin of a component, and the position of the value inside the bin, as a fraction.
 struct Bin {
   std::int64_t index;
   double fraction;
@@ -57,7 +58,7 @@ inline Bin bin_of(double value, double width) {
   return {static_cast<std::int64_t>(std::floor(position)), position - std::floor(position)};
 }
 
-/// The four components of a feature as bins; an angle of exactly pi is in the last bin.
+/// The bins of the four components of a feature; an angle of exactly pi is in the last bin.
 inline std::array<Bin, 4> bins_of(const PairFeature& f, const PpfQuantization& q) {
   const auto angle = [&](double value) {
     const Bin bin = bin_of(value, kPi / q.num_angle_bins);
@@ -67,7 +68,7 @@ inline std::array<Bin, 4> bins_of(const PairFeature& f, const PpfQuantization& q
           angle(f.angle_n2_d), angle(f.angle_n1_n2)};
 }
 
-/// The cell of four bins; nothing beyond the last distance bin.
+/// The cell of four bins; none beyond the last distance bin.
 inline std::optional<std::uint32_t> cell_of_bins(const std::array<std::int64_t, 4>& bin,
                                                  const PpfQuantization& q) {
   if (bin[0] >= q.num_distance_bins) return std::nullopt;
@@ -82,7 +83,8 @@ inline std::optional<std::uint32_t> cell_of(const PairFeature& f, const PpfQuant
   return cell_of_bins({bins[0].index, bins[1].index, bins[2].index, bins[3].index}, q);
 }
 
-/// Whether a component lies so near a border (`edges`: fractions of a bin) that rounding decides.
+/// Whether a component is so near a border (`edges`: fractions of a bin) that the result depends on
+/// rounding.
 inline bool near_border(const PairFeature& f, const PpfQuantization& q,
                         std::initializer_list<double> edges = {0, 1}) {
   for (const Bin& bin : bins_of(f, q)) {
@@ -99,14 +101,14 @@ inline double turn_units(double angle) {
   return units - 65536 * std::floor(units / 65536);
 }
 
-/// Distance of two angles in those units, the shorter way round.
+/// The shorter distance between two angles in these units.
 inline double units_between(double a, double b) {
   const double d = std::abs(a - b);
   return std::min(d, 65536 - d);
 }
 
-/// The rotation that minimizes sum w |R - R_i|^2 in the Frobenius norm: by singular values, as the
-/// mean quaternion's definition says the same.
+/// The rotation that minimizes sum w |R - R_i|^2 in the Frobenius norm: by singular values, which
+/// is equivalent to the definition of the mean quaternion.
 inline Eigen::Matrix3d mean_rotation(const std::vector<Eigen::Matrix3d>& rotations,
                                      const std::vector<double>& weights) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -126,7 +128,7 @@ inline double rotation_angle(const Pose& a, const Pose& b) {
 
 namespace trivet::test {
 
-/// Points with unit normals that know nothing of each other: no two pairs are alike.
+/// Points with independent unit normals: no two pairs have similar features.
 struct OrientedCloud {
   Points points;
   Normals normals;
@@ -148,7 +150,7 @@ inline OrientedCloud moved(const OrientedCloud& cloud, const Pose& T) {
           transformed(cloud.normals, R, Eigen::Vector3f::Zero())};
 }
 
-/// The turn by an angle about an axis through a point, as a motion.
+/// The rotation by an angle about an axis through a point, as a pose.
 inline Pose turn_about(const Eigen::Vector3f& axis, float angle, const Eigen::Vector3f& point) {
   Pose T = Pose::Identity();
   T.linear() = Eigen::AngleAxisf(angle, axis).toRotationMatrix();
@@ -156,7 +158,7 @@ inline Pose turn_about(const Eigen::Vector3f& axis, float angle, const Eigen::Ve
   return T;
 }
 
-/// The n - 1 turns of an n-fold axis.
+/// The n - 1 rotations of an n-fold axis.
 inline std::vector<Pose> turns(int n, const Eigen::Vector3f& axis, const Eigen::Vector3f& point) {
   std::vector<Pose> poses;
   for (int k = 1; k < n; ++k) {

@@ -9,7 +9,7 @@
 
 namespace trivet::test {
 
-/// A part that no motion maps onto itself, some 0.2 m large: a base, a pillar, a fin and a knob.
+/// A part without any symmetry, some 0.2 m large: a base, a pillar, a fin and a knob.
 inline Shape bracket() {
   Shape shape = box({-0.08F, -0.05F, 0}, {0.08F, 0.05F, 0.02F});
   shape.join(box({-0.07F, -0.04F, 0.02F}, {-0.03F, 0.01F, 0.11F}));
@@ -19,7 +19,7 @@ inline Shape bracket() {
   return shape;
 }
 
-/// Another one, of like size.
+/// Another part without symmetry, of similar size.
 inline Shape lever() {
   Shape shape = ellipsoid({0.1F, 0.02F, 0.015F}, 24);
   shape.join(box({0.03F, -0.045F, -0.012F}, {0.07F, 0, 0.012F}));
@@ -39,7 +39,7 @@ inline Cloud cloud_of(const Shape& shape) {
   return cloud;
 }
 
-/// A motion by a rotation vector [rad] and a translation.
+/// A pose from a rotation vector [rad] and a translation.
 inline Pose pose_of(const Eigen::Vector3f& rotation, const Eigen::Vector3f& translation) {
   Pose pose = Pose::Identity();
   if (rotation.norm() > 0) {
@@ -54,7 +54,7 @@ struct Placed {
   Pose T_camera_shape;
 };
 
-/// A VGA depth scan of placed shapes, the camera being the scene's frame.
+/// A VGA depth scan of placed shapes in the camera's frame, which is that of the scene.
 Cloud render_scan(const std::vector<Placed>& placed);
 
 }  // namespace trivet::test

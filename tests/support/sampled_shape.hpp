@@ -1,4 +1,4 @@
-/// What training makes of a mesh's surface.
+/// Samples of a mesh's surface as training makes them.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct SampledShape {
   Points points;
   Normals normals;
   std::vector<ViewMask> views;
-  float diameter = 0;  ///< of the box around the vertices
+  float diameter = 0;  ///< diameter of the box around the vertices
   float spacing = 0;
 
   kernels::ModelSamples view() const {

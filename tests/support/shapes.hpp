@@ -1,4 +1,4 @@
-/// Meshes with known answers, built without the code under test.
+/// Meshes with known properties, built without the code under test.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,7 +15,7 @@ namespace trivet::test {
 
 struct Shape {
   Points vertices;
-  Triangles triangles;  // wound so that normals point out
+  Triangles triangles;  // wound so that normals point outward
 
   void add(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
     const auto first = static_cast<std::uint32_t>(vertices.size());
@@ -60,7 +60,7 @@ inline Shape box(const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
   return shape;
 }
 
-using Outline = std::function<double(double)>;  ///< radius by angle
+using Outline = std::function<double(double)>;  ///< radius as a function of the angle
 
 inline Outline circle(double radius) {
   return [=](double) { return radius; };
@@ -72,12 +72,12 @@ inline Outline polygon(int corners) {
     return std::cos(side / 2) / std::cos(std::fmod(angle + 1e-9, side) - side / 2);
   };
 }
-/// Rectangular teeth that stand out by this share of the radius.
+/// Rectangular teeth whose height is this fraction of the radius.
 inline Outline teeth(int count, double height) {
   return [=](double angle) { return 1 + (std::cos(count * angle) > 0 ? height : -height); };
 }
 
-/// An outline drawn from z = low to high, there `top` times as large, with an optional bore.
+/// An outline extruded from z = low to high, where it is scaled by `top`, with an optional bore.
 inline Shape prism(int segments, const Outline& outline, double low, double high, double bore = 0,
                    double top = 1) {
   Shape shape;
@@ -100,7 +100,7 @@ inline Shape prism(int segments, const Outline& outline, double low, double high
   return shape;
 }
 
-/// An ellipsoid of these half axes.
+/// An ellipsoid with these half axes.
 inline Shape ellipsoid(const Eigen::Vector3f& axes, int rings = 60) {
   Shape shape;
   const auto at = [&](int i, int j) {

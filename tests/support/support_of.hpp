@@ -1,4 +1,4 @@
-/// The points around a keypoint, gathered for one test.
+/// The points in the neighborhood of a keypoint, gathered for one test.
 #pragma once
 
 #include <span>

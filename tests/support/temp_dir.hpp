@@ -1,4 +1,4 @@
-/// A folder of its own for a test, removed at its end.
+/// A temporary folder for one test, removed at its end.
 #pragma once
 
 #include <stdlib.h>
@@ -29,9 +29,9 @@ class TempDir {
   const std::filesystem::path& path() const noexcept { return path_; }
   std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
 
-  /// Write a file and return its path.
+  /// Writes a file and returns its path.
   std::filesystem::path write(std::string_view name, std::string_view bytes) const {
-    std::filesystem::remove(path_ / name);  // some file systems flush a file that is overwritten
+    std::filesystem::remove(path_ / name);  // some file systems flush an overwritten file
     std::ofstream out(path_ / name, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!out.flush()) throw std::runtime_error("cannot write " + (path_ / name).string());

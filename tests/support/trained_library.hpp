@@ -14,7 +14,7 @@
 
 namespace trivet::test {
 
-/// Names rise.
+/// Pre: names are in ascending order.
 inline Library trained_library(const std::vector<std::pair<std::string, const Shape*>>& shapes,
                                const TrainOptions& options = {}) {
   Library library;

@@ -1,4 +1,4 @@
-/// Bodies packed as clients pack them.
+/// Compression of bodies, independent of the service.
 #pragma once
 
 #include <zlib.h>
@@ -25,7 +25,7 @@ inline std::string pack(Packing packing, std::string_view bytes) {
   return out;
 }
 
-/// Of either packing, up to 16 MB.
+/// Decompresses gzip or zlib, up to 16 MB.
 inline std::string unpack(std::string_view packed) {
   z_stream stream{};
   inflateInit2(&stream, MAX_WBITS + 32);

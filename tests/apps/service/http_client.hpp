@@ -1,4 +1,4 @@
-/// HTTP as a test speaks it: byte by byte where it wants to.
+/// An HTTP client for tests, which can send and receive byte by byte.
 #pragma once
 
 #include <arpa/inet.h>
@@ -43,15 +43,15 @@ class Connection {
       sent += static_cast<std::size_t>(n);
     }
   }
-  /// Say that nothing more will be sent.
+  /// Closes the sending side.
   void finish() const { ::shutdown(socket_, SHUT_WR); }
-  /// End without a farewell, as a client that dies with an answer unread.
+  /// Resets the connection, as a client does that dies before it has read a response.
   void abort() {
     const linger at_once{1, 0};
     ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
     ::close(std::exchange(socket_, -1));
   }
-  /// Until the other side closes.
+  /// Receives until the other side closes.
   std::string receive() const {
     std::string all;
     char part[65536];
@@ -72,7 +72,7 @@ struct Answer {
   nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
 };
 
-/// The first answer in what a connection has received; none: status 0.
+/// The first response in the received bytes; none: status 0.
 inline Answer parse_answer(const std::string& received) {
   Answer answer;
   const std::size_t end = received.find("\r\n\r\n");
@@ -97,7 +97,7 @@ inline Answer ask(int port, const std::string& method, const std::string& target
   return answer;
 }
 
-/// A port that nobody listens on, for programs that cannot choose one.
+/// A free port, for programs that cannot choose one.
 inline int free_port() {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in where{};
@@ -110,7 +110,7 @@ inline int free_port() {
   return ntohs(where.sin_port);
 }
 
-/// Wait up to a minute for something that will come.
+/// Waits up to a minute for a condition.
 inline bool comes(const std::function<bool()>& condition) {
   const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (std::chrono::steady_clock::now() < patience) {

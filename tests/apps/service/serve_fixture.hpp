@@ -1,4 +1,5 @@
-/// A library of two parts, a scan of them, and a service that runs while a test talks to it.
+/// A library of two parts, a scan of them, and a service that runs while a test sends requests to
+/// it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,17 +21,17 @@ class ServeFixture : public testing::Test {
  protected:
   void SetUp() override;
 
-  /// Run the service with these arguments while `body(port)` runs, then end it.
+  /// Runs the service with these arguments while `body(port)` runs, then ends it.
   Outcome serve(std::vector<std::string> arguments, const std::function<void(int port)>& body);
-  /// Once: a second signal ends it at once.
+  /// Sends a signal once: a second one would end the service at once.
   void tell_to_end();
 
   std::vector<std::string> environment_;  ///< NAME=VALUE, of the service
   const TempDir folder_;                  ///< with l.h5 and camera.json
   std::filesystem::path depth_;           ///< the scan, a depth image
-  Camera camera_;                         ///< of the scan
-  std::string parameters_;                ///< for it, without the format
-  std::string query_;                     ///< the target that recognizes it
+  Camera camera_;                         ///< camera of the scan
+  std::string parameters_;                ///< parameters of the scan, without the format
+  std::string query_;                     ///< target of a recognition of the scan
   std::atomic<pid_t> process_{0};
 
  private:

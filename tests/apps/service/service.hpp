@@ -1,4 +1,4 @@
-/// Programs that run while a test asks them.
+/// Programs that run in the background of a test.
 #pragma once
 
 #include <sys/types.h>
@@ -16,8 +16,8 @@ namespace trivet::test {
 /// A program that is ended with the test.
 class Background {
  public:
-  /// Start it by its path; returns when `is_up` holds of what it has written to standard error, or
-  /// when it has ended.
+  /// Starts a program by its path. Returns when `is_up` is true of its standard error, or when it
+  /// has ended.
   Background(const std::string& program, const std::vector<std::string>& arguments,
              const std::filesystem::path& folder,
              std::function<bool(const std::string& error)> is_up);
@@ -26,9 +26,9 @@ class Background {
   ~Background() { end(); }
 
   void signal(int number) const;
-  /// Ask it to end, unless it has, and wait for that.
+  /// Requests the end of the program, unless it has ended, and waits for it.
   const Outcome& end();
-  const Outcome& wait();  ///< for its end
+  const Outcome& wait();  ///< waits for its end
 
  private:
   pid_t process_ = 0;
@@ -40,10 +40,10 @@ class Background {
 /// A `trivet serve`.
 class Service {
  public:
-  /// Start `trivet ARGUMENTS... --port PORT`; returns when it listens, or has ended. Port 0: any.
+  /// Starts `trivet ARGUMENTS... --port PORT`; returns when it listens, or has ended. Port 0: any.
   Service(std::vector<std::string> arguments, const std::filesystem::path& folder, int port = 0);
 
-  int port() const { return port_; }  ///< 0 if it did not come to listen
+  int port() const { return port_; }  ///< 0 if it never listened
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
   Background& process() { return process_; }
 

@@ -1,4 +1,4 @@
-/// One library of two parts, and a scan of both, for tests of recognition as a whole.
+/// Fixture for tests of the whole recognition: one library of two parts, and a scan of both.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace trivet::test {
 
-/// The library is trained once for a suite.
+/// The library is trained once per suite.
 class TwoParts : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -21,7 +21,7 @@ class TwoParts : public testing::Test {
     recognizer_ = Recognizer(trained_library({{"bracket", &bracket_}, {"lever", &lever_}}));
   }
 
-  /// Two parts in front of a wall, the lever partly behind the bracket.
+  /// Two parts in front of a wall; the bracket partly occludes the lever.
   static Cloud clutter() {
     static const Shape wall = box({-1, -1, 1.4F}, {1, 1, 1.5F});
     return render_scan(
