@@ -24,7 +24,7 @@ struct CompareArguments {
   std::optional<double> max_translation;  ///< in the scenes' unit
 };
 
-/// In the scenes' unit. Errors: those of open_library and meshes_of.
+/// The meshes of the library in the scenes' unit. Errors: those of open_library and meshes_of.
 Result<std::vector<EvaluationMesh>> library_meshes(const CompareArguments& arguments) {
   const Result<Library> library = open_library(arguments.library);
   if (!library) return library.error();

@@ -37,7 +37,7 @@ struct EvaluateArguments {
 struct Judged {
   std::vector<std::optional<SceneResult>> results;
   ScoreThreshold threshold;         ///< which results count as reported
-  std::string source;               ///< file of the results
+  std::string source;               ///< library or file of the results
   std::vector<std::string> lacked;  ///< counted models that were not searched for
   // Of results that are recognized now:
   std::optional<Recognizer> recognizer{};
@@ -49,8 +49,8 @@ std::string source_of(const std::string& library, const std::string& calibration
   return calibration.empty() ? library : fmt::format("{}, calibrated by {}", library, calibration);
 }
 
-/// The counted models that are not searched for: their instances cannot be found. They are
-/// reported, and an error if all models are among them. Errors: usage.
+/// The counted models that are not searched for: their instances cannot be found. Prints a warning.
+/// Errors: usage (no model is searched for).
 Result<std::vector<std::string>> lacked_models(const Manifest& manifest, const Library& library,
                                                const std::vector<std::string>& chosen,
                                                const EvaluateArguments& arguments,

@@ -14,7 +14,7 @@ std::string words_of(const CommandHelp& command) {
 
 /// Lines of the script, each group for a separate `case`.
 struct BashCases {
-  std::string steps;    ///< from a command to a subcommand
+  std::string steps;    ///< transitions from a command to a subcommand
   std::string values;   ///< values of an option of a command
   std::string offered;  ///< commands and options
 };

@@ -18,7 +18,7 @@ namespace {
 enum Tag : int {
   kAsk,      // to rank 0: request for a job
   kJob,      // from rank 0: '+' and the job; empty: no more jobs
-  kOutcome,  // to rank 0
+  kOutcome,  // to rank 0: result of a job
   kEnd,      // to rank 0: result of the rank's work
   kOver,     // from rank 0: all have ended
 };
@@ -64,7 +64,7 @@ Result<void> decode(const std::string& bytes) {
 /// Exchanges messages between the worker thread and the thread that may call MPI.
 class Exchange {
  public:
-  // for the worker thread
+  // called by the worker thread
   std::optional<std::string> ask() {
     std::unique_lock lock(mutex_);
     asked_ = true;
@@ -78,7 +78,7 @@ class Exchange {
     outcomes_.push_back(std::move(outcome));
   }
 
-  // for the thread that calls MPI
+  // called by the thread that calls MPI
   bool take_question() {
     const std::lock_guard lock(mutex_);
     return std::exchange(asked_, false);

@@ -18,10 +18,10 @@ class Console {
   bool quiet = false;
   bool json_progress = false;  ///< one object per line, whether quiet or not
 
-  void line(std::string_view text) const;     ///< to standard error, unless quiet
-  void warning(std::string_view text) const;  ///< to standard error, always
+  void line(std::string_view text) const;     ///< prints to standard error, unless quiet
+  void warning(std::string_view text) const;  ///< prints to standard error, always
   void wrote_report(const std::filesystem::path& folder) const;  ///< prints the page's location
-  void error(std::string_view text) const;                       ///< to standard error, always
+  void error(std::string_view text) const;      ///< prints to standard error, always
   void complaint(std::string_view text) const;  ///< command line error; to standard error, always
   /// A callback for Progress. On a terminal it redraws one line, otherwise it prints a line per
   /// item; with the remaining time. As JSON: {"stage", "done", "total", "item", "seconds"}, where

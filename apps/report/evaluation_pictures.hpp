@@ -16,7 +16,7 @@ namespace trivet::apps {
 struct Exhibit {
   std::size_t scene = 0;
   std::optional<std::size_t> truth;      ///< index in the scene's truth
-  std::optional<std::size_t> detection;  ///< index in the scene's judged detections
+  std::optional<std::size_t> detection;  ///< index in the scene's evaluated detections
 };
 
 /// The instances for close-ups: missed truths with the nearest detection, wrong detections

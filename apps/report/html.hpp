@@ -16,7 +16,7 @@ std::string html_page(std::string_view title, std::string_view content);
 /// Text converted by printable_lines() and escaped for use between tags and in quoted attributes.
 std::string escape_html(std::string_view bytes);
 
-/// "97.2 %".
+/// A fraction in the form "97.2 %".
 std::string percent(double share);
 
 /// A highlighted number with its title and a note. The arguments are HTML and are not escaped.

@@ -48,7 +48,7 @@ std::string percent(float share) { return fmt::format("{:.0f} %", 100 * share); 
 /// A score, escaped for HTML.
 std::string score_cell(float score) { return escape_html(score_text(score)); }
 
-/// "at 0.2204, 0.09953, 0.5979 m, turned by 123.4° about 0.10, -0.98, 0.17".
+/// The pose in the form "at 0.2204, 0.09953, 0.5979 m, turned by 123.4° about 0.10, -0.98, 0.17".
 std::string placement(const Subject& subject, const Detection& detection, std::string_view unit) {
   constexpr float kDegreesPerRadian = 57.29578F;
   const Eigen::AngleAxisf turn(detection.T_scene_model.linear());

@@ -14,10 +14,10 @@
 
 namespace trivet::apps {
 
-/// "too_low", "explained", "too_many".
+/// The name in JSON: "too_low", "explained" or "too_many".
 std::string_view name_of(Rejection reason);
 
-/// Four rows of four numbers.
+/// The pose as four rows of four numbers.
 nlohmann::ordered_json matrix_json(const FilePose& pose);
 
 /// One element of "scenes", with the evidence of the score that was used in the recognition, and

@@ -11,7 +11,7 @@
 
 namespace trivet::apps {
 
-/// "right", "wrong" or "neutral".
+/// The name in JSON: "right", "wrong" or "neutral".
 const char* verdict_name(Verdict verdict);
 
 /// Which detections count as reported.

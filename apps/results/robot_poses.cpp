@@ -30,7 +30,7 @@ namespace {
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 // Sine of a second angle that leaves the other two undetermined.
 constexpr double kUpright = 1 - 1e-12;
-constexpr double kShortestInMm = 10, kLongestInM = 50;  // of a hand-eye calibration
+constexpr double kShortestInMm = 10, kLongestInM = 50;  // of a plausible calibration
 
 /// Angles about the fixed axes x, y, z, in this order.
 Eigen::Vector3d fixed_angles(const Eigen::Matrix3d& r) {

@@ -30,7 +30,7 @@ enum class RobotConvention : std::uint8_t {
 
 /// The pose of an object for a robot: a frame of the object in the robot base frame.
 struct RobotPose {
-  std::array<double, 3> position{};  ///< in the unit of the convention
+  std::array<double, 3> position{};  ///< position in the unit of the convention
   std::vector<double> orientation;   ///< 3 or 4 numbers, depending on the convention
 };
 

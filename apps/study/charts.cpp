@@ -168,7 +168,7 @@ std::vector<std::string> lines_of(const std::string& name) {
 std::string row_chart(const Panel& panel, const Drawing& drawing) {
   const double plot = kWidth - kNamesLeft - kRight - 8;
   const auto num_methods = static_cast<double>(panel.methods.size());
-  std::size_t num_lines = 1;  // of the longest name
+  std::size_t num_lines = 1;  // number of lines of the longest name
   for (const std::string& name : panel.rows) num_lines = std::max(num_lines, lines_of(name).size());
   const double row_height =
       std::max(kRowHeight * num_methods, kLineHeight * static_cast<double>(num_lines)) + kRowGap;

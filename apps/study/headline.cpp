@@ -41,7 +41,7 @@ std::size_t first_row(const Panel&) { return 0; }
 std::size_t last_row(const Panel& panel) { return panel.rows.size() - 1; }
 std::size_t usual_row(const Panel& panel) { return panel.reference_row; }
 
-/// "ppf finds ..., trisi ...".
+/// A text about each method, such as "ppf finds ..., trisi ...".
 template <class Text>
 std::string by_methods(const ExperimentResults& results, Text&& text) {
   const std::vector<Method>& methods = results.panels.front().methods;
@@ -68,7 +68,7 @@ std::string row_names(const Panel& panel, const std::set<std::size_t>& rows) {
 // One function for each kind of experiment.
 
 std::string on_bins(const ExperimentResults& results) {
-  const Panel& panel = results.panels.front();  // of all scenes
+  const Panel& panel = results.panels.front();  // the panel of all scenes
   const auto strong = std::ranges::find(panel.rows, kStronglyOccluded);
   const bool is_occlusion = strong != panel.rows.end();
   return by_methods(results,

@@ -70,7 +70,7 @@ std::string difference_cell(const std::optional<PairedComparison>& comparison) {
       points_text(comparison->low), points_text(comparison->high), p);
 }
 
-/// What the difference columns compare with: another row, or another method.
+/// The reference of the difference columns: another row, or another method.
 enum class Compared : std::uint8_t { nothing, row, method };
 
 Compared compared(const Panel& panel, std::size_t m) {

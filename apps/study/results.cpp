@@ -294,7 +294,7 @@ class Arranger {
     return panel;
   }
 
-  /// Truths grouped by the cause of their occlusion, over some groups of scenes.
+  /// Truths grouped by their occlusion or clutter, over some groups of scenes.
   Panel bins(const std::vector<std::size_t>& groups, std::string title) const {
     Panel panel;
     panel.title = std::move(title);
@@ -332,7 +332,7 @@ class Arranger {
     return experiment_.curve == Curve::occlusion ? evaluation.by_occlusion : evaluation.by_clutter;
   }
 
-  /// The bins that contain a truth of some group. Each follows the one that precedes it in its
+  /// The bins that contain a truth of any group, in an order that keeps the order within each
   /// group.
   std::vector<std::string> bin_names(const std::vector<std::size_t>& groups) const {
     std::vector<std::string> names;

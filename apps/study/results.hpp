@@ -43,7 +43,7 @@ struct PanelCell {
   std::optional<PairedComparison> lead;  ///< this method minus the panel's first
 };
 
-/// What a row of a panel is compared with.
+/// The row with which a row of a panel is compared.
 enum class Reference : std::uint8_t { none, fixed, previous };
 
 /// A table and its curves: methods under the conditions of the rows.

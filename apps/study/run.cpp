@@ -159,7 +159,7 @@ Result<void> run_study(const Study& study, const StudyPlan& plan, const StudyFol
 
   std::vector<fs::path> files;
   for (const LibraryPlan& library : plan.libraries) files.push_back(folder.library(library));
-  std::vector<std::vector<SceneInput>> inputs;  // of each set
+  std::vector<std::vector<SceneInput>> inputs;  // indexed by set
   for (const Manifest& set : *sets) inputs.push_back(scenes_of(set, set.unit));
   const auto keep = [&](const Cell& cell, const SceneResult& result, const LibraryUse& use) {
     const std::string& name = (*sets)[cell.set].scenes[cell.scene].name;

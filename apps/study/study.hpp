@@ -47,7 +47,7 @@ enum class Threshold : std::uint8_t {
 /// The horizontal axis of the curves.
 enum class Curve : std::uint8_t { variants, occlusion, clutter };
 
-/// What named variants are compared with.
+/// The variant with which named variants are compared.
 enum class Against : std::uint8_t {
   usual,     ///< the variant that changes nothing
   previous,  ///< the previous variant: steps that build on one another

@@ -11,7 +11,7 @@ namespace trivet::apps {
 /// The file, then a table with a row for each model; lengths in the library's unit.
 std::string library_text(const Library& library);
 
-/// The same, with details that do not fit into a table. `parameters` is taken from the file: an
+/// The same, with details that do not fit into a table. `parameters` is copied from the file: an
 /// object, or a text if it is not JSON.
 nlohmann::ordered_json library_json(const Library& library);
 

@@ -22,14 +22,14 @@ std::span<const std::pair<std::string_view, std::string_view>> embedded_advice()
 
 namespace {
 
-/// A sentence of web/src/advice.json, with values in place of {names}.
+/// A sentence of web/src/advice.json, where values replace {names}.
 template <class... Values>
 std::string advice(const char* name, const Values&... values) {
   static const nlohmann::json words = parse_json(embedded_advice()[0].second);
   return fmt::format(fmt::runtime(words.at(name).get<std::string>()), values...);
 }
 
-/// "220 mm", "1.2 m".
+/// A length in the form "220 mm" or "1.2 m".
 std::string length_words(double length, LengthUnit unit) {
   const double meters = length * unit_scale(unit, LengthUnit::meter);
   return meters < 1 ? fmt::format("{:.3g} mm", 1000 * meters) : fmt::format("{:.3g} m", meters);

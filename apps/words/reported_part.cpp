@@ -39,7 +39,7 @@ SceneResult reported_part(SceneResult result, const RecognizeOptions& options) {
   std::ranges::stable_sort(result.rejected, [](const RejectedPose& a, const RejectedPose& b) {
     return a.score > b.score;
   });
-  std::map<std::string, std::uint32_t> num_rejected;  // by model
+  std::map<std::string, std::uint32_t> num_rejected;  // keyed by model
   std::erase_if(result.rejected, [&](const RejectedPose& rejected) {
     return ++num_rejected[rejected.model] > options.max_rejected;
   });

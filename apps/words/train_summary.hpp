@@ -11,7 +11,8 @@ namespace trivet::apps {
 /// A row for each model that is new to the library, limited to a screen or two; empty: none.
 std::string train_table(const TrainReport& report, LengthUnit unit);
 
-/// "LIB.h5: 1000 models (3 trained, 997 as they were), ... point pairs, ... features, 4.2 s"
+/// A summary in the form "LIB.h5: 1000 models (3 trained, 997 as they were), ... point pairs, ...
+/// features, 4.2 s".
 std::string train_line(const TrainReport& report, const std::string& library);
 
 /// {"library", "unit", "seconds", "unchanged", "removed", "models": [{"name", "origin", "kind",

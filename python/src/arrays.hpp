@@ -16,7 +16,7 @@
 
 namespace trivet::python {
 
-/// (n, 3), a copy.
+/// Columns as rows: (n, 3), a copy.
 py::array rows_of(PointsView points);
 py::array rows_of(TrianglesView triangles);
 /// (n, 3), read only. A view of the columns if they are evenly spaced, as in a library's file, else

@@ -17,17 +17,17 @@ namespace trivet::python {
 /// A scene in memory, with its sensor.
 struct Scene {
   std::shared_ptr<const Cloud> cloud;
-  SceneInput input;  ///< without its scale
+  SceneInput input;  ///< input without a scale
 };
 
-/// "m", "mm" or None. Raises UsageError.
+/// Parses "m", "mm" or None. Raises UsageError.
 std::optional<LengthUnit> unit_from(const py::object& unit);
 
 /// A view of an array for the engine. Arrays of other types are converted first, and `converted`
 /// keeps the results alive.
 ArrayView view_from(const py::object& array, const char* what, py::list& converted);
 
-/// Points (n, 3) or (height, width, 3); normals and triangles may be None.
+/// Makes a cloud of points (n, 3) or (height, width, 3); normals and triangles may be None.
 /// Raises UsageError, DataError.
 Cloud cloud_from(const py::object& points, const py::object& normals, const py::object& triangles,
                  const std::string& name, bool keep_origin);

@@ -22,7 +22,7 @@ Result<HttpResponse> json_result(const Result<nlohmann::ordered_json>& json);
 HttpResponse error_response(unsigned status, const std::string& reason);
 /// 400 for faults that the client can correct, 507 for a full disk, else 500.
 HttpResponse error_response(const Error& error);
-/// 503 with Retry-After, 504, or 499.
+/// The response to a refused job: 503 with Retry-After, 504, or 499.
 HttpResponse refusal_response(Refusal refusal);
 /// 405, the response to a request with another method.
 HttpResponse method_response(std::string_view expected, const HttpRequest& request);

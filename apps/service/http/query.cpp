@@ -44,13 +44,13 @@ Result<std::string> decode(std::string_view text) {
   return out;
 }
 
-/// RFC 3986, 2.3.
+/// Unreserved characters of RFC 3986, 2.3.
 bool is_unreserved(char c) {
   return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
          std::string_view("-._~").find(c) != std::string_view::npos;
 }
 
-/// RFC 3986, 3.3, pchar.
+/// Characters that need no escape in a path: pchar of RFC 3986, 3.3.
 bool is_plain_in_path(char c) {
   return is_unreserved(c) || std::string_view("!$&'()*+,;=:@").find(c) != std::string_view::npos;
 }

@@ -33,8 +33,8 @@ Result<HostedTarget> origin_form(std::string_view target);
 
 /// Whether the path of a target is unambiguous, so that a proxy's rules for paths as they are sent
 /// apply to the path that is answered. No escape stands for a letter, a digit, one of -._~, a
-/// slash, a backslash or a control character, and none is malformed. No segment consists of dots,
-/// and none but the last is empty.
+/// slash, a backslash or a control character, or begins another escape. No segment consists of
+/// dots, and none but the last is empty.
 /// Errors: usage.
 Result<void> check_path(std::string_view target);
 

@@ -29,7 +29,7 @@ struct InferenceRequest {
   Points points;                             ///< input "points", FP32 [N, 3]
   std::optional<Eigen::Vector3f> viewpoint;  ///< input "viewpoint", FP32 [3]
   Parameters options;                    ///< parameters of the request, for parse_recognize_query
-  std::vector<RequestedOutput> outputs;  ///< in the order of the response
+  std::vector<RequestedOutput> outputs;  ///< requested outputs in the order of the response
   std::chrono::microseconds timeout{0};  ///< parameter of the request; 0: none
 };
 

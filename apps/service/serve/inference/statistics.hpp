@@ -14,11 +14,11 @@ namespace trivet::apps::service {
 
 /// Stages of an inference [s].
 struct InferenceSeconds {
-  double total = 0;   ///< from the request to its response
+  double total = 0;   ///< time from the request to its response
   double queue = 0;   ///< waiting time in the queue
-  double input = 0;   ///< to read the input
-  double infer = 0;   ///< to recognize
-  double output = 0;  ///< to write the response
+  double input = 0;   ///< time to read the input
+  double infer = 0;   ///< time to recognize
+  double output = 0;  ///< time to write the response
 };
 
 /// All members may be called from any thread. The statistics of a library are dropped once an

@@ -70,7 +70,8 @@ Json declaration_json(std::span<const std::vector<Pose>* const> poses,
   return declaration;
 }
 
-/// The near symmetries of the model together with its exact ones, since a declaration replaces all.
+/// The near symmetries of the model together with its exact ones, since a declaration replaces all
+/// symmetries.
 Json near_declaration_json(const Model& model) {
   if (model.near_symmetries.empty() && !model.near_axis) return nullptr;
   return declaration_json(std::array{&model.symmetry.poses, &model.near_symmetries},

@@ -18,7 +18,7 @@ struct Route {
   bool is_prefix;  ///< the path may continue
   bool is_work;    ///< goes through the queue and has a body
   Effect effect;
-  std::string_view name;  ///< for metrics and the log
+  std::string_view name;  ///< name for metrics and the log
   /// Answers, at once or later.
   ///
   /// rest  the path after that of the route

@@ -168,7 +168,7 @@ std::set<std::string> Session::listed_models(const Scans& scans) const {
 SessionResult<void> Session::write_models(const Scans& scans, const ModelOfName& models) {
   for (const std::string& name : listed_models(scans)) {
     const std::optional<SessionModel> model = is_model_name(name) ? models(name) : std::nullopt;
-    if (!model) continue;  // of another library: as stored, if it was
+    if (!model) continue;  // a model of another library: keep its mesh, if stored
     const auto known = generations_.find(name);
     if (known != generations_.end() && known->second == model->generation) continue;
     const std::string mesh = model->mesh(), file = mesh_file(name);

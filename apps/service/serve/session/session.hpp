@@ -34,7 +34,7 @@ struct ScanReading {
 
 /// A model for the measurement of errors.
 struct SessionModel {
-  Symmetry symmetry;  ///< in `unit`
+  Symmetry symmetry;  ///< symmetry in `unit`
   LengthUnit unit = LengthUnit::meter;
   std::uint64_t generation = 0;         ///< generation of its library
   std::function<std::string()> mesh{};  ///< returns a PLY file, in `unit`

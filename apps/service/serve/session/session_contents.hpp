@@ -19,7 +19,7 @@
 namespace trivet::apps::service {
 
 struct SessionScan {
-  ManifestScene listed;    ///< how it is read, and its truth
+  ManifestScene listed;    ///< how the scan is read, and its truth
   bool is_marked = false;  ///< the truth is known
 };
 

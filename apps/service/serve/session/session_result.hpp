@@ -15,7 +15,7 @@
 namespace trivet::apps::service {
 
 enum class SessionFault : std::uint8_t {
-  failed,     ///< of the disk, or of reading the request: see the code of the error
+  failed,     ///< error of the disk, or of reading the request: see its code
   invalid,    ///< name or unit that no scan of the session can have
   unknown,    ///< no such scan, run or answer
   exists,     ///< this name already exists

@@ -37,7 +37,7 @@ struct WorkshopSettings {
 
 enum class DraftState : std::uint8_t { waiting, training, trained, failed };
 
-/// "waiting", "training", "trained", "failed".
+/// The name in JSON: "waiting", "training", "trained" or "failed".
 std::string_view name_of(DraftState state);
 
 /// The present state of a draft.
@@ -109,7 +109,7 @@ class PartWorkshop {
 
   /// All drafts, by name.
   std::vector<DraftStatus> drafts() const;
-  /// The library of a trained draft; null: no such one.
+  /// The library of a trained draft; null: no such draft.
   std::shared_ptr<const Library> trained(const std::string& name) const;
 
  private:
