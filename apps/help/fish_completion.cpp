@@ -15,7 +15,7 @@ std::string single_quoted(std::string_view text) {
   return out + "'";
 }
 
-/// True if these words are on the command line, without any of their subcommands.
+/// A condition of fish: the words of this command are on the command line.
 std::string condition(const CommandHelp& command) {
   std::string all;
   std::string_view words = command.name;

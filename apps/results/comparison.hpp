@@ -18,7 +18,7 @@ namespace trivet::apps {
 struct ComparedScene {
   std::string name;
   std::optional<double> seconds;
-  std::vector<Detection> detections;  ///< in the frame of a cloud with `offset`
+  std::vector<Detection> detections;  ///< reported; in the frame of a cloud with `offset`
   Eigen::Vector3d offset{0, 0, 0};
   // Of results of `trivet evaluate`, which have no poses:
   std::vector<std::optional<std::size_t>> truths;  ///< truth found by each detection, if any

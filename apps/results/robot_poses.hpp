@@ -38,7 +38,7 @@ struct RobotPose {
 std::span<const std::string_view> orientation_names(RobotConvention convention);
 LengthUnit length_unit(RobotConvention convention);
 
-/// Converts a pose. If an angle is not determined, since the second one is 90 degrees, the angle
+/// Converts a pose. If an angle is not determined, since the second one is ±90 degrees, the angle
 /// about x is 0.
 ///
 /// unit  of the pose's lengths

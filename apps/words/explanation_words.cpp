@@ -9,7 +9,7 @@
 namespace trivet::apps {
 namespace {
 
-/// The state of the last poses before the search discarded them.
+/// The last stage that the poses reached before the search discarded them.
 std::string giving_up(const ModelExplanation& explanation, const PoseOptions& limits) {
   switch (*explanation.reached()) {
     case PoseStage::proposed:

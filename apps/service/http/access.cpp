@@ -63,7 +63,7 @@ bool only_reads(const HttpRequest& head) {
   return head.method == "GET" || head.method == "HEAD" || head.method == "OPTIONS";
 }
 
-/// Refuses requests of foreign pages that change something or cost more than a read.
+/// Refuses foreign pages, for requests that change something or cost more than a read.
 std::optional<AccessRefusal> refuse_foreign_page(const HttpRequest& head) {
   const std::string origin = formats::lower_case(head.header("origin"));
   const std::string host =
