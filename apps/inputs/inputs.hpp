@@ -25,7 +25,7 @@ struct ModelInputs {
   std::vector<ModelSource> sources;
   std::optional<LengthUnit> unit;     ///< unit of the manifests and BOP data sets
   std::vector<std::string> notes;     ///< messages about names derived from file names
-  std::vector<std::string> left_out;  ///< paths of other files and folders in the given folders
+  std::vector<std::string> left_out;  ///< paths in the given folders that were not read
 };
 
 /// Each argument is a file, NAME=FILE, a folder, a manifest or the folder of a BOP data set. A
@@ -69,7 +69,7 @@ struct SceneInputs {
   };
   std::vector<Ids> ids;
   std::map<std::string, int> object_ids;  ///< ids in BOP, keyed by model name
-  std::vector<std::string> left_out;      ///< paths of other files and folders in the given folders
+  std::vector<std::string> left_out;      ///< paths in the given folders that were not read
 };
 
 /// The unit of a scene's file, and of all reported lengths of the scene.

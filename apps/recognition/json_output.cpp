@@ -34,7 +34,7 @@ Result<void> JsonOutput::finish() {
 nlohmann::ordered_json JsonOutput::element(const SceneInput& scene, const SceneResult& reported,
                                            const RecognitionRequest& request) {
   RecognizeOptions options = request.options;
-  options.max_rejected = 0;  // rejected poses are for the report
+  options.max_rejected = 0;  // rejected poses are in text and report only
   return scene_json(scene.file.string(), reported, request.recognizer.score(), options);
 }
 
