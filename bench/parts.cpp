@@ -94,8 +94,8 @@ const OrientedPoints& part_surface(const Part& part) {
   static std::map<std::string, OrientedPoints> surfaces;
   const auto [entry, is_new] = surfaces.try_emplace(part.name);
   if (is_new) {
-    Model model = train(part, {.num_samples = kSurfacePoints});
-    entry->second = {std::move(model.samples), std::move(model.sample_normals)};
+    const Model model = train(part, {.num_samples = kSurfacePoints});
+    entry->second = {Points(model.samples), Normals(model.sample_normals)};
   }
   return entry->second;
 }

@@ -9,6 +9,7 @@
 #include "engine/common/thread_limit.hpp"
 #include "engine/hypotheses/search_codes.hpp"
 #include "engine/libraries/build_code_lists.hpp"
+#include "kernels/common/projector.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
 #include "spin_images/relief.hpp"
