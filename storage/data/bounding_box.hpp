@@ -1,4 +1,4 @@
-/// The box around points.
+/// The axis-aligned bounding box of points.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -8,7 +8,7 @@
 
 namespace trivet {
 
-/// The smallest box around n >= 1 points, with sides along the axes.
+/// The smallest axis-aligned box around n >= 1 points.
 inline Eigen::AlignedBox3f bounding_box(PointsView points) {
   TRIVET_REQUIRE(!points.empty(), "a point to lay a box around");
   Eigen::AlignedBox3f box(points[0]);

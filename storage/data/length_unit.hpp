@@ -1,17 +1,17 @@
-/// What lengths are in.
+/// Units of length.
 #pragma once
 
 namespace trivet {
 
-/// A unit of lengths; a library has one for all its models.
+/// Unit of length, common to all models of a library.
 enum class LengthUnit { meter, millimeter };
 
-/// Its symbol, as users and files write it: m or mm.
+/// Symbol of the unit in files and messages: m or mm.
 inline const char* unit_name(LengthUnit unit) noexcept {
   return unit == LengthUnit::meter ? "m" : "mm";
 }
 
-/// What to multiply a length in one unit by to have it in the other.
+/// Factor that converts a length from one unit to the other.
 inline double unit_scale(LengthUnit from, LengthUnit to) noexcept {
   if (from == to) return 1;
   return from == LengthUnit::meter ? 1000 : 0.001;

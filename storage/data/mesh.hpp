@@ -1,4 +1,4 @@
-/// A surface of triangles, as one thing to hand around.
+/// A triangle mesh.
 #pragma once
 
 #include "storage/data/cloud.hpp"
@@ -6,7 +6,7 @@
 
 namespace trivet {
 
-/// Vertices, and triangles between them.
+/// Vertices and triangles.
 struct Mesh {
   Points vertices;
   Triangles triangles;  ///< every index < vertices.size()

@@ -1,4 +1,4 @@
-/// A trained model: everything that recognition needs to know about one object.
+/// A trained model: all data for recognizing one object.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,76 +18,77 @@
 
 namespace trivet {
 
-/// A rigid motion, kept unaligned so that it may stand in plain vectors and structs.
+/// A rigid transform, unaligned so that it may be stored in plain vectors and structs.
 using Pose = Eigen::Transform<float, 3, Eigen::Isometry, Eigen::DontAlign>;
 
-/// Motions that map the model onto itself. The identity is not listed.
+/// Rigid transforms that map the model onto itself. The identity is not listed.
 struct Symmetry {
-  /// A line in the frame of the model.
+  /// A line in the model's frame.
   struct Axis {
     Eigen::Matrix<float, 3, 1, Eigen::DontAlign> direction{0, 0, 1};  ///< unit vector
     /// A point on the axis [library unit].
     Eigen::Matrix<float, 3, 1, Eigen::DontAlign> point{0, 0, 0};
   };
-  /// Discrete symmetries; beside an axis: those that are no turn about it.
+  /// Discrete symmetries. If there is an axis, only those that are not rotations about it.
   std::vector<Pose> poses;
-  std::optional<Axis> axis;  ///< any turn about it is a symmetry
+  std::optional<Axis> axis;  ///< axis of a continuous rotational symmetry
   bool declared = false;     ///< given by the user, not found by the program
 
   bool trivial() const noexcept { return poses.empty() && !axis; }
 };
 
-/// For each surface sample, the directions from which it can be seen, as one bit a direction.
-/// Bit d of word w stands for view_direction(64 w + d) of kernels/surfaces/visibility.hpp.
+/// For each surface sample, a bitmask of the directions from which it is visible. Bit d of word w
+/// stands for view_direction(64 w + d) of kernels/surfaces/visibility.hpp.
 inline constexpr std::size_t kViewWords = 4;
-/// A bit for each of the 256 directions.
+/// One bit for each of the 256 directions.
 using ViewMask = std::array<std::uint64_t, kViewWords>;
 
-/// How many near symmetries a model has at most.
+/// Largest number of near symmetries of a model.
 inline constexpr std::size_t kMaxNearSymmetries = 16;
 
-/// What of a model is checked together, when it is first used.
+/// Parts of a model, each checked as a whole when it is first used.
 enum class ModelPart : std::uint8_t { surface, samples, pairs, features };
-/// All of them.
+/// All parts.
 inline constexpr std::array kModelParts{ModelPart::surface, ModelPart::samples, ModelPart::pairs,
                                         ModelPart::features};
 
 /// An object that can be recognized.
 struct Model {
   std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
-  std::string source;       ///< name of the file it was trained from, without folders
-  std::string source_xxh3;  ///< XXH3-128 of that file's bytes, 32 hexadecimal digits
-  /// XXH3-128 of all that the model was trained from, 32 hexadecimal digits: models of one
-  /// fingerprint are equal but for their names. Empty in files of before 1.5.
+  std::string source;       ///< name of the training file, without folders
+  std::string source_xxh3;  ///< XXH3-128 checksum of that file, 32 hexadecimal digits
+  /// XXH3-128 checksum of all training input, 32 hexadecimal digits. Models with the same
+  /// fingerprint are equal except for their names. Empty in files older than version 1.5.
   std::string fingerprint;
   float diameter = 0;  ///< largest distance between two surface points [library unit]
-  /// Area centroid, which every symmetry keeps in place [library unit].
+  /// Area-weighted centroid, which every symmetry keeps in place [library unit].
   Eigen::Vector3f center{0, 0, 0};
   Symmetry symmetry;
-  /// Motions that map much of the surface onto itself but not all of it, best first: where
+  /// Rigid transforms that map much of the surface onto itself but not all of it, best first. Where
   /// T_scene_model fits a scan, T_scene_model * near_symmetries[i] may look alike. The inverse of
-  /// each is one, too; none is the same placement as another or as the identity.
+  /// each is also a near symmetry. No two are the same placement, and none is the identity.
   std::vector<Pose> near_symmetries;
-  /// Any turn about it looks alike: of a mug, a flange, a gear. Absent where it is a symmetry.
+  /// Axis about which every rotation looks alike, as for a mug, a flange or a gear. Absent if it is
+  /// an axis of symmetry.
   std::optional<Symmetry::Axis> near_axis;
 
-  Shared<PointsView> vertices;      ///< the surface as given, scaled to the library's unit
+  Shared<PointsView> vertices;      ///< original surface, scaled to the library's unit
   Shared<TrianglesView> triangles;  ///< empty if trained from a cloud without a surface
 
-  /// About uniform over the visible surface, for refinement and verification.
+  /// Approximately uniform samples of the visible surface, for refinement and verification.
   Shared<PointsView> samples;
-  Shared<NormalsView> sample_normals;  ///< outward
+  Shared<NormalsView> sample_normals;  ///< outward normals
   Shared<std::span<const ViewMask>> sample_views;
   float sample_spacing = 0;  ///< mean distance between neighboring samples [library unit]
 
-  Shared<PointsView> ppf_points;  ///< what the table's references index; at most 65,536
+  Shared<PointsView> ppf_points;  ///< points that the table's entries refer to; at most 65,536
   Shared<NormalsView> ppf_normals;
   Shared<PpfTableView> ppf;
 
-  /// By scale, the finest first; none if trained without.
+  /// Features by scale, finest first; empty if trained without features.
   std::array<TriSpinFeatures, kFeatureScales.size()> features;
 
-  /// Whether it was trained with point pairs.
+  /// Whether the model was trained with point pairs.
   bool has_pairs() const noexcept { return ppf.quantization.num_distance_bins > 0; }
 };
 

@@ -1,4 +1,4 @@
-/// Ragged rows of indices as one table (CSR).
+/// Variable-length rows of indices in compressed sparse row form (CSR).
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace trivet {
 
-/// m rows of indices; valid while the owner lives and keeps its size.
+/// Read-only view of m rows of indices; valid while the owner lives and keeps its size.
 struct NeighborhoodsView {
   std::span<const std::uint32_t> offsets;  ///< m + 1, non-decreasing
   std::span<const std::uint32_t> indices;  ///< row i is indices[offsets[i] .. offsets[i + 1])
@@ -25,7 +25,7 @@ struct NeighborhoodsView {
   }
 };
 
-/// The owner of rows of indices.
+/// Owning storage of rows of indices.
 struct Neighborhoods {
   Column<std::uint32_t> offsets, indices;
 

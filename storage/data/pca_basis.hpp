@@ -7,13 +7,13 @@
 
 namespace trivet {
 
-/// The directions of largest spread, which take vectors of `dimension` numbers to fewer.
+/// Principal components that reduce vectors of `dimension` numbers to fewer.
 struct PcaBasis {
   std::size_t dimension = 0;
-  Column<float> mean;        ///< dimension numbers
-  Column<float> components;  ///< unit vectors one after the other, by falling energy, orthogonal
-  Column<float> energies;    ///< variance along each
-  double all_energy = 0;     ///< the variance along all directions together
+  Column<float> mean;        ///< mean vector, `dimension` numbers
+  Column<float> components;  ///< orthogonal unit vectors, concatenated, by descending energy
+  Column<float> energies;    ///< variance along each component
+  double all_energy = 0;     ///< total variance along all directions
 
   std::size_t size() const noexcept { return energies.size(); }
 };

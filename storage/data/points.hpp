@@ -1,4 +1,4 @@
-/// Positions or directions as three columns: one owner, two views passed by value.
+/// Positions or directions as three columns: one owner and two views that are passed by value.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace trivet {
 
-/// n vectors to read; valid while the owner lives and keeps its size.
+/// Read-only view of n vectors; valid while the owner lives and keeps its size.
 struct PointsView {
   std::span<const float> x, y, z;  // equal lengths
 
@@ -23,7 +23,7 @@ struct PointsView {
   }
 };
 
-/// n vectors to write; valid while the owner lives and keeps its size.
+/// Writable view of n vectors; valid while the owner lives and keeps its size.
 struct PointsSpan {
   std::span<float> x, y, z;  // equal lengths
 
@@ -40,23 +40,23 @@ struct PointsSpan {
   }
 };
 
-using NormalsView = PointsView;  ///< unit vectors; NaN where there is none
-/// Unit vectors to write.
+using NormalsView = PointsView;  ///< unit vectors; NaN: no normal
+/// Writable view of unit vectors.
 using NormalsSpan = PointsSpan;
 
-/// Points with a normal each, to read.
+/// Read-only view of points with one normal each.
 struct OrientedView {
   PointsView points;
   NormalsView normals;
 };
 
-/// The same to write.
+/// Writable view of points with one normal each.
 struct OrientedSpan {
   PointsSpan points;
   NormalsSpan normals;
 };
 
-/// The owner: three aligned columns of equal length.
+/// Owning storage: three aligned columns of equal length.
 class Points {
  public:
   Points() = default;
@@ -95,7 +95,7 @@ class Points {
   Column<float> x_, y_, z_;
 };
 
-/// The owner of unit vectors.
+/// Owning storage of unit vectors.
 using Normals = Points;
 
 }  // namespace trivet

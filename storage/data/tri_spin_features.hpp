@@ -1,4 +1,4 @@
-/// What a library keeps of its models' Tri-Spin-Images.
+/// Tri-Spin-Image features as stored in a library.
 #pragma once
 
 #include <array>
@@ -13,35 +13,37 @@
 
 namespace trivet {
 
-/// Rows e1, e2, e3 of a local reference frame, one after the other.
+/// Rows e1, e2, e3 of a local reference frame, concatenated.
 using FrameRows = std::array<float, 9>;
 
-/// The features of one model: Tri-Spin-Images in the library's principal components.
+/// The features of one model: Tri-Spin-Images as coefficients of the library's principal
+/// components.
 struct TriSpinFeatures {
-  float resolution = 0;          ///< that scenes are sampled at to be compared [library unit]
-  Shared<PointsView> keypoints;  ///< n, in the model's frame
-  Shared<std::span<const FrameRows>> frames;    ///< n
-  Shared<std::span<const std::uint8_t>> codes;  ///< n of num_components each, see TriSpinBasis
+  float resolution = 0;          ///< sampling distance of scenes for comparison [library unit]
+  Shared<PointsView> keypoints;  ///< n keypoints in the model's frame
+  Shared<std::span<const FrameRows>> frames;    ///< n local reference frames
+  Shared<std::span<const std::uint8_t>> codes;  ///< n codes of num_components bytes each, see
+                                                ///< TriSpinBasis
   std::size_t num_components = 0;
 
   std::size_t size() const noexcept { return keypoints.size(); }
 };
 
-/// Models are described at their own resolution and so many half octaves above it: at two and four
-/// times its distance, for scans that are too coarse for what is small.
+/// Scales of the description in half octaves above the model's own resolution: at its sampling
+/// distance, and at two and four times it, for scans too coarse to show small details.
 inline constexpr std::array<std::uint32_t, 3> kFeatureScales{0, 2, 4};
 
-/// ... of a model that is named by its rank in a library.
+/// Features of a model that is identified by its rank in a library.
 struct FeaturesOfModel {
   std::uint32_t model = 0;
   TriSpinFeatures features;
 };
 
-/// What the features of all models of a library have in common.
+/// Data common to the features of all models of a library.
 struct TriSpinBasis {
-  float support = 0;    ///< radius of what an image shows [resolutions]
-  PcaBasis components;  ///< of the images; none: no model has features
-  float code_step = 0;  ///< a code c stands for the number (c - 128) code_step
+  float support = 0;    ///< support radius of an image [resolutions]
+  PcaBasis components;  ///< principal components of the images; none: no model has features
+  float code_step = 0;  ///< step of a code: code c stands for the number (c - 128) code_step
 };
 
 }  // namespace trivet
