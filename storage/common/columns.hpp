@@ -7,7 +7,7 @@
 
 namespace trivet {
 
-/// Allocates at 64 bytes, the size of a cache line and of the widest vectors.
+/// Allocator with 64-byte alignment, the size of a cache line and of the widest vectors.
 template <class T>
 struct ColumnAllocator {
   using value_type = T;

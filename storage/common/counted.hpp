@@ -1,4 +1,4 @@
-/// Numbers of things as they are said.
+/// Counts with their nouns, for messages.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace trivet {
 
-/// "1 scene", "3 scenes"; "0 vertices" where many is not one with an s.
+/// "1 scene", "3 scenes"; "0 vertices" if the plural is not the singular with an s.
 inline std::string counted(std::size_t n, std::string_view one, std::string_view many = {}) {
   std::string text = std::to_string(n) + ' ';
   if (n == 1) return text.append(one);

@@ -1,6 +1,6 @@
-/// Preconditions that protect memory and what is computed, checked in every build. What files and
-/// clients send is checked where it enters; these hold where such a check was forgotten, so that a
-/// bug ends one job with an error and not the process, or worse, with a wrong answer.
+/// Preconditions that protect memory and results, checked in every build. Data from files and
+/// clients is checked on entry. Preconditions catch a forgotten check, so that a bug ends one job
+/// with an error rather than the process, and never gives a wrong answer.
 #pragma once
 
 #include <stdexcept>
@@ -8,13 +8,13 @@
 
 namespace trivet {
 
-/// A function was called with what it does not take: a bug of this program.
+/// A function was called with invalid arguments: a bug of this program.
 class BrokenPrecondition : public std::logic_error {
  public:
   using std::logic_error::logic_error;
 };
 
-/// Out of line, so that a check costs a comparison and a jump that is never taken.
+/// Out of line, so that a check costs one comparison and a jump that is not taken.
 [[noreturn, gnu::cold, gnu::noinline]] inline void throw_broken_precondition(const char* file,
                                                                              int line,
                                                                              const char* condition,
@@ -27,9 +27,9 @@ class BrokenPrecondition : public std::logic_error {
 }  // namespace trivet
 
 /// Throw BrokenPrecondition unless the condition holds. Not for noexcept functions, where it would
-/// end the process; nor for what is expected to happen, which is a Result.
+/// end the process. Not for expected failures, which are Results.
 ///
-/// expected  words for what should have been, as in "one normal a point"
+/// expected  the expected condition in words, as in "one normal a point"
 #define TRIVET_REQUIRE(condition, expected) \
   (static_cast<bool>(condition)             \
        ? void()                             \

@@ -1,4 +1,4 @@
-/// A value or the reason why there is none, with the names of std::expected (absent in C++20).
+/// A value or an error, with the names of std::expected (absent in C++20).
 #pragma once
 
 #include <optional>
@@ -10,30 +10,30 @@
 
 namespace trivet {
 
-/// What kind of thing went wrong; the command line maps each to a sysexits code.
+/// Category of an error; the command line maps each to a sysexits code.
 enum class ErrorCode {
   usage,          ///< an option or argument is wrong
-  bad_data,       ///< a file or cloud breaks its format or cannot be used
+  bad_data,       ///< a file or cloud violates its format or cannot be used
   missing_input,  ///< a named input does not exist
   cannot_create,  ///< an output cannot be created
   io,             ///< reading or writing failed
-  resumable,      ///< stopped before the end; running again continues
+  resumable,      ///< stopped before the end; running again resumes
   internal,       ///< a bug
-  changed,        ///< others changed a file while it was used
-  no_space,       ///< what is written has no room: a full disk, a quota, a limit on files
-  no_memory,      ///< memory ran out; the same may succeed later, or on a larger machine
+  changed,        ///< another process changed a file while it was in use
+  no_space,       ///< no space to write: a full disk, a quota, a limit on files
+  no_memory,      ///< out of memory; may succeed later, or on a larger machine
 };
 
-/// The words of no_memory, short enough to need no memory themselves.
+/// Message of no_memory, short enough to need no allocation.
 inline constexpr const char* kOutOfMemory = "out of memory";
 
-/// A sentence that names the file, the place, what was expected, what was found and what to do.
+/// A message that names the file, the location, the expected and found values, and the remedy.
 struct Error {
   ErrorCode code;
   std::string message;
 };
 
-/// A value or an error: ask it whether it has a value before taking one.
+/// A value or an error. Check has_value() before accessing the value.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -66,7 +66,7 @@ class [[nodiscard]] Result {
   std::variant<T, Error> content_;
 };
 
-/// Of what gives no value: success or an error.
+/// Result of a function without a value: success or an error.
 template <>
 class [[nodiscard]] Result<void> {
  public:
@@ -86,15 +86,15 @@ class [[nodiscard]] Result<void> {
 
 }  // namespace trivet
 
-/// End the function with the error of a Result that has one; its value, if any, is not asked for.
+/// End the function with the error of a Result that has one. A value, if any, is ignored.
 #define TRIVET_TRY(...)                                                                  \
   do {                                                                                   \
     if (auto&& trivet_tried = (__VA_ARGS__); !trivet_tried) return trivet_tried.error(); \
   } while (false)
 
-/// Declare what a Result holds, or end the function with its error:
+/// Declare a variable with the value of a Result, or end the function with its error:
 /// TRIVET_TRY_ASSIGN(const Cloud cloud, read_cloud(file));
-/// Several statements, so in braces where it follows an `if`.
+/// This expands to several statements; put braces around it after an `if`.
 #define TRIVET_TRY_ASSIGN(declaration, ...) \
   TRIVET_TRY_ASSIGN_FROM(TRIVET_JOINED(trivet_tried_, __COUNTER__), declaration, __VA_ARGS__)
 #define TRIVET_TRY_ASSIGN_FROM(tried, declaration, ...) \

@@ -1,4 +1,4 @@
-/// Views that keep what they refer to alive.
+/// Views that keep the viewed data alive.
 #pragma once
 
 #include <concepts>
@@ -8,16 +8,16 @@
 
 namespace trivet {
 
-/// A view of columns that never change again, whoever owns them: memory of their own, or a mapped
-/// file. Copies share them.
+/// A view of immutable columns with shared ownership: allocated memory or a mapped file. Copies
+/// share the columns.
 template <class View>
 class Shared : public View {
  public:
   Shared() = default;
-  /// owner  keeps alive what the view refers to
+  /// owner  keeps the viewed data alive
   Shared(const View& view, std::shared_ptr<const void> owner)
       : View(view), owner_(std::move(owner)) {}
-  /// Take over columns, such as Points or a Column.
+  /// Take ownership of columns, such as Points or a Column.
   template <class Owner>
   requires(!std::is_trivially_copyable_v<Owner> && !std::derived_from<Owner, View> &&
            std::convertible_to<const Owner&, View>)

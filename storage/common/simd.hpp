@@ -1,8 +1,9 @@
 /// Compile one loop for several instruction sets and choose at run time.
 #pragma once
 
-/// Put before a hot function whose loops the compiler vectorizes: the loader picks the widest clone
-/// that the processor has. Off under sanitizers, whose runtimes start after the loader's choice.
+/// Marks a hot function whose loops the compiler vectorizes: the loader chooses the widest clone
+/// that the processor supports. Off under sanitizers, whose runtimes start after the loader's
+/// choice.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(TRIVET_NO_SIMD_CLONES)
 #define TRIVET_SIMD_CLONES __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
@@ -10,7 +11,7 @@
 #define TRIVET_SIMD_CLONES
 #endif
 
-/// Put before a loop over columns that do not overlap: no round reads what another one writes, so
+/// Marks a loop over columns that do not overlap. No iteration reads what another one writes, so
 /// the compiler vectorizes without comparing addresses.
 #if defined(__clang__)
 #define TRIVET_SIMD_LOOP _Pragma("clang loop vectorize(assume_safety)")

@@ -1,4 +1,4 @@
-/// Cooperative cancellation: work ends at the next check after its stop token was requested.
+/// Cooperative cancellation: work ends at the next check after a stop was requested.
 #pragma once
 
 #include <cstddef>
@@ -6,15 +6,15 @@
 
 namespace trivet {
 
-/// What check_stop() throws. It is no std::exception, since it is no error: the owner of the token
+/// Thrown by check_stop(). Not a std::exception because it is not an error; the owner of the token
 /// catches it.
 struct Stopped {};
 
-/// Makes a stop token the one that this thread checks until the scope ends. The engine's parallel
-/// loops pass it on to their threads, so that no stage needs it as a parameter.
+/// Sets the stop token that this thread checks until the scope ends. The engine's parallel loops
+/// pass it on to their threads, so no stage needs it as a parameter.
 class StopScope {
  public:
-  /// stop  outlives the scope; null: the work goes on to its end
+  /// stop  token that outlives the scope; null: the work cannot be stopped
   explicit StopScope(const std::stop_token* stop) noexcept;
   StopScope(const StopScope&) = delete;
   StopScope& operator=(const StopScope&) = delete;
@@ -27,10 +27,11 @@ class StopScope {
 /// The token of the innermost StopScope of this thread; null: none.
 const std::stop_token* current_stop() noexcept;
 
-/// Throw Stopped if stop was requested. Costs nanoseconds; a loop that may run for 50 ms calls it.
+/// Throw Stopped if a stop was requested. Costs nanoseconds; every loop that may run for 50 ms
+/// calls it.
 void check_stop();
 
-/// Calls check_stop() once in every num_steps calls: for loops of short steps.
+/// Calls check_stop() once every num_steps calls, for loops of short steps.
 class StopCheck {
  public:
   explicit StopCheck(std::size_t num_steps) noexcept : num_steps_(num_steps) {}
@@ -45,7 +46,7 @@ class StopCheck {
   std::size_t step_ = 0;
 };
 
-/// For tests: called at each check, on the checking thread; null: nothing is called.
+/// For tests: sets a function that each check calls on the checking thread; null: none.
 void observe_stop_checks(void (*observer)()) noexcept;
 
 }  // namespace trivet

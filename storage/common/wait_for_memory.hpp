@@ -1,16 +1,16 @@
-/// What an allocation does where memory is missing: it fails at once, or waits for what others give
-/// back.
+/// Behavior of an allocation when memory is exhausted: it fails at once, or waits for other work to
+/// free memory.
 #pragma once
 
 namespace trivet {
 
-/// From now on, allocations that fail on this thread are tried again for a second, while work on
-/// others ends and gives memory back. For threads that answer clients. On other threads
-/// std::bad_alloc is thrown at once, as ever, but not while another exception unwinds the stack:
-/// destructors of JSON documents allocate, and what they throw would end the process.
+/// From now on, failed allocations on this thread are retried for a second, while work on other
+/// threads ends and frees memory. For threads that serve clients. Other threads throw
+/// std::bad_alloc at once, as usual. There is no retry while another exception unwinds the stack:
+/// destructors of JSON documents allocate, and an exception from them would end the process.
 void wait_for_memory_on_this_thread() noexcept;
 
-/// While it lives, allocations of this thread fail at once, as on threads that do not wait.
+/// While it lives, allocations on this thread fail at once, as on threads that do not wait.
 class FailWithoutMemory {
  public:
   FailWithoutMemory() noexcept;
@@ -22,9 +22,9 @@ class FailWithoutMemory {
   bool was_patient_;
 };
 
-/// While one lives, allocations of all threads are tried again for a second, if any thread of the
-/// process waits for memory. For calls of libraries that do not survive a failed allocation on a
-/// thread of their own.
+/// While one lives, failed allocations on all threads are retried for a second, if any thread of
+/// the process waits for memory. For calls of libraries that start threads of their own, on which a
+/// failed allocation would be fatal.
 class WaitForMemoryEverywhere {
  public:
   WaitForMemoryEverywhere() noexcept;

@@ -1,13 +1,13 @@
-/// Floating-point numbers as whole ones, within bounds.
+/// Conversion of floating-point numbers to integers within bounds.
 #pragma once
 
 #include <concepts>
 
 namespace trivet {
 
-/// The whole number that a number is cut to, at least `lowest` and at most `highest`; `lowest` for
-/// NaN. What a file or a pose makes of a count may be infinite or 0/0, of which a plain conversion is
-/// undefined and mostly gives something huge.
+/// The number truncated to an integer and clamped to [lowest, highest]; `lowest` for NaN. A count
+/// computed from a file or a pose may be infinite or 0/0. A plain conversion of those is undefined
+/// and mostly gives a huge number.
 template <std::integral Whole, std::floating_point Number>
 constexpr Whole whole_number(Number value, Whole lowest, Whole highest) noexcept {
   if (!(value > static_cast<Number>(lowest))) return lowest;
