@@ -1,4 +1,4 @@
-/// Numbers as little-endian bytes behind others.
+/// Appending numbers to a buffer as little-endian bytes.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-/// A descriptor of a file, and what the file is by it.
+/// File descriptors, and the identity of a file behind one.
 #pragma once
 
 #include <sys/stat.h>
@@ -12,7 +12,7 @@
 
 namespace trivet {
 
-/// A descriptor that closes itself.
+/// A descriptor that is closed automatically.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -32,13 +32,13 @@ class Descriptor {
   int number_ = -1;
 };
 
-/// What tells one state of a file from another. Times are in nanoseconds.
+/// Values that distinguish one state of a file from another. Times are in nanoseconds.
 struct FileIdentity {
   dev_t device = 0;
   ino_t inode = 0;
   std::uint64_t size = 0;
-  std::int64_t written = 0;  ///< when its bytes were last changed, as far as its writers leave that
-  std::int64_t touched = 0;  ///< the same of all that is said of it, too: nobody can set it back
+  std::int64_t written = 0;  ///< modification time of the bytes; writers can set it
+  std::int64_t touched = 0;  ///< change time of bytes and metadata; nobody can set it back
   nlink_t num_names = 0;
 
   static FileIdentity of(const struct stat& status) noexcept;
@@ -58,8 +58,9 @@ struct OpenedFile {
 /// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io.
 Result<OpenedFile> open_regular(const std::filesystem::path& file, std::uint64_t max_bytes);
 
-/// Wait until any further change of its bytes gives a file another time than it has: for a moment, and
-/// only when it was written just now. Returns whether it came to rest within a second.
+/// Wait until any further change of the bytes would give the file a new modification time. Waits a
+/// moment, and only if the file was written just now. Returns whether that point was reached within
+/// a second.
 bool wait_for_rest(OpenedFile& opened);
 
 }  // namespace trivet

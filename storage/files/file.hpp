@@ -1,4 +1,4 @@
-/// Files as whole buffers, read within bounds and published atomically.
+/// Whole files, read within bounds and published atomically.
 #pragma once
 
 #include <cstddef>
@@ -16,41 +16,42 @@
 
 namespace trivet {
 
-/// Who may write a file while it is mapped.
+/// Processes that may write a file while it is mapped.
 enum class Writers : std::uint8_t {
-  none,    ///< it is this process's own, or held by its lock
-  others,  ///< anybody: it is watched
+  none,    ///< none: the file belongs to this process or is protected by its lock
+  others,  ///< any process: the file is watched
 };
 
-/// Read-only mapping of a regular file; the mapping survives the file's replacement by rename. Bytes
-/// that are cut off read as zeros. What others write and is not larger than memory is better read.
+/// Read-only mapping of a regular file; the mapping survives replacement of the file by rename.
+/// Bytes cut off by truncation read as zeros. Prefer read_file for files that others write and that
+/// fit into memory.
 class MappedFile {
  public:
-  /// What became of the file since it was opened.
+  /// Changes of the file since it was opened.
   enum class State : std::uint8_t {
     same,
-    touched,  ///< its names or rights were changed; or its bytes, and the time of that was set back
-    changed,  ///< in place: bytes may be others than they were. It stays so.
+    touched,  ///< names or rights changed; or bytes changed and the modification time was set back
+    changed,  ///< changed in place: bytes may differ. Permanent.
   };
 
-  /// writers  with `others` a descriptor stays open, by which changes are seen
-  /// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io, changed (it is
-  /// being written).
+  /// writers  with `others`, a descriptor stays open to detect changes
+  /// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io, changed (it
+  /// is being written).
   static Result<MappedFile> open(const std::filesystem::path& file, std::uint64_t max_bytes,
                                  Writers writers = Writers::none);
   std::span<const std::byte> bytes() const noexcept;
   std::shared_ptr<const std::byte> owner() const noexcept;
 
-  /// Compare size and times of the opened file with those that it was opened with: a system call. A
-  /// change through somebody's own mapping shows when the system gives it a time.
+  /// Compare size and times of the file with those at opening: one system call. A change through
+  /// the mapping of another process shows once the system updates the time.
   State state() const noexcept;
-  /// When it was touched last, for accept_touch.
+  /// Time of the last touch, for accept_touch.
   std::int64_t time_of_touch() const noexcept;
-  /// What was touched then holds the bytes that it held.
+  /// Record that the bytes were still the same at this touch.
   void accept_touch(std::int64_t time) const noexcept;
-  /// It is found to hold others.
+  /// Record that the bytes have changed.
   void condemn() const noexcept;
-  /// Whether a path leads to this very file, or nowhere.
+  /// Whether a path leads to this very file or does not exist.
   bool is_at(const std::filesystem::path& file) const noexcept;
 
  private:
@@ -58,50 +59,51 @@ class MappedFile {
   std::shared_ptr<Mapping> mapping_;
 };
 
-/// All of a regular file, which others may write at any time.
-/// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io, changed (while it
-/// was read).
+/// Read a whole regular file, which others may write at any time.
+/// Errors: missing_input, bad_data (not a regular file, larger than max_bytes), io, changed (while
+/// it was read).
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& file,
                                          std::uint64_t max_bytes);
-/// The same as text.
+/// As read_file, as text.
 Result<std::string> read_text_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
-/// Ask for the pages of a mapping before they are read: many that are asked for at once come from
-/// a disk in a tenth of the time that they take one after the other.
+/// Ask the system to load the pages of a mapping before they are read. Many pages requested at once
+/// load from a disk in a tenth of the time of one after the other.
 void ask_for_pages(std::span<const std::byte> mapped) noexcept;
 
-/// Let go of the pages of a mapping; reading them again brings them back from the file.
+/// Release the pages of a mapping; reading them again loads them from the file.
 void give_back_pages(std::span<const std::byte> mapped) noexcept;
-/// Let go of those that hold some bytes of a mapping, and of what the system brought in around them.
-/// Bytes that lie elsewhere stay.
+/// Release the pages around some bytes of a mapping, including those that the system read ahead.
+/// Bytes outside the mapping stay.
 void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept;
 
-/// Let go of the memory that holds what was read and written of a file that is on the disk: of a file
-/// that is hardly going to be read soon, so that it does not displace what is.
+/// Release the page cache of a file that is on the disk and is unlikely to be read soon, so that it
+/// does not displace other data.
 void give_back_file(const std::filesystem::path& file) noexcept;
 
-/// All that an open descriptor gives until its end. `name` stands for it in messages.
+/// Read from an open descriptor until its end. `name` stands for it in messages.
 /// Errors: bad_data (more than max_bytes), io.
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
                                         std::uint64_t max_bytes);
 
-/// What a published file is sure to outlast. Without waiting for the disk, a power failure may leave
-/// any of its bytes unwritten: its reader must check them.
+/// Event that a published file is guaranteed to survive. If publishing does not wait for the disk,
+/// a power failure may leave any of the bytes unwritten, so the reader must check them.
 enum class Outlasts : std::uint8_t { process, power_failure };
 
-/// What a path stands for: the end of its symbolic links, where something may not be yet.
+/// Target of a path after all symbolic links; the target need not exist.
 std::filesystem::path behind_links(const std::filesystem::path& file);
 
-/// A file written under another name, whose target's place it then takes: readers see the old file or
-/// the whole new one. It takes over the old one's mode, and owner and group as far as the process may
-/// give them; of a symbolic link the target is replaced.
+/// A file that is written under a temporary name and then replaces its target, so that readers see
+/// either the old file or the whole new one. It keeps the mode of the old file, and its owner and
+/// group as far as the process may set them. For a symbolic link, the target of the link is
+/// replaced.
 class PendingFile {
  public:
-  /// Under a temporary name in the folder of the target; without publish it is removed. Errors:
+  /// Create with a temporary name in the folder of the target; removed unless published. Errors:
   /// cannot_create.
   static Result<PendingFile> create(const std::filesystem::path& target);
-  /// Under a name that nothing has yet, in the same file system; without publish it stays there.
-  /// Errors: cannot_create.
+  /// Create with an unused name in the same file system; stays there if not published. Errors:
+  /// cannot_create.
   static Result<PendingFile> create_lasting(const std::filesystem::path& target,
                                             const std::filesystem::path& name);
   PendingFile(PendingFile&& other) noexcept { swap(other); }
@@ -111,19 +113,19 @@ class PendingFile {
   }
   ~PendingFile() { give_up(); }
 
-  const std::filesystem::path& path() const noexcept { return name_; }  ///< until it is published
+  const std::filesystem::path& path() const noexcept { return name_; }  ///< name until publication
   int descriptor() const noexcept { return descriptor_; }               ///< open for writing
   bool pending() const noexcept { return descriptor_ >= 0; }  ///< neither published nor given up
 
-  /// Let the disk begin to take what was written, so that publish() waits for little of a large file.
+  /// Start writing data back to the disk, so that publish() of a large file waits only briefly.
   void start_writing_back() const noexcept;
-  /// fsync, rename, fsync the folder; where it need only outlast the process nothing waits for the disk.
-  /// Errors: cannot_create (rename), io.
+  /// fsync, rename, fsync the folder. If the file need only survive the process, nothing waits for
+  /// the disk. Errors: cannot_create (rename), io.
   Result<void> publish(Outlasts end = Outlasts::power_failure);
-  /// Give back the space behind so many bytes, where that is possible.
+  /// Release the space beyond this many bytes, where the file system supports it.
   void shrink(std::uint64_t bytes) noexcept;
-  /// Write no more. A temporary file is removed and its space given back, even while something else
-  /// holds it open.
+  /// End writing. A temporary file is removed and its space is released, even while another process
+  /// has it open.
   void give_up() noexcept;
 
  private:
@@ -140,30 +142,31 @@ class PendingFile {
   int descriptor_ = -1;
 };
 
-/// Remove the temporary files of a target that nobody is writing now: of processes that died.
+/// Remove the temporary files that crashed processes left for a target. Files being written now
+/// stay.
 void remove_pending_files(const std::filesystem::path& target) noexcept;
 
 /// Write bytes as a PendingFile and publish it. Errors: cannot_create, io.
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
-/// Create a folder, and those above it, where they are not there yet. Errors: cannot_create.
+/// Create a folder and its missing parents. Errors: cannot_create.
 Result<void> make_folder(const std::filesystem::path& folder);
 
-/// A checksum of 128 bits by XXH3.
+/// XXH3-128 checksum.
 struct Xxh3 {
   std::uint64_t high = 0, low = 0;
 
   bool operator==(const Xxh3&) const = default;
   std::string hex() const;  ///< 32 hexadecimal digits, high half first
-  /// Of 32 such digits; nothing for another text.
+  /// Parse 32 hexadecimal digits; empty for any other text.
   static std::optional<Xxh3> parse(std::string_view hex);
 };
 /// The checksum of bytes.
 Xxh3 xxh3(std::span<const std::byte> bytes) noexcept;
-/// The same of bytes of a mapping, of which no more than 16 MiB are in memory at a time.
+/// As xxh3, for a mapping; keeps at most 16 MiB of it in memory at a time.
 Xxh3 xxh3_of_mapped(std::span<const std::byte> bytes);
 
-/// XXH3-128 as 32 hexadecimal digits.
+/// XXH3-128 checksum as 32 hexadecimal digits.
 inline std::string xxh3_hex(std::span<const std::byte> bytes) { return xxh3(bytes).hex(); }
 
 }  // namespace trivet

@@ -1,4 +1,4 @@
-/// One writer of a file at a time.
+/// Exclusive access for the writer of a file.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,14 @@
 
 namespace trivet {
 
-/// Held by the one process that may write a file: beside FILE lies .FILE.lock, locked by flock(2)
-/// until this ends or its process dies, with a line that says whose it is. Readers need none.
+/// Lock of the one process that may write a file. .FILE.lock beside FILE is locked by flock(2)
+/// until this object or its process ends, and holds a line that names the owner. Readers need no
+/// lock.
 class FileLock {
  public:
-  /// Also removes what writers of the file that died have left of it.
-  /// Errors: cannot_create (another process holds it: says which; or no file can be made there).
+  /// Also removes what crashed writers of the file have left behind.
+  /// Errors: cannot_create (another process holds the lock, named in the message; or no file can be
+  /// created there).
   static Result<FileLock> acquire(const std::filesystem::path& file);
   FileLock(FileLock&& other) noexcept { swap(other); }
   FileLock& operator=(FileLock&& other) noexcept {
@@ -22,7 +24,7 @@ class FileLock {
   }
   ~FileLock();
 
-  /// That may be written: behind the links of what was asked for.
+  /// The writable file: the requested path with symbolic links resolved.
   const std::filesystem::path& file() const noexcept { return file_; }
 
  private:

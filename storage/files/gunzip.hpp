@@ -1,4 +1,4 @@
-/// gzip, as files and bodies come packed.
+/// Decompression of gzip files and message bodies.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,15 @@
 
 namespace trivet {
 
-/// Whether bytes begin as gzip does.
+/// Whether bytes begin with the gzip magic number.
 bool is_gzip(std::span<const std::byte> bytes) noexcept;
 
-/// Unpack all members of a gzip file. They are gone through twice: measured and checked first, so
-/// that what unpacks to too much, is truncated or damaged takes no memory.
+/// Decompress all members of a gzip file in two passes. The first measures and checks, so that data
+/// that is too large, truncated or damaged takes no memory.
 ///
 /// name   stands for the file in messages
-/// Errors: bad_data (more than max_bytes, truncated, damaged, other bytes behind it; each with the
-/// place). Throws std::bad_alloc.
+/// Errors: bad_data (more than max_bytes, truncated, damaged, other bytes after the last member;
+/// each with the position). Throws std::bad_alloc.
 /// Source: Deutsch, GZIP file format specification version 4.3, RFC 1952.
 Result<std::vector<std::byte>> gunzip(std::span<const std::byte> packed, std::string_view name,
                                       std::uint64_t max_bytes);

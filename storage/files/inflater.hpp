@@ -1,4 +1,4 @@
-/// zlib's stream, over packed bytes that are in memory.
+/// Streaming decompression by zlib of data in memory.
 #pragma once
 
 #include <zlib.h>
@@ -13,16 +13,16 @@
 
 namespace trivet {
 
-/// What is around packed data: RFC 1952 or RFC 1950.
+/// Container of the compressed data: RFC 1952 or RFC 1950.
 enum class PackedFrame { gzip, zlib };
 
-/// What zlib takes for it, to pack and to unpack.
+/// zlib's windowBits parameter for the container, for compression and decompression.
 constexpr int window_bits(PackedFrame frame) noexcept {
   constexpr int kGzip = 16;
   return frame == PackedFrame::gzip ? MAX_WBITS + kGzip : MAX_WBITS;
 }
 
-/// Unpacks a piece at a time. The packed bytes must stay in place.
+/// Decompresses piece by piece. The compressed bytes must stay in place.
 class Inflater {
  public:
   /// Throws std::bad_alloc.
@@ -33,15 +33,15 @@ class Inflater {
   Inflater& operator=(const Inflater&) = delete;
   ~Inflater() { inflateEnd(&stream_); }
 
-  /// Unpack into `out` until it is full, a member ends or much was unpacked, after a check whether the
-  /// work is to stop.
-  /// produced  bytes that `out` has now
-  /// Returns zlib's answer. Throws std::bad_alloc.
+  /// Check for a stop request, then decompress into `out` until it is full, a member ends or a
+  /// limit for one step is reached.
+  /// produced  number of bytes in `out` now
+  /// Returns zlib's return code. Throws std::bad_alloc.
   int step(std::span<std::byte> out, std::size_t& produced) {
     check_stop();
     const std::size_t given = std::min<std::size_t>(rest_.size(), kMostAtOnce);
     const std::size_t room = std::min<std::size_t>(out.size(), kMostAtOnce);
-    // zlib's input is not const, and is not written to either.
+    // zlib's input pointer is not const, but zlib does not write to it.
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(rest_.data()));
     stream_.avail_in = static_cast<uInt>(given);
     stream_.next_out = reinterpret_cast<Bytef*>(out.data());
@@ -52,14 +52,17 @@ class Inflater {
     produced = room - stream_.avail_out;
     return answer;
   }
-  /// Go on with what follows a member that has ended.
+  /// Continue with the next member after one has ended.
   void begin_member() { inflateReset(&stream_); }
 
-  std::span<const std::byte> rest() const noexcept { return rest_; }  ///< not yet unpacked
+  std::span<const std::byte> rest() const noexcept {
+    return rest_;
+  }  ///< compressed bytes not yet
+     ///< read
   std::string_view fault() const noexcept { return stream_.msg ? stream_.msg : "broken data"; }
 
  private:
-  static constexpr std::size_t kMostAtOnce = 4 << 20;  ///< some 20 ms
+  static constexpr std::size_t kMostAtOnce = 4 << 20;  ///< limit for one step, some 20 ms
   z_stream stream_{};
   std::span<const std::byte> rest_;
 };

@@ -1,4 +1,4 @@
-/// What every reader of a format is given, and the words in which it refuses.
+/// Common input of all format readers, and their error messages.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 
 namespace trivet::formats {
 
-/// A whole file of geometry, untrusted. A reader turns it into a cloud whose indices are in range;
-/// its values may still be non-finite.
+/// A whole geometry file, untrusted. A reader turns it into a cloud whose indices are in range; its
+/// values may still be non-finite.
 struct Input {
   const std::filesystem::path& file;  ///< named in errors
   std::span<const std::byte> bytes;
   const ReadOptions& options;
-  /// Below which files may be read that this one names; absent: none may, as of bytes that a client
-  /// sent.
+  /// Folder below which the file may refer to other files. Absent: no other file may be read, as
+  /// for bytes from a client.
   std::optional<std::filesystem::path> folder{};
 
   std::string_view text() const noexcept {
@@ -39,13 +39,13 @@ struct Input {
   Error refuse_line(std::size_t line, std::string_view what) const;
   /// "FILE, byte 120: what", counted from 0.
   Error refuse_byte(std::uint64_t byte, std::string_view what) const;
-  /// The refusal of more points than allowed.
+  /// Error for more points than allowed.
   Error refuse_count(std::uint64_t num_points) const;
 };
 
-/// A piece of the file for an error message: in quotes, shortened, unprintable bytes replaced.
+/// A piece of the file for an error message: quoted, shortened, unprintable bytes replaced.
 std::string quote(std::string_view text);
-/// The same of a word of text; an empty one stands for "the end of the line".
+/// As quote(), for a word of text; an empty one stands for "the end of the line".
 std::string quote_word(std::string_view word);
 
 }  // namespace trivet::formats

@@ -1,4 +1,4 @@
-/// JSON documents as text: the one way in which they are written and read.
+/// JSON documents as text: the one place where they are written and parsed.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,15 +9,16 @@
 
 namespace trivet {
 
-/// A document as text that any parser takes, whatever bytes its strings hold: those that are no
-/// UTF-8 become U+FFFD. It does nothing to a terminal: what printable() tells otherwise is escaped.
+/// A document as text that any parser accepts, whatever bytes its strings hold: invalid UTF-8
+/// becomes U+FFFD. The text has no effect on a terminal: characters that printable() replaces are
+/// escaped.
 ///
-/// indent  spaces a level; < 0: all in one line
+/// indent  spaces per level; < 0: all in one line
 std::string json_text(const nlohmann::json& document, int indent = -1);
 std::string json_text(const nlohmann::ordered_json& document, int indent = -1);
 
-/// The document that a text is; a discarded one where it is none. Numbers are read alike whatever
-/// the locale, which nlohmann's parser would ask.
+/// Parses text; gives a discarded document on a syntax error. Numbers are parsed independently of
+/// the locale, which nlohmann's parser would use.
 template <class Json = nlohmann::json>
 Json parse_json(std::string_view text) {
   const PlainLocale plain;

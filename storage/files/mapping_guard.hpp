@@ -1,4 +1,4 @@
-/// What keeps a process alive when a file that it has mapped is cut short.
+/// Keeps a process alive when a file that it has mapped is truncated.
 #pragma once
 
 #include <cstddef>
@@ -6,22 +6,24 @@
 
 namespace trivet {
 
-/// While this lives, pages of a mapping that cannot be read, since the file was cut short or its disk
-/// failed, become zeros instead of the end of the process (SIGBUS), and the mapping is torn.
+/// While this lives, unreadable pages of a mapping become zeros instead of ending the process
+/// (SIGBUS), and the mapping is marked as torn. Pages are unreadable if the file was truncated or
+/// its disk failed.
 ///
-/// The first one installs the handler, in whatever process it is: a library must not be able to end
-/// a program that only reads it. It touches nothing but pages of guarded mappings; for any other
-/// address the handler that was there before is called, or the process ends as it would have.
+/// The first guard installs the signal handler in any process: a library must not be able to end a
+/// program that only reads it. The handler changes only pages of guarded mappings. For any other
+/// address the previous handler is called, or the process ends as it would have.
 class MappingGuard {
  public:
   MappingGuard() = default;
-  /// Of more than some thousand mappings at a time the further ones are not guarded.
+  /// The number of guarded mappings is limited to some thousands at a time; further ones are not
+  /// guarded.
   explicit MappingGuard(std::span<const std::byte> mapped);
   MappingGuard(const MappingGuard&) = delete;
   MappingGuard& operator=(const MappingGuard&) = delete;
   ~MappingGuard();
 
-  /// Whether pages have become zeros.
+  /// Whether any page was replaced by zeros.
   bool is_torn() const noexcept;
 
  private:

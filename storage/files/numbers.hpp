@@ -1,7 +1,7 @@
-/// Numbers from text: the one way in which they are read, whatever the locale of the process.
+/// Parsing of numbers, independent of the locale of the process.
 #pragma once
 
-#include <locale.h>  // locale_t is of POSIX
+#include <locale.h>  // locale_t is POSIX
 
 #include <cstdint>
 #include <optional>
@@ -9,19 +9,18 @@
 
 namespace trivet {
 
-/// A whole word as a number; "nan" and "inf" are numbers. Beyond the range of double: none.
+/// Parse a whole word as a number; "nan" and "inf" are numbers. Empty beyond the range of double.
 std::optional<double> parse_number(std::string_view word) noexcept;
 std::optional<std::int64_t> parse_integer(std::string_view word) noexcept;
 
-/// Round to float; finite values beyond its range stay finite, so that they can be told from
-/// infinity.
+/// Round to float; finite values beyond its range stay finite, so that they differ from infinity.
 float to_float(double value) noexcept;
 
-/// A value as an index below `bound`; none when it is negative, broken or too large.
+/// A value as an index below `bound`; empty if it is negative, not an integer or too large.
 std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcept;
 
-/// While it lives, the C library writes and reads numbers in this thread as the C locale has it:
-/// for code of others that asks the locale.
+/// While it lives, the C library formats and parses numbers on this thread in the C locale: for
+/// third-party code that depends on the locale.
 class PlainLocale {
  public:
   PlainLocale() noexcept;

@@ -1,4 +1,4 @@
-/// Numbers of any width and byte order, as binary PLY and PCD files hold them.
+/// Numbers of any width and byte order, as in binary PLY and PCD files.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@ constexpr std::size_t size_of(Scalar type) noexcept {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
-/// Read a value that need not be aligned. Pre: size_of its type bytes lie at `from`.
+/// Read an unaligned value. Pre: size_of its type bytes lie at `from`.
 template <class T>
 T load(const std::byte* from, std::endian order) noexcept {
   std::byte bytes[sizeof(T)];

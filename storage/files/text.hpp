@@ -1,4 +1,4 @@
-/// Words and numbers of text files: bounded, free of the locale, without copies.
+/// Words and numbers of text files: bounded, independent of the locale, without copies.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace trivet::formats {
 
-/// Walks over text word by word. Lines end with \n or \r\n; with \r alone where the first one does.
-/// The byte-order mark of UTF-8 is skipped.
+/// Cursor over the words of a text. Lines end with \n or \r\n, or with \r alone if the first line
+/// does. A UTF-8 byte-order mark is skipped.
 class TextCursor {
  public:
   /// Words are separated by blanks and by any of `more_separators`.
@@ -22,8 +22,7 @@ class TextCursor {
   std::string_view word() noexcept;
   /// The next word of this line or a later one; empty at the end of the text.
   std::string_view next_word();
-  /// Go behind the next line break; false when there is none. Looks now and then whether reading is
-  /// to stop.
+  /// Move to the next line; false if there is none. Regularly checks for a stop request.
   bool next_line();
   /// The rest of this line without its break; the cursor stays.
   std::string_view rest_of_line() const noexcept;
@@ -40,12 +39,12 @@ class TextCursor {
   StopCheck check_stop_{1 << 14};  // lines
 };
 
-/// A letter of ASCII or a digit.
+/// Whether c is an ASCII letter or digit.
 constexpr bool is_alphanumeric(char c) noexcept {
   return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
 
-/// The text with its ASCII capitals in lower case.
+/// The text with ASCII capitals in lower case.
 std::string lower_case(std::string_view text);
 
 }  // namespace trivet::formats
