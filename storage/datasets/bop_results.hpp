@@ -1,4 +1,4 @@
-/// Files of results as the BOP benchmark takes them: one line an estimated pose.
+/// Result files of the BOP benchmark: one line per estimated pose.
 ///
 ///     scene_id,im_id,obj_id,score,R,t,time
 ///
@@ -18,17 +18,17 @@ namespace trivet {
 struct BopResult {
   int scene_id = 0, image_id = 0, object_id = 0;
   double score = 0;
-  /// Model point to camera point: R x + t_mm, camera with OpenCV axes.
+  /// Transform from the model to the camera: R x + t_mm, camera with OpenCV axes.
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t_mm{0, 0, 0};
-  double seconds = -1;  ///< for the whole image, the same in all of its results; -1: unknown
+  double seconds = -1;  ///< time for the whole image, equal in all of its results; -1: unknown
 };
 
-/// Whether a file is named METHOD_DATASET-SPLIT.EXT, METHOD_DATASET-SPLIT-TYPE.EXT, or either with
-/// _ID behind: what the toolkit learns the data set and its split from.
+/// Whether a file is named METHOD_DATASET-SPLIT.EXT, METHOD_DATASET-SPLIT-TYPE.EXT, or either
+/// followed by _ID. The toolkit derives the data set and its split from this name.
 bool is_bop_result_name(const std::filesystem::path& file);
 
-/// Write results in their order. Numbers read back the same. The file appears whole or not at all.
+/// Write results in their order. Numbers read back unchanged. The file appears whole or not at all.
 /// Pre: numbers are finite. Errors: cannot_create, io.
 Result<void> write_bop_results(const std::filesystem::path& file,
                                std::span<const BopResult> results);

@@ -1,4 +1,4 @@
-/// What a manifest declares of the symmetry of a model.
+/// Parsing of the symmetry that a manifest declares for a model.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace trivet {
 
-/// Of "symmetries" and "symmetry_axis", in the unit that they are given in. Absent when both are
-/// empty. Throws JsonFault.
+/// Parses "symmetries" and "symmetry_axis", in the unit of the manifest. Absent if both are empty.
+/// Throws JsonFault.
 std::optional<Symmetry> parse_symmetry(const JsonNode& model);
 
 }  // namespace trivet

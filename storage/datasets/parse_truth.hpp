@@ -1,4 +1,4 @@
-/// What a manifest says of one object of a scene.
+/// Parsing of the ground truth of one object of a scene.
 #pragma once
 
 #include "storage/datasets/manifest.hpp"
@@ -6,7 +6,7 @@
 
 namespace trivet {
 
-/// "model", "T_scene_model", and what else a manifest may tell of it. Throws JsonFault.
+/// Parses "model", "T_scene_model" and the optional members of a manifest. Throws JsonFault.
 TruthInstance parse_truth(const JsonNode& node);
 
 }  // namespace trivet

@@ -1,4 +1,4 @@
-/// Read data sets in the form of the BOP benchmark (storage/datasets/bop.hpp) as manifests.
+/// Reading of BOP data sets (storage/datasets/bop.hpp) as manifests.
 #pragma once
 
 #include <filesystem>
@@ -10,35 +10,36 @@
 
 namespace trivet {
 
-/// Whether this is the folder of a data set, which holds models_info.json in models/, models_cad/
-/// or models_eval/, or the folder of one of its splits.
+/// Whether this is the folder of a data set, with models_info.json in models/, models_cad/ or
+/// models_eval/, or the folder of one of its splits.
 bool is_bop_folder(const std::filesystem::path& folder);
 
 /// The models of a data set, without scenes; in mm, by object id.
 ///
-/// folder   of the data set or of one of its splits
-/// Meshes are those of the first folder of models/, models_cad/ and models_eval/ that is there, and
-/// the errors are measured on those of models_eval/. An object that BOP gives no symmetry has none
-/// declared. Whether the meshes themselves are there is not looked at.
+/// folder   folder of the data set or of one of its splits
+/// The meshes are those of the first existing folder of models/, models_cad/ and models_eval/;
+/// errors are measured on those of models_eval/. An object without a symmetry in BOP has none
+/// declared. Whether the mesh files exist is not checked.
 /// Errors: missing_input, io, bad_data (names the JSON path of the fault).
 Result<Manifest> read_bop_models(const std::filesystem::path& folder);
 
 /// The models and the scenes of a data set, in mm, by scene and image id.
 ///
-/// folder   of the data set, whose one split called test… is taken, or of any of its splits. Where
-///          scenes have several cameras (scene_camera_CAM.json, depth_CAM/, scene_gt_CAM.json) that
-///          one which has depth images is taken, or the one named as FOLDER:CAM
+/// folder   folder of the data set, whose only split called test… is chosen, or of any of its
+/// splits. For scenes with several cameras (scene_camera_CAM.json, depth_CAM/, scene_gt_CAM.json),
+/// the one with depth images is chosen, or the one named as FOLDER:CAM
+///
 /// Depth images are PNG or TIFF files.
-/// The images are those of the targets files, where a test split has one, else all. Targets carry
-/// the numbers of instances that test_targets_bop19.json tells (or _bop24, if there is no other).
-/// Without scene_gt.json there is no truth; by scene_gt_info.json, truth of which less than
-/// kBopMinVisibleFraction is visible is to be ignored.
-/// Errors: missing_input (also no test split, and an image whose depth is not there), io, bad_data
-/// (names the JSON path of the fault; a camera that is no pinhole), usage (several test splits, or
-/// several cameras with depth images).
+/// The images are those of the targets files if a test split has one, otherwise all. Targets have
+/// the instance counts of test_targets_bop19.json (or _bop24, if it is the only one). Without
+/// scene_gt.json there is no ground truth. Ground truth with a visible fraction below
+/// kBopMinVisibleFraction in scene_gt_info.json is to be ignored.
+/// Errors: missing_input (also no test split, and an image without a depth file), io, bad_data
+/// (names the JSON path of the fault; a camera that is not a pinhole), usage (several test splits,
+/// or several cameras with depth images).
 Result<Manifest> read_bop(const std::filesystem::path& folder);
 
-/// The entries of a models_info.json, by object id. Lengths that it lacks are 0.
+/// The entries of a models_info.json, by object id. Missing lengths are 0.
 /// Errors: missing_input, io, bad_data (names the JSON path of the fault).
 Result<std::vector<BopObject>> read_bop_models_info(const std::filesystem::path& file);
 
