@@ -1,4 +1,4 @@
-/// From the numbers of an array to a cloud: of NumPy files and of arrays in memory.
+/// Conversion of the numbers of an array, from a NumPy file or memory, to a cloud.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace trivet::formats {
 
-/// Place the points; those of more than one row and one column, row by row, make a pixel grid seen
-/// from the origin, in which the points at (0, 0, 0) are none.
+/// Place the points. More than one row and one column, row by row, make a pixel grid seen from the
+/// origin, in which points at (0, 0, 0) are missing measurements.
 ///
-/// normals   none, or one a point
+/// normals   empty, or one per point
 /// Pre: positions.size() == width * height, at most Input::max_points().
 Cloud arrange_points(Positions positions, Positions normals, std::uint32_t width,
                      std::uint32_t height, const Input& input);

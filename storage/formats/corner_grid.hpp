@@ -1,4 +1,4 @@
-/// The corners of a polygon by where they lie, so that few are looked at to find those in a triangle.
+/// Spatial index of a polygon's corners, to find those in a triangle without testing all.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,15 @@
 
 namespace trivet::formats {
 
-/// A position in the plane that a polygon was laid into.
+/// A position in the plane of a polygon.
 struct PlanePoint {
   double x = 0, y = 0;
 };
 
-/// A grid of squares, about as many as there are corners.
+/// A grid of squares, about as many as corners.
 class CornerGrid {
  public:
-  /// Sort corners into the grid; those of before are forgotten. Any `Corner` has x and y.
+  /// Sort corners into the grid, replacing previous ones. Any `Corner` has x and y.
   template <class Corner>
   void fill(std::span<const Corner> corners) {
     if (corners.empty()) return;
@@ -30,7 +30,7 @@ class CornerGrid {
     }
     lay_out(low, high, corners.size());
 
-    // Count, add up, fill.
+    // Counting sort: count, add up, fill.
     firsts_.assign(columns_ * rows_ + 1, 0);
     for (const Corner& c : corners) ++firsts_[cell_of(c.x, c.y) + 1];
     for (std::size_t cell = 0; cell + 1 < firsts_.size(); ++cell)
@@ -41,14 +41,14 @@ class CornerGrid {
       corners_[next_[cell_of(corners[i].x, corners[i].y)]++] = i;
   }
 
-  /// Visit the runs of corners, by their indices, that hold all in a triangle and some around it.
-  /// `visit` returns whether to go on. Gives what it returned last.
+  /// Visit runs of corner indices that together include all corners in a triangle, and some around
+  /// it. `visit` returns whether to continue. Returns the last result of `visit`.
   template <class Visit>
   bool visit(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, Visit&& visit) const {
     const std::size_t last_row = row_of(std::max({a.y, b.y, c.y}));
     for (std::size_t row = row_of(std::min({a.y, b.y, c.y})); row <= last_row; ++row) {
       const auto [left, right] = reach_in_row(row, a, b, c);
-      // One square more at both sides, whatever rounding did.
+      // One extra square on both sides covers rounding errors.
       const std::size_t first = column_of(left - side_), last = column_of(right + side_);
       const std::span<const std::uint32_t> run = std::span(corners_).subspan(
           firsts_[row * columns_ + first],
@@ -76,9 +76,10 @@ class CornerGrid {
   std::size_t cell_of(double x, double y) const { return row_of(y) * columns_ + column_of(x); }
 
   PlanePoint low_;
-  double side_ = 1;  // of a square
+  double side_ = 1;  // side of a square
   std::size_t columns_ = 1, rows_ = 1;
-  std::vector<std::uint32_t> firsts_, next_, corners_;  // of square k: corners_[firsts_[k] ..)
+  std::vector<std::uint32_t> firsts_, next_, corners_;  // corners of square k start at
+                                                        // corners_[firsts_[k]]
 };
 
 }  // namespace trivet::formats

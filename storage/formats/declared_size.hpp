@@ -1,4 +1,4 @@
-/// How large a scan is, before it is read.
+/// The size of a scan, before it is read.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,15 @@
 
 namespace trivet {
 
-/// What a file says of its size.
+/// Size according to the file's header.
 struct DeclaredSize {
-  std::uint64_t num_points = 0;      ///< or pixels, and triangles
-  std::uint64_t unpacked_bytes = 0;  ///< of what gzip packed, else 0
+  std::uint64_t num_points = 0;      ///< number of points or pixels, and triangles
+  std::uint64_t unpacked_bytes = 0;  ///< decompressed size of a gzip file, otherwise 0
 };
 
-/// How large the cloud of these bytes may be, without reading it: by their header, or by their
-/// length where that does not tell. At most what the options allow. What gzip packed is taken to be
-/// as long as its last member says.
+/// Upper bound of the size of the cloud in these bytes, without reading it: from the header, or
+/// from the length if the header does not state it. At most the limits of the options. The
+/// decompressed size of gzip data is assumed to be the one in its last member.
 DeclaredSize declared_size(std::span<const std::byte> bytes, const std::filesystem::path& name,
                            const ReadOptions& options = {});
 

@@ -1,4 +1,4 @@
-/// What depth images of all formats have in common.
+/// Common code of all depth image formats.
 #pragma once
 
 #include <cmath>
@@ -15,22 +15,22 @@
 
 namespace trivet::formats {
 
-inline constexpr std::size_t kStopCheckPixels = 1 << 18;  ///< between two checks
+inline constexpr std::size_t kStopCheckPixels = 1 << 18;  ///< pixels between two checks
 
-/// Whether there are pixels, and no more than allowed. Errors: bad_data.
+/// Checks that there are pixels, and no more than allowed. Errors: bad_data.
 Result<void> check_pixels(const Input& input, std::uint64_t width, std::uint64_t height);
 
-/// The camera in the options. Errors: bad_data (none, one that cannot be, or one of images of another
-/// size than width x height).
+/// The camera from the options. Errors: bad_data (no camera, an impossible one, or one for an image
+/// size other than width x height).
 Result<Camera> depth_camera(const Input& input, std::uint64_t width, std::uint64_t height);
 
-/// The refusal of an image that measures nothing in front of the camera.
+/// Error for an image without any measurement in front of the camera.
 Error refuse_negative(const Input& input);
 
-/// Put each measured pixel of a camera without distortion at its place in front of it.
+/// Back-project each measured pixel of a camera without distortion.
 ///
 /// depth_at   (pixel) -> raw depth, row-major; not finite, zero and below are no measurement
-/// Errors: bad_data when all depths are negative, as along the -z axis of OpenGL.
+/// Errors: bad_data if all depths are negative, as along the -z axis of OpenGL.
 /// Pre: the size passed check_pixels.
 template <class DepthAt>
 Result<Cloud> back_project_pinhole(const Input& input, std::uint32_t width, std::uint32_t height,
@@ -69,7 +69,7 @@ Result<Cloud> back_project_pinhole(const Input& input, std::uint32_t width, std:
   return cloud;
 }
 
-/// The same of any camera, whose distortion is undone first.
+/// As above, for any camera; distortion is undone first.
 template <class DepthAt>
 Result<Cloud> back_project(const Input& input, std::uint32_t width, std::uint32_t height,
                            const Camera& camera, DepthAt&& depth_at) {

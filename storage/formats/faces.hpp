@@ -1,4 +1,4 @@
-/// Faces of any number of corners, as readers meet them.
+/// Collection of faces with any number of corners while a file is read.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace trivet::formats {
 
-/// Collects faces whose vertices may still be unknown; they are split once all are there.
+/// Collects faces whose vertices may still be unknown; they are split once all vertices are known.
 class Faces {
  public:
   void begin() {
@@ -19,9 +19,13 @@ class Faces {
     num_corners_ = 0;
   }
   void add(std::uint32_t vertex);
-  std::size_t num_corners() const noexcept { return num_corners_; }  ///< of the present face
+  std::size_t num_corners() const noexcept {
+    return num_corners_;
+  }  ///< number of corners of the
+     ///< current face
 
-  /// Add the triangles of all faces to the cloud's; faces of fewer than three corners make none.
+  /// Add the triangles of all faces to the cloud's triangles. Faces of fewer than three corners are
+  /// dropped.
   /// Pre: every vertex is below cloud.points.size().
   /// Errors: bad_data (concave faces that would take too long to split).
   Result<void> put_into(Cloud& cloud, const Input& input) &&;
@@ -31,7 +35,7 @@ class Faces {
     std::size_t first_triangle = 0, num_triangles = 0;
   };
 
-  Triangles triangles_;            // each face as a fan around its first corner
+  Triangles triangles_;            // each face as a triangle fan around its first corner
   std::vector<Polygon> polygons_;  // the faces of more than three corners
   std::size_t first_triangle_ = 0, num_corners_ = 0;
   std::uint32_t first_ = 0, previous_ = 0;

@@ -1,4 +1,4 @@
-/// What all formats have in common behind the reader.
+/// Common checks of all formats after reading.
 #pragma once
 
 #include <new>
@@ -9,15 +9,15 @@
 
 namespace trivet::formats {
 
-/// Drop points that are not finite, with their triangles and pixels; zero normals that are not. Of
-/// models with faces (ReadOptions::keep_origin), drop vertices that no face with an area uses, and
-/// the faces that use them.
+/// Drop non-finite points with their triangles and pixels; set non-finite normals to zero. For
+/// models with faces (ReadOptions::keep_origin), also drop vertices that no face with nonzero area
+/// uses, and the faces that use them.
 ///
-/// Errors: bad_data when no point is left, a coordinate is beyond 1e7, or the cloud is so small
-/// beside its distance from the origin that float cannot tell its points apart.
+/// Errors: bad_data if no point is left, a coordinate is beyond 1e7, or the cloud is so small
+/// relative to its distance from the origin that floats cannot distinguish its points.
 Result<Cloud> finish(Cloud cloud, const Input& input);
 
-/// What `read` gives, or no_memory where the memory does not suffice for it.
+/// Result of `read`, or no_memory if memory runs out.
 template <class Read>
 Result<Cloud> within_memory(const Input& input, Read&& read) {
   try {

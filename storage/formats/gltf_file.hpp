@@ -19,7 +19,7 @@
 
 namespace trivet::formats {
 
-/// The document, and the buffer that a binary file has behind it.
+/// The JSON document and the binary buffer of a GLB file.
 struct GltfParts {
   std::span<const std::byte> json, binary;
 };
@@ -28,13 +28,13 @@ struct GltfParts {
 /// Source: Khronos Group, glTF 2.0 Specification, 4.4.
 Result<GltfParts> split_gltf(const Input& input);
 
-/// An array of the document; of none when it is absent.
+/// The elements of an array of the document; empty if it is absent.
 std::vector<JsonNode> elements_of(const JsonNode& root, std::string_view array);
 
-/// The one of them whose index some member gives. Throws JsonFault when there is none.
+/// The element whose index a member holds. Throws JsonFault if there is none.
 const JsonNode& element_at(const JsonNode& index, const std::vector<JsonNode>& elements);
 
-/// What an accessor gives, checked to lie within its buffer: `count` elements of some values each.
+/// The data of an accessor, checked to lie within its buffer: `count` elements of several values.
 class GltfAccessor {
  public:
   GltfAccessor(const std::byte* first, std::size_t stride, std::size_t count, Scalar type,
@@ -42,7 +42,7 @@ class GltfAccessor {
       : first_(first), stride_(stride), count_(count), type_(type), normalized_(normalized) {}
 
   std::size_t size() const noexcept { return count_; }
-  /// Normalized integers as fractions of the largest one (glTF 2.0, 3.11).
+  /// The value; normalized integers as fractions of the largest one (glTF 2.0, 3.11).
   double value(std::size_t element, std::size_t component) const noexcept;
   std::uint32_t index(std::size_t element) const noexcept {
     return whole_number(value(element, 0), 0U, std::numeric_limits<std::uint32_t>::max());
@@ -55,16 +55,15 @@ class GltfAccessor {
   bool normalized_;
 };
 
-/// Buffers are read when they are first used, and live as long as this.
+/// Buffers of the document. Each is read at first use and lives as long as this object.
 class GltfBuffers {
  public:
   GltfBuffers(const Input& input, const JsonNode& root, std::span<const std::byte> binary);
 
-  /// The accessor that a member of some object names. Throws JsonFault, with the path of what is
-  /// wrong: an index or range that is out of bounds, another type than asked for, what is
-  /// compressed.
+  /// The accessor that a member of some object names. Throws JsonFault with the path of the fault:
+  /// an index or range out of bounds, an unexpected type, compressed data.
   ///
-  /// type   "SCALAR" of indices, "VEC3" of vectors
+  /// type   "SCALAR" for indices, "VEC3" for vectors
   GltfAccessor accessor(const JsonNode& named, std::string_view type);
 
  private:

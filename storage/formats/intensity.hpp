@@ -1,4 +1,4 @@
-/// How bright the points of a scan are: by a field of its own, else by their colors.
+/// Intensity of the points of a scan, from an intensity field or from colors.
 #pragma once
 
 #include <array>
@@ -13,16 +13,16 @@ namespace trivet::formats {
 /// Whether a field, a property or a column of this name holds intensities.
 bool names_intensity(std::string_view name);
 
-/// How files call the shares of a color.
+/// Names of color channels in files.
 inline constexpr std::array<std::string_view, 3> kColorNames{"red", "green", "blue"};
 
-/// Brightness of a color, in the range of its shares. Source: ITU-R BT.601, luma.
+/// Brightness of a color, in the range of its channels. Source: ITU-R BT.601, luma.
 double brightness(double red, double green, double blue);
 
-/// Of a color whose shares are the three low bytes, red the highest of them.
+/// Brightness of a color packed into the three low bytes, red the highest of them.
 double brightness(std::uint32_t color);
 
-/// As floats. colors  x, y, z are red, green, blue
+/// Brightness of colors as floats. colors  x, y, z are red, green, blue
 Column<float> brightness(const Positions& colors);
 Column<float> to_floats(const Column<double>& values);
 

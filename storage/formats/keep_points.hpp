@@ -1,4 +1,4 @@
-/// Take points out of a cloud, and what belongs to them.
+/// Removal of points and their attributes from a cloud.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 namespace trivet {
 
 /// Drop the points whose mark is 0, with their normals, intensities and the triangles that use
-/// them; their pixels become such without a measurement. The others keep their order.
+/// them; their pixels become pixels without a measurement. The others keep their order.
 ///
-/// keep   one mark a point
+/// keep   one mark per point
 void keep_points(std::span<const std::uint8_t> keep, Cloud& cloud);
 
 }  // namespace trivet

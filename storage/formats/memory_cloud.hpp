@@ -1,5 +1,5 @@
-/// Clouds of what is in memory already: arrays of points, meshes and depth images, as files of the
-/// same content give them.
+/// Clouds from data in memory: arrays of points, meshes and depth images, with the same results as
+/// from files.
 #pragma once
 
 #include <array>
@@ -14,29 +14,29 @@
 
 namespace trivet {
 
-/// An array of two or three dimensions to read, wherever its numbers lie; valid while they do.
-/// Strides count numbers, not bytes, from one to the next along a dimension, and may be negative or
-/// zero: any array of NumPy comes in as it is. Numbers are aligned as their type asks for.
+/// Read-only view of an array of two or three dimensions; valid while the data is. Strides count
+/// numbers, not bytes, along a dimension, and may be negative or zero, so any NumPy array fits
+/// without a copy. Numbers have the alignment of their type.
 struct ArrayView {
   std::variant<const float*, const double*, const std::uint16_t*, const std::int32_t*,
                const std::uint32_t*, const std::int64_t*>
       data{};
   std::size_t num_dimensions = 2;
-  std::array<std::size_t, 3> shape{};  ///< ones behind the last dimension
+  std::array<std::size_t, 3> shape{};  ///< sizes, 1 for dimensions that do not exist
   std::array<std::ptrdiff_t, 3> strides{};
 
-  /// Two dimensions, row after row.
+  /// Two dimensions, contiguous rows.
   template <class T>
   static ArrayView packed(const T* data, std::size_t rows, std::size_t columns) noexcept {
     return {data, 2, {rows, columns, 1}, {static_cast<std::ptrdiff_t>(columns), 1, 1}};
   }
-  /// Two dimensions, rows `row_stride` numbers and columns `column_stride` numbers apart.
+  /// Two dimensions with row and column strides, in numbers.
   template <class T>
   static ArrayView strided(const T* data, std::size_t rows, std::size_t columns,
                            std::ptrdiff_t row_stride, std::ptrdiff_t column_stride = 1) noexcept {
     return {data, 2, {rows, columns, 1}, {row_stride, column_stride, 1}};
   }
-  /// Three dimensions, an image of vectors.
+  /// Three dimensions: an image of vectors.
   template <class T>
   static ArrayView packed(const T* data, std::size_t height, std::size_t width,
                           std::size_t length) noexcept {
@@ -45,36 +45,35 @@ struct ArrayView {
   }
 };
 
-/// What belongs to the points, and what is allowed; the limits are those of ReadOptions.
+/// Attributes of the points and size limits; the limits are those of ReadOptions.
 struct MemoryCloudOptions {
-  std::string_view name = "array";         ///< that stands for the data in messages
-  std::optional<ArrayView> normals{};      ///< of the points' shape
-  std::optional<ArrayView> triangles{};    ///< (m, 3) indices of points, counted as they come in
+  std::string_view name = "array";         ///< name of the data in messages
+  std::optional<ArrayView> normals{};      ///< normals in the shape of the points
+  std::optional<ArrayView> triangles{};    ///< (m, 3) indices of points in input order
   std::uint64_t max_points = 100'000'000;  ///< more points are refused
   std::uint64_t max_pixels = 64'000'000;   ///< larger depth images are refused
-  bool keep_origin = false;                ///< of models, as in ReadOptions
+  bool keep_origin = false;                ///< for models, as in ReadOptions
 };
 
-/// Take points as a cloud, as read_cloud takes them of a file.
+/// Turn an array of points into a cloud, as read_cloud does for a file.
 ///
-/// xyz   (n, 3), or (height, width, 3) of an organized cloud: both above one make a pixel grid, seen
-///       from the origin of its frame, in which pixels at (0, 0, 0) have no measurement
+/// xyz   (n, 3), or (height, width, 3) for an organized cloud. If both sizes exceed one, the result
+///       has a pixel grid seen from the origin, in which pixels at (0, 0, 0) have no measurement
 ///
-/// Points with a coordinate that is not finite are dropped and counted, with the triangles that use
-/// one; normals that are not finite become zero. Values become floats; where points lie far from the
-/// origin beside their extent, an offset is subtracted first, in double (Cloud::offset).
-/// Errors: usage (a shape, a null pointer or an extent that cannot be), bad_data (too many points,
-/// none that is finite, coordinates too large, triangles of points that are not there, no memory).
+/// Points with a non-finite coordinate are dropped and counted, with the triangles that use them;
+/// non-finite normals become zero. Values become floats. If the points lie far from the origin
+/// relative to their extent, an offset is subtracted first, in double (Cloud::offset).
+/// Errors: usage (an invalid shape, null pointer or extent), bad_data (too many points, no finite
+/// one, coordinates too large, triangle indices out of range, no memory).
 Result<Cloud> cloud_from_points(const ArrayView& xyz, const MemoryCloudOptions& options = {});
 
-/// Put each measured pixel of a depth image at its place in front of the camera, as read_cloud does
-/// with a PNG.
+/// Back-project each measured pixel of a depth image, as read_cloud does for a PNG.
 ///
-/// depths   (height, width), of any type; times camera.depth_scale a length along z; what is not
-///          finite, zero or below is no measurement
+/// depths   (height, width), of any type; a depth times camera.depth_scale is a length along z;
+///          non-finite, zero and negative values are no measurement
 ///
-/// Errors: usage (as above), bad_data (a camera that cannot be, too many pixels, negative depths
-/// only, coordinates too large, no memory).
+/// Errors: usage (as above), bad_data (an impossible camera, too many pixels, only negative depths,
+/// coordinates too large, no memory).
 Result<Cloud> cloud_from_depths(const ArrayView& depths, const Camera& camera,
                                 const MemoryCloudOptions& options = {});
 

@@ -10,9 +10,9 @@
 
 namespace trivet::formats {
 
-/// Read what stands behind the line "OFF BINARY", from this byte on: the three counts, the
-/// vertices, and of each face the number of corners, the corners, the number of its color's
-/// components, these. Integers and floats of 32 bits, most significant byte first.
+/// Read the part after the line "OFF BINARY", from this byte on. It holds the three counts, the
+/// vertices, and for each face the number of corners, the corners, the number of color components
+/// and these components. Integers and floats have 32 bits, most significant byte first.
 /// Errors: bad_data.
 Result<Cloud> read_off_binary(const Input& input, const OffKeyword& keyword, std::size_t begin);
 

@@ -16,7 +16,7 @@ namespace trivet::formats {
 struct PlyProperty {
   std::string name;
   Scalar type = Scalar::float32;
-  std::optional<Scalar> count_type;  ///< present for a list
+  std::optional<Scalar> count_type;  ///< type of the count; present for a list
 };
 
 struct PlyElement {
@@ -30,9 +30,9 @@ enum class PlyEncoding { ascii, little_endian, big_endian };
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::uint64_t num_cols = 0, num_rows = 0;  ///< from obj_info: size of Stanford's range_grid
-  std::size_t body_begin = 0;                ///< first byte behind end_header and its line break
-  std::size_t body_line = 1;                 ///< its line number
+  std::uint64_t num_cols = 0, num_rows = 0;  ///< size of Stanford's range_grid, from obj_info
+  std::size_t body_begin = 0;                ///< first byte after end_header and its line break
+  std::size_t body_line = 1;                 ///< line number of the body
 
   const PlyElement* find(std::string_view name) const noexcept;
 };

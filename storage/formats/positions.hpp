@@ -1,5 +1,4 @@
-/// Coordinates on their way from a file, which holds them as exactly as it likes, to a cloud of
-/// floats.
+/// Coordinates between a file, in its own precision, and a cloud of floats.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +10,7 @@
 
 namespace trivet::formats {
 
-/// Three columns of equal length, as the file gives them; may be non-finite.
+/// Three columns of equal length with the file's coordinates; may be non-finite.
 struct Positions {
   Column<double> x, y, z;
 
@@ -28,21 +27,22 @@ struct Positions {
   }
 };
 
-/// How many times farther from the origin than they extend points may lie without an offset. A
-/// float's rounding is then at most 2^-17 of the extent, well below the spacing of a million points.
+/// Largest distance from the origin without an offset, in multiples of the extent of the points.
+/// The rounding error of a float is then at most 2^-17 of the extent, well below the spacing of a
+/// million points.
 inline constexpr double kMostDistance = 128;
 
-/// Round the positions to the cloud's points. Along the axes where they lie so far from the origin
-/// that floats would lose digits that matter (more than kMostDistance times their extent), an offset
-/// is subtracted first and kept in cloud.offset; ReadOptions::keep_origin forbids it. The offset is a
-/// multiple of a power of two no smaller than the extent, so subtracting and adding it are exact.
+/// Round the positions to the cloud's points. Along axes where they lie so far from the origin that
+/// floats would lose significant digits (more than kMostDistance times their extent), an offset is
+/// subtracted first and stored in cloud.offset; ReadOptions::keep_origin forbids it. The offset is
+/// a multiple of a power of two no smaller than the extent, so subtracting and adding it are exact.
 /// The memory of the positions is freed column by column.
 void place(Positions positions, const Input& input, Cloud& cloud);
 
-/// The same of what is no place, such as normals.
+/// Round vectors that are not positions, such as normals, to floats.
 Points round_to_floats(Positions vectors);
 
-/// Set where the sensor stood, given in the file's frame, once the points are placed.
+/// Set the sensor position, given in the file's frame, after the points are placed.
 void place_viewpoint(const Eigen::Vector3d& viewpoint, Cloud& cloud);
 
 }  // namespace trivet::formats

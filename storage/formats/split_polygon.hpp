@@ -1,4 +1,4 @@
-/// Split a polygon into triangles, whatever its outline.
+/// Triangulation of a polygon with any outline.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace trivet::formats {
 
-/// A triangle of three positions in the list of a polygon's corners.
+/// A triangle as three positions in a polygon's list of corners.
 struct CornerTriangle {
   std::uint32_t a = 0, b = 0, c = 0;
 };
 
-/// Memory of split_polygon, kept from one polygon to the next.
+/// Working memory of split_polygon, reused between polygons.
 struct SplitScratch {
   struct Corner {
     double x = 0, y = 0;
@@ -27,18 +27,20 @@ struct SplitScratch {
   CornerGrid grid;
 };
 
-/// Split a polygon into n - 2 triangles that cover what its outline goes around.
+/// Split a polygon into n - 2 triangles that cover the area enclosed by its outline.
 ///
-/// points   of the file; may be non-finite
-/// corners  n >= 3 indices of points, in order along the outline; corners may lie in line, coincide
-///          and be named twice, the outline may be a little off its plane, and holes are part of it
-///          by bridges: there over an edge, around the hole, and back over the same edge
-/// steps    how many corners, and rows of the grid, may be looked at; what was needed is taken off
-/// out      n - 2 triangles, wound as the outline. Where the fan around the first corner covers the
-///          polygon, as of every convex one, it is the fan. An outline that crosses itself has no
-///          one inside: of the fan and what ear clipping makes of it, the one with less overlap.
-/// Returns whether the steps sufficed; if not, out is the fan. Corners are found by a grid: O(n^1.5)
-/// steps for outlines as parts have them, O(n^2) for the worst.
+/// points   points of the file; may be non-finite
+/// corners  n >= 3 indices of points, in order along the outline. Corners may be collinear,
+///          coincide and occur twice, and the outline may be slightly non-planar. Holes are part of
+///          the outline by bridges: there over an edge, around the hole, and back over the same
+///          edge
+/// steps    limit on inspected corners and grid rows; reduced by the number used
+/// out      n - 2 triangles, wound as the outline. If the fan around the first corner covers the
+///          polygon, as for every convex one, it is the fan. The inside of a self-intersecting
+///          outline is ambiguous: the result is the fan or that of ear clipping, whichever overlaps
+///          less.
+/// Returns whether the steps sufficed; if not, out is the fan. Corners are found by a grid:
+/// O(n^1.5) steps for typical outlines of parts, O(n^2) in the worst case.
 /// Source: Meisters, "Polygons Have Ears", American Mathematical Monthly 82 (1975).
 bool split_polygon(PointsView points, std::span<const std::uint32_t> corners, SplitScratch& scratch,
                    std::uint64_t& steps, std::span<CornerTriangle> out);

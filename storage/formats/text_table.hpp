@@ -1,5 +1,5 @@
-/// Rows and columns of text: one row a line; columns stand between commas, between semicolons, or
-/// between blanks, the same in all rows.
+/// Rows and columns of text: one row per line; columns are separated by commas, by semicolons or by
+/// blanks, the same in all rows.
 #pragma once
 
 #include <optional>
@@ -10,24 +10,24 @@
 
 namespace trivet::formats {
 
-/// What stands between the columns of a row.
+/// Separator of the columns of a row.
 enum class Delimiter { blanks, commas, semicolons };
 
-/// Tell the delimiter of a row of numbers. Commas are decimal where something else parts the
-/// columns ("1,5 2,25 0"); those of "1,5,2" part columns.
+/// Detect the delimiter of a row of numbers. Commas are decimal marks if something else separates
+/// the columns ("1,5 2,25 0"); those of "1,5,2" separate columns.
 Delimiter find_delimiter(std::string_view row);
 
-/// Split a row into its columns without the blanks and quotes around them; between commas or
-/// semicolons a column may be empty, also the last one. More than 1000 columns are cut.
+/// Split a row into columns without surrounding blanks and quotes. Between commas or semicolons a
+/// column may be empty, also the last one. Columns beyond 1000 are dropped.
 void split_row(std::string_view row, Delimiter delimiter, std::vector<std::string_view>& columns);
 
-/// A column as a number. Unless commas are the delimiter, one in it is a decimal mark.
+/// Parse a column as a number. Unless commas are the delimiter, a comma in it is a decimal mark.
 std::optional<double> parse_column(std::string_view column, Delimiter delimiter);
 
 /// The names of a header in lower case, without their units: "//X [m]; Y [m]" gives "x", "y".
 std::vector<std::string> parse_names(std::string_view header, Delimiter delimiter);
 
-/// Where columns of these names stand; none unless all are there.
+/// Indices of the columns with these names; empty unless all are present.
 std::optional<std::vector<std::size_t>> find_names(std::span<const std::string> names,
                                                    std::span<const std::string_view> wanted);
 

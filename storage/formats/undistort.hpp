@@ -1,4 +1,4 @@
-/// Depth images as a pinhole would have taken them.
+/// Undistortion of depth images.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,21 @@
 
 namespace trivet::formats {
 
-/// Where the lens shows what a pinhole shows at a place of its image.
+/// Position in the distorted image for a position in the pinhole's image.
 ///
 /// x, y   x / z and y / z
-/// Returns both as the lens bends them; none beyond where the model turns back, as no lens does.
-/// Source: D. C. Brown, Photogrammetric Engineering 32, 1966, as OpenCV writes it.
+/// Returns both after distortion; empty beyond the radius where the model folds back, which no lens
+/// does.
+/// Source: D. C. Brown, Photogrammetric Engineering 32, 1966, in OpenCV's form.
 std::optional<std::pair<double, double>> distort(const LensDistortion& lens, double x,
                                                  double y) noexcept;
 
-/// Take each pixel of the pinhole's image from where the lens shows it: from the four around by
-/// inverse depth, which is exact on planes, where these lie on one surface; else the nearest, so that
-/// nothing is put across an edge.
+/// Resample each pixel of the pinhole's image from its distorted position. If the four surrounding
+/// pixels lie on one surface, inverse depth is interpolated, which is exact on planes; otherwise
+/// the nearest pixel is used, so that nothing is interpolated across an edge.
 ///
 /// raw   width * height depths, row-major; zero and below are no measurement
-/// Returns as many; 0 where the image does not reach, or nothing was measured.
+/// Returns as many; 0 outside the image or without a measurement.
 std::vector<float> undistort(std::span<const float> raw, std::uint32_t width, std::uint32_t height,
                              const Camera& camera);
 

@@ -1,4 +1,4 @@
-/// Which vertices of a mesh lie on its surface.
+/// Vertices of a mesh that lie on its surface.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 
 namespace trivet {
 
-/// The vertices that some triangle with an area uses. Others are what editors leave behind where
-/// faces were deleted, or belong to triangles that are a line or a point: no surface is there.
+/// The vertices of triangles with nonzero area. Other vertices remain where an editor deleted
+/// faces, or belong to triangles that degenerate to a line or a point: no surface is there.
 struct UsedVertices {
-  std::vector<std::uint8_t> marks;  ///< one a vertex: 1 if it is used
+  std::vector<std::uint8_t> marks;  ///< one per vertex: 1 if it is used
   std::size_t num_unused = 0;
   std::size_t num_without_area = 0;  ///< triangles that use an unused vertex
 };
 
-/// A triangle has no area where its height is less than floats tell beside its longest side, a
-/// millionth of that.
+/// A triangle counts as degenerate if its height is below a millionth of its longest side, the
+/// resolution of floats.
 UsedVertices find_used_vertices(PointsView vertices, TrianglesView triangles);
 
 }  // namespace trivet

@@ -1,4 +1,4 @@
-/// PNG files from rows of pixels.
+/// PNG encoding of pixel rows.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@ struct Picture {
   std::vector<std::uint8_t> rgb;  ///< 3 * width * height
 };
 
-/// Errors: internal (libpng's message).
+/// Encode as PNG. Errors: internal (libpng's message).
 Result<std::vector<std::byte>> encode_png(const Picture& picture);
 
-/// Write a 16-bit gray PNG of whole rows of depths, as read_cloud reads it; 0 stands for no
+/// Write whole rows of depths as a 16-bit gray PNG that read_cloud can read; 0 stands for no
 /// measurement. The file appears whole or not at all. Errors: cannot_create, io, internal (libpng's
 /// message).
 Result<void> write_depth_png(const std::filesystem::path& file,
