@@ -1,4 +1,4 @@
-/// What a library's directory keeps of its models, as columns.
+/// The directory of a library's models, as columns.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace trivet {
 
-/// What the directory keeps of a model, whose datasets lie where `described` says.
+/// The directory entry of a model whose datasets lie at the offsets in `described`.
 ModelRecord record_of(const Model& model, const StoredGroup& described);
 
 /// All models as columns: the datasets of /directory.

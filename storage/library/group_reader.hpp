@@ -1,4 +1,4 @@
-/// Reads values from the tree of a library's file.
+/// Reading of values from the tree of a library file.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,19 +19,19 @@
 
 namespace trivet {
 
-/// Where a column lies in a file, and the checksum of its bytes.
+/// Position of a column in a file, and the checksum of its bytes.
 struct StoredColumn {
   std::uint64_t offset = 0, bytes = 0;
   Xxh3 checksum;
   bool operator==(const StoredColumn&) const = default;
 };
 
-/// The first fault is kept, and what is read after it is empty: the caller asks for the fault
-/// once, at the end. All paths are those of objects, for errors.
+/// Keeps the first error; values read after it are empty. The caller checks for the error once, at
+/// the end. Paths in errors are those of the HDF5 objects.
 class GroupReader {
  public:
-  /// bytes  of the file, which offsets count in
-  /// minor  version of the file: older ones have fewer datasets, newer ones may have more;
+  /// bytes  bytes of the file, relative to which offsets are given
+  /// minor  minor version of the file: older files have fewer datasets, newer ones may have more;
   ///        attributes are read alike in all
   GroupReader(const std::filesystem::path& file, std::span<const std::byte> bytes,
               std::uint32_t minor = kLibraryVersionMinor)
@@ -70,14 +70,14 @@ class GroupReader {
   }
   std::string text(const StoredAttributes& from, const std::string& name, const std::string& path);
 
-  /// Where a dataset lies, when its type and shape are right; nothing of a dataset that the file's
-  /// version did not have.
+  /// Position of a dataset of the right type and shape; empty if the file's version did not have
+  /// the dataset.
   std::optional<StoredColumn> column(const StoredGroup& group, const format::DatasetSpec& spec,
                                      const std::string& path, const format::RowSizes& sizes = {});
-  /// The bytes of a dataset, when its checksum is right, too.
+  /// The bytes of a dataset whose checksum is right.
   std::span<const std::byte> data(const StoredGroup& group, const format::DatasetSpec& spec,
                                   const std::string& path);
-  /// The same as numbers.
+  /// As data(), as numbers.
   template <class T>
   std::vector<T> values(const StoredGroup& group, const format::DatasetSpec& spec,
                         const std::string& path) {
@@ -87,10 +87,10 @@ class GroupReader {
     return out;
   }
 
-  /// Refuse what the format of the file's version does not name.
+  /// Refuse objects that the format of the file's version does not name.
   void expect_only(const StoredGroup& group, std::string_view spec_group,
                    std::initializer_list<std::string_view> below, const std::string& path);
-  /// A group below another one; null where there is none.
+  /// A subgroup of a group; null if absent.
   static const StoredGroup* below(const StoredGroup& group, const std::string& name) {
     const auto found = group.groups.find(name);
     return found == group.groups.end() ? nullptr : &found->second;
@@ -107,7 +107,7 @@ class GroupReader {
   std::optional<Error> fault_;
 };
 
-/// What is wrong with a column's bytes.
+/// Error message for a wrong checksum of a column.
 std::string wrong_checksum(const Xxh3& expected, const Xxh3& found);
 
 }  // namespace trivet

@@ -1,4 +1,4 @@
-/// The HDF5 C API behind owning handles. For .cpp files of storage/ only: no public header includes
+/// The HDF5 C API with owning handles. For .cpp files of storage/ only: no public header includes
 /// it.
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace trivet::hdf5 {
 
-/// Prepare the library for this thread. Call before anything else of HDF5.
+/// Prepare HDF5 for this thread. Call before any other HDF5 function.
 ///
-/// Without H5dont_atexit, a file that could not be closed (disk full) crashes the process at its
-/// exit. Plugins would load code named by a file. The error printer is a property of the thread.
+/// Without H5dont_atexit, a file that could not be closed (disk full) crashes the process at exit.
+/// Plugins would load code that a file names. The error printer is a per-thread setting.
 inline void start() {
   static const bool once = [] {
     H5dont_atexit();
@@ -22,7 +22,7 @@ inline void start() {
   (void)quiet;
 }
 
-/// Owns one identifier of any kind.
+/// Owns an HDF5 identifier of any kind.
 class Handle {
  public:
   Handle() = default;
@@ -44,8 +44,8 @@ class Handle {
   hid_t id_ = H5I_INVALID_HID;
 };
 
-/// How a library's file is opened and created: plain system calls and no locks (a published library
-/// never changes). The low bound gives checksummed metadata; large datasets begin on a page.
+/// Access properties of library files: plain system calls and no locks (a published library never
+/// changes). The low version bound gives checksummed metadata; large datasets are page-aligned.
 inline Handle file_access() {
   Handle access(H5Pcreate(H5P_FILE_ACCESS));
   const bool ok = H5Pset_fapl_sec2(access.get()) >= 0 &&

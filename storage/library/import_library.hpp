@@ -1,4 +1,4 @@
-/// Libraries that another program has stored anew.
+/// Import of libraries that another program has rewritten.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace trivet {
 
-/// Read a library that was chunked, compressed or otherwise repacked, after the checks of
-/// open_library; all of it is in memory then. Written with copy_models, it has the bytes that it
-/// had before, if this version of the format wrote it.
-/// Errors: missing_input, bad_data (names the object; a newer format, of which something would be
+/// Read a library that was chunked, compressed or otherwise repacked, with the checks of
+/// open_library. The whole library is loaded into memory. Writing it with copy_models restores the
+/// original bytes, if this version of the format wrote it.
+/// Errors: missing_input, bad_data (names the object; a newer format, from which data would be
 /// lost), io.
 Result<Library> read_repacked_library(const std::filesystem::path& file);
 

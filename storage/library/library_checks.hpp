@@ -1,4 +1,4 @@
-/// What of an opened file has been checked.
+/// Check state of an open file.
 #pragma once
 
 #include <atomic>
@@ -16,14 +16,14 @@
 
 namespace trivet {
 
-/// Where a library's bytes are: pages of a mapping come back from the file when they are given back.
+/// Location of a library's bytes. Released pages of a mapping are loaded from the file again.
 enum class Held : std::uint8_t { mapped, in_memory };
 
-/// Bytes of a file, in which offsets count.
+/// Bytes of a file, relative to which offsets are given.
 struct FileBytes {
   std::span<const std::byte> bytes;
-  std::shared_ptr<const std::byte> owner;  ///< keeps them alive
-  MappedFile mapped{};                     ///< where they lie, for as long as others may write it
+  std::shared_ptr<const std::byte> owner;  ///< keeps the bytes alive
+  MappedFile mapped{};  ///< mapping of the bytes, for as long as others may write the file
 };
 
 class LibraryChecks {
@@ -31,17 +31,17 @@ class LibraryChecks {
   LibraryChecks(std::filesystem::path file, FileBytes bytes, Held held,
                 const std::vector<ModelRecord>& models, std::vector<LevelColumns> levels);
 
-  /// As Library::check.
+  /// See Library::check.
   Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
-  /// As Library::unchanged.
+  /// See Library::unchanged.
   Result<void> unchanged() const;
   bool is_changed() const noexcept {
     return file_bytes_.mapped.state() == MappedFile::State::changed;
   }
-  /// As Library::ask_for.
+  /// See Library::ask_for.
   void ask_for(std::size_t index, ModelPart part) const noexcept;
-  /// Let go of the pages of all bytes, where they are mapped.
+  /// Release the pages of all bytes that are mapped.
   void give_back() const noexcept;
 
  private:
@@ -54,7 +54,7 @@ class LibraryChecks {
   }
   Result<void> check_bytes(const StoredColumn& column, const std::string& place) const;
   bool has_checksum(const StoredColumn& column) const;
-  /// Whether all that was found good still is.
+  /// Whether all data that passed a check is still unchanged.
   bool is_still_good() const;
 
   std::filesystem::path file_;
@@ -62,10 +62,10 @@ class LibraryChecks {
   Held held_;
   std::vector<ModelColumns> models_;
   std::vector<LevelColumns> levels_;
-  /// Whether it is good; what is not has been found bad or not been looked at. Two threads may check
-  /// the same: both find the same.
+  /// Whether a part passed its check; false if it failed or was not checked yet. Two threads may
+  /// check the same part: both get the same result.
   mutable std::vector<std::atomic<bool>> good_parts_, good_levels_;
-  mutable std::mutex touched_;  ///< held by the one that compares again
+  mutable std::mutex touched_;  ///< held by the thread that repeats the checks
 };
 
 }  // namespace trivet

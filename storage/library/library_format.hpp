@@ -15,38 +15,41 @@
 namespace trivet::format {
 
 inline constexpr std::string_view kName = "trivet-library";
-inline constexpr std::string_view kChecksum = "checksum";           ///< attribute of the root
-inline constexpr std::string_view kColumnsIn = "columns_in";        ///< likewise, of contents alone
+inline constexpr std::string_view kChecksum = "checksum";     ///< attribute of the root
+inline constexpr std::string_view kColumnsIn = "columns_in";  ///< attribute of the root of contents
+                                                              ///< files
 inline constexpr std::string_view kDataChecksum = "xxh3_128";       ///< attribute of each dataset
 inline constexpr std::string_view kModelsDigest = "models_digest";  ///< attribute of /directory
-inline constexpr std::uint64_t kRows = 0;  ///< stands in a shape for the number of rows
-inline constexpr std::uint64_t kComponents = ~std::uint64_t{0};  ///< ... of principal components
-inline constexpr std::uint64_t kStride = ~std::uint64_t{1};      ///< ... of the bytes of a code
+inline constexpr std::uint64_t kRows = 0;  ///< placeholder in a shape for the number of rows
+inline constexpr std::uint64_t kComponents = ~std::uint64_t{0};  ///< placeholder for the number of
+                                                                 ///< principal components
+inline constexpr std::uint64_t kStride = ~std::uint64_t{1};      ///< placeholder for the bytes of a
+                                                                 ///< code
 
-/// One dataset of a model, or with the group "/trisi" of the library.
+/// A dataset of a model, or of the library if the group is "/trisi".
 struct DatasetSpec {
   std::string_view group;  ///< empty: the model's own group
   std::string_view name;
   ElementType type;
-  std::array<std::uint64_t, 3> shape;  ///< `rank` of them, one of which is kRows
+  std::array<std::uint64_t, 3> shape;  ///< `rank` sizes, including kRows
   std::size_t rank;
   std::string_view long_name;
   std::string_view units;   ///< empty: the library's unit of length
-  std::uint32_t since = 0;  ///< minor version that brought it
+  std::uint32_t since = 0;  ///< first minor version that has it
 };
 
-/// The numbers of a row that differ between libraries: what stands for kComponents and kStride.
+/// Library-dependent row sizes: the values of kComponents and kStride.
 struct RowSizes {
-  std::uint64_t components = 0;  ///< of the library's features
+  std::uint64_t components = 0;  ///< number of components of the library's features
   std::uint64_t stride = 0;      ///< bytes of a code in a level of the index
 };
 
 /// The shape of a dataset in a library of these sizes.
 std::array<std::uint64_t, 3> shape_of(const DatasetSpec& spec, const RowSizes& sizes) noexcept;
-/// The bytes of a row of it.
+/// The size of a row of the dataset.
 std::uint64_t row_bytes(const DatasetSpec& spec, const RowSizes& sizes) noexcept;
 
-// Vectors lie as three columns: row 0 of (3, n) holds every x.
+// Vectors are stored as three columns: row 0 of (3, n) holds every x.
 inline constexpr DatasetSpec kVertices{
     "", "vertices", ElementType::f32, {3, kRows}, 2, "surface vertices, rows x, y, z", ""};
 inline constexpr DatasetSpec kTriangles{
@@ -147,7 +150,7 @@ constexpr DatasetSpec at_scale(DatasetSpec spec, std::size_t k) {
   return spec;
 }
 
-/// The columns of a model that may be large, and the part that each belongs to.
+/// The columns of a model that may be large, each with the part it belongs to.
 struct ModelColumn {
   DatasetSpec spec;
   ModelPart part;
@@ -171,7 +174,7 @@ inline constexpr std::array kModelColumns{ModelColumn{kVertices, ModelPart::surf
                                           ModelColumn{at_scale(kFrames, 2), ModelPart::features},
                                           ModelColumn{at_scale(kFeatures, 2), ModelPart::features}};
 
-// What of all models is needed to open a library, a row a model in the order of their names.
+// Metadata of all models, needed to open a library: one row per model in the order of names.
 inline constexpr std::uint32_t kDirectorySince = 4;
 inline constexpr std::uint64_t kNameBytes = 128;
 constexpr DatasetSpec of_directory(std::string_view name, ElementType type,
@@ -302,25 +305,26 @@ inline constexpr std::array kDatasets{kVertices,
                                       kListKeypoints,
                                       kListFrames};
 
-/// XXH3-128 over names, types, shapes and attributes of an object and of all below it, as in
+/// XXH3-128 over names, types, shapes and attributes of an object and all its descendants, as in
 /// docs/format.md; `children` are the digests of the objects in the group by name.
 std::string digest(const StoredDataset& dataset);
 std::string digest(const StoredAttributes& attributes,
                    const std::map<std::string, std::string>& children);
 std::string digest(const StoredGroup& group);
 
-/// Check what recognition relies on: lengths, index ranges, order, finite values, unit normals.
-/// Linear in the size of the model. Errors: bad_data (names the model, the dataset and the row).
+/// Check the invariants that recognition relies on: lengths, index ranges, order, finite values,
+/// unit normals. Linear in the size of the model. Errors: bad_data (names the model, the dataset
+/// and the row).
 Result<void> check_model(const Model& model);
-/// Of it, what is known of a model when its library is opened; and one part of the rest.
+/// Subsets of check_model: the metadata checked on opening, and one part of the rest.
 Result<void> check_traits(const Model& model);
 Result<void> check_part(const Model& model, ModelPart part);
 
-/// Likewise. Errors: bad_data (names the dataset and the row).
+/// Check the basis of a library. Errors: bad_data (names the dataset and the row).
 Result<void> check_basis(const TriSpinBasis& basis);
-/// num_models  of the library
+/// num_models  number of models in the library
 Result<void> check_level(const FeatureLevel& level, std::size_t num_models);
-/// Of it, what there is once; and some of its features.
+/// Subsets of check_level: the columns stored once, and a range of the features.
 Result<void> check_lists(const FeatureLevel& level, std::size_t num_models);
 Result<void> check_listed(std::span<const std::uint32_t> model, PointsView keypoints,
                           std::size_t num_models);

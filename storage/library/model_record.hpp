@@ -1,4 +1,4 @@
-/// What is known of a model before its columns are read.
+/// Metadata of a model, known before its columns are read.
 #pragma once
 
 #include <array>
@@ -14,24 +14,23 @@
 namespace trivet {
 
 struct ModelRecord {
-  Model traits;  ///< without columns
+  Model traits;  ///< model without columns
   std::array<StoredColumn, format::kModelColumns.size()> columns{};
 };
 
-/// Take the records of all models from their groups, by name. Nothing of the large datasets is
-/// read.
+/// Read the records of all models from their groups, by name. Large datasets are not read.
 ///
-/// num_components  of the library's features; 0: it has none
+/// num_components  size of the library's basis; 0: it has none
 std::vector<ModelRecord> read_models(GroupReader& reader, const StoredGroup& models,
                                      std::size_t num_components);
 
-/// Take them from the directory. Extents are checked.
+/// Read the records from the directory. Extents are checked.
 ///
-/// file_bytes  of the file that the columns lie in
+/// file_bytes  size of the file with the columns
 std::vector<ModelRecord> read_directory(GroupReader& reader, const StoredGroup& directory,
                                         std::size_t num_components, std::uint64_t file_bytes);
 
-/// Rigid motions of sixteen numbers each, row-major.
+/// Rigid transforms from sixteen numbers each, row-major.
 std::vector<Pose> poses_of(std::span<const float> numbers);
 
 /// The columns of a level of the index, in the order of kLevelColumns.
@@ -40,10 +39,10 @@ inline constexpr std::array kLevelColumns{
     format::kListModel,   format::kListKeypoints, format::kListFrames};
 using LevelColumns = std::array<StoredColumn, kLevelColumns.size()>;
 
-/// Views of the file. What lies in it at odd addresses is copied: small columns, since the writer
-/// begins large ones on a page.
+/// A model whose columns are views of the file. Misaligned columns are copied; they are small,
+/// since the writer page-aligns large ones.
 ///
-/// bytes  of the file, kept alive by the owner; all columns lie in it
+/// bytes  bytes of the file, kept alive by the owner; all columns lie in them
 Model map_model(const ModelRecord& record, std::span<const std::byte> bytes,
                 const std::shared_ptr<const void>& owner, std::size_t num_components);
 FeatureLevel map_level(float resolution, std::size_t stride, const LevelColumns& columns,

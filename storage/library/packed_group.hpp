@@ -1,4 +1,4 @@
-/// A group of HDF5 that is made ready in memory before it is written.
+/// An HDF5 group that is prepared in memory before it is written.
 #pragma once
 
 #include <span>
@@ -13,21 +13,20 @@
 
 namespace trivet {
 
-/// Datasets as they are going to lie in a file, with their checksums, in the order in which they
-/// are going to lie there.
+/// Datasets with their checksums, in the order of their positions in the file.
 class PackedGroup {
  public:
-  /// unit            of length
-  /// num_components  of the features' basis
+  /// unit            unit of length
+  /// num_components  size of the features' basis
   PackedGroup(std::string_view unit, std::size_t num_components)
       : unit_(unit), num_components_(num_components) {}
 
   void add(const format::DatasetSpec& spec, Column<std::byte> bytes);
-  /// bytes  are only looked at, until the group is written
+  /// bytes  not copied; must live until the group is written
   void add(const format::DatasetSpec& spec, std::span<const std::byte> bytes);
 
-  /// Create the group and write all of it; takes up where the datasets lie. No handle when HDF5
-  /// failed.
+  /// Create the group and write all of it; records the positions of the datasets. Returns an
+  /// invalid handle if HDF5 failed.
   hdf5::Handle write(hid_t parent, const std::string& name);
 
   StoredGroup described;

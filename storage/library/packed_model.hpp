@@ -1,4 +1,4 @@
-/// A model as it is going to lie in a library.
+/// A model prepared for writing to a library.
 #pragma once
 
 #include <string>
@@ -12,9 +12,10 @@
 namespace trivet {
 
 struct PackedModel {
-  Model model;  ///< keeps alive what the groups only look at
+  Model model;  ///< keeps the viewed data of the groups alive
   PackedGroup own;
-  std::vector<std::pair<std::string, PackedGroup>> parts;  ///< groups in the model's own, by name
+  std::vector<std::pair<std::string, PackedGroup>> parts;  ///< subgroups of the model's group, by
+                                                           ///< name
 
   StoredGroup described() const;
 };

@@ -1,4 +1,4 @@
-/// From a file's tree to a library: for those who read files.
+/// Conversion of a file's tree to a library, for readers of files.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,13 @@
 
 namespace trivet {
 
-/// Check everything that a library promises, and take it: versions, checksums, index ranges.
+/// Check everything that the format guarantees (versions, checksums, index ranges), and build the
+/// library.
 ///
-/// file   told in errors
-/// bytes  that the offsets of `root` count in; the tables stay in them
-/// owner  keeps them alive
-/// Errors: bad_data (names the dataset and the bound it broke).
+/// file   named in errors
+/// bytes  bytes relative to which the offsets of `root` are given; the tables stay in them
+/// owner  keeps the bytes alive
+/// Errors: bad_data (names the dataset and the violated bound).
 Result<Library> parse_library(const std::filesystem::path& file, const StoredGroup& root,
                               std::span<const std::byte> bytes,
                               const std::shared_ptr<const std::byte>& owner);

@@ -1,4 +1,4 @@
-/// What an HDF5 file contains, as plain data: names, types, shapes, places and attributes.
+/// Contents of an HDF5 file as plain data: names, types, shapes, positions and attributes.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ const char* name_of(ElementType type) noexcept;
 
 struct StoredAttribute {
   ElementType type = ElementType::text;
-  std::vector<std::uint64_t> shape;  ///< empty: one value
+  std::vector<std::uint64_t> shape;  ///< empty: a single value
   std::vector<std::byte> bytes;      ///< little-endian, row-major
 };
 using StoredAttributes = std::map<std::string, StoredAttribute>;
@@ -30,7 +30,7 @@ using StoredAttributes = std::map<std::string, StoredAttribute>;
 struct StoredDataset {
   ElementType type = ElementType::f32;
   std::vector<std::uint64_t> shape;
-  std::uint64_t offset = 0;  ///< from the beginning of the file
+  std::uint64_t offset = 0;  ///< offset from the beginning of the file
   std::uint64_t bytes = 0;   ///< product of the shape and the size of an element
   StoredAttributes attributes;
 };
@@ -43,24 +43,24 @@ struct StoredGroup {
 
 /// Read the structure of a library's HDF5 file. No dataset is read, and HDF5 is closed on return.
 ///
-/// Accepted are hard links, each to an object of its own; contiguous unfiltered datasets inside the
-/// file; and little-endian numbers and texts of fixed length. All else is refused, and so is a file
+/// Accepted are hard links, each to a separate object; contiguous unfiltered datasets inside the
+/// file; and little-endian numbers and texts of fixed length. All else is refused. So is a file
 /// whose root does not have the text attribute `format` with this value and this major version.
 /// file_bytes   size of the file: bounds every extent and the sum of all datasets
-/// left_out     a group of the root that is not looked into: it comes back empty
+/// left_out     a group of the root that is not traversed: it is returned empty
 /// Errors: bad_data (names the object), io.
 Result<StoredGroup> read_stored_tree(const std::filesystem::path& file, std::uint64_t file_bytes,
                                      std::string_view left_out = {});
 
-/// A library's structure, and all its data as HDF5 unpacked it.
+/// A library's structure, and all its data as decompressed by HDF5.
 struct UnpackedTree {
   StoredGroup root;         ///< offsets of datasets count from the beginning of `bytes`
-  Column<std::byte> bytes;  ///< each dataset begins at a multiple of 64
+  Column<std::byte> bytes;  ///< each dataset is aligned to 64 bytes
 };
 
-/// Read what another program has stored anew: of any superblock, chunked, packed by the filters
-/// that HDF5 itself has. The rest is as for read_stored_tree, but that datasets may take more than
-/// the file: as much more as their filters can pack.
+/// Read a file that another program has rewritten, with any superblock, chunks, and HDF5's built-in
+/// filters. Otherwise as read_stored_tree, except that datasets may be larger than the file, up to
+/// the largest compression ratio of their filters.
 /// Errors: bad_data (names the object), io (no memory).
 Result<UnpackedTree> read_unpacked_tree(const std::filesystem::path& file,
                                         std::uint64_t file_bytes);

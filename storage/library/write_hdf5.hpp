@@ -1,4 +1,4 @@
-/// Values and columns as HDF5 stores them, and their writing.
+/// Representation of values and columns in HDF5, and their writing.
 #pragma once
 
 #include <array>
@@ -39,13 +39,13 @@ StoredAttribute attribute(ElementType type, T value) {
 StoredAttribute attribute(float value);
 StoredAttribute attribute(std::uint32_t value);
 StoredAttribute attribute(bool value);
-StoredAttribute attribute(const char*) = delete;  // which would become a bool
+StoredAttribute attribute(const char*) = delete;  // a pointer would become a bool
 StoredAttribute attribute(const Eigen::Vector3f& v);
 StoredAttribute attribute(std::string_view text);
 
 // ---- columns as bytes
 
-/// Rows that lie apart in memory, gathered as they lie in the file.
+/// Gathers separate columns into the contiguous rows of the file.
 template <class T>
 Column<std::byte> gather(std::initializer_list<std::span<const T>> rows) {
   Column<std::byte> out;
@@ -59,30 +59,30 @@ Column<std::byte> gather(PointsView points);
 Column<std::byte> gather(const std::vector<Pose>& poses);
 Column<std::byte> gather(const std::optional<Symmetry::Axis>& axis);
 
-/// What is written as a dataset.
+/// Description of a dataset to be written.
 ///
-/// checksum  of its bytes
-/// unit      of length
-/// stride    of codes in the index
+/// checksum  checksum of its bytes
+/// unit      unit of length
+/// stride    stride of codes in the index
 StoredDataset describe(const format::DatasetSpec& spec, std::uint64_t num_bytes,
                        std::string_view checksum, std::string_view unit, std::size_t num_components,
                        std::size_t stride);
 
-// ---- to a file; false, or no handle, when HDF5 failed
+// ---- to a file; an HDF5 failure gives false or an invalid handle
 
-/// Properties for creating objects that are the same bytes whenever they are written.
+/// Creation properties that make objects the same bytes in every run.
 Handle creation_of(hid_t kind);
 Handle create_group(hid_t parent, const std::string& name, const NamesToCome& groups = {});
 bool write_attributes(hid_t object, const StoredAttributes& attributes);
-/// Takes up where the dataset lies.
+/// Records the position of the dataset.
 bool write_dataset(hid_t group, const std::string& name, StoredDataset& dataset,
                    std::span<const std::byte> bytes);
-/// A dataset that is written block by block; takes up where it lies.
+/// Create a dataset to be written in blocks; records its position.
 Handle create_dataset(hid_t group, const std::string& name, StoredDataset& dataset);
-/// Write a block of it: along each dimension `count` elements from `first` on.
+/// Write a block of a dataset: along each dimension, `count` elements from `first` on.
 bool write_block(hid_t dataset, ElementType type, std::span<const hsize_t> first,
                  std::span<const hsize_t> count, const void* elements);
-/// Write another value of the same size in the place of that of an attribute.
+/// Replace the value of an attribute by one of the same size.
 bool rewrite_attribute(hid_t object, const std::string& name, const StoredAttribute& value);
 
 }  // namespace trivet::hdf5

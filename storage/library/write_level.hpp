@@ -1,4 +1,4 @@
-/// Writes levels of the index whose features are not in memory.
+/// Writing of index levels whose features are not in memory.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,18 @@
 
 namespace trivet {
 
-/// What a level is written into.
+/// Destination of a level.
 struct LevelPlace {
   std::filesystem::path file;
   std::size_t num_models = 0;
-  std::string_view unit;        ///< of length
-  std::size_t piece_bytes = 0;  ///< of features in memory at a time; at least one feature is
+  std::string_view unit;        ///< unit of length
+  std::size_t piece_bytes = 0;  ///< limit on features in memory at a time; at least one feature is
 };
 
 /// Write a level into a group of that name below /index.
 ///
-/// stored  takes up how it lies there
-/// Errors: io (HDF5 failed; whoever calls says what it means), internal (a level that breaks the
-/// format).
+/// stored  receives the positions in the file
+/// Errors: io (HDF5 failed; the caller explains it), internal (a level that breaks the format).
 Result<void> write_level(const LevelInPieces& level, const std::string& name, hid_t index,
                          const LevelPlace& place, StoredGroup& stored);
 
