@@ -90,8 +90,9 @@ class LibraryWriter {
   Result<void> add(PackedModel& model);
   LengthUnit unit() const noexcept;
   std::size_t num_components() const noexcept;  ///< size of the basis; 0: no basis
-  /// Append the models added since the last call to a separate contents file for `open_contents`.
-  /// It need only survive the process. Allowed after a failed write. Errors: cannot_create, io.
+  /// Write a contents file, for `open_contents`, that describes the models added since the last
+  /// call. It need only survive the process. Allowed after a failed write. Errors: cannot_create,
+  /// io.
   Result<void> write_contents(const std::filesystem::path& file);
   /// Call `next` with the features of all added models, and add the levels that it returns in
   /// pieces, so that no level is in memory as a whole. At most once, after all models; no model may
